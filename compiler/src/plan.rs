@@ -11,7 +11,7 @@ use stochc_ir::{Cell, Face};
 use crate::SourceLocation;
 use crate::expand::units::to_si;
 
-/// An expanded program.
+/// A program with loops and patterns expanded.
 #[derive(Clone, Debug)]
 pub struct ProgramPlan {
     /// Name of the program.
@@ -67,7 +67,7 @@ impl ProgramPlan {
 pub struct PatternInstance {
     /// Name of the pattern.
     pub pattern: Symbol,
-    /// Place of its declaration.
+    /// Location of its declaration.
     pub declared: SourceLocation,
     /// Statement of the instance, without the name of the instance.
     pub call: SourceLocation,
@@ -84,11 +84,11 @@ pub struct PlanSeed {
     pub cell: Cell,
     /// Place of the name.
     pub location: SourceLocation,
-    /// Place of the whole statement, if it has no documentation.
+    /// Location of the whole statement. `None` if the statement has documentation.
     pub statement: Option<SourceLocation>,
 }
 
-/// An expanded phase.
+/// A phase with loops and patterns expanded.
 #[derive(Clone, Debug)]
 pub struct PlanPhase {
     /// Name of the phase.
@@ -99,7 +99,7 @@ pub struct PlanPhase {
     pub timeout: Option<Timeout>,
     /// Range of its events in [`ProgramPlan::events`].
     pub events: std::ops::Range<u32>,
-    /// Whether its blocks are pre-attached. Only the first phase may be.
+    /// Whether its blocks are pre-attached. Only the first phase can be.
     pub planted: bool,
     /// Claimed shapes with the places of the claims.
     pub claims: Vec<(Symbol, SourceLocation)>,
@@ -118,7 +118,7 @@ impl Timeout {
     /// The largest number of ticks that a double counts exactly.
     const MAX_TICKS: f64 = 9e15;
 
-    /// Returns the time of a quantity, if it is positive.
+    /// Returns the timeout of a quantity of time. Returns `None` if it is not positive.
     pub(crate) fn from_quantity(quantity: &Quantity) -> Option<Timeout> {
         let (value, dimension) = to_si(quantity);
         match dimension {
@@ -162,7 +162,7 @@ pub struct PlanEvent {
     pub role: RoleId,
     /// Place in the source.
     pub location: SourceLocation,
-    /// Whether it is valid. Invalid events have been reported and are ignored.
+    /// Whether the event is valid. Invalid events have been reported and are ignored.
     pub sound: bool,
 }
 
@@ -171,7 +171,7 @@ pub struct PlanEvent {
 pub enum EventKind {
     /// A block switches on a face and names the block that docks there.
     Capture {
-        /// The capturing block.
+        /// Name of the capturing block.
         parent: RoleId,
         /// The face, in the frame of the structure.
         face: Face,
@@ -183,11 +183,11 @@ pub enum EventKind {
 /// An order that `after` adds.
 #[derive(Clone, Copy, Debug)]
 pub struct AfterConstraint {
-    /// Waiting event.
+    /// The waiting event.
     pub event: EventId,
     /// Block to wait for.
     pub role: RoleId,
-    /// Whether it waits for the release, not the capture.
+    /// Whether the event waits for the release of the block instead of its capture.
     pub release: bool,
     /// Place in the source.
     pub location: SourceLocation,
@@ -198,7 +198,7 @@ pub struct AfterConstraint {
 pub struct NameKey {
     /// Instance of a pattern. 0 is the program itself.
     pub scope: u32,
-    /// The word.
+    /// Word of the name.
     pub word: Symbol,
     /// Number of indices.
     pub arity: u8,
@@ -252,8 +252,7 @@ impl Roles {
         self.keys[role.0 as usize]
     }
 
-    /// Returns the names that lead to a role: the instances around it, the outermost first, and its
-    /// own.
+    /// Returns the path of a role: the instances around it from the outermost, then its own name.
     pub fn path(&self, role: RoleId) -> Vec<NameKey> {
         let mut path = vec![self.key(role)];
         while let Some(&NameKey { scope: 1.., .. }) = path.last() {
@@ -347,7 +346,7 @@ impl PlanEvent {
 }
 
 impl ProgramPlan {
-    /// Removes the expansion and keeps the plate.
+    /// Removes the expanded events and phases. The plate remains.
     pub(crate) fn clear(&mut self) {
         self.seeds = Vec::new();
         self.roles = Roles::default();

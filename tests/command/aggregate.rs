@@ -180,7 +180,8 @@ fn its_rest_is_not_planned() {
     let said = stochc_with("plan --run 0 --program two", &[&out]);
     assert_eq!((said.status, said.out.as_str()), (2, ""));
     assert!(
-        said.err.contains("is an aggregate, which nothing plans"),
+        said.err
+            .contains("is an aggregate: it grows at random and cannot be planned"),
         "{}",
         said.err
     );

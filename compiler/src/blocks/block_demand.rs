@@ -1,4 +1,4 @@
-//! How many free blocks the scene has to have, so that every capture can come.
+//! Minimum number of free blocks that the scene needs for all captures.
 use petgraph::Direction::{self, Incoming, Outgoing};
 use petgraph::graph::NodeIndex;
 use rustc_hash::FxHashSet;
@@ -13,16 +13,15 @@ use crate::shapes::layout::Layout;
 /// Edges that are followed in search of a capture that asks for too many.
 const SEARCHED: usize = 5_000_000;
 
-/// Returns the first capture with which, or release before which, more than `free` blocks are
-/// anchored at the same time, whatever the order, and how many there are at least.
+/// Returns the first event that needs more than `free` anchored blocks in every order, and the
+/// smallest number of blocks that it needs. Returns `None` if the bounded search finds none.
 ///
-/// These are the blocks that the phase begins with and those of the captures that come before it
-/// for certain, less all that may be let go before it. `certain`: what surely comes before what.
-/// The search is bounded, beyond which nothing is found.
+/// An event needs the blocks from the start of the phase and those of its ancestors, except blocks
+/// that may be released before it. `certain` is the order that holds in every run.
 ///
 /// # Errors
 ///
-/// [`Cancelled`] if nobody waits for it.
+/// [`Cancelled`] if the check was cancelled.
 pub fn first_beyond(
     plan: &ProgramPlan,
     layout: &Layout,
@@ -67,10 +66,10 @@ pub fn first_beyond(
     Ok(None)
 }
 
-/// Returns the first phase that may need more than `free` blocks at a capture, in some order.
+/// Returns the first phase that needs more than `free` blocks at a capture in some order.
 ///
-/// A phase without releases needs as many as stand at its end, which is compared elsewhere. Where
-/// captures choose among faces, or the search ends, the answer is the phase.
+/// A phase without releases needs the blocks at its end, which is checked elsewhere. If captures
+/// choose among faces, or the search reaches its limit, returns the phase as a precaution.
 pub fn scarce_phase<'a>(
     plan: &'a ProgramPlan,
     layout: &Layout,
@@ -108,10 +107,12 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// How many blocks are anchored at least, with its own, when a capture comes, or when a block is let go; 0 if that is no more than stand at
-    /// the end of the phase, and `None` if it is too much to look for.
+    /// Returns the smallest number of anchored blocks at an event: after a capture, or before a
+    /// release. Returns 0 if it does not exceed the number at the end of the phase. Returns `None`
+    /// if the search reaches its limit.
     ///
-    /// `before`: how many the phase begins with; `releases`: how many it has.
+    /// `before` is the number of blocks at the start of the phase, and `releases` its number of
+    /// releases.
     fn least_at(
         &mut self,
         event: EventId,
@@ -135,8 +136,9 @@ impl Search<'_> {
         Ok(Some(anchored.saturating_sub(gone)))
     }
 
-    /// Returns how many blocks are anchored at most once a capture has come; 0 for a release, and
-    /// `None` if that takes too long. `all`: with every capture of the phase and no release.
+    /// Returns the largest number of anchored blocks after a capture. Returns 0 for a release, and
+    /// `None` if the search reaches its limit. `all` is the number with all captures of the phase
+    /// and no release.
     fn most_at(&mut self, event: EventId, all: usize) -> Option<usize> {
         if self.plan.event(event).kind == EventKind::Release {
             return Some(0);
@@ -148,7 +150,7 @@ impl Search<'_> {
         Some(all - later - gone)
     }
 
-    /// Captures and releases among these.
+    /// Returns the numbers of captures and of releases among these events.
     fn counted(&self, events: impl IntoIterator<Item = EventId>) -> [usize; 2] {
         let mut counts = [0; 2];
         for id in events {
@@ -157,7 +159,8 @@ impl Search<'_> {
         counts
     }
 
-    /// All that comes before an event, or after it; `None` if that is too much.
+    /// Returns all ancestors or all descendants of an event. Returns `None` if the search reaches
+    /// its limit.
     fn follow(
         &mut self,
         event: EventId,

@@ -11,7 +11,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::{EventKind, ProgramPlan};
 use crate::shapes::layout::Layout;
 
-/// Compares an aggregate with its scene: blocks must bond to each other, and there must be enough.
+/// Checks that the blocks of an aggregate can bond to each other, and that the scene has enough of
+/// them.
 pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
     if !BondKind::from_scene(scene).is_passive() {
         let (said, what) = match &scene.bond {
@@ -59,8 +60,8 @@ pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<
     }
 }
 
-/// Whether the free blocks of the scene have room at the beginning, which models without physics do
-/// not need.
+/// Checks that the free blocks have enough space at the start. Models without physics do not need
+/// this.
 pub fn check_room(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
     let Err(error) = scene.has_room(&plan.plate) else {
         return;
@@ -82,8 +83,8 @@ pub fn check_room(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagn
     );
 }
 
-/// Compares a program with its scene. `order` is a possible order of its events with the order that is
-/// certain, or `None` if the program has none.
+/// Compares a program with its scene. `order` has one possible order of its events, and the order
+/// that holds in every run. `None` if the graph has a cycle.
 ///
 /// # Errors
 ///
@@ -144,7 +145,7 @@ fn are(size: u32) -> String {
     format!("{} {verb}", counted(size as usize, "block"))
 }
 
-/// Whether the scene can bond blocks, and has the structure inside of its enclosure.
+/// Checks that the scene can bond blocks, and that its enclosure contains the structure.
 fn check_terms(
     plan: &ProgramPlan,
     layout: &Layout,
@@ -198,7 +199,7 @@ fn check_terms(
     }
 }
 
-/// Returns two numbers with as many digits as it takes to see which is larger.
+/// Returns two numbers with enough digits to distinguish them.
 fn distinct(one: f64, other: f64) -> (String, String) {
     let written = |digits: usize| (format!("{one:.digits$}"), format!("{other:.digits$}"));
     let differ = |(one, other): &(String, String)| one != other;
@@ -206,7 +207,7 @@ fn distinct(one: f64, other: f64) -> (String, String) {
     pairs.find(differ).unwrap_or_else(|| written(17))
 }
 
-/// Compares the plate with the enclosure around it.
+/// Checks that the plate lies within the enclosure.
 fn plate_outside(plan: &ProgramPlan, enclosure: &Enclosure, side: f64) -> Option<Diagnostic> {
     let (width, depth) = (plan.plate.width, plan.plate.depth);
     let corner = f64::from(width).hypot(f64::from(depth)) / 2.0 * side;

@@ -35,7 +35,7 @@ pub struct EventContext {
 /// first was released. They see different events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Holder {
-    /// The name.
+    /// Name of the block.
     pub role: RoleId,
     /// Capture of this phase. `None` if the block is attached when the phase starts.
     pub since: Option<EventId>,
@@ -53,7 +53,7 @@ impl Holder {
         Holder { role, since }
     }
 
-    /// Start of its duty in the phase.
+    /// Returns the event that starts its duty in the phase.
     pub fn trigger(self) -> Trigger {
         match self.since {
             Some(_) => Trigger::Anchored,
@@ -126,10 +126,10 @@ pub fn check(
     Ok(checker.liveness)
 }
 
-/// Reason why a name is taken before a capture.
+/// The earlier event that uses a name at a capture.
 #[derive(Clone, Copy)]
 enum Earlier {
-    /// A seed at a place.
+    /// A seed, declared at this location.
     Seeded(SourceLocation),
     /// A capture of the same phase.
     Captured(EventId),
@@ -218,8 +218,8 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// Removes warnings about an `after` in a loop or a pattern that waits for nothing in one round
-    /// and is needed in another.
+    /// Removes warnings about an `after` that some rounds of a loop or pattern need. In other
+    /// rounds it waits for nothing.
     fn keep_needed_afters(&mut self) {
         let is_redundant = |diagnostic: &Diagnostic| diagnostic.code == Code::RedundantAfter;
         if !self.diagnostics.iter().any(is_redundant) {
@@ -587,8 +587,8 @@ impl Checker<'_> {
         }
     }
 
-    /// Returns whether a name may only seem to be absent, because a part of the program that could
-    /// not be read may capture it.
+    /// Returns whether an unreadable part of the program may capture this name, so that the name
+    /// may exist.
     fn is_doubtful(&self, role: RoleId) -> bool {
         let key = self.plan.roles.key(role);
         let mut scopes =

@@ -1,4 +1,4 @@
-//! Blocks: their number, their life and their unplanned bonds.
+//! Checks of blocks: their number, their lifetimes and unplanned bonds.
 pub(crate) mod block_demand;
 pub(crate) mod capacity;
 pub(crate) mod liveness;

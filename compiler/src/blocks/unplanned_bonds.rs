@@ -14,11 +14,11 @@ use crate::shapes::layout::Layout;
 /// Largest number of faces that a message names.
 const NAMED: usize = 3;
 
-/// Reports the phase with most exposed faces, and releases towards other blocks.
+/// Warns of the phase with the most exposed faces, and of releases near other blocks.
 ///
-/// A face is exposed if its block is attached, the cell before it is empty, and no capture is
-/// expected there. A phase waits longest for the last of its captures in the order. The exposed
-/// faces are counted at that time, with everything else of the phase done.
+/// A face is exposed if its block is attached, the cell in front of it is empty, and no capture is
+/// expected there. Exposed faces are counted while the last capture of the phase waits, after all
+/// other events of the phase.
 ///
 /// # Errors
 ///
@@ -243,7 +243,7 @@ fn towards(face: Face) -> String {
     }
 }
 
-/// Blocks of a structure, and the number of their exposed faces.
+/// Occupied cells of a structure, with the number of exposed faces.
 struct StructureModules {
     /// Role of the block in a cell, and the face that attaches it.
     blocks: FxHashMap<Cell, (RoleId, Option<Face>)>,
@@ -279,7 +279,7 @@ impl StructureModules {
         }
     }
 
-    /// Number of faces of neighbours that face a cell, except the attached ones.
+    /// Returns the number of neighbours' faces that face a cell, except attached ones.
     fn facing(&self, cell: Cell) -> usize {
         let looks = |face: &Face| {
             let neighbour = cell
@@ -290,7 +290,7 @@ impl StructureModules {
         Face::ALL.iter().filter(|face| looks(face)).count()
     }
 
-    /// Number of exposed faces of the block in a cell.
+    /// Returns the number of exposed faces of the block in a cell.
     fn exposed_of(&self, cell: Cell) -> usize {
         let Some(&(_, anchor)) = self.blocks.get(&cell) else {
             return 0;

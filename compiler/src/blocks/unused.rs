@@ -20,7 +20,7 @@ struct Declared<'a> {
     is_local: bool,
 }
 
-/// Reports unused declarations of the last module, if it has a program.
+/// Warns of unused declarations in the last module if it has a program.
 pub fn check(
     modules: &[Module],
     names: &Names,
@@ -81,7 +81,7 @@ fn collect<'a>(items: &'a [Item], is_local: bool, declared: &mut Vec<Declared<'a
     }
 }
 
-/// Returns the definitions that are used outside of their declarations.
+/// Returns the definitions that are used outside their own declarations.
 fn used(declared: &[Declared<'_>], file: FileId, names: &Names) -> FxHashSet<Definition> {
     // A pattern that only contains itself is not used.
     let mut own: FxHashMap<Definition, Vec<Span>> = FxHashMap::default();

@@ -20,9 +20,9 @@ use crate::{FileId, Sources};
 pub struct Checked {
     /// Sources, for showing diagnostics.
     pub sources: Sources,
-    /// Errors, followed by warnings. Both are sorted by file and place.
+    /// Errors, then warnings. Both are sorted by file and location.
     pub diagnostics: Vec<Diagnostic>,
-    /// Allowed warnings.
+    /// Warnings that an `allow` suppresses.
     pub allowed: Vec<Allowed>,
     /// Syntax tree of the file. Empty if it cannot be read.
     pub tree: Tree,
@@ -34,23 +34,23 @@ pub struct Checked {
     pub programs: Vec<Program>,
 }
 
-/// An assembly or aggregate, as far as it is valid.
+/// An assembly or aggregate. Stages with errors leave their results empty.
 #[derive(Debug)]
 pub struct Program {
     /// The expanded program.
     pub plan: ProgramPlan,
-    /// Scene in which it runs. `None` if the scene is wrong.
+    /// Scene of the program. `None` if the scene has errors.
     pub scene: Option<Scene>,
     /// Cells of all blocks.
     pub layout: Layout,
     /// Dependencies between events.
     pub graph: DependencyGraph,
-    /// An order of the events. `None` if there is a cycle.
+    /// A possible order of the events. `None` if the graph has a cycle.
     pub order: Option<Order>,
-    /// Event tables. `None` if there are errors.
+    /// Event tables. `None` if the program has errors.
     pub tables: Option<Tables>,
-    /// Tables of a program whose only errors are cycles and closed cells, to show how it gets
-    /// stuck.
+    /// Event tables of a program whose only errors are cycles and closed cells. They show how it
+    /// gets stuck.
     pub stuck: Option<Tables>,
     /// Reasons why the scene does not work, allowed or not.
     pub scene_warnings: Vec<SceneWarning>,

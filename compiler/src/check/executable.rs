@@ -1,4 +1,4 @@
-//! What is left of a program when its text is forgotten.
+//! Converts checked programs to values without source.
 use stochc_estimate::{Cost, ProgramParts, Rates};
 use stochc_ir::Executable;
 use stochc_ir::graph::{self, Edge, EventGraph};
@@ -7,9 +7,9 @@ use crate::Program;
 use crate::dependencies::graph::LocatedDependency;
 
 impl Program {
-    /// Returns the dependency graph without its text; it has no chains if there is a cycle.
+    /// Returns the dependency graph without source locations. It has no chains if there is a cycle.
     ///
-    /// Roles have the numbers that they have in the tables.
+    /// Roles have the same numbers as in the tables.
     pub fn event_graph(&self) -> EventGraph {
         let (plan, order) = (&self.plan, self.order.as_ref());
         let phases = (0..).zip(&plan.phases);

@@ -16,19 +16,20 @@ use crate::diagnostic::{Code, Diagnostic};
 /// Captures and releases of a program that is explored on every check, at most.
 const MAX_EVENTS: usize = 500;
 
-/// How far every check goes: 25 to 60 ms where it ends here. It is counted, so that the answer is the same on every machine.
+/// Limits of the exploration in every check, which takes 25 to 60 ms at most. They count states
+/// instead of time, so that results are the same on every machine.
 const BOUNDS: ExplorationBounds = ExplorationBounds {
     states: 1_000,
     memory: 100_000_000,
     work: 100_000,
 };
 
-/// What a violation means, and what to do.
+/// Advice for a violation: report a bug.
 pub const MISTAKE: &str =
     "this is a bug in stochc, not in your program; please report it with the program";
 
-/// Explores the tables of small programs in a file without errors. Where some order goes wrong, that is a
-/// diagnostic, and there are no tables.
+/// Explores the event tables of small programs in a file without errors. If an order of events
+/// fails, reports an error and removes the tables.
 pub fn try_out(checked: &mut Checked) {
     if checked.has_errors() {
         return;
@@ -64,7 +65,8 @@ fn fault(program: &Program) -> Option<Diagnostic> {
     Some(diagnostic.help(help.trim_end()))
 }
 
-/// What tables are meant to do, by the dependency graph: it does not matter how they say it.
+/// Returns the goals of the tables according to the dependency graph. The goals do not depend on
+/// the form of the tables.
 pub fn expected(graph: &EventGraph, tables: &Tables) -> ProgramGoals {
     let meant = (0..graph.events.len() as u32).map(EventId).map(|id| {
         let event = graph.event(id);
@@ -90,7 +92,7 @@ pub fn expected(graph: &EventGraph, tables: &Tables) -> ProgramGoals {
     ProgramGoals::meant(tables, meant)
 }
 
-/// Returns the shortest way to go wrong, if it can be found, or else the one that was.
+/// Returns the shortest violation, or `found` if the search for it reaches its limit.
 pub fn shortest(exploration: &Exploration<'_>, found: &Violation) -> Violation {
     exploration.shortest().unwrap_or_else(|| found.clone())
 }

@@ -36,7 +36,7 @@ pub enum Stage {
     Expand,
     /// Checks names, phase by phase.
     Names,
-    /// Computes cells.
+    /// Computes the cells of blocks.
     Layout,
     /// Builds the dependency graph.
     Graph,
@@ -46,7 +46,7 @@ pub enum Stage {
     Reach,
     /// Compares shapes and numbers of blocks.
     Compare,
-    /// Writes event tables.
+    /// Writes the event tables.
     Lower,
 }
 
@@ -55,7 +55,7 @@ pub fn check(path: &str, reader: &mut dyn Reader, limits: Limits) -> Checked {
     check_with(path, reader, limits, &LintLevels::default())
 }
 
-/// As [`check`], with levels for the warnings that no file sets.
+/// Checks a program like [`check`], with levels for warnings that have none in the source.
 pub fn check_with(
     path: &str,
     reader: &mut dyn Reader,
@@ -65,7 +65,7 @@ pub fn check_with(
     check_changed(path, reader, limits, levels, "", &[])
 }
 
-/// As [`check_with`], with other scene parameters for one of the assemblies.
+/// Checks a program like [`check_with`], with other scene parameters for one assembly.
 pub(crate) fn check_changed(
     path: &str,
     reader: &mut dyn Reader,
@@ -84,7 +84,7 @@ pub(crate) fn check_changed(
     ))
 }
 
-/// As [`check`], and can be cancelled.
+/// Checks a program like [`check`], and can be cancelled.
 ///
 /// # Errors
 ///
@@ -102,7 +102,7 @@ pub fn check_cancellable(
     check_verified(path, reader, bounds, &LintLevels::default(), ("", &[]))
 }
 
-/// Limits without cancellation.
+/// Returns bounds that never cancel.
 fn unhurried(limits: Limits) -> ExpansionBounds<'static> {
     ExpansionBounds {
         limits,
@@ -114,11 +114,12 @@ fn unhurried(limits: Limits) -> ExpansionBounds<'static> {
 fn to_its_end<T>(result: Result<T, Cancelled>) -> T {
     match result {
         Ok(result) => result,
-        Err(Cancelled) => unreachable!("nobody cancels it"),
+        Err(Cancelled) => unreachable!("there is no cancellation"),
     }
 }
 
-/// As [`check_all`], and tries fixes. Only tried fixes are safe.
+/// Checks a program like [`check_all`], then tries its fixes. Only fixes that pass their trial are
+/// safe.
 fn check_verified(
     path: &str,
     reader: &mut dyn Reader,
@@ -138,8 +139,8 @@ fn check_verified(
     Ok(checked)
 }
 
-/// As [`check_with`], and reports when each stage of each assembly is complete. No fix is tried, so
-/// none is safe.
+/// Checks a program like [`check_with`], and reports when each stage of each assembly is complete.
+/// Fixes are not tried, so none is safe.
 pub fn check_observed(
     path: &str,
     reader: &mut dyn Reader,
@@ -154,9 +155,9 @@ pub fn check_observed(
     checked
 }
 
-/// As [`check_changed`], with the fixes that the stages propose.
+/// Checks a program like [`check_changed`], and proposes fixes.
 ///
-/// `is_trial`: a change is being tried, so helps are not needed, and diagnostics are not merged.
+/// `is_trial` is set while a fix is tried. Then diagnostics get no help and are not merged.
 fn check_all(
     path: &str,
     reader: &mut dyn Reader,
@@ -236,7 +237,7 @@ fn check_all(
 }
 
 /// Marks fixes as unsafe if another diagnostic makes them doubtful. The first `syntax` diagnostics
-/// are those of reading.
+/// come from the parser.
 fn doubt_fixes(diagnostics: &mut [Diagnostic], syntax: usize) {
     let wrong = |diagnostics: &[Diagnostic]| diagnostics.iter().any(Diagnostic::is_error);
     // A broken statement may mean something else, and an unused seed may be misspelt elsewhere.
@@ -255,9 +256,9 @@ struct About<'a> {
     /// Whether all files could be read.
     readable: bool,
     bounds: ExpansionBounds<'a>,
-    /// Scene parameters that replace those of one assembly.
+    /// Name of an assembly, and the scene parameters to replace in its scene.
     changes: (&'a str, &'a [ScalarChange]),
-    /// Steps for which scenes are checked. `None` if runs have no physics.
+    /// Model and time steps for the check of scenes. `None` if runs have no physics.
     stepping: Option<Stepping>,
     /// Whether a change is being tried, so that helps are not needed.
     is_trial: bool,
@@ -396,7 +397,7 @@ fn attribute(diagnostics: &mut [Diagnostic], program: usize) {
     }
 }
 
-/// Sets the program of a diagnostic of reading, if its place is inside of one.
+/// Assigns a parser diagnostic to the program that contains its location.
 fn attribute_by_place(diagnostic: &mut Diagnostic, tree: &Tree) {
     let Some((FileId(0), at)) = diagnostic.place() else {
         return;
@@ -489,7 +490,7 @@ struct AssemblyInput<'a> {
     readable: bool,
     /// Checks the files with a change. `None` inside such a check.
     trial: Option<&'a reach::Trial<'a>>,
-    /// Steps for which scenes are checked. `None` if runs have no physics.
+    /// Model and time steps for the check of scenes. `None` if runs have no physics.
     stepping: Option<Stepping>,
     /// Place of the name of the scene.
     scene_location: SourceLocation,
@@ -683,7 +684,7 @@ impl<'a> AssemblyInput<'a> {
     }
 }
 
-/// Returns the reasons why blocks may jam, whether or not they are allowed.
+/// Returns the reasons why blocks may jam. Allowed warnings count too.
 fn jam_risks(diagnostics: &[Diagnostic]) -> Vec<JamRisk> {
     let of_code = |diagnostic: &Diagnostic| match diagnostic.code {
         Code::TightApproach => Some(JamRisk::TightApproach),

@@ -26,9 +26,9 @@ pub struct Proof {
 }
 
 impl Checked {
-    /// Returns the proof of the program at a place in [`Checked::programs`].
+    /// Returns the proof of the program with this index in [`Checked::programs`].
     ///
-    /// `None` if the file has errors, and for an aggregate: chance decides its structure.
+    /// Returns `None` if the file has errors, or for an aggregate, which grows at random.
     pub fn proof(&self, number: usize) -> Option<Proof> {
         let program = self.programs.get(number)?;
         if self.has_errors() || program.plan.aggregate.is_some() {

@@ -1,13 +1,13 @@
-//! Whether a phase is given the time that it takes.
+//! Warns of phases whose timeout is shorter than they need.
 use stochc_estimate::{Rates, estimate, estimate_without_timeouts};
 
 use crate::Program;
 use crate::diagnostic::{Code, Diagnostic, report};
 
-/// The largest number of events for which times are estimated at every check.
+/// Largest number of events of a program whose times are estimated in every check.
 pub const MAX_ESTIMATED: usize = 2_000;
 
-/// The share of runs that a timeout may end.
+/// Largest share of runs that a timeout may end without a warning.
 const MAX_TIMED_OUT: f64 = 0.5;
 
 /// Reports phases whose timeout ends more than half of the runs, by the calibrated rates of the scene.

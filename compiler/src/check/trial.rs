@@ -1,7 +1,8 @@
-//! Tries fixes before they are called safe: the program is checked again with them.
+//! Tries fixes and marks those as safe that improve the program.
 //!
-//! A stage calls a fix safe if the source at its place can mean only one thing. The trial in memory
-//! shows whether the whole program is better. The command line and editors use the same trials.
+//! A stage proposes a fix if the source at its location can mean only one thing. A trial applies
+//! the fix in memory and checks the whole program again. The command line and editors use the same
+//! trials.
 use std::collections::{BTreeSet, VecDeque};
 
 use rustc_hash::FxHashMap;
@@ -18,16 +19,16 @@ const MAX: usize = 64;
 /// Largest number of bytes of source and events of plans that are checked again.
 const WORK: usize = 1 << 21;
 
-/// Number of statements that take as long as an event.
+/// Number of statements whose check takes as long as that of one event.
 pub(crate) const OF_AN_EVENT: usize = 16;
 
 /// Checks a program with some sources changed.
 pub(crate) type Again<'a> = dyn FnMut(&mut dyn Reader) -> Result<Checked, Cancelled> + 'a;
 
-/// Keeps only those fixes safe that pass a trial.
+/// Marks fixes as unsafe unless they pass a trial.
 ///
-/// Each fix is tried alone, if there are not too many for the size of the program. Otherwise they
-/// are tried together, and in halves if that fails. Untried fixes are not safe.
+/// Fixes are tried one by one if this is fast enough for the size of the program. Otherwise all are
+/// tried together, and in halves if that fails. Untried fixes are unsafe.
 ///
 /// # Errors
 ///
@@ -89,7 +90,7 @@ pub(crate) fn distrust(checked: &mut Checked) {
     fixes.for_each(|fix| fix.safe = false);
 }
 
-/// Size of one more check.
+/// Returns the cost of one more check.
 fn size(checked: &Checked) -> usize {
     let texts = checked.sources.files().iter().map(|file| file.text.len());
     let programs = checked.programs.iter();
@@ -97,8 +98,8 @@ fn size(checked: &Checked) -> usize {
     texts.chain(plans).sum()
 }
 
-/// Returns whether fixes, made at once, remove their diagnostics and cause no new ones. Also
-/// returns the fixes that overlap with others.
+/// Tries to apply several fixes together. Returns whether they remove their diagnostics without new
+/// ones, and the fixes that overlap with others.
 fn try_together(
     checked: &Checked,
     group: &[usize],
@@ -122,14 +123,13 @@ fn try_together(
     Ok((resolves, unfit))
 }
 
-/// Codes of limits.
+/// Codes that report a limit of diagnostics.
 const TOO_MANY: [Code; 2] = [Code::TooManyErrors, Code::TooManyWarnings];
 
-/// Returns whether a change removes the fixed diagnostics and leaves only known ones, each at its
-/// place.
+/// Returns whether a change removes the fixed diagnostics, and leaves all others unchanged.
 ///
-/// Two kinds of new diagnostics are accepted. Some warnings are not looked for while there are
-/// errors. And if a limit of diagnostics was reached, further ones of the same codes can appear.
+/// Two kinds of new diagnostics are accepted. Some warnings appear only when there are no errors.
+/// And if a limit of diagnostics was reached, further ones of the same codes can appear.
 pub(crate) fn resolves(
     before: &Checked,
     fixed: &[usize],
@@ -175,14 +175,14 @@ pub(crate) fn resolves(
     })
 }
 
-/// Places of diagnostics by code and file.
+/// Locations of diagnostics by code and file.
 struct DiagnosticSpans<'a>(FxHashMap<Kind<'a>, Vec<(usize, usize)>>);
 
 /// Code of a diagnostic and name of its file.
 type Kind<'a> = (Code, Option<&'a str>);
 
 impl<'a> DiagnosticSpans<'a> {
-    /// Returns whether a place of a code is inside of one of the same code.
+    /// Returns whether a location overlaps with one of the same code in the other set.
     fn meet(&self, others: &DiagnosticSpans<'_>) -> bool {
         self.0.iter().any(|(key, places)| {
             let others = others.0.get(key).map_or(&[][..], Vec::as_slice);
@@ -193,7 +193,7 @@ impl<'a> DiagnosticSpans<'a> {
         })
     }
 
-    /// Returns the places of diagnostics, after a change if there is one.
+    /// Collects the locations of diagnostics, converted to those after a change.
     fn new(
         sources: &'a Sources,
         diagnostics: impl Iterator<Item = &'a Diagnostic>,

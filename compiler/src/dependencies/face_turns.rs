@@ -1,9 +1,8 @@
-//! Blocks that can switch on several faces at a time: a capture waits for *some* of the earlier
-//! ones.
+//! Blocks with several active faces: a capture waits for *some* of the earlier captures.
 //!
 //! An edge of the dependency graph is met when its first event has happened. An event needs all
-//! edges into it, except its edges from captures of the same block: a number of them is enough
-//! ([`LocatedDependency::Face`]). This module derives two graphs whose edges are all needed.
+//! edges into it, with one exception. Of its edges from captures of the same block, it needs only a
+//! number ([`LocatedDependency::Face`]). This module derives two graphs whose edges are all needed.
 //! [`straight`] lets every event happen as early as possible. `certain` has the edges that hold in
 //! every order.
 use std::cmp::Reverse;
@@ -48,12 +47,12 @@ pub struct Earliest {
     pub over: Vec<f64>,
     /// Last event that each event waited for. `u32::MAX` if there was none.
     pub last: Vec<u32>,
-    /// Events that happen, in the order of their ends.
+    /// Events that happen, sorted by their end.
     pub events: Vec<EventId>,
 }
 
-/// Returns the earliest ends of events with these durations, which are 0 or more. An infinite
-/// duration delays everything that needs the event to the end.
+/// Returns the earliest ends of events with these durations, which are not negative. Events that
+/// need an event of infinite duration never end.
 pub fn earliest(graph: &DependencyGraph, length: impl Fn(usize) -> f64) -> Earliest {
     let count = graph.node_count();
     let mut out = Earliest {
@@ -101,7 +100,7 @@ pub fn earliest(graph: &DependencyGraph, length: impl Fn(usize) -> f64) -> Earli
 
 /// Returns the edges that are not needed if each choice takes the earliest events.
 ///
-/// If an event never has enough of them, all are kept.
+/// If too few events of a choice ever happen, all its edges are needed.
 pub fn unneeded(graph: &DependencyGraph, earliest: &Earliest) -> FxHashSet<EdgeIndex> {
     let mut place = vec![u32::MAX; graph.node_count()];
     for (i, id) in earliest.events.iter().enumerate() {
@@ -135,11 +134,11 @@ pub fn straight(graph: &DependencyGraph, unneeded: &FxHashSet<EdgeIndex>) -> Dep
     )
 }
 
-/// Returns the edges that hold in every order: those without a choice, and for every choice the events
-/// that too many of its captures wait for.
+/// Returns the edges that hold in every order: those without a choice, and those from events
+/// that every possible selection of a choice waits for.
 ///
-/// `order` contains all events in a possible order. The search is bounded. Edges may be missing
-/// beyond the bound, and if captures of a choice wait for others with a choice.
+/// `order` contains all events in a possible order. The search is bounded, so edges may be missing.
+/// Edges may also be missing if captures of a choice wait for captures with another choice.
 pub(crate) fn certain(graph: &DependencyGraph, order: &[EventId]) -> DependencyGraph {
     let is_choice = |id: EventId| {
         let mut edges = graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming);

@@ -1,4 +1,4 @@
-//! The dependency graph.
+//! Dependencies between the events of a program.
 use petgraph::Direction::Incoming;
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef as _;
@@ -12,7 +12,7 @@ use crate::shapes::layout::Layout;
 /// Events and their dependencies.
 ///
 /// Node `i` is event `i` of the plan. An edge goes from the earlier event to the waiting one. Edges
-/// stay within a phase, because a phase starts when the one before has ended.
+/// stay within a phase, because a phase starts after the end of the previous one.
 pub type DependencyGraph = DiGraph<EventId, LocatedDependency, u32>;
 
 /// Reason why an event waits for another.
@@ -28,7 +28,7 @@ pub enum LocatedDependency {
         /// Number of captures that count.
         of: u8,
     },
-    /// An `after` at this place.
+    /// An `after` at this location.
     After(SourceLocation),
     /// A block is released only after its children.
     Emptied,
@@ -39,12 +39,12 @@ pub enum LocatedDependency {
 }
 
 impl LocatedDependency {
-    /// Returns whether other events can replace it.
+    /// Returns whether other events can satisfy the same dependency.
     pub fn is_choice(self) -> bool {
         stochc_ir::graph::Dependency::from(self).is_choice()
     }
 
-    /// Returns whether a block that does not see the other event needs a message.
+    /// Returns whether the waiting block needs a message because it does not see the earlier event.
     pub fn is_told(self) -> bool {
         matches!(self, LocatedDependency::After(_) | LocatedDependency::Freed)
     }

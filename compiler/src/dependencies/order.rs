@@ -14,16 +14,16 @@ use crate::dependencies::graph::{DependencyGraph, LocatedDependency};
 use crate::diagnostic::{Code, Diagnostic, Fix, entry};
 use crate::plan::{EventId, EventKind, ProgramPlan};
 
-/// An order in which all events can happen, and its longest chains.
+/// A possible order of all events, and the longest chains.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Order {
-    /// Valid events, each after all events that it waits for.
+    /// Valid events in topological order.
     pub events: Vec<EventId>,
     /// Critical path of each phase: captures that must follow one another, with the releases
     /// between them. Its length is its number of captures. A phase of pre-attached blocks has none.
     pub chains: Vec<Vec<EventId>>,
-    /// Edges that this order does not need, because another capture of the same block comes sooner.
-    /// Empty unless blocks can switch on several faces at a time.
+    /// Edges that this order does not need, because another capture of the same block comes
+    /// earlier. Empty unless blocks can have several active faces.
     pub unneeded: FxHashSet<EdgeIndex>,
 }
 
@@ -55,7 +55,7 @@ impl Order {
 /// Largest number of cycles that are reported.
 const MAX_CYCLES: usize = 10;
 
-/// Sorts the events. Returns no order if there are cycles, which are reported.
+/// Sorts the events. Returns `None` and reports the cycles if there are any.
 ///
 /// # Errors
 ///
@@ -221,7 +221,7 @@ fn describe(
     symbols: &Symbols,
     sources: &Sources,
 ) -> Diagnostic {
-    /// Largest number of labelled edges. A longer cycle says how many are not shown.
+    /// Largest number of labelled edges of a cycle. The message counts the others.
     const MAX_LABELS: usize = 50;
     let count = cycle.len();
     let phase = cycle

@@ -80,8 +80,8 @@ impl<'a> TextChange<'a> {
         }
     }
 
-    /// Returns where bytes in ascending order may be after the change: the first and the last
-    /// place. Replaced bytes may be anywhere in their replacement.
+    /// Returns the range of positions after the change for each of these bytes, which are sorted. A
+    /// replaced byte may be anywhere in its replacement.
     pub(crate) fn carried(&self, places: &[usize]) -> Vec<(usize, usize)> {
         let mut edits = self.edits.iter().peekable();
         // Number of bytes removed and added by the changes before.
@@ -121,7 +121,7 @@ fn is_free(edits: &BTreeMap<usize, (usize, &str)>, start: usize, end: usize) -> 
         && behind.is_none_or(|(&at, _)| at >= end)
 }
 
-/// See [`TextChange::over`].
+/// Reader that replaces sources. See [`TextChange::over`].
 struct ChangedReader<'r, 't> {
     change: &'r TextChange<'t>,
     sources: &'r Sources,
@@ -171,7 +171,7 @@ mod tests {
         }
     }
 
-    /// Returns the text of a file with every change that fits, and how many those are.
+    /// Applies all fixes that do not overlap. Returns the new text and the number of applied fixes.
     fn apply_fixes<'a>(
         text: &'a str,
         file: FileId,
@@ -247,7 +247,7 @@ mod tests {
             (1, 5),
             (5, 5),
             (6, 6),
-            // Before or behind what is inserted.
+            // Before or after the inserted text.
             (7, 9),
             (10, 10),
             (11, 11),
@@ -258,8 +258,8 @@ mod tests {
         assert_eq!(change.carried(&places), carried);
     }
 
-    /// Marks of the byte order and bytes that are no text are kept, in the file that changes and in
-    /// others.
+    /// Checks that byte order marks and bytes that are not text stay unchanged, in the changed file
+    /// and in others.
     #[test]
     fn what_is_read_again_is_what_was_read() {
         let files: [(&str, &[u8]); 3] = [

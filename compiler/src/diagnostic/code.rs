@@ -20,7 +20,7 @@ impl Severity {
     }
 }
 
-/// Declares the codes by topic, with their severities, names and pages.
+/// Declares codes by topic, with severities, names and pages.
 macro_rules! codes {
     ($($topic:literal { $($severity:ident $variant:ident $name:literal)* })*) => {
         /// The kind of a diagnostic.
@@ -34,11 +34,11 @@ macro_rules! codes {
             /// Every code, by topic.
             pub const ALL: &'static [Code] = &[$($(Code::$variant,)*)*];
 
-            /// Every topic with its codes.
+            /// All topics with their codes.
             pub const TOPICS: &'static [(&'static str, &'static [Code])] =
                 &[$(($topic, &[$(Code::$variant,)*]),)*];
 
-            /// Returns the name that messages show and `stochc explain` takes.
+            /// Returns the name for messages and `stochc explain`.
             pub const fn name(self) -> &'static str {
                 match self { $($(Code::$variant => $name,)*)* }
             }
@@ -159,13 +159,13 @@ codes! {
 }
 
 impl Code {
-    /// Returns what the code means, in one line: the title of its page without the name.
+    /// Returns the meaning of the code in one line: the title of its page without the name.
     pub fn meaning(self) -> &'static str {
         let title = self.page().lines().next().unwrap_or_default();
         title.split_once(": ").map_or(title, |(_, meaning)| meaning)
     }
 
-    /// Returns whether it depends on the steps of a run. Runs with other steps may not have it.
+    /// Returns whether the diagnostic depends on the time step of the runs.
     pub fn is_of_runs(self) -> bool {
         matches!(
             self,
@@ -177,7 +177,7 @@ impl Code {
         )
     }
 
-    /// Returns whether it is about source that has no effect.
+    /// Returns whether the diagnostic is about source without an effect.
     pub fn is_unnecessary(self) -> bool {
         matches!(
             self,

@@ -24,7 +24,7 @@ impl Fix {
         Fix::replace(location, "", title)
     }
 
-    /// Replaces an unknown word by a known one. Safe if there is only one similar word.
+    /// Replaces an unknown word by a known one. The fix is safe if only one known word is similar.
     pub(crate) fn word(location: SourceLocation, meant: &Suggestion) -> Fix {
         let title = format!("write `{}`", meant.word);
         Fix::replace(location, &meant.word, title).unsafe_if(!meant.clear)
@@ -38,7 +38,8 @@ impl Fix {
     }
 }
 
-/// Returns a statement with the space around it, or with its line if it is alone there.
+/// Returns the range to remove with a statement: the surrounding space, or the whole line if
+/// nothing else is on it.
 pub(crate) fn removal(sources: &Sources, statement: SourceLocation) -> SourceLocation {
     let text = &sources.file(statement.file).text;
     let is_blank = |c: char| matches!(c, ' ' | '\t' | '\r');
@@ -60,7 +61,8 @@ pub(crate) fn removal(sources: &Sources, statement: SourceLocation) -> SourceLoc
     }
 }
 
-/// Returns the place of a name at the beginning of `location`, if it is written as reported.
+/// Returns the location of `name` at the start of `location`. Returns `None` if the source has
+/// another text there.
 pub(crate) fn named(
     sources: &Sources,
     location: SourceLocation,
@@ -72,7 +74,8 @@ pub(crate) fn named(
     (!rest.starts_with(goes_on)).then_some(SourceLocation { span, ..location })
 }
 
-/// Returns the place of a name at the end of `location`, if it is written there as it is reported.
+/// Returns the location of `name` at the end of `location`. Returns `None` if the source has
+/// another text there.
 pub(crate) fn last_named(
     sources: &Sources,
     location: SourceLocation,
@@ -87,9 +90,10 @@ pub(crate) fn last_named(
 /// Largest number of bytes of a line or block that are read, so that long ones stay fast.
 pub(crate) const LONG: usize = 1 << 12;
 
-/// Returns one entry of the list after a keyword, with its comma or with the keyword.
+/// Returns the range to remove with one entry of the list after a keyword: its comma, or the
+/// keyword.
 ///
-/// Returns `None` if there are comments between, or if an `after` would be left without a
+/// Returns `None` if comments are in between, or if the removal would leave an `after` without a
 /// statement.
 pub(crate) fn entry(
     sources: &Sources,
@@ -129,7 +133,7 @@ pub(crate) fn entry(
 mod tests {
     use super::*;
 
-    /// Returns the text without its `X`.
+    /// Removes the entry `X` from a text.
     fn without(text: &str) -> String {
         let mut sources = Sources::default();
         let file = sources.add("a.sa", text);

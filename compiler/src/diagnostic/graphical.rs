@@ -55,7 +55,7 @@ fn header_line(diagnostic: &Diagnostic) -> String {
     format!("{severity}[{code}]: {}\n", visible(&diagnostic.message()))
 }
 
-/// A diagnostic, or the part of it that lies in one file.
+/// A diagnostic, or its part in one file.
 #[derive(Debug)]
 struct Picture<'a> {
     severity: miette::Severity,
@@ -107,7 +107,7 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// Returns the help, followed by the fix if the help does not contain it.
+/// Returns the help, followed by the fix if the help does not include it.
 fn advice(diagnostic: &Diagnostic) -> Option<String> {
     let help = diagnostic.help.as_deref();
     let Some(fix) = &diagnostic.fix else {
@@ -118,7 +118,7 @@ fn advice(diagnostic: &Diagnostic) -> Option<String> {
         _ => "",
     };
     let says = |text: &str| !text.is_empty() && text.contains(new) && !new.is_empty();
-    // The help already says what can be removed.
+    // The help already states the part to remove.
     let told = !fix.safe && new.is_empty() && help.is_some();
     if told || help.is_some_and(says) {
         return help.map(str::to_owned);
@@ -214,7 +214,7 @@ impl SourceCode for Excerpt<'_> {
         // The span may end with its line's newline.
         let line_end = file.line_range(last).1.max(to);
         let mut start = line_start;
-        // miette asks for the span without context to find out where it begins.
+        // miette asks for the span without context to find its start.
         if before == 0 {
             start = from;
         } else if from - start > LONG {

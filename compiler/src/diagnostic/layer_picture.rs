@@ -1,8 +1,8 @@
-//! One layer of a structure as text.
+//! Draws one layer of a structure as text.
 use std::ops::RangeInclusive;
 
-/// Returns the rows of a part of a layer, north at the top, each with its coordinate, and from
-/// where to where they go; `sign` is that of a cell by its coordinates.
+/// Returns the rows of a layer as text, with their y coordinates and the range of x. The
+/// northernmost row comes first. `sign` returns the character of a cell.
 pub fn layer_picture(
     x: RangeInclusive<i32>,
     y: RangeInclusive<i32>,

@@ -12,11 +12,11 @@ use crate::{FileId, SourceLocation, Sources};
 /// Level of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// It is not reported.
+    /// Suppresses the warning.
     Allow,
-    /// It is reported.
+    /// Reports the warning.
     Warn,
-    /// It is an error.
+    /// Reports the warning as an error.
     Deny,
 }
 
@@ -24,7 +24,7 @@ pub enum Level {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LintLevels {
     said: Vec<(Option<Code>, Level)>,
-    /// Steps for which scenes are checked. `None` if runs have no physics.
+    /// Model and time steps for the check of scenes. `None` if runs have no physics.
     stepping: Option<Stepping>,
 }
 
@@ -50,7 +50,8 @@ impl LintLevels {
         LintLevels { stepping, ..self }
     }
 
-    /// Returns the steps for which scenes are checked. Returns `None` if runs have no physics.
+    /// Returns the model and time steps for the check of scenes. Returns `None` if runs have no
+    /// physics.
     pub(crate) fn stepping(&self) -> Option<Stepping> {
         self.stepping
     }
@@ -68,7 +69,7 @@ impl LintLevels {
     }
 }
 
-/// An allowed warning.
+/// A warning that an `allow` suppresses.
 #[derive(Clone, Debug)]
 pub struct Allowed {
     /// The warning.
@@ -95,9 +96,9 @@ struct Set {
     location: SourceLocation,
     /// Place of the whole statement.
     whole: SourceLocation,
-    /// Whether it is reported if it has no effect.
+    /// Whether a statement without effect is reported.
     reported: bool,
-    /// Whether it has documentation.
+    /// Whether the statement has documentation.
     documented: bool,
     used: bool,
 }
@@ -106,7 +107,7 @@ struct Set {
 #[derive(Debug)]
 struct LintScope {
     span: Span,
-    /// Nearest one around it.
+    /// Index of the innermost statement around this one.
     outer: Option<usize>,
     /// Last statement for each code.
     set: FxHashMap<Code, usize>,
@@ -281,7 +282,7 @@ impl FileLevels {
         }
     }
 
-    /// Returns the statement for a code in the innermost block around a place.
+    /// Returns the statement for a code in the innermost block around a location.
     fn find(&self, code: Code, location: SourceLocation) -> Option<usize> {
         let scopes = self.scopes.get(&location.file)?;
         let at = location.span.start;

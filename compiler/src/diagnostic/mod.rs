@@ -23,26 +23,26 @@ pub(crate) use row_hint::row_hint;
 use crate::{FileId, SourceLocation};
 use stochc_text::suggest::{Suggestion, nearest};
 
-/// An error or warning, with the places that it is about.
+/// An error or warning with its source locations.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Kind of the diagnostic. `stochc explain` takes its name.
+    /// Kind of the diagnostic. `stochc explain` explains it.
     pub code: Code,
     /// Severity of the code, unless the file or the command line denies a warning.
     pub severity: Severity,
-    /// Message in one line. Names the thing that is wrong.
+    /// Message in one line. Names the wrong part of the program.
     pub title: String,
-    /// Places, the most important first. Empty only if there is no source to show.
+    /// Labelled locations, the most important first. Empty only if no source can be shown.
     pub labels: Vec<Label>,
-    /// Advice, with a patch if there is one.
+    /// Advice, with a patch if possible.
     pub help: Option<String>,
     /// Part of `help` that may differ between merged diagnostics.
     pub(crate) remedy: Option<String>,
-    /// Change of the source that fixes it.
+    /// Change of the source that fixes the error.
     pub fix: Option<Fix>,
-    /// Format of the title and its subjects. `None` if diagnostics like it are never merged.
+    /// Format and subjects of the title. `None` if such diagnostics are never merged.
     pub(crate) subjects: Option<Subjects>,
-    /// Diagnostics that were merged into this one, such as those of other rounds of a loop.
+    /// Diagnostics that were merged into this one, such as those from other rounds of a loop.
     pub others: Others,
     /// Indices in [`Checked::programs`](crate::Checked::programs), in order. Empty if it is about the file.
     pub programs: Vec<usize>,
@@ -55,26 +55,26 @@ pub struct Fix {
     pub title: String,
     /// Changes that do not overlap.
     pub edits: Vec<Edit>,
-    /// Whether `check --fix` may apply it. Safe fixes keep the meaning, or there is only one way to
+    /// Whether `check --fix` may apply the fix. Safe fixes keep the meaning, or are the only way to
     /// correct the program.
     pub safe: bool,
 }
 
-/// Replacement of a piece of source.
+/// Replacement of a part of the source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edit {
     /// Source that is replaced. Empty for an insertion.
     pub location: SourceLocation,
-    /// Replacement.
+    /// New text.
     pub text: String,
 }
 
-/// A place with a statement about it.
+/// A location with a statement about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     /// Place in the source.
     pub location: SourceLocation,
-    /// Statement about the place.
+    /// Statement about the location.
     pub text: String,
 }
 
@@ -107,8 +107,8 @@ fn count(diagnostics: &[Diagnostic], severity: Severity) -> usize {
     codes.filter(|code| code.severity() == severity).count()
 }
 
-/// With more diagnostics than this, similar names are not searched. The search takes time and is
-/// repeated for every fix.
+/// Largest number of diagnostics with a search for similar names. The search is slow and runs again
+/// for every fix.
 const MAX_MEANT: usize = 200;
 
 /// Returns the known word that is closest to an unknown one. Returns `None` after [`MAX_MEANT`] diagnostics.
@@ -121,7 +121,7 @@ pub(crate) fn meant<S: AsRef<str>>(
     is_asked.then(|| nearest(unknown, known)).flatten()
 }
 
-/// Adds a diagnostic, or merges it into one of the same place. Does nothing if the limit of its
+/// Adds a diagnostic, or merges it into one at the same location. Ignores it if the limit of its
 /// severity is reached.
 pub(crate) fn report(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) {
     let severity = diagnostic.code.severity();
@@ -144,13 +144,13 @@ pub(crate) fn report(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) 
     diagnostics.push(last);
 }
 
-/// Merges a diagnostic into one of `diagnostics`. Returns whether there is one.
+/// Merges a diagnostic into one of `diagnostics` if possible. Returns whether it was merged.
 pub(crate) fn is_repeated(diagnostics: &mut [Diagnostic], diagnostic: &Diagnostic) -> bool {
     let mut last_first = diagnostics.iter_mut().rev();
     last_first.any(|told| told.absorb(diagnostic))
 }
 
-/// Merges diagnostics, which are sorted by place.
+/// Merges diagnostics that are sorted by location.
 pub(crate) fn fold(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let mut folded: Vec<Diagnostic> = Vec::new();
     let mut of_place = 0;
@@ -182,10 +182,10 @@ impl Diagnostic {
         }
     }
 
-    /// Returns a diagnostic whose title is `format` with `subjects` in the place of each `{}`.
+    /// Creates a diagnostic whose title is `format` with `subjects` replacing each `{}`.
     ///
-    /// Diagnostics of one place with the same format are merged: the title of the first is shown, followed
-    /// by the other subjects.
+    /// Diagnostics with the same location and format are merged. The title of the first one is
+    /// shown, then the other subjects.
     pub(crate) fn about(code: Code, format: &'static str, subjects: &[&str]) -> Diagnostic {
         let subjects = Subjects::new(format, subjects);
         Diagnostic {
@@ -194,7 +194,7 @@ impl Diagnostic {
         }
     }
 
-    /// Returns the file and the byte of the most important place. `None` if there is no source to show.
+    /// Returns the file and the byte of the first label. Returns `None` if no source can be shown.
     pub(crate) fn place(&self) -> Option<(FileId, u32)> {
         let location = self.labels.first()?.location;
         Some((location.file, location.span.start))
@@ -205,7 +205,7 @@ impl Diagnostic {
         format!("{}{}", self.title, self.others.text())
     }
 
-    /// Adds a place with a statement about it.
+    /// Adds a label: a location with a statement about it.
     #[must_use]
     pub fn label(mut self, location: SourceLocation, text: impl Into<String>) -> Diagnostic {
         self.labels.push(Label {
@@ -222,14 +222,14 @@ impl Diagnostic {
         self
     }
 
-    /// Sets the change that fixes it.
+    /// Sets the fix.
     #[must_use]
     pub fn fix(mut self, fix: Fix) -> Diagnostic {
         self.fix = Some(fix);
         self
     }
 
-    /// Sets the change that fixes it, if there is one.
+    /// Sets the fix if there is one.
     #[must_use]
     pub(crate) fn fix_if(mut self, fix: Option<Fix>) -> Diagnostic {
         self.fix = fix;
@@ -251,7 +251,7 @@ impl Diagnostic {
         self.help(meant.help())
     }
 
-    /// Returns whether it is a warning that counts as an error.
+    /// Returns whether the diagnostic is a warning that counts as an error.
     pub(crate) fn is_denied(&self) -> bool {
         self.is_error() && self.code.severity() == Severity::Warning
     }

@@ -3,7 +3,7 @@ use super::LONG;
 use crate::Sources;
 use crate::plan::PatternInstance;
 
-/// Returns the advice to pass `argument` to a pattern as its new parameter `name`.
+/// Returns the advice to pass `argument` to a pattern as a new parameter `name`.
 pub(crate) fn parameter_hint(
     sources: &Sources,
     grown: &PatternInstance,

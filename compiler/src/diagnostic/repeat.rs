@@ -1,16 +1,16 @@
 //! Merges diagnostics of one statement that differ only in their subjects.
 //!
-//! A statement in a loop or a pattern may be wrong many times.
+//! A statement in a loop or pattern may cause the same error many times.
 use stochc_text::listed;
 
 use super::Diagnostic;
 
-/// Format of a title and its subjects.
+/// Format of a title, with the subjects to insert.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Subjects {
     /// Diagnostics with the same format can be merged.
     format: &'static str,
-    /// One for each `{}`, in backticks if the format has them.
+    /// One subject per `{}`, in backticks if the format has them.
     words: Vec<String>,
 }
 
@@ -32,7 +32,7 @@ impl Subjects {
         }
     }
 
-    /// Returns the format with its subjects.
+    /// Returns the format with the subjects inserted.
     pub(super) fn title(&self) -> String {
         let mut pieces = self.format.split("{}");
         let mut title = pieces.next().unwrap_or_default().to_owned();
@@ -54,7 +54,7 @@ impl Subjects {
     }
 }
 
-/// Diagnostics that were merged into another one.
+/// Diagnostics that were merged into one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Others {
     /// Number of merged diagnostics.
@@ -78,8 +78,8 @@ impl Others {
 }
 
 impl Diagnostic {
-    /// Merges another diagnostic of the same code and place, if it has the same title or the same
-    /// format of the title. Returns whether it did.
+    /// Merges another diagnostic with the same code and location. Its title, or the format of its
+    /// title, must be equal. Returns whether it was merged.
     pub(super) fn absorb(&mut self, other: &Diagnostic) -> bool {
         let place = |diagnostic: &Diagnostic| diagnostic.labels.first().map(|label| label.location);
         if self.code != other.code || place(self) != place(other) || place(self).is_none() {
@@ -111,14 +111,14 @@ impl Diagnostic {
         true
     }
 
-    /// Adds programs that it is about.
+    /// Adds further programs with this diagnostic.
     fn add_programs(&mut self, programs: &[usize]) {
         self.programs.extend(programs);
         self.programs.sort_unstable();
         self.programs.dedup();
     }
 
-    /// Adds the remedy of a merged diagnostic to the help, unless the help has it.
+    /// Adds the remedy of a merged diagnostic to the help if it is not there yet.
     fn add_remedy(&mut self, subject: &str, remedy: &str) {
         let (Some(help), Some(told)) = (&mut self.help, &mut self.remedy) else {
             return;

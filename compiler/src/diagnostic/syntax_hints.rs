@@ -7,17 +7,17 @@ use stochc_text::suggest::{Suggestion, nearest};
 use super::{Code, Diagnostic, Edit, Fix};
 use crate::{SourceLocation, Span};
 
-/// A place with an unexpected word.
+/// An unexpected word with its context.
 pub struct SyntaxHint<'a> {
     /// Place of the word.
     pub location: SourceLocation,
     /// The word, shortened.
     pub found: &'a str,
-    /// Words that can stand there.
+    /// Words that are valid at this location.
     pub expected: &'a [&'static str],
-    /// First word of the statement, if it is the only word before.
+    /// First word of the statement if it is the only one before the unexpected word.
     pub behind: &'a str,
-    /// The whole file.
+    /// Source of the whole file.
     pub text: &'a str,
 }
 
@@ -62,8 +62,8 @@ const FOREIGN: [(&[&str], &str); 4] = [
 ];
 
 impl SyntaxHint<'_> {
-    /// Returns the place, title and advice if the statement begins with a keyword of another
-    /// language.
+    /// Returns location, title and advice if the statement begins with a keyword of another
+    /// programming language.
     pub fn foreign(&self) -> Option<(SourceLocation, String, &'static str)> {
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let before = self.before();
@@ -196,7 +196,7 @@ impl SyntaxHint<'_> {
             && is_unit(found)
     }
 
-    /// Returns the place of the first word of the statement.
+    /// Returns the location of the first word of the statement.
     fn word_behind(&self) -> Option<SourceLocation> {
         let before = self.before().trim_end();
         let start = before.strip_suffix(self.behind)?.len();
@@ -275,7 +275,7 @@ impl SyntaxHint<'_> {
         })
     }
 
-    /// Returns the size of a plate, or its first number and the `x`, written as one word.
+    /// Returns a plate size that is written as one word, or its first number with the `x`.
     fn size(&self) -> Option<String> {
         let before = self.before().trim_end();
         let (width, depth) = self.found.split_once(['x', 'X'])?;
@@ -285,7 +285,7 @@ impl SyntaxHint<'_> {
             .then(|| format!("{width} x {depth}").trim_end().to_owned())
     }
 
-    /// Returns the place of the parenthesis of `for (i in`, if this is the `in`.
+    /// Returns the position of the parenthesis of `for (i in`. Returns `None` for any other text.
     fn loop_in_parentheses(&self) -> Option<usize> {
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let open = self
@@ -331,7 +331,7 @@ impl SyntaxHint<'_> {
         self.expected.contains(&word)
     }
 
-    /// Returns whether a row of a shape is here, even if it is misplaced.
+    /// Returns whether the text is a row of a shape, even if misplaced.
     fn is_row(&self) -> bool {
         let rest = &self.text[self.location.span.start as usize..];
         let line = rest.split(['\n', '}']).next().unwrap_or(rest).trim();

@@ -56,12 +56,12 @@ fn busy(plan: &ProgramPlan, graph: &DependencyGraph) -> Vec<bool> {
     busy
 }
 
-/// A rule before it is added to its duty.
+/// A rule that has no duty yet.
 struct UnassignedRule {
     role: RoleId,
     phase: PhaseId,
     trigger: Trigger,
-    /// Range of `Lowering::conditions`.
+    /// Range of its conditions in `Lowering::conditions`.
     when: (u32, u32),
     then: Action,
 }

@@ -27,11 +27,7 @@ pub fn structure_text(plan: &ProgramPlan, layout: &Layout) -> impl Display {
 
 fn write_layers(out: &mut Formatter<'_>, plan: &ProgramPlan, layout: &Layout) -> fmt::Result {
     if plan.aggregate.is_some() {
-        return writeln!(
-            out,
-            "// aggregate {}: chance decides what it looks like",
-            plan.name
-        );
+        return writeln!(out, "// aggregate {}: it grows at random", plan.name);
     }
     for (phase, blocks) in plan.phases.iter().zip(placed_blocks(plan, layout)) {
         let bounds = CellBounds::enclosing(blocks.iter().map(|block| block.cell));
@@ -72,7 +68,8 @@ fn write_layers(out: &mut Formatter<'_>, plan: &ProgramPlan, layout: &Layout) ->
     Ok(())
 }
 
-/// `{ assembly, phases: [{ name, blocks: [{ name, cell, captured_in }] }] }`
+/// Returns the structure as JSON: `{ assembly, phases: [{ name, blocks: [{ name, cell, captured_in
+/// }] }] }`.
 pub fn structure_json<'a>(
     plan: &'a ProgramPlan,
     layout: &'a Layout,
@@ -105,7 +102,7 @@ pub fn structure_json<'a>(
     ])
 }
 
-/// Blocks that a picture can show before it is of no use.
+/// Largest number of blocks in a picture. More cannot be distinguished.
 const MAX_BLOCKS: usize = 20_000;
 
 /// Returns the structures to draw. Returns `None` if there are too many blocks for a picture.

@@ -5,11 +5,11 @@ use super::Expander;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::PlanPhase;
 
-/// Blocks of the group with which an aggregate is complete, at most.
+/// Largest size of an aggregate \[blocks\].
 const MAX_SIZE: i64 = 10_000;
 
 impl Expander<'_, '_> {
-    /// The phases of an aggregate, named by the size that ends them.
+    /// Expands the phases of an aggregate. Each is named by the size that ends it.
     pub fn aggregate(&mut self, aggregate: &Aggregate) {
         let timeout = self.timeout(aggregate.timeout.as_ref());
         let Some(value) = self.evaluate(&aggregate.size) else {

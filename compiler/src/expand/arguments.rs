@@ -16,9 +16,9 @@ use crate::{FileId, SourceLocation};
 struct Misfit {
     /// Number of the argument.
     number: usize,
-    /// Its kind.
+    /// Kind of the argument.
     given: ValueKind,
-    /// The needed kind, and the place of the use.
+    /// Required kind, and the location of the use that requires it.
     needed: (ValueKind, SourceLocation),
 }
 
@@ -61,7 +61,7 @@ impl<'a> Expander<'a, '_> {
         values
     }
 
-    /// Notes the pattern and the place of an instance.
+    /// Records the pattern and the location of an instance.
     pub(super) fn note_instance(
         &mut self,
         scope: u32,
@@ -216,8 +216,8 @@ impl<'a> Expander<'a, '_> {
         self.diagnostics.push(self.in_instance(diagnostic));
     }
 
-    /// Reports arguments in the wrong order. Each place of `order` has the number of its right
-    /// argument.
+    /// Reports arguments in the wrong order. `order` has the index of the right argument for each
+    /// parameter.
     fn wrong_order(
         &self,
         instance: &Instance,
@@ -264,7 +264,7 @@ impl<'a> Expander<'a, '_> {
     }
 }
 
-/// Returns the right order of the arguments, if there is only one.
+/// Returns the right order of the arguments. Returns `None` if several orders are possible.
 fn right_order(
     misfits: &[Misfit],
     values: &[BoundValue],
@@ -291,7 +291,7 @@ fn right_order(
     order.collect()
 }
 
-/// Returns the place of an argument.
+/// Returns the source range of an argument.
 fn span_of(argument: &Argument) -> Span {
     match argument {
         Argument::Place(place) => place.span,

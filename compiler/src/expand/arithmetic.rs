@@ -1,4 +1,4 @@
-//! Numbers.
+//! Evaluates arithmetic expressions.
 use stochc_grammar::tree::{Expr, ExprKind, Name, Operator};
 
 use super::Expander;
@@ -59,7 +59,7 @@ impl Expander<'_, '_> {
         }
     }
 
-    /// Counts an operation. Eight of them take as long as a statement.
+    /// Counts an operation. Eight operations count as one statement.
     fn operation(&mut self) {
         const OF_A_STEP: usize = 8;
         self.operations += 1;

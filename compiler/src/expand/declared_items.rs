@@ -1,4 +1,4 @@
-//! Patterns and shapes, by what their names refer to.
+//! Patterns and shapes by definition.
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Item, ItemKind, Name, Pattern, Shape};
 use stochc_grammar::{Symbol, Symbols};
@@ -8,10 +8,10 @@ use crate::diagnostic::Diagnostic;
 use crate::names::{Definition, NameKind, Names};
 use crate::{FileId, SourceLocation};
 
-/// Patterns, with their files.
+/// Patterns with their files, by definition.
 pub type Patterns<'a> = FxHashMap<Definition, (FileId, &'a Pattern)>;
 
-/// Shapes, with their files.
+/// Shapes with their files, by definition.
 pub type Shapes<'a> = FxHashMap<Definition, (FileId, &'a Shape)>;
 
 /// The patterns and shapes that are known.
@@ -19,12 +19,13 @@ pub type Shapes<'a> = FxHashMap<Definition, (FileId, &'a Shape)>;
 pub struct DeclaredItems<'a> {
     pub patterns: Patterns<'a>,
     pub shapes: Shapes<'a>,
-    /// Where a word was declared last.
+    /// Location of the latest declaration of each word.
     locations: FxHashMap<(NameKind, Symbol), SourceLocation>,
 }
 
 impl<'a> DeclaredItems<'a> {
-    /// Takes in a pattern or a shape, and tells if another one has its name; of other items it knows nothing.
+    /// Adds a pattern or a shape. Ignores other items. Returns an error if another one has the same
+    /// name.
     pub fn declare(
         &mut self,
         (file, item): (FileId, &'a Item),

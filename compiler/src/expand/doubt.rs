@@ -1,16 +1,17 @@
-//! Names that a statement which could not be worked out may have given to a block or an instance, or taken from a block.
+//! Names whose blocks or instances may or may not exist, because a statement could not be
+//! evaluated.
 use stochc_grammar::tree::{Item, ItemKind, Place};
 
 use super::Expander;
 
 impl Expander<'_, '_> {
-    /// Notes that nobody knows whether this block is there, or this instance.
+    /// Records that the block or instance with this name may or may not exist.
     pub(super) fn doubt(&mut self, place: &Place) {
         let words = place.path.iter().map(|segment| segment.name.symbol);
         self.plan.doubtful.extend(words);
     }
 
-    /// Notes that nobody knows what these statements do.
+    /// Records that the effect of these statements is unknown.
     pub(super) fn doubt_all(&mut self, items: &[Item]) {
         for item in items {
             match &item.kind {

@@ -1,4 +1,4 @@
-//! Which names there are of one word: `T[1..3]` and `T[7]`.
+//! Names with the same word, such as `T[1..3]` and `T[7]`.
 use stochc_grammar::Symbols;
 use stochc_text::listed;
 
@@ -28,8 +28,8 @@ impl Members {
     }
 }
 
-/// Returns the names among `keys` that have the word of `wanted` and belong to the same instance;
-/// `None` if there are none.
+/// Returns the names among `keys` with the same word and instance as `wanted`. Returns `None` if
+/// there are none.
 pub(crate) fn members(
     wanted: NameKey,
     keys: impl Iterator<Item = NameKey>,

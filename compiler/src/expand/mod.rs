@@ -29,7 +29,7 @@ pub(crate) use probe::Probe;
 use scope::{BoundValue, Scope};
 use stochc_ir::table::{Plate, RoleId};
 
-/// Largest number of captures, releases and other results. A check of this size takes less than 300
+/// Largest number of captures, releases and other results. A check of this size needs less than 300
 /// MB.
 const MAX_EVENTS: usize = 500_000;
 
@@ -81,12 +81,12 @@ impl Default for Limits {
 pub struct ExpansionBounds<'c> {
     /// Limits of the program.
     pub limits: Limits,
-    /// Cancels the expansion.
+    /// Cancellation of the expansion.
     pub cancellation: Cancellation<'c>,
 }
 
-/// Programs with more than this part of the allowed events are counted before they are expanded, so
-/// that a program beyond the limits takes no memory.
+/// Programs with more than one in `UNCOUNTED` of the allowed events are counted before expansion.
+/// Programs beyond the limit then use no memory.
 const UNCOUNTED: usize = 5;
 
 /// Largest depth of loops, instances and blocks.
@@ -94,9 +94,9 @@ pub(crate) const MAX_NESTING: usize = 200;
 
 /// Declarations of the files.
 pub struct Declarations<'a> {
-    /// Patterns and shapes.
+    /// Declared patterns and shapes.
     pub declared: DeclaredItems<'a>,
-    /// Numbers with their files, in source order.
+    /// `let` declarations with their files, in source order.
     pub lets: Vec<(FileId, &'a Item)>,
     /// Definitions of all names.
     pub names: &'a Names,
@@ -130,7 +130,7 @@ pub(crate) fn expand<'a>(
     )
 }
 
-/// As [`expand`], and notes which blocks a place of the source names.
+/// Expands a program like [`expand`], and records the blocks that a source location names.
 pub fn expand_probed<'a>(
     declarations: &Declarations<'a>,
     (file, assembly): (FileId, &'a Assembly),
@@ -205,12 +205,12 @@ pub fn expand_aggregate(
     expander.plan
 }
 
-/// Treatment of events.
+/// Mode of the expansion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pass {
-    /// Events and names are kept.
+    /// Records events and names.
     Writing,
-    /// Events are counted.
+    /// Counts events only.
     Counting,
 }
 
@@ -242,9 +242,9 @@ impl ExpansionSize {
 /// The two passes through a seed plate. Seeds have the first numbers.
 #[derive(Clone, Copy, PartialEq)]
 enum Seeding {
-    /// Seeds.
+    /// Expands seeds.
     Seats,
-    /// Pre-attached blocks.
+    /// Expands pre-attached blocks.
     Captures,
 }
 
@@ -279,7 +279,7 @@ struct Expander<'a, 'f> {
     grown: ExpansionSize,
     /// Whether a limit is reached and expansion has stopped.
     exhausted: bool,
-    /// Whether it was that of [`Limits::events`].
+    /// Whether [`Limits::events`] is the exceeded limit.
     outgrown: bool,
     plate: Option<SourceLocation>,
     phase_sites: FxHashMap<String, SourceLocation>,
@@ -688,7 +688,7 @@ impl<'a> Expander<'a, '_> {
         (body.trim() == "}").then(|| Fix::remove(removal(self.sources, location), title))
     }
 
-    /// Adds the place of the current instance, if there is one.
+    /// Adds the location of the current instance to a diagnostic.
     fn in_instance(&self, diagnostic: Diagnostic) -> Diagnostic {
         match self.instances.last() {
             Some(&(_, location)) => diagnostic.label(location, "in this instance"),
@@ -713,7 +713,7 @@ fn plural(noun: &str) -> String {
     }
 }
 
-/// Returns the error of two things with one name, with another name for the second.
+/// Returns the error that two declarations have the same name, with a free name for the second.
 pub fn duplicate(
     name: &str,
     old: SourceLocation,

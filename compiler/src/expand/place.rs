@@ -10,9 +10,9 @@ use crate::expand::members::members;
 use crate::names::ValueKind;
 use crate::plan::NameKey;
 
-/// A resolved place.
+/// The blocks and the face that a text names.
 pub struct ResolvedPlace {
-    /// Named blocks.
+    /// Names of the blocks.
     pub keys: Keys,
     /// Whether one of the indices is a range.
     pub ranged: bool,
@@ -20,7 +20,8 @@ pub struct ResolvedPlace {
     pub face: Option<Face>,
 }
 
-/// Names that differ in their indices. They are computed one by one, because there may be millions.
+/// Names that differ in their indices. They are computed one by one, because their number can be
+/// millions.
 #[derive(Clone, Copy)]
 pub struct Keys {
     key: NameKey,
@@ -63,7 +64,7 @@ impl Keys {
 }
 
 impl Expander<'_, '_> {
-    /// Resolves a place. Errors are reported.
+    /// Resolves a written name to blocks. Returns `None` and reports errors if there are any.
     pub fn place(&mut self, place: &Place) -> Option<ResolvedPlace> {
         let mut path = &place.path[..];
         let mut face = place.face.map(|(face, _)| face);
@@ -106,9 +107,9 @@ impl Expander<'_, '_> {
         Some(ResolvedPlace { keys, ranged, face })
     }
 
-    /// Returns the one block of a place, with its face if it has one.
+    /// Resolves a name to one block, with its face if one is written.
     ///
-    /// A range is reported with this help and fix.
+    /// A range is an error, which is reported with this help and fix.
     pub fn single(
         &mut self,
         place: &Place,
@@ -130,7 +131,7 @@ impl Expander<'_, '_> {
         Some((blocks.keys.first()?, blocks.face))
     }
 
-    /// Returns the new name that a place declares in the current scope.
+    /// Returns the new name that a text declares in the current scope.
     pub fn single_key(&mut self, place: &Place) -> Option<NameKey> {
         let segment = match &place.path[..] {
             [only] => only,
@@ -346,7 +347,7 @@ impl Expander<'_, '_> {
     }
 }
 
-/// Returns the face that another word for a side probably stands for.
+/// Returns the face that another word for a direction probably means.
 pub(super) fn face_meant(word: &str) -> Option<Suggestion> {
     let (face, clear) = match word {
         "top" | "above" | "upper" => (Face::Up, true),

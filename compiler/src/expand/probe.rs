@@ -1,24 +1,24 @@
-//! Which blocks are meant at one place of the text.
+//! Finds the blocks that a source location names.
 use stochc_grammar::Span;
 use stochc_grammar::tree::Segment;
 
 use crate::FileId;
 use crate::plan::NameKey;
 
-/// A place of the text, and the blocks that are found to be meant there.
+/// A source location, and the blocks that it names.
 #[derive(Debug, Default)]
 pub(crate) struct Probe {
-    /// The file and a byte of it. `None` means no place at all.
+    /// File and byte to look up. `None` to look up nothing.
     pub at: Option<(FileId, u32)>,
-    /// The names, in the order in which the program is written out, each once.
+    /// Names of the blocks in expansion order, without duplicates.
     pub keys: Vec<NameKey>,
 }
 
-/// Names that are kept of one place; in a loop it may stand for millions.
+/// Largest number of names to record. In a loop, one location can name millions of blocks.
 const MAX_KEYS: usize = 64;
 
 impl Probe {
-    /// Notes the blocks of a place if it is the one in question.
+    /// Records the blocks of a name if it contains the location.
     pub fn note(&mut self, file: FileId, place: &[Segment], keys: impl Iterator<Item = NameKey>) {
         // The instances before the last name are other things, and so are the names of its indices.
         if let Some(last) = place.last() {

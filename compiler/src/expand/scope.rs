@@ -8,10 +8,10 @@ use crate::SourceLocation;
 use crate::names::{Definition, ValueKind};
 use crate::plan::NameKey;
 
-/// Value of a word, if it is not a block of that name.
+/// Value of a word that does not name a block directly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BoundValue {
-    /// A number.
+    /// A whole number.
     Number(i64),
     /// A block, as an argument.
     Block(NameKey),
@@ -35,11 +35,11 @@ impl BoundValue {
 
 #[derive(Clone, Copy, Debug)]
 struct Binding {
-    /// The definition.
+    /// Definition of the word.
     definition: Option<Definition>,
     value: BoundValue,
     location: SourceLocation,
-    /// Number of open blocks at its definition.
+    /// Nesting level of its definition.
     level: u32,
 }
 
@@ -50,9 +50,9 @@ pub struct Scope {
     /// Definitions in order. The end of a block removes its own.
     defined: Vec<Symbol>,
     level: u32,
-    /// Level at which the instance begins. 0 if there is none.
+    /// Nesting level of the current instance's body. 0 outside of instances.
     floor: u32,
-    /// Current instance.
+    /// Number of the current instance.
     pub instance: u32,
 }
 
@@ -66,7 +66,7 @@ pub struct ScopeMark {
 }
 
 impl Scope {
-    /// Opens a block.
+    /// Opens a block and returns a mark to close it.
     pub fn mark(&mut self) -> ScopeMark {
         let mark = ScopeMark {
             defined: self.defined.len(),
@@ -78,7 +78,7 @@ impl Scope {
         mark
     }
 
-    /// Opens an instance.
+    /// Opens the body of an instance and returns a mark to close it.
     pub fn enter_instance(&mut self, instance: u32) -> ScopeMark {
         let mark = self.mark();
         self.floor = self.level;
@@ -98,8 +98,8 @@ impl Scope {
         self.instance = mark.instance;
     }
 
-    /// Sets the value of a definition. Returns the place of the old one, if the word has one in
-    /// this block.
+    /// Sets the value of a definition. Returns the location of the previous value if this block
+    /// already has one.
     pub fn define(
         &mut self,
         (word, definition): (Symbol, Option<Definition>),
@@ -129,7 +129,7 @@ impl Scope {
         }
     }
 
-    /// Returns the value of a definition, and its place.
+    /// Returns the value of a definition, and the location of that value.
     pub fn get(
         &self,
         word: Symbol,
@@ -140,7 +140,7 @@ impl Scope {
         Some((binding.value, binding.location))
     }
 
-    /// Returns the place of any definition of a word.
+    /// Returns the location of any definition of a word.
     pub fn any(&self, word: Symbol) -> Option<SourceLocation> {
         Some(self.words.get(&word)?.last()?.location)
     }

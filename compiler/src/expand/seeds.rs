@@ -1,4 +1,4 @@
-//! The seed plate.
+//! Expands the seed plate.
 use stochc_grammar::Span;
 use stochc_grammar::tree::{Expr, Item, ItemKind, Seat};
 use stochc_ir::Cell;
@@ -33,7 +33,7 @@ fn larger_plate((x, y): (i64, i64), (width, depth): (u32, u32)) -> String {
 const MAX_EDGE: i64 = Plate::LONGEST as i64;
 
 impl<'a> Expander<'a, '_> {
-    /// Expands the plate and its seeds.
+    /// Expands the plate with its seeds.
     pub fn seed_plate(&mut self, seed: &'a stochc_grammar::tree::Seed, span: Span) {
         // A plate in a phase has been reported.
         if self.in_phase {

@@ -12,7 +12,7 @@ use crate::diagnostic::{Code, Diagnostic, Fix, meant};
 use crate::plan::{AfterConstraint, EventId, EventKind, NameKey, PlanEvent};
 
 impl<'a> Expander<'a, '_> {
-    /// Captures, one after the other.
+    /// Expands the captures of a chain in order.
     pub fn chain(&mut self, chain: &'a Chain) {
         let first = self.grown.events;
         let head = self.single(
@@ -101,7 +101,8 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// Returns the change of one arrow to the other, if nothing else stands between two places.
+    /// Returns a fix that replaces one arrow by the other. Returns `None` if anything else stands
+    /// between the two names.
     fn other_arrow(&self, parent: &Place, child: &Place, [old, new]: [&str; 2]) -> Option<Fix> {
         let between = self.location(Span::new(parent.span.end, child.span.start));
         let text = self.sources.text(between);
@@ -122,7 +123,7 @@ impl<'a> Expander<'a, '_> {
         format!("capture a row of blocks with `->>`: `{parent} ->> {child}`")
     }
 
-    /// Returns the advice to give an instance all arguments of its pattern.
+    /// Returns the advice to pass all arguments of a pattern.
     fn instance_help(&self, name: Symbol, pattern: &Pattern) -> String {
         let parameters = pattern.parameters.iter();
         let parameters: Vec<&str> = parameters
@@ -198,7 +199,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// Releases.
+    /// Expands releases.
     pub fn release(&mut self, release: &'a Release) {
         for place in &release.places {
             let location = self.location(place.span);
@@ -222,7 +223,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// A loop.
+    /// Expands a loop.
     pub fn repeat(&mut self, block: &'a For) {
         let first = self.evaluate(&block.range.0);
         let last = self.evaluate(&block.range.1);
@@ -243,7 +244,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// An instance of a pattern.
+    /// Expands an instance of a pattern.
     pub fn instance(&mut self, instance: &'a Instance, span: Span) {
         let location = self.location(instance.pattern.span);
         let name = instance.pattern.symbol;

@@ -1,4 +1,4 @@
-//! Names that stand for nothing here, or for something else.
+//! Reports names that are unknown or have the wrong kind.
 use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_grammar::{Span, Symbol};
 
@@ -9,7 +9,7 @@ use crate::diagnostic::{Code, Diagnostic, meant, parameter_hint};
 use crate::names::ValueKind;
 
 impl Expander<'_, '_> {
-    /// Tells of a name that stands for something else than what is needed.
+    /// Reports a name whose kind is not the required one.
     pub(super) fn wrong_kind(&mut self, named: Name, value: BoundValue, needed: ValueKind) {
         let name = self.symbols.word(named.symbol);
         let given = value.kind().map_or("something else", ValueKind::noun);
@@ -92,8 +92,8 @@ impl Expander<'_, '_> {
         self.plan.grown.get(number).copied()
     }
 
-    /// Returns a `let` of a block around the statement at hand whose name is not known yet, and its
-    /// name.
+    /// Returns a later `let` with this name in a block around the current statement, with the
+    /// location of the name.
     fn let_below(&self, word: Symbol) -> Option<(SourceLocation, SourceLocation)> {
         let names = |item: &Item| match &item.kind {
             ItemKind::Let(let_) if let_.name.symbol == word => Some((item.span, let_.name.span)),

@@ -1,4 +1,4 @@
-//! Kinds of the parameters of patterns, by their uses.
+//! Infers the kinds of pattern parameters from their uses.
 use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
@@ -8,13 +8,13 @@ use super::{MAX_NESTING, Patterns};
 use crate::names::{Names, Use, ValueKind};
 use crate::{FileId, SourceLocation};
 
-/// First place of each kind of use of a parameter.
+/// First location of each kind of use of a parameter.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Uses([Option<SourceLocation>; ValueKind::ALL.len()]);
 
 impl Uses {
-    /// Returns the kind and the place of its use. Returns `None` if there are no uses or several
-    /// kinds.
+    /// Returns the kind of a parameter and the location of its use. Returns `None` if there are no
+    /// uses or several kinds.
     pub fn only(&self) -> Option<(ValueKind, SourceLocation)> {
         let mut used = ValueKind::ALL
             .into_iter()
@@ -23,7 +23,7 @@ impl Uses {
         used.next().is_none().then_some(first)
     }
 
-    /// Returns whether it is used.
+    /// Returns whether the parameter is used.
     pub fn any(&self) -> bool {
         self.0.iter().any(Option::is_some)
     }

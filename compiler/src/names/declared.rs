@@ -9,21 +9,21 @@ use crate::{FileId, SourceLocation};
 #[derive(Clone, Copy, Debug)]
 pub struct DeclaredName {
     pub definition: Definition,
-    /// Place of its declaration.
+    /// Location of its declaration.
     pub location: SourceLocation,
 }
 
 /// Patterns and shapes of a block.
 pub type DeclaredWords = FxHashMap<(NameKind, Symbol), DeclaredName>;
 
-/// Patterns, shapes and scenes of all files and their assemblies.
+/// Declared patterns, shapes and scenes of all files, and those inside assemblies.
 #[derive(Clone, Debug, Default)]
 pub struct DeclaredNames {
     /// Patterns and shapes of the files, for all programs.
     pub shared: DeclaredWords,
-    /// Patterns and shapes of each assembly, for it only.
+    /// Patterns and shapes inside each assembly. Only that assembly can use them.
     pub own: Vec<DeclaredWords>,
-    /// Numbers of the assemblies, by the places of their names.
+    /// Indices of the assemblies by the locations of their names.
     pub assemblies: FxHashMap<(FileId, u32), usize>,
     /// Scenes, declared or built in.
     pub scenes: FxHashMap<Symbol, Definition>,

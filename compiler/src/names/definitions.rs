@@ -1,4 +1,4 @@
-//! The definitions that words refer to, and those that turn out to be one.
+//! Collects definitions, and merges definitions that turn out to be the same.
 use rustc_hash::FxHashMap;
 use stochc_grammar::Symbol;
 
@@ -6,11 +6,11 @@ use super::declared::DeclaredNames;
 use super::{Definition, Keep, NameKind, Names, Occurrence, Use};
 use crate::SourceLocation;
 
-/// Definitions, found one after the other.
+/// Definitions in the order of their discovery.
 pub struct Definitions {
     keep: Keep,
     kinds: Vec<(NameKind, Symbol)>,
-    /// For every definition, another one that it is the same as, or itself.
+    /// For each definition, an equal definition or itself, as in a union-find structure.
     same: Vec<u32>,
     occurrences: Vec<Occurrence>,
     uses: FxHashMap<Definition, Vec<Use>>,
@@ -27,7 +27,7 @@ impl Definitions {
         }
     }
 
-    /// Returns whether the names of a kind are kept.
+    /// Returns whether names of this kind are recorded.
     pub fn keeps(&self, kind: NameKind) -> bool {
         self.keep == Keep::All
             || !matches!(kind, NameKind::Block | NameKind::Instance | NameKind::Phase)
@@ -44,7 +44,7 @@ impl Definitions {
         self.kinds[definition.0 as usize].0
     }
 
-    /// Notes what a parameter is used as; others may be used as they like.
+    /// Records a use of a parameter. Ignores other kinds of definitions.
     pub fn used(&mut self, definition: Definition, used: Use) {
         if self.kind(definition) == NameKind::Parameter {
             self.uses.entry(definition).or_default().push(used);
@@ -62,7 +62,7 @@ impl Definitions {
         });
     }
 
-    /// Makes all of these one; `None` if there is none.
+    /// Merges these definitions into one. Returns `None` if there are none.
     pub fn unite(
         &mut self,
         definitions: impl IntoIterator<Item = Definition>,
@@ -87,7 +87,7 @@ impl Definitions {
         Definition(at)
     }
 
-    /// Every name, by file and place.
+    /// Returns all names, sorted by file and location.
     pub fn finish(mut self, declared: DeclaredNames) -> Names {
         let mut occurrences = std::mem::take(&mut self.occurrences);
         for occurrence in &mut occurrences {

@@ -1,12 +1,12 @@
 //! Names of all files of a program, with their declarations and uses.
 //!
-//! This is the only place that knows the rules of scope. It decides what a word stands for: a
-//! `let`, counter, parameter, pattern or shape. It also decides whether a parameter is a face. The
-//! expansion, the warnings of unused declarations and the editor use it.
+//! All rules of scope are implemented here. This module decides whether a word means a `let`,
+//! counter, parameter, pattern or shape. It also decides whether a parameter is a face. The
+//! expansion, the warnings about unused declarations and the editor use it.
 //!
-//! Names are words here: `T[1]` and `T[i + 1]` are uses of the same `T`. Only the expansion can
-//! distinguish them ([`crate::sources::source_map`]). A name that can stand for several definitions joins
-//! them into one, such as a number of an assembly that is used by a pattern.
+//! Here, names are words: `T[1]` and `T[i + 1]` are uses of the same `T`. Only the expansion can
+//! distinguish them ([`crate::sources::source_map`]). Definitions that one name can refer to are
+//! merged. This happens if a pattern uses a number that several assemblies define.
 mod declared;
 mod definitions;
 mod resolve;
@@ -22,7 +22,7 @@ use declared::DeclaredNames;
 /// Names of all files of a program.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
-    /// Names by file and place.
+    /// Names sorted by file and location.
     occurrences: Vec<Occurrence>,
     kinds: Vec<(NameKind, Symbol)>,
     /// Definitions that the expansion needs, by file and first byte of the name.
@@ -36,9 +36,9 @@ pub struct Names {
 /// A use of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Use {
-    /// As a value of this kind.
+    /// Used as a value of this kind, at this location.
     As(ValueKind, SourceLocation),
-    /// As the argument of a pattern, for the parameter with this number.
+    /// Passed as an argument to a pattern, for the parameter with this index.
     Argument(Definition, usize),
 }
 
@@ -54,7 +54,7 @@ pub(crate) enum ValueKind {
 }
 
 impl ValueKind {
-    /// Every kind.
+    /// All kinds of values.
     pub const ALL: [ValueKind; 3] = [ValueKind::Block, ValueKind::Number, ValueKind::Face];
 
     /// Returns the words that messages use.
@@ -67,23 +67,23 @@ impl ValueKind {
     }
 }
 
-/// Names that are kept.
+/// Selects the names to record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Keep {
     /// All names.
     All,
-    /// All names except those of blocks, instances and phases. There may be millions of them.
+    /// All names except those of blocks, instances and phases, whose number can be millions.
     Declarations,
 }
 
-/// A name at its place.
+/// A name at a source location.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Occurrence {
     /// Place of the name.
     pub location: SourceLocation,
-    /// Definition that it refers to.
+    /// Definition of the name.
     pub definition: Definition,
-    /// Whether it is declared here. Blocks are declared by captures.
+    /// Whether the name is declared here. Captures declare blocks.
     pub declares: bool,
 }
 
@@ -164,7 +164,7 @@ impl Names {
     /// Resolves names of declarations only, without blocks, instances and phases.
     pub(crate) fn of_declarations(checked: &Checked) -> Names {
         let names = Names::of_trees(checked.trees(), Keep::Declarations, Cancellation::NEVER);
-        names.expect("nobody cancels it")
+        names.expect("there is no cancellation")
     }
 
     /// Resolves the names of syntax trees. Imported files come before the files that import them.
@@ -186,7 +186,8 @@ impl Names {
         self.definitions.get(&(file, span.start)).copied()
     }
 
-    /// Returns the place where a pattern or shape is declared that an assembly names by this word.
+    /// Returns the location of the declaration of a pattern or shape that this word names in an
+    /// assembly.
     pub(crate) fn seen_from(
         &self,
         assembly: SourceLocation,
@@ -199,7 +200,7 @@ impl Names {
         seen.map(|it| it.location)
     }
 
-    /// Returns the scene of a word, if it is declared or named.
+    /// Returns the scene that a word names. It need not be declared.
     pub(crate) fn scene(&self, word: Symbol) -> Option<Definition> {
         self.declared.scenes.get(&word).copied()
     }
@@ -222,12 +223,12 @@ impl Names {
         (location.file == file && at <= location.span.end).then_some(candidate)
     }
 
-    /// Returns all names by file and place.
+    /// Returns all names, sorted by file and location.
     pub fn all(&self) -> &[Occurrence] {
         &self.occurrences
     }
 
-    /// Returns all places that refer to a definition, by file and place.
+    /// Returns all locations of a definition's name, sorted.
     pub fn occurrences_of(&self, definition: Definition) -> impl Iterator<Item = &Occurrence> {
         (self.occurrences.iter()).filter(move |occurrence| occurrence.definition == definition)
     }

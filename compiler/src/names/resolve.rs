@@ -61,7 +61,7 @@ struct BlockScope(u32);
 /// Surroundings of a walk.
 #[derive(Clone, Copy, PartialEq)]
 enum EnclosingScope {
-    /// The file.
+    /// Top level of a file.
     File,
     /// An assembly, by number.
     Assembly(usize),
@@ -75,7 +75,7 @@ enum EnclosingScope {
 #[derive(Default)]
 struct OwnNumbers {
     numbers: FxHashMap<Symbol, Vec<Definition>>,
-    /// The same numbers by the places of their names.
+    /// Definitions of `let` declarations by the positions of their names.
     lets: FxHashMap<u32, Definition>,
 }
 
@@ -138,7 +138,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Patterns and shapes may be declared after their use.
+    /// Declares patterns and shapes before the resolution, because they may be used before their
+    /// declaration.
     fn declare(&mut self, items: &[Item]) -> DeclaredWords {
         let mut named = DeclaredWords::default();
         for item in items {

@@ -17,12 +17,12 @@ use crate::plan::EventKind;
 
 /// A capture whose block must enter through a one-block gap.
 pub struct NarrowCapture {
-    /// The capture.
+    /// The capture that is checked.
     pub capture: EventId,
     /// Number of cells of the best path that are one cell wide. `None` if they are too many to
     /// count.
     pub length: Option<u32>,
-    /// Captures next to its cell: two on opposite sides if there are two, else all.
+    /// Captures next to its cell: a pair on opposite sides if there is one, else all.
     pub walls: Vec<EventId>,
 }
 
@@ -86,8 +86,8 @@ impl ReachAnalysis<'_> {
         NarrowCaptures { count, worst }
     }
 
-    /// Returns whether a capture takes over a block that is released in its cell. The release
-    /// happens last, so the block stays in place and needs no path.
+    /// Returns whether a capture takes over a block that is released in the same cell. The block
+    /// stays in place and needs no access path.
     fn is_handed_over(&mut self, id: EventId, descendants: &DescendantIndex) -> bool {
         let graph = self.subject.graph;
         let mut edges = graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming);
@@ -102,7 +102,7 @@ impl ReachAnalysis<'_> {
         })
     }
 
-    /// Returns the capture of the same phase whose block captures this one with `up`.
+    /// Returns the capture in the same phase that attaches the capturing block below with `up`.
     fn captor_below(&self, id: EventId, first: u32) -> Option<usize> {
         let EventKind::Capture { face: Face::Up, .. } = self.subject.plan.event(id).kind else {
             return None;
@@ -129,8 +129,9 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// Returns the number of open sides of a cell. Returns `None` if a cube of two block lengths
-    /// can bring a block to it, or to a passable gap along `way`.
+    /// Returns the number of open sides of a cell without a wide access path. Returns `None` if a
+    /// cube of two block lengths can bring a block there. The path may also end at a passable gap
+    /// along `way`.
     fn tightness(
         &mut self,
         cell: Cell,

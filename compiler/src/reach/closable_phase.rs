@@ -10,15 +10,15 @@ use crate::dependencies::graph::DependencyGraph;
 
 /// A phase with captures whose cells can be closed.
 pub struct ClosablePhase<'a> {
-    /// Events, each after all events that it waits for.
+    /// Events of the phase in topological order.
     pub events: &'a [EventId],
-    /// Descendants of events.
+    /// Descendants of each event.
     pub descendants: &'a DescendantIndex,
     /// Captures that no order reaches.
     pub never: FxHashSet<EventId>,
     /// Dependencies with every choice made, by events that some order reaches if possible.
     pub straight: Cow<'a, DependencyGraph>,
-    /// Order in which the other blocks can be removed. `None` if the phase has releases or the
+    /// Order that allows removing all other blocks again. `None` if the phase has releases or the
     /// search was stopped.
     pub apart: Option<Dismantled>,
 }

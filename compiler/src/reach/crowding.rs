@@ -1,4 +1,4 @@
-//! Captures that may be waited for side by side, so that the blocks that come jam each other.
+//! Warns of captures that may wait close together, so that incoming blocks jam.
 use petgraph::graph::NodeIndex;
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
@@ -15,8 +15,8 @@ const MAX_SHOWN: usize = 5;
 const MAX_SQUARES: usize = 10_000;
 
 impl ReachAnalysis<'_> {
-    /// Tells of three or more faces that may be open at the same time towards cells of one square
-    /// of four.
+    /// Warns of three or more faces that may be open at the same time within a square of four
+    /// cells.
     pub fn report_crowded(
         &mut self,
         number: usize,
@@ -85,7 +85,7 @@ impl ReachAnalysis<'_> {
         crowded
     }
 
-    /// Returns whether none of these events has to wait for another.
+    /// Returns whether these events are independent of each other.
     fn are_together(&mut self, events: &[EventId], descendants: &DescendantIndex) -> bool {
         let node = |id: &EventId| NodeIndex::new(id.0 as usize);
         let waits = |id: &EventId, other: &EventId| {
@@ -108,8 +108,8 @@ impl ReachAnalysis<'_> {
     }
 }
 
-/// Returns the squares of four cells around this cell, in each plane, if at least three of their cells are
-/// captured. Each square is found from only one cell.
+/// Returns the squares of four cells around this cell, in each plane. At least three cells of a
+/// square are captured. Each square is returned for only one of its cells.
 fn squares(cell: Cell, at: &FxHashMap<Cell, EventId>) -> Vec<[Option<EventId>; 4]> {
     let found = |offset| at.get(&cell.offset(offset)?).copied();
     let axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];

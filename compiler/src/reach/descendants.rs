@@ -1,8 +1,8 @@
 //! Descendants of the events of a phase.
 //!
-//! The descendants of an event are asked for once per event, so they are not stored but looked up:
-//! a spanning forest gives nearly all of them as one interval of a preorder, and the few edges that
-//! are not implied by the forest add further intervals.
+//! They are computed on demand, because storing them all would take too much memory. A spanning
+//! forest gives most descendants of an event as one interval of a preorder. The few edges that the
+//! forest does not imply add further intervals.
 use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
@@ -15,11 +15,11 @@ use crate::plan::EventId;
 pub struct DescendantIndex {
     /// The number of the phase's first event.
     first: u32,
-    /// For every event of the phase, its place in the preorder.
+    /// For each event of the phase, its position in the preorder.
     place: Vec<u32>,
     /// For every event of the phase, itself and those below it in the forest.
     size: Vec<u32>,
-    /// Edges that the forest does not imply: the place of the source, and the target.
+    /// Edges that the forest does not imply: position of the source, and the target.
     cross: Vec<(u32, EventId)>,
 }
 
@@ -31,8 +31,8 @@ pub struct Descendants<'a> {
 }
 
 impl DescendantIndex {
-    /// `events` are those of one phase, numbered without gaps from `first`, each behind all it
-    /// waits for.
+    /// Creates the index for the events of one phase in topological order. Their numbers are
+    /// consecutive from `first`.
     pub fn new(graph: &DependencyGraph, first: u32, events: &[EventId]) -> DescendantIndex {
         let count = events.len();
         let local = |id: EventId| (id.0 - first) as usize;
@@ -106,7 +106,7 @@ impl DescendantIndex {
         }
     }
 
-    /// The same, if the work is not too much.
+    /// Returns the descendants of an event. Returns `None` if the effort is spent.
     pub fn within(&self, id: EventId, effort: &mut SearchEffort<'_>) -> Option<Descendants<'_>> {
         let mut intervals = vec![self.interval(id)];
         self.add_cross(&mut intervals, &mut effort.steps, effort.budget);

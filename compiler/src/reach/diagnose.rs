@@ -22,22 +22,22 @@ const MAX_DESCRIBED: usize = 100;
 
 /// Outcome of a capture whose cell can be closed.
 enum SealedOutcome {
-    /// No order reaches it, for this reason.
+    /// No order reaches the cell, for this reason.
     Never(UnreachableCause),
-    /// Some orders reach it, and this one closes its cell: all blocks around it come first.
+    /// Some orders reach the cell, but in this order all blocks around it come first.
     Walled(Vec<EventId>),
-    /// Its cell is closed when everything is there that need not wait for it. Releases or choices
-    /// of faces leave open whether that can happen.
+    /// The cell is closed if all independent events happen. Releases or choices of faces leave open
+    /// whether they can all happen.
     Doubtful,
 }
 
 /// Reason why no order reaches a capture.
 enum UnreachableCause {
-    /// The blocks that it waits for, and earlier phases, close its cell.
+    /// The blocks that the capture waits for, and earlier phases, close its cell.
     Walls,
-    /// It waits for a capture that no order reaches.
+    /// The capture waits for a capture that no order reaches.
     Waits(EventId),
-    /// The blocks that it waits for cannot be built together.
+    /// The blocks that the capture waits for cannot all be built together.
     Together,
 }
 
@@ -104,8 +104,8 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// Returns the diagnostic of a capture. Returns `None` if only blocks that never come close its
-    /// cell.
+    /// Returns the diagnostic of a capture. Returns `None` if the blocks that close its cell never
+    /// come.
     fn sealed(&mut self, phase: &ClosablePhase, id: EventId) -> Option<Diagnostic> {
         let Self { subject, .. } = *self;
         let plan = subject.plan;
@@ -319,7 +319,7 @@ impl ReachAnalysis<'_> {
         walls
     }
 
-    /// Lists events.
+    /// Returns a list of events as text.
     fn describe_order(&self, events: impl IntoIterator<Item = EventId>) -> String {
         let names: Vec<String> = (events.into_iter())
             .map(|id| self.subject.plan.describe(id, self.subject.symbols))

@@ -8,7 +8,7 @@ use crate::diagnostic::Edit;
 use crate::plan::{EventKind, NameKey};
 use crate::{FileId, SourceLocation};
 
-/// An arrow of a chain with its captures. A row, loop or pattern has many.
+/// An arrow of a chain with its captures. In a range, loop or pattern it has many.
 #[derive(Clone, Copy)]
 pub struct CaptureStatement<'a> {
     chain: &'a Chain,
@@ -40,23 +40,24 @@ impl<'a> CaptureStatement<'a> {
         (parent, &chain.links[link].place)
     }
 
-    /// Returns whether it is the first arrow of its chain. An `after` delays that one.
+    /// Returns whether the arrow is the first of its chain. An `after` of the statement delays the
+    /// first arrow.
     pub fn is_first(&self) -> bool {
         self.link == 0
     }
 
-    /// Returns the source.
+    /// Returns the source of the file.
     pub fn text(&self, subject: &SoundProgram<'a>) -> &'a str {
         let (parent, child) = self.places();
         let place = location(subject.file, parent.span.start, child.span.end);
         subject.sources.text(place)
     }
 
-    /// Returns the ways to write the name of a block at the statement of `capture`, the likeliest
-    /// first.
+    /// Returns the possible spellings of a block's name at the statement of `capture`, the
+    /// likeliest first.
     ///
-    /// Names with the counters of its loops come first, and the plain name last. Returns no names
-    /// if the block has none there.
+    /// Spellings with loop counters come first, and the plain name last. Returns nothing if the
+    /// block has no name there.
     pub fn names(&self, subject: &SoundProgram, capture: EventId, role: RoleId) -> Vec<String> {
         let roles = &subject.plan.roles;
         let (parent, child) = self.places();
@@ -178,7 +179,7 @@ impl<'a> CaptureStatement<'a> {
 /// Largest number of names that are made up for a block.
 const MAX_NAMES: usize = 64;
 
-/// Returns the link of a chain at a place.
+/// Returns the arrow of a chain at this source range.
 fn find(items: &[Item], span: Span) -> Option<CaptureStatement<'_>> {
     items.iter().find_map(|item| match &item.kind {
         ItemKind::Chain(chain) => (0..chain.links.len())
@@ -194,8 +195,8 @@ fn find(items: &[Item], span: Span) -> Option<CaptureStatement<'_>> {
     })
 }
 
-/// Returns the end of a role's path that a place writes out. Returns `None` if a parameter stands
-/// for it.
+/// Returns the part of a role's path that the source spells out. Returns `None` if it uses a
+/// parameter.
 fn ending<'k>(place: &Place, path: &'k [NameKey]) -> Option<&'k [NameKey]> {
     let from = path.len().checked_sub(place.path.len())?;
     let is_written = (place.path.iter().zip(&path[from..])).all(|(segment, key)| {
@@ -205,7 +206,7 @@ fn ending<'k>(place: &Place, path: &'k [NameKey]) -> Option<&'k [NameKey]> {
     (is_written && from < path.len()).then_some(&path[from..])
 }
 
-/// Returns whether an index of a name is this one.
+/// Returns whether the index of a written name is this one.
 fn stands_in(name: &str, index: &str) -> bool {
     let indices = name.rsplit('[').next().unwrap_or_default();
     indices.split(", ").any(|other| other == index)
@@ -229,8 +230,8 @@ fn solve(place: &Place, keys: &[NameKey], counters: &mut Vec<(Symbol, i64)>) {
     }
 }
 
-/// Returns the name in an expression, with the number that it stands for if the expression has a
-/// value.
+/// Returns the word in an expression with its value. Returns `None` if the expression has no such
+/// form.
 fn counter(expr: &Expr, value: i64) -> Option<(Symbol, i64)> {
     match &expr.kind {
         ExprKind::Name(name) => Some((*name, value)),
@@ -248,7 +249,7 @@ fn counter(expr: &Expr, value: i64) -> Option<(Symbol, i64)> {
     }
 }
 
-/// Returns the ways to write an index, with their distances.
+/// Returns the possible spellings of an index, with their distances.
 fn indices(index: i64, counters: &[(Symbol, i64)], subject: &SoundProgram) -> Vec<(u64, String)> {
     let mut written: Vec<(u64, String)> = (counters.iter())
         .map(|&(name, value)| {

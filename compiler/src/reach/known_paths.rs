@@ -1,13 +1,13 @@
-//! Access paths that were found earlier.
+//! Access paths of earlier searches.
 //!
-//! Blocks of many phases enter by the same opening. A path is kept as long as its cells are empty,
-//! so the next search can end at such a path.
+//! Blocks of many phases enter through the same opening. A path stays valid until one of its cells
+//! is occupied. Later searches can end at a valid path.
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
 use super::moving_cube::MovingCube;
 
-/// Positions from which a cube of one size gets out, whatever the captures of the current phase do.
+/// Positions of a cube of one size with a path to the outside, in every order of the current phase.
 #[derive(Default)]
 pub struct KnownPaths {
     /// Next position on the path (itself at the end), and the phase of the proof.
@@ -79,8 +79,8 @@ impl KnownPaths {
     }
 }
 
-/// Returns whether a cube gets from one position to the next, or from the last to the sky, if all
-/// captures of the phase have happened.
+/// Returns whether a cube can move from one position to the next, or from the last one to the sky.
+/// Assumes that all captures of the phase have happened.
 fn is_passable(here: Cell, next: Cell, search: &MovingCube) -> bool {
     let search = MovingCube {
         has: &|_| true,

@@ -81,13 +81,13 @@ const TRIED: u64 = 100;
 /// A program without errors of the earlier stages.
 #[derive(Clone, Copy)]
 pub struct SoundProgram<'a> {
-    /// The expanded program.
+    /// Expanded program.
     pub plan: &'a ProgramPlan,
-    /// Times at which blocks are attached.
+    /// Attachment of each block over time.
     pub liveness: &'a Liveness,
     /// Cells of all blocks.
     pub layout: &'a Layout,
-    /// Dependencies, with their choices.
+    /// Dependency graph, including choices.
     pub graph: &'a DependencyGraph,
     /// Dependencies that hold in every order.
     pub certain: &'a DependencyGraph,
@@ -108,7 +108,7 @@ pub struct SoundProgram<'a> {
     pub sources: &'a Sources,
     /// Words of the files.
     pub symbols: &'a Symbols,
-    /// Cancels the check.
+    /// Cancellation of the check.
     pub cancellation: Cancellation<'a>,
 }
 
@@ -173,7 +173,7 @@ struct ReachAnalysis<'a> {
     subject: SoundProgram<'a>,
     /// Occupied cells in the worst order of the current phase.
     occupancy: OccupiedCells,
-    /// Captures with a path in every order.
+    /// Whether each capture has been shown to have a path in every order.
     is_safe: Vec<bool>,
     /// Known paths of cubes of one and of two block lengths.
     known_paths: [KnownPaths; 2],
@@ -185,14 +185,14 @@ struct ReachAnalysis<'a> {
     trials: SearchEffort<'a>,
     /// Errors of the unchanged files, once a remedy was tried.
     untouched: Option<Vec<ReportedError>>,
-    /// Proposed remedies with the errors that they leave.
+    /// Proposed remedies, each with the errors that remain.
     proposed: Vec<(Vec<ReportedError>, Proposal)>,
 }
 
 /// Code and title of an error.
 pub type ReportedError = (Code, String);
 
-/// Number of searched places, and its limit.
+/// Number of searched positions, with its limit.
 struct SearchEffort<'a> {
     steps: u64,
     budget: u64,
@@ -241,7 +241,7 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// The release of this block has surely happened.
+    /// Removes a block whose release certainly happens.
     fn depart(&mut self, release: EventId) {
         let on = self.subject.layout.parents[release.0 as usize];
         if let (Some(cell), Some(on)) = (self.cell(release), on) {
@@ -290,7 +290,7 @@ fn after(graph: &DependencyGraph, id: EventId) -> impl Iterator<Item = EventId> 
     (graph.edges_directed(NodeIndex::new(id.0 as usize), Outgoing)).map(|edge| graph[edge.target()])
 }
 
-/// Returns events and all events that they wait for.
+/// Returns these events and all their ancestors.
 fn all_before(
     graph: &DependencyGraph,
     events: impl IntoIterator<Item = EventId>,

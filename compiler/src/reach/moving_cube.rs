@@ -5,7 +5,7 @@ use super::occupancy::{Has, OccupiedCells};
 
 /// A cube that moves in steps of a block length around a structure.
 pub struct MovingCube<'a> {
-    /// The structure, sorted.
+    /// Occupied cells, sorted.
     pub occupancy: &'a OccupiedCells,
     /// Whether a capture has happened.
     pub has: Has<'a>,
@@ -14,7 +14,7 @@ pub struct MovingCube<'a> {
 }
 
 impl MovingCube<'_> {
-    /// Returns whether a cube with its low corner at `at` meets an occupied cell.
+    /// Returns whether a cube with low corner `at` overlaps an occupied cell.
     pub fn is_blocked(&self, at: Cell) -> bool {
         self.meets(at, 0, self.size)
     }

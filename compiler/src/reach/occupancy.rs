@@ -9,7 +9,7 @@ use crate::plan::EventId;
 /// Whether a capture has happened.
 pub type Has<'a> = &'a dyn Fn(EventId) -> bool;
 
-/// The structure, with the captures of the phase at hand.
+/// Occupied cells, including those that captures of the current phase fill.
 #[derive(Clone, Default)]
 pub struct OccupiedCells {
     /// The capture that fills a cell.
@@ -18,7 +18,7 @@ pub struct OccupiedCells {
     held_over: FxHashSet<Cell>,
     /// The highest full cell over each (x, y).
     tops: FxHashMap<(i32, i32), i32>,
-    /// The full cells by (x, y, z), once they are needed in this order.
+    /// Occupied cells sorted by (x, y, z). Computed on demand.
     sorted: Option<BTreeSet<(i32, i32, i32)>>,
     /// Blocks passed by in looking for ceilings.
     passed: std::cell::Cell<u64>,
@@ -33,7 +33,7 @@ impl OccupiedCells {
         }
     }
 
-    /// Fills a cell by a capture. The block before may not be gone yet.
+    /// Marks a cell as filled by a capture. A previous block may still be in it.
     pub fn fill(&mut self, cell: Cell, by: EventId) {
         if self.cells.insert(cell, by).is_some() {
             self.held_over.insert(cell);
@@ -45,7 +45,7 @@ impl OccupiedCells {
         }
     }
 
-    /// The block that `capture` anchored in a cell has gone for sure.
+    /// Removes the block that `capture` anchored. Its release certainly happens.
     pub fn empty(&mut self, cell: Cell, capture: EventId) {
         if self.cells.get(&cell) != Some(&capture) {
             self.held_over.remove(&cell);
@@ -89,8 +89,8 @@ impl OccupiedCells {
             .get_or_insert_with(|| cells.keys().map(|cell| (cell.x, cell.y, cell.z)).collect());
     }
 
-    /// Returns whether a cell is full: the ground, a block whose capture has happened as `has`
-    /// says, or one that may not have gone.
+    /// Returns whether a cell is blocked. The ground blocks, as do blocks whose capture `has`
+    /// happened, and blocks that may not have left.
     pub fn is_blocked(&self, cell: Cell, has: Has) -> bool {
         cell.z < 1 || (self.cells.get(&cell)).is_some_and(|&by| has(by) || self.is_held_over(cell))
     }

@@ -1,11 +1,11 @@
-//! Looks for a way from a place next to the structure to the open sky.
+//! Searches for a path from a position next to the structure to the open sky.
 //!
-//! A pocket can hold many more cells than its walls have, so the search keeps to the cells along
-//! the walls, and leaves them only straight upwards. That is enough. Where the ground is replaced
-//! by the mirror image of all that stands on it, the part of a wall's outer or inner skin that
-//! faces one region is connected in itself (a connected obstacle bounds each region of its
-//! complement in one piece), no other wall cuts it, and the highest cell of an outer skin sees the
-//! sky or the next wall that encloses it.
+//! A pocket can have many more cells than its walls. The search therefore follows the walls, and
+//! leaves them only straight upwards. This is sufficient, for the following reason. Replace the
+//! ground by the mirror image of the structure. The side of a wall that faces one region is then
+//! connected, because a connected obstacle bounds each region of its complement in one piece. No
+//! other wall divides it. The highest cell of an outer side sees the sky, or the next wall that
+//! encloses it.
 use std::collections::VecDeque;
 use std::collections::hash_map::Entry;
 
@@ -17,19 +17,20 @@ use super::known_paths::KnownPaths;
 use super::moving_cube::MovingCube;
 use crate::plan::EventId;
 
-/// How a search ended.
+/// Result of a search.
 pub enum SearchOutcome {
-    /// There is one.
+    /// There is a path.
     Out,
-    /// There is none; the cells along the walls, in the order in which they were found.
+    /// No path exists. Has the cells along the walls in the order of the search.
     Sealed(Vec<Cell>),
     /// The search was given up.
     Unknown,
 }
 
 impl MovingCube<'_> {
-    /// Searches from places that are free, the nearest first, so that the ways that are kept are short;
-    /// `is_out` knows of events whose cell has a way out.
+    /// Searches for a path from one of these free positions. Nearest positions come first, so that
+    /// recorded paths are short. `is_out` returns whether the cell of an event is known to have a
+    /// path.
     pub fn find_path(
         &self,
         starts: impl IntoIterator<Item = Cell>,

@@ -1,4 +1,4 @@
-//! One layer of the structure as text.
+//! Draws one layer of the structure as text.
 use super::Cell;
 use crate::diagnostic::layer_picture::layer_picture;
 

@@ -9,10 +9,10 @@ use super::{EventId, ReachAnalysis, after, all_before, before};
 use crate::dependencies::face_turns::is_ready;
 use crate::dependencies::graph::DependencyGraph;
 
-/// Order in which the blocks of a phase can be removed again, the last block first.
+/// Order that allows removing the blocks of a phase again, the last block first.
 ///
 /// The phase has no releases, so removing a block only opens paths. A block that can be removed now
-/// can be removed later too, so the first choice does not matter. A block that stays keeps its
+/// can also be removed later, so the first choice does not matter. A block that stays keeps its
 /// dependencies.
 pub struct Dismantled {
     first: u32,
@@ -22,7 +22,7 @@ pub struct Dismantled {
     pub is_whole: bool,
 }
 
-/// The block stays.
+/// Position of a block that cannot be removed.
 const STAYS: u32 = u32::MAX;
 
 impl Dismantled {
@@ -57,13 +57,12 @@ impl ReachAnalysis<'_> {
         )
     }
 
-    /// Returns the events of a phase that no order reaches: captures whose cells are closed by
-    /// blocks that they wait for, and events that wait for such a capture.
+    /// Returns the events of a phase that no order reaches. These are captures whose cells are
+    /// closed by blocks that they wait for, and events that wait for such captures.
     ///
-    /// None of them ever happens. The first to happen would have waited only for other events. At
-    /// least the captures that it waits for in every order would be around it, and every earlier
-    /// release is counted on. least the captures around it that it surely waits for, and every
-    /// release so far has been counted on.
+    /// None of these events can be the first to happen. At least the captures that it certainly
+    /// waits for would surround its cell, although every earlier release is assumed to have
+    /// happened.
     pub fn never(
         &mut self,
         events: &[EventId],

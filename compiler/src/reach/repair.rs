@@ -1,4 +1,4 @@
-//! Which captures have to come after another one, so that its block has a way in.
+//! Finds captures that must come later so that a block has an access path.
 use std::collections::VecDeque;
 
 use rustc_hash::FxHashMap;
@@ -12,15 +12,16 @@ use super::reachable::Dismantled;
 use super::{Cell, EventId, ReachAnalysis};
 use crate::SourceLocation;
 
-/// Cells looked at on the way out of one pocket.
+/// Largest number of cells in the search for a path out of one pocket.
 const FARTHEST: usize = 20_000;
 
 impl ReachAnalysis<'_> {
-    /// Captures of a phase that leave `id` a way out if they come after it; none of them can be left out.
+    /// Returns captures of a phase that open a path for `id` if they come after it. All of them are
+    /// needed.
     ///
-    /// They have gone before it where the phase is taken apart, so that all that is found in this way for one
-    /// phase agrees with one order. None is written at one of the locations in `barred`. `None`: there is no such way,
-    /// or none was found.
+    /// In the order `apart`, these captures are removed before `id`. All results for one phase
+    /// therefore agree with one order. Captures written at the locations `barred` are not used.
+    /// Returns `None` if no path was found.
     pub fn later(
         &mut self,
         phase: &ClosablePhase,
@@ -54,8 +55,7 @@ impl ReachAnalysis<'_> {
         Some(later)
     }
 
-    /// Returns whether a cell has a way out in its worst case if these captures come after it as
-    /// well.
+    /// Returns whether a cell has a path in its worst order if these captures also come after it.
     fn is_open_after(
         &mut self,
         id: EventId,
@@ -72,8 +72,8 @@ impl ReachAnalysis<'_> {
         matches!(way, SearchOutcome::Out)
     }
 
-    /// Returns the captures on the way out that meets the fewest of those that are there at worst,
-    /// and does not pass through any that stays.
+    /// Returns the captures on the path that passes the fewest blocks of the worst order. The path
+    /// avoids blocks that must stay. Returns `None` if there is none.
     fn on_the_way(
         &mut self,
         id: EventId,

@@ -9,14 +9,14 @@ use crate::dependencies::face_turns::is_ready;
 
 /// A capture that may wait forever.
 pub struct BlockedCapture {
-    /// Which.
+    /// The capture whose cell is closed.
     pub capture: EventId,
-    /// Whether its worst case has no way out; else the search has reached its limit.
+    /// Whether the worst order was shown to have no path. Otherwise the search reached its limit.
     pub is_shown: bool,
 }
 
 impl ReachAnalysis<'_> {
-    /// Returns the captures of a phase without a way out in their worst case, in source order.
+    /// Returns the captures of a phase without a path in their worst order, in source order.
     pub fn blocked(
         &mut self,
         events: &[EventId],
@@ -49,7 +49,7 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// Lets those blocks go whose release waits for safe captures alone.
+    /// Removes blocks whose release waits only for safe captures.
     fn depart_surely(&mut self, events: &[EventId], gone: &mut [bool]) {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
         let local = |id: EventId| (id.0 - first) as usize;

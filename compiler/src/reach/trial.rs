@@ -15,7 +15,7 @@ pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<ReportedError>> + 'a;
 pub struct Proposal {
     /// Statements as written, each with the name that it must wait for.
     pub waits: Vec<(String, String)>,
-    /// The change.
+    /// The fix to try.
     pub fix: Fix,
 }
 
@@ -25,22 +25,22 @@ struct DelayedStatement<'a> {
     statement: CaptureStatement<'a>,
     /// Place of the statement.
     location: SourceLocation,
-    /// Name that it must wait for.
+    /// Name of the block that it must wait for.
     name: String,
 }
 
 /// Largest number of lists of captures that are tried for one cell.
 const MAX_LISTS: usize = 6;
-/// Largest number of ways to write the name that are tried for one list.
+/// Largest number of spellings of the names to try for one list of captures.
 const MAX_WRITINGS: usize = 16;
-/// Largest number of ways that are tried after one that helps.
+/// Largest number of further spellings to try after one that helps.
 const MAX_BETTER: usize = 3;
-/// Number of events that a trial counts for, in addition to those of the program.
+/// Fixed cost of a trial, as a number of events.
 const OVERHEAD: u64 = 250;
 
 impl<'a> ReachAnalysis<'a> {
-    /// Returns a change that removes the error of capture `id` with this title and causes no other
-    /// one. No part of it can be omitted. `first`: captures that may help if they come later.
+    /// Returns a minimal change that removes the error of capture `id` with this title and causes
+    /// no other error. `first` are captures that may help if they come later.
     pub fn proposal(
         &mut self,
         phase: &ClosablePhase,
@@ -106,7 +106,8 @@ impl<'a> ReachAnalysis<'a> {
         None
     }
 
-    /// Returns the ways to make captures wait for a block, the likeliest first.
+    /// Returns the possible spellings of statements that make captures wait for a block, the
+    /// likeliest first.
     fn writings(&self, id: EventId, later: &[EventId]) -> Vec<Vec<DelayedStatement<'a>>> {
         let plan = self.subject.plan;
         let role = plan.event(id).role;
@@ -184,8 +185,9 @@ impl<'a> ReachAnalysis<'a> {
         }
     }
 
-    /// Returns the errors that a change leaves. The inner `None` says that it does not remove
-    /// `error`, or causes another one. The outer `None` says that no more is tried.
+    /// Returns the errors that remain after a change. The inner `None` means that the change does
+    /// not remove `error` or causes another one. The outer `None` means that the limit of trials is
+    /// reached.
     fn errors_after(
         &mut self,
         error: &ReportedError,

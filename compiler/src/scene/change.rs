@@ -4,7 +4,7 @@ use stochc_ir::scene::scalars::ScalarError;
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Returns the diagnostic of a wrong change, at the assembly whose scene it changes.
+/// Returns the diagnostic of an invalid change, at the assembly whose scene is changed.
 pub(crate) fn diagnostic(error: &ScalarError, assembly: SourceLocation) -> Diagnostic {
     let code = match error {
         ScalarError::Unknown { .. } => Code::UnknownTerm,

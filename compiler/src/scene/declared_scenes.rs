@@ -1,4 +1,4 @@
-//! Scenes that the files declare, and the scenes that they are derived from.
+//! Declared scenes and their bases.
 use rustc_hash::FxHashMap;
 use stochc_grammar::Symbols;
 use stochc_grammar::tree::{Item, ItemKind, SceneDeclaration, Tree};
@@ -7,23 +7,23 @@ use crate::names::{Definition, Names};
 use crate::scene::is_built_in;
 use crate::{Checked, FileId, SourceLocation};
 
-/// A scene with its file.
+/// A declared scene with its file.
 #[derive(Clone, Copy, Debug)]
 pub struct DeclaredScene<'a> {
-    /// The file.
+    /// File of the declaration.
     pub file: FileId,
-    /// Its definition.
+    /// Declaration with its documentation.
     pub item: &'a Item,
-    /// The scene.
+    /// Content of the declaration.
     pub scene: &'a SceneDeclaration,
-    /// Number of the declared scene that it is derived from. `None` for built-in, unknown and no
-    /// scenes.
+    /// Index of its base among the declared scenes. `None` if the base is built in, unknown or
+    /// absent.
     pub base: Option<usize>,
     pub(crate) definition: Definition,
 }
 
 impl DeclaredScene<'_> {
-    /// Returns the place of its name.
+    /// Returns the location of the scene's name.
     pub(crate) fn location(&self) -> SourceLocation {
         SourceLocation {
             file: self.file,
@@ -33,7 +33,7 @@ impl DeclaredScene<'_> {
 }
 
 /// Returns the scenes of a checked file and its imports. Imported files come before the files that
-/// import them. Only the first scene of a name is kept.
+/// import them. Of several scenes with one name, only the first is returned.
 pub fn declared_scenes(checked: &Checked) -> Vec<DeclaredScene<'_>> {
     let names = Names::of_declarations(checked);
     of_trees(checked.trees(), &names, &checked.symbols, &mut |_, _| {})

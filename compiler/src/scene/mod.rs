@@ -1,4 +1,4 @@
-//! Scenes as they are written: read, built in, and changed.
+//! Reads scenes, including built-in and changed ones.
 mod builtin;
 mod change;
 pub(crate) mod declared_scenes;

@@ -17,9 +17,9 @@ use stochc_text::series;
 use crate::diagnostic::{Code, Diagnostic, Fix, report};
 use crate::{FileId, SourceLocation};
 
-/// Reads a scene on top of the one that it is derived from.
+/// Reads a scene and applies it to its base.
 ///
-/// Returns `None` if something is wrong, which has been reported.
+/// Returns `None` if the scene has errors, which have been reported.
 pub fn read(
     scene: &stochc_grammar::tree::SceneDeclaration,
     base: Option<Scene>,
@@ -55,7 +55,7 @@ pub fn read(
     (wrong.is_empty() && diagnostics.len() == before).then_some(draft)
 }
 
-/// Content of a clause, before the kind of its term is known.
+/// Content of a clause whose kind is not known yet.
 #[derive(Default)]
 struct ClauseContent {
     makes: Vec<fn(&mut Scene)>,
@@ -75,7 +75,7 @@ impl ClauseContent {
 
 struct SceneReader<'a, 'f> {
     terms: std::iter::Peekable<std::slice::Iter<'a, Term>>,
-    /// Place of the last word, for messages about something missing after it.
+    /// Location of the last word, for messages about a missing word after it.
     place: Span,
     file: FileId,
     symbols: &'a Symbols,
@@ -112,7 +112,7 @@ impl<'a> SceneReader<'a, '_> {
         sound
     }
 
-    /// Skips the fields of an unknown kind. Returns `None` if the rest of `entry` is not there.
+    /// Skips the fields of an unknown kind. Returns `None` if the rest of `entry` is missing.
     fn skip(&mut self, kinds: &[SchemaEntry], entry: &SchemaEntry) -> Option<()> {
         match self.terms.peek() {
             Some(Term::Block(..)) if kinds.iter().any(|kind| kind.fields().is_some()) => {
@@ -250,7 +250,7 @@ impl<'a> SceneReader<'a, '_> {
         Some(chosen)
     }
 
-    /// Reports that a clause has no braces, and shows its fields.
+    /// Reports a clause without braces, with a list of its fields.
     fn without_braces(&mut self, clause: Name, fields: &[SchemaEntry], group: &FieldGroup) {
         let word = self.word_of(clause);
         // One of the alternatives is enough.
@@ -295,7 +295,7 @@ impl<'a> SceneReader<'a, '_> {
         )
     }
 
-    /// Reports the missing clauses of a scene, and returns them.
+    /// Reports and returns the missing clauses of a scene.
     fn missing_clauses(&mut self, scene: Name, seen: &[Name]) -> Vec<&'static str> {
         let examples = CLAUSES.iter().filter_map(|clause| match clause.absent {
             Absent::Example(example) => Some((clause.word, example)),
@@ -316,7 +316,8 @@ impl<'a> SceneReader<'a, '_> {
         words
     }
 
-    /// Checks that each term has the terms that it needs. Wrong clauses have been reported.
+    /// Checks that each term has the other terms that it requires. Clauses in `wrong` have been
+    /// reported.
     fn requirements(&mut self, draft: &Scene, seen: &[Name], wrong: &[&str]) {
         let mut told = wrong.to_vec();
         for it in &REQUIREMENTS {
@@ -365,7 +366,7 @@ fn quoted(words: &[&str]) -> String {
     series(&quoted, "and")
 }
 
-/// Returns a field with the example of its unit, such as `side 20cm`.
+/// Returns an example of a field with a unit, such as `side 20cm`.
 fn example(field: &SchemaEntry) -> Option<String> {
     let SchemaPart::Number(number) = field.parts.first()? else {
         return None;

@@ -21,9 +21,9 @@ impl From<SceneWarningKind> for Code {
     }
 }
 
-/// Reports and returns what keeps a scene from working, one diagnostic for each code.
+/// Reports the reasons why a scene does not work, one diagnostic per code, and returns them.
 ///
-/// `location`: the name of the scene in the program, or else the name of the program.
+/// `location` is that of the scene's name in the program, or else of the program's name.
 pub fn check(
     scene: &Scene,
     layers: Option<RangeInclusive<i32>>,

@@ -24,7 +24,7 @@ pub struct Scenes<'a> {
 }
 
 impl<'a> Scenes<'a> {
-    /// Reads every declared scene, whether it is used or not.
+    /// Reads all declared scenes, used or not.
     pub fn new(
         modules: &[Module],
         names: &'a Names,
@@ -48,7 +48,7 @@ impl<'a> Scenes<'a> {
         scenes
     }
 
-    /// Reads a scene and, before it, those it is based on.
+    /// Reads a scene after its bases.
     fn read_line(
         &mut self,
         number: usize,

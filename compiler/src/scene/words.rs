@@ -3,14 +3,14 @@ use stochc_grammar::tree::{SceneDeclaration, Term};
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::scene::schema::{CLAUSES, SchemaEntry, SchemaPart};
 
-/// A place in a scene.
+/// Words around a position in a scene.
 #[derive(Debug)]
 pub struct WordContext {
-    /// The word at the place.
+    /// Word at the position.
     pub word: Option<Span>,
-    /// Meaning of the word, if it is known, with the path from its clause.
+    /// Entries from the clause to the word. Empty if the word is unknown.
     pub path: Vec<&'static SchemaEntry>,
-    /// Words that can stand there instead.
+    /// Words that are valid at the position.
     pub next: Vec<&'static SchemaEntry>,
 }
 
@@ -21,7 +21,7 @@ impl WordContext {
     }
 }
 
-/// Returns a place in the braces of `outer`, with the words in `known`.
+/// Returns the context of a position in the braces of `outer`. Valid words are those of `known`.
 fn within(
     terms: &[Term],
     symbols: &Symbols,
@@ -69,7 +69,7 @@ fn within(
     WordContext { word, path, next }
 }
 
-/// Follows a word from an entry to the entry that it begins.
+/// Appends the entry that a word begins to the path.
 fn follow(
     path: &mut Vec<&'static SchemaEntry>,
     outer: usize,
@@ -89,7 +89,7 @@ fn follow(
     }
 }
 
-/// Returns the words for the kind of an entry, or those after its values.
+/// Returns the words that select the kind of an entry, or the words after its values.
 fn choices(entry: &'static SchemaEntry, of_kind: bool) -> Vec<&'static SchemaEntry> {
     let parts = entry.parts.iter().flat_map(|part| match part {
         SchemaPart::OneOf { of, .. } if of_kind => *of,

@@ -5,23 +5,23 @@ use crate::names::{NameKind, Names};
 use crate::plan::ProgramPlan;
 use crate::{Checked, FileId, SourceLocation};
 
-/// The shapes of all files, those within assemblies as well.
+/// Declared shapes of all files, including those inside assemblies.
 pub struct DeclaredShapes<'a> {
     checked: &'a Checked,
     names: Names,
     shapes: Vec<DeclaredShape<'a>>,
 }
 
-/// A shape, with its file.
+/// A declared shape with its file.
 #[derive(Clone, Copy, Debug)]
 pub struct DeclaredShape<'a> {
-    /// Its file.
+    /// File of the declaration.
     pub file: FileId,
-    /// Its declaration.
+    /// Declaration with its documentation.
     pub item: &'a Item,
-    /// The shape itself.
+    /// Content of the declaration.
     pub shape: &'a Shape,
-    /// Whether it stands in an assembly, which alone sees it.
+    /// Whether the shape is declared inside an assembly, which alone can use it.
     pub is_local: bool,
 }
 
@@ -58,7 +58,7 @@ impl<'a> DeclaredShapes<'a> {
         &self.shapes
     }
 
-    /// Returns the shape that a word stands for in a program.
+    /// Returns the shape that a word names in a program.
     pub fn seen_from(&self, program: &ProgramPlan, word: &str) -> Option<&DeclaredShape<'a>> {
         let word = self.checked.symbols.get(word)?;
         let seen = (self.names).seen_from(program.location, NameKind::Shape, word)?;

@@ -14,7 +14,7 @@ use crate::{SourceLocation, Sources};
 pub struct Layout {
     /// Cell of the block of every event. `None` if it is unknown.
     pub cells: Vec<Option<Cell>>,
-    /// How the block of every event is attached.
+    /// Attachment of each event's block. `None` for releases and wrong events.
     pub parents: Vec<Option<Attachment>>,
     /// Releases that empty a cell for a capture of the same phase.
     pub vacated: Vec<(EventId, EventId)>,
@@ -23,14 +23,14 @@ pub struct Layout {
     pub changes: Vec<(Vec<Cell>, Vec<Cell>)>,
     /// Number of blocks above the plate at the end of each phase.
     pub sizes: Vec<u32>,
-    /// Releases of a parent, with the releases of children that come first.
+    /// Pairs of a child's release and the later release of its parent.
     pub emptied: Vec<(EventId, EventId)>,
 }
 
 /// Bond of a block to its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Attachment {
-    /// The parent.
+    /// Role of the parent.
     pub parent: RoleId,
     /// Face of the parent, in the frame of the structure.
     pub face: Face,
@@ -38,7 +38,7 @@ pub struct Attachment {
     pub capture: EventId,
 }
 
-/// An attached block.
+/// Cell and parent of an attached block.
 #[derive(Clone, Copy)]
 struct AnchoredPosition {
     cell: Cell,
@@ -155,7 +155,8 @@ impl LayoutBuilder<'_> {
         Ok(())
     }
 
-    /// Computes the cells of the captures of the phase. The first capture takes a cell.
+    /// Computes the cells of the captures of a phase. If several captures fill one cell, the first
+    /// one is kept.
     fn captures(
         &mut self,
         events: &[EventId],
@@ -354,7 +355,7 @@ impl LayoutBuilder<'_> {
             ))
     }
 
-    /// Returns the error that one statement captures two blocks into one cell.
+    /// Returns the error that one statement captures two blocks into the same cell.
     fn occupied_again(&self, id: EventId, cell: Cell, first: RoleId) -> Diagnostic {
         let event = self.plan.event(id);
         let name = self.plan.roles.name(event.role, self.symbols);

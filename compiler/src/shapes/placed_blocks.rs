@@ -12,7 +12,7 @@ pub struct PlacedBlock {
     pub cell: Cell,
     /// Name of the block.
     pub role: RoleId,
-    /// Capture that attached it.
+    /// Capture that attached the block.
     pub capture: EventId,
     /// Phase of that capture.
     pub since: u32,

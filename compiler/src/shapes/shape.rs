@@ -20,7 +20,7 @@ pub(crate) const MAX_CELLS: usize = 5_000_000;
 /// Largest number of cells that are compared to describe differences.
 const MAX_COMPARED: usize = 20_000_000;
 
-/// Compares the shapes that phases claim with their structures.
+/// Compares the claimed shapes of phases with their structures.
 ///
 /// # Errors
 ///
@@ -83,7 +83,7 @@ struct Comparison {
     built: BuiltCells,
     /// Claimed shapes. `None` for a shape that cannot be read.
     claimed: FxHashMap<Symbol, Option<ClaimedShape>>,
-    /// Number of blocks of these shapes.
+    /// Total number of blocks of the shapes read so far.
     blocks: usize,
     /// Results by shape and fingerprint: a title and a help, or `None` if shape and structure are
     /// equal.
@@ -100,7 +100,7 @@ struct ClaimedShape {
 }
 
 impl Comparison {
-    /// Reads a shape when it is claimed for the first time. Returns whether it can be compared.
+    /// Reads a shape at its first claim. Returns whether it can be compared.
     fn read(
         &mut self,
         name: Symbol,
@@ -157,7 +157,7 @@ impl ClaimedShape {
         }
     }
 
-    /// Returns whether the structure has exactly these cells.
+    /// Returns whether the structure occupies exactly the cells of the shape.
     fn is(&self, built: &BuiltCells) -> bool {
         self.fingerprint == built.fingerprint
             && self.cells.len() == built.cells.len()
@@ -311,7 +311,7 @@ fn difference(word: &str, claimed: &[Cell], built: &FxHashSet<Cell>) -> (String,
     (title, picture(&missing, &extra, claimed, built))
 }
 
-/// Draws the lowest layer that differs, or describes it if it is too wide.
+/// Draws the lowest layer that differs. Describes it in words if it is too wide.
 fn picture(missing: &[Cell], extra: &[Cell], claimed: &[Cell], built: &FxHashSet<Cell>) -> String {
     const WIDEST: u32 = 30;
     let wrong = || missing.iter().chain(extra);

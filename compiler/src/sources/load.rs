@@ -13,7 +13,7 @@ use crate::{FileId, SourceLocation, Sources};
 /// A parsed file.
 #[derive(Clone, Debug)]
 pub struct Module {
-    /// The file.
+    /// File of the module.
     pub file: FileId,
     /// Syntax tree.
     pub tree: Tree,
@@ -22,7 +22,8 @@ pub struct Module {
 /// A file and all of its imports.
 #[derive(Debug, Default)]
 pub struct Loaded {
-    /// Imported files before the files that import them. The program's own file comes last.
+    /// Modules in import order: imported files come before the files that import them. The
+    /// program's own file is the last.
     pub modules: Vec<Module>,
     /// Words of all files.
     pub symbols: Symbols,
@@ -57,8 +58,8 @@ pub fn load(
     Ok(loader.loaded)
 }
 
-/// Largest number of files of a program. If a link leads back to a parent folder, a file that
-/// imports itself through it has a new path each time.
+/// Largest number of files of a program. Guards against links to parent folders, where a file
+/// imports itself by ever new paths.
 const MAX_FILES: usize = 10_000;
 
 /// The files together have fewer bytes.
@@ -67,7 +68,7 @@ const MAX_BYTES: u64 = 1 << 32;
 /// Progress of a file.
 #[derive(Clone, Copy, PartialEq)]
 enum LoadState {
-    /// Its imports are being read. The place is that of the current import.
+    /// The imports of this file are being read. Has the location of the current import.
     Open(SourceLocation),
     Done,
 }
@@ -91,7 +92,8 @@ struct Loader<'a> {
 struct Pending {
     path: String,
     module: Module,
-    /// Paths with their places, and the places of whole statements without documentation.
+    /// Remaining imports: path, location, and location of the whole statement if it has no
+    /// documentation.
     imports: std::vec::IntoIter<(String, Span, Option<Span>)>,
 }
 
@@ -130,7 +132,7 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Returns the path by which a file was first imported.
+    /// Returns the path of the first import of a file.
     fn first_path(&mut self, path: String) -> String {
         match self.reader.identity(&path) {
             Some(identity) => self.first.entry(identity).or_insert(path).clone(),
@@ -147,7 +149,7 @@ impl Loader<'_> {
         self.diagnostics.push(
             Diagnostic::new(Code::ExpansionLimit, title)
                 .label(import, "this import was not read")
-                .help("remove symbolic links to parent folders: a file behind one imports itself under new names"),
+                .help("remove symbolic links to parent folders: through them, a file imports itself under new names"),
         );
     }
 
@@ -244,7 +246,7 @@ impl Loader<'_> {
         report(self.diagnostics, diagnostic);
     }
 
-    /// Reports a cycle of imports and labels each of them.
+    /// Reports a cycle of imports, with a label for each.
     fn cycle(&mut self, path: &str, stack: &[Pending], statement: Option<SourceLocation>) {
         /// Largest number of reported cycles, and of labelled imports of each.
         const MAX: usize = 10;
@@ -317,7 +319,8 @@ pub fn lone_returns(file: FileId, text: &str) -> Option<Diagnostic> {
     })
 }
 
-/// Returns the length of the byte-order mark, the text without it, and the first invalid byte.
+/// Decodes a file. Returns the length of its byte order mark, the text after it, and the position
+/// of the first invalid byte.
 fn decode(mut bytes: Vec<u8>) -> (u32, String, Option<usize>) {
     let mark = if bytes.starts_with(BYTE_ORDER_MARK.as_bytes()) {
         BYTE_ORDER_MARK.len()

@@ -1,4 +1,4 @@
-//! Source files and places in them.
+//! Source files and locations in them.
 pub(crate) mod load;
 pub(crate) mod reader;
 pub(crate) mod source;

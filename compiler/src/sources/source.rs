@@ -8,17 +8,17 @@ use stochc_text::is_invisible;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FileId(pub u32);
 
-/// A place in a file of a program.
+/// A range in a file of a program.
 #[derive(Clone, Copy, Debug)]
 pub struct SourceLocation {
-    /// The file.
+    /// Number of the file.
     pub file: FileId,
     /// Place in the file.
     pub span: Span,
 }
 
-/// Locations are compared, other than spans in trees: two diagnostics are equal only at the same
-/// place.
+/// Compares positions, unlike spans in syntax trees. Two diagnostics are equal only at the same
+/// location.
 impl PartialEq for SourceLocation {
     fn eq(&self, other: &SourceLocation) -> bool {
         let place =
@@ -35,18 +35,18 @@ pub struct Sources {
     files: Vec<SourceFile>,
 }
 
-/// A file.
+/// A source file.
 #[derive(Clone, Debug)]
 pub struct SourceFile {
     /// Name in messages.
     pub name: String,
     /// The source.
     pub text: Arc<str>,
-    /// Whether the bytes of the file are those of the source.
+    /// Whether the source equals the bytes of the file.
     pub(crate) is_exact: bool,
     /// Number of bytes before the source: a byte-order mark or none.
     pub(crate) mark: u32,
-    /// Starts of lines.
+    /// Position of the start of each line.
     lines: Vec<u32>,
     /// Source without control characters, computed on demand.
     shown: OnceLock<Arc<str>>,
@@ -111,7 +111,7 @@ impl Sources {
 }
 
 impl SourceFile {
-    /// Returns the place of a byte of the source in the file, from 0.
+    /// Returns the position of a byte of the source in the original file, from 0.
     pub fn offset(&self, at: u32) -> u32 {
         self.mark + at
     }
@@ -153,7 +153,7 @@ impl SourceFile {
         self.lines.partition_point(|&start| start <= at) - 1
     }
 
-    /// Returns the bytes of a line, from 0, without its line end.
+    /// Returns the byte range of a line without its line end. Lines count from 0.
     pub(crate) fn line_range(&self, line: usize) -> (usize, usize) {
         let start = self.lines[line] as usize;
         let end = self

@@ -1,4 +1,4 @@
-//! Blocks that a place of the source names, and their events.
+//! Finds the blocks that a source location names, with their events.
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::ItemKind;
 use stochc_grammar::{Cancellation, Cancelled};
@@ -20,9 +20,9 @@ pub struct Located {
     pub roles: Vec<RoleId>,
 }
 
-/// Returns the blocks that the name at a byte of a file stands for, by assembly.
+/// Returns the blocks that the name at a byte of a file means, by assembly.
 ///
-/// In a loop or a pattern, one name stands for many blocks, so the programs are expanded again.
+/// In a loop or a pattern, one name means many blocks, so the programs are expanded again.
 ///
 /// # Errors
 ///
@@ -125,7 +125,8 @@ impl<'a> Ancestry<'a> {
         }
     }
 
-    /// Returns the capture of the parent of another one: in the same phase, or the last one before.
+    /// Returns the capture that anchors the parent of another capture: in the same phase, or the
+    /// last one before.
     fn anchoring(&self, capture: EventId, parent: RoleId) -> Option<EventId> {
         let here = anchored_by(&self.program.graph, capture);
         if here.is_some() {

@@ -111,7 +111,7 @@ fn refuse_aggregate(program: &EnsembleProgram) -> Result<(), Failure> {
     match program.tables().aggregate {
         None => Ok(()),
         Some(_) => Err(Failure::usage(format!(
-            "`{}` is an aggregate, which nothing plans: chance decides what it looks like",
+            "`{}` is an aggregate: it grows at random and cannot be planned",
             program.name
         ))),
     }

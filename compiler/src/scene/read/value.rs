@@ -25,7 +25,8 @@ impl<'a> SceneReader<'a, '_> {
         Some(())
     }
 
-    /// `None`, and a diagnostic: the value of a quantity is out of the range of a number.
+    /// Checks that the value of a quantity is in the range of its parameter. Reports an error and
+    /// returns `None` if not.
     fn within(&mut self, number: &SchemaNumber, quantity: &Quantity, value: f64) -> Option<()> {
         let Some(rule) = number.range.violated(value) else {
             return Some(());
@@ -140,7 +141,7 @@ impl<'a> SceneReader<'a, '_> {
         None
     }
 
-    /// Reports a unit that stands on another line than its number, where the grammar does not read it as one.
+    /// Reports a unit on the line after its number. The grammar does not read it as a unit.
     fn unit_on_next_line(&mut self, quantities: &[&Quantity], number: &SchemaNumber) -> bool {
         let mut units: Vec<&str> = Vec::new();
         let mut place: Option<Span> = None;
@@ -177,7 +178,7 @@ impl<'a> SceneReader<'a, '_> {
         true
     }
 
-    /// Reports a word that takes the place of a unit.
+    /// Reports an unknown word after a number.
     fn unknown_unit(&mut self, quantities: &[&Quantity], number: &SchemaNumber) -> bool {
         let kind = &number.kind;
         let (Some(first), Some(last)) = (quantities.first(), quantities.last()) else {

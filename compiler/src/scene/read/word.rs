@@ -1,4 +1,4 @@
-//! The words of a scene, one after the other.
+//! Reads the words of a scene in order.
 use stochc_grammar::tree::{Name, Term};
 use stochc_ir::scene::schema::SchemaEntry;
 use stochc_text::suggest::nearest;
@@ -7,8 +7,7 @@ use super::{SceneReader, named, span, words};
 use crate::diagnostic::{Code, Diagnostic, Fix, report};
 
 impl SceneReader<'_, '_> {
-    /// Returns the next word, which has to be one of `known`; skips what is none, and tells of it
-    /// once.
+    /// Returns the next word that is in `known`. Skips other words and reports the first of them.
     pub(super) fn head(
         &mut self,
         known: &'static [SchemaEntry],
@@ -55,7 +54,7 @@ impl SceneReader<'_, '_> {
         }
     }
 
-    /// One of the words for the kind of something.
+    /// Reads a word that selects a kind.
     pub(super) fn kind(
         &mut self,
         of: &'static [SchemaEntry],

@@ -11,7 +11,7 @@ use stochc_ir::scene::{
 use crate::Sources;
 use crate::scene::{built_in, read};
 
-/// The scene that a text declares.
+/// Returns the scene that a text declares.
 fn scene(text: &str) -> Scene {
     let mut symbols = Symbols::new();
     let parsed = parse(text, &mut symbols);
@@ -146,7 +146,7 @@ fn values_are_told_in_both_units() {
     }
 }
 
-/// A positive value of any size.
+/// Generates positive values of any magnitude.
 fn size() -> impl Strategy<Value = f64> {
     prop_oneof![
         (1e-12f64.ln()..1e12f64.ln()).prop_map(f64::exp),
@@ -230,7 +230,7 @@ fn any_scene() -> impl Strategy<Value = Scene> {
         )
 }
 
-/// Whether two scenes differ by no more than the rounding of a unit's conversion.
+/// Returns whether two scenes are equal except for rounding in unit conversions.
 fn is_same(a: &serde_json::Value, b: &serde_json::Value) -> bool {
     use serde_json::Value;
     match (a, b) {

@@ -10,7 +10,7 @@ fn hemisphere() -> Scene {
     built_in("hemisphere_2005").expect("it is built in")
 }
 
-/// The values of a scene's groups, by symbol.
+/// Returns the dimensionless numbers of a scene by symbol.
 fn values(scene: &Scene) -> Vec<(&'static str, f64)> {
     let groups = groups(scene);
     groups.iter().map(|it| (it.symbol, it.value)).collect()
@@ -87,7 +87,7 @@ fn a_compliant_contact_has_groups_of_its_own() {
     assert_eq!(speed(&undamped).from, SpeedFrom::Nothing);
 }
 
-/// A terminal speed lacks half of what drag takes in a step.
+/// Checks that a terminal speed subtracts half of the drag of one step.
 #[test]
 fn strong_drag_needs_short_steps() {
     let needed = |rate: f64| {
@@ -197,7 +197,7 @@ fn substeps_are_as_many_as_a_limit_needs() {
     assert_eq!(exceeded, [("v τ / a", Some(3)), ("F τ² / (m d)", Some(3))]);
 }
 
-/// The scene of `examples/microns.sa`.
+/// Returns the scene of `examples/microns.sa`.
 fn microns() -> Scene {
     let mut scene = hemisphere();
     (scene.tick, scene.block.side, scene.block.mass) = (10.0, 10e-6, 1.05e-12);
@@ -408,7 +408,7 @@ fn sinking_is_held_against_what_stirs() {
     assert_eq!(Settling::from_scene(&tank).unwrap().above(0.0), 0.0);
 }
 
-/// Collisions take energy there as well, from blocks that have twice the room.
+/// Checks that collisions in a sphere take energy too, from blocks with twice the space.
 #[test]
 fn a_sphere_is_a_gas_as_a_hemisphere_is() {
     let in_ball = Scene {
@@ -454,7 +454,7 @@ fn the_mean_flow_takes_blocks_along() {
     assert_eq!(carried(&Scene { flow: None, ..tank }), None);
 }
 
-/// Two scenes that are one at two lengths of the tick.
+/// Compares two scenes that are equal except for the length of the tick.
 #[test]
 fn energies_of_heat_do_not_depend_on_the_tick() {
     let work = |tick: f64| {

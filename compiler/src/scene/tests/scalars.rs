@@ -1,4 +1,4 @@
-//! The numbers of scenes, as they are written, read and changed.
+//! Checks that scene parameters are written, read and changed consistently.
 use stochc_grammar::tree::{ItemKind, SceneDeclaration, Term};
 use stochc_grammar::{Symbols, parse};
 
@@ -13,7 +13,7 @@ use crate::expand::units::to_si;
 use crate::scene::{BUILT_IN, built_in, read};
 use crate::{FileId, Sources};
 
-/// Scenes that between them have every term of the model; a new term belongs in one of them.
+/// Scenes that together use every term of the model. New terms must be added here.
 const FULL: [&str; 4] = [
     "scene soft {
         tick 20ms
@@ -58,7 +58,7 @@ const FULL: [&str; 4] = [
     }",
 ];
 
-/// A scene's text as a tree.
+/// Syntax tree of a scene's source.
 struct Text {
     tree: SceneDeclaration,
     symbols: Symbols,
@@ -82,22 +82,22 @@ impl Text {
         }
     }
 
-    /// What the reader of scenes makes of it.
+    /// Reads the scene.
     fn scene(&self) -> Option<Scene> {
         let base = self.tree.base.map(|base| self.symbols.word(base.symbol));
         let base = base.map(|name| built_in(name).unwrap());
         read(&self.tree, base, self.file, &self.symbols, &mut Vec::new())
     }
 
-    /// Writes a value, in the SI unit of the one that is there, to where a name leads to; `None`:
-    /// the text does not say it.
+    /// Replaces the value of a parameter, in the SI unit of the existing value. Returns `None` if
+    /// the source does not give the parameter.
     fn write(&mut self, name: &str, value: f64) -> Option<()> {
         let words: Vec<&str> = name.split('.').collect();
         put(&mut self.tree.terms, &words, value, &self.symbols)
     }
 }
 
-/// Follows words through terms: into the braces behind a word, or to a later word beside it.
+/// Follows words through terms: into braces after a word, or to a later word of the same group.
 fn put(terms: &mut [Term], words: &[&str], value: f64, symbols: &Symbols) -> Option<()> {
     let (word, rest) = words.split_first()?;
     let is = |term: &Term| matches!(term, Term::Word(name) if symbols.word(name.symbol) == *word);
@@ -125,7 +125,7 @@ fn texts() -> impl Iterator<Item = Text> {
     built_in.chain(FULL).map(Text::new)
 }
 
-/// What is written of a scene with any term reads as the same scene.
+/// Checks that any scene is equal after it is written and read again.
 #[test]
 fn every_scene_is_written_as_it_is_read() {
     for scene in texts().map(|text| text.scene().unwrap()) {
@@ -148,8 +148,8 @@ fn the_scenes_of_this_test_have_every_number() {
     }
 }
 
-/// The same value, written into the text or set by the table, gives the same scene, and what one
-/// refuses the other does.
+/// Checks that a value gives the same scene if it is written in the source or set by the table.
+/// Both reject the same values.
 #[test]
 fn names_and_ranges_are_those_of_the_language() {
     const DEFAULTS: [&str; 6] = [
@@ -295,7 +295,7 @@ fn a_value_of_another_dimension_is_told_with_the_right_one() {
     );
 }
 
-/// Timeouts in seconds follow the tick, and inventories the free blocks.
+/// Checks that timeouts in seconds follow the tick, and inventories the number of free blocks.
 #[test]
 fn a_changed_scene_is_compiled_like_one_that_was_written() {
     let text = "assembly a {

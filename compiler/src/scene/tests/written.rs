@@ -1,11 +1,11 @@
-//! Values that stand alone against the same ones in a scene.
+//! Compares single values with the same values in a scene.
 use stochc_grammar::tree::{ItemKind, Term};
 use stochc_grammar::{Symbols, parse};
 use stochc_ir::scene::units::{BASES, Dimension, PREFIXES, WrittenQuantity};
 
 use crate::expand::units::to_si;
 
-/// What the grammar makes of a text that is nothing but a value.
+/// Returns the value that the grammar reads if a text is only a value.
 fn in_scene(text: &str) -> Option<(f64, Dimension)> {
     let parsed = parse(&format!("scene s {{ v {text} }}"), &mut Symbols::new());
     let [item] = &parsed.tree.items[..] else {

@@ -7,7 +7,7 @@ fn reported(clause: &str) -> Vec<Diagnostic> {
     diagnostics
 }
 
-/// It was passed over in silence, and the scene had no bond.
+/// Checks an anchor without content. It was once ignored, and the scene had no bond.
 #[test]
 fn an_anchor_that_says_nothing_is_told() {
     let diagnostics = reported("bond attract { pull 1 N within 1cm  anchor }");
@@ -18,7 +18,7 @@ fn an_anchor_that_says_nothing_is_told() {
     );
 }
 
-/// It took the fields behind it with it.
+/// Checks fields after an unknown measure. They were once skipped too.
 #[test]
 fn what_stands_behind_an_unknown_measure_is_read() {
     for anchor in ["anchor 1mm", "anchor middle 1mm tilt 20 deg"] {

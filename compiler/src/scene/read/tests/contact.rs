@@ -126,7 +126,7 @@ fn what_is_wrong_with_a_contact_is_told_of() {
     );
 }
 
-/// It is a compliant contact, whose braces are missing.
+/// Checks that fields without braces are recognized as those of a compliant contact.
 #[test]
 fn fields_without_braces_are_known_as_such() {
     let (_, diagnostics) = scene("contact stiffness 25 N/m  friction 0.2");

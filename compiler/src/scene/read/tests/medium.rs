@@ -3,7 +3,7 @@ use stochc_ir::scene::{Agitation, Flow, Scene};
 use super::sample;
 use crate::diagnostic::Code;
 
-/// A scene from `hemisphere` with these clauses, and what is told of it.
+/// Returns a scene from `hemisphere` with these clauses, and its diagnostics.
 fn scene(clauses: &str) -> (Option<Scene>, Vec<(Code, String)>) {
     let (scene, diagnostics) = sample::scene(clauses);
     let told = diagnostics.into_iter();

@@ -8,7 +8,7 @@ use crate::Sources;
 use crate::diagnostic::Diagnostic;
 use crate::scene::built_in;
 
-/// A scene from `hemisphere` with these clauses instead, and what is found in it.
+/// Returns a scene from `hemisphere` with these clauses replaced, and its diagnostics.
 pub fn scene(clauses: &str) -> (Option<Scene>, Vec<Diagnostic>) {
     let text = format!("scene s from hemisphere {{ {clauses} }}");
     let mut symbols = Symbols::new();
@@ -17,7 +17,7 @@ pub fn scene(clauses: &str) -> (Option<Scene>, Vec<Diagnostic>) {
     let printed = print(&parsed.tree, &symbols);
     assert_eq!(parse(&printed, &mut symbols).tree, parsed.tree, "{printed}");
     let ItemKind::Scene(tree) = &parsed.tree.items[0].kind else {
-        panic!("{clauses} is no scene");
+        panic!("{clauses} is not a scene");
     };
     let mut diagnostics = Vec::new();
     let file = Sources::default().add("s.sa", text.as_str());
