@@ -1,4 +1,4 @@
-//! Work whose result may not be wanted to its end.
+//! Cancellation of work whose result is no longer needed.
 use std::fmt;
 
 /// Asks the caller of long work, again and again, whether the result is still wanted.
@@ -7,15 +7,16 @@ use std::fmt;
 #[derive(Clone, Copy)]
 pub struct Cancellation<'a>(&'a dyn Fn() -> bool);
 
-/// Nobody wants the result any more, so there is none.
+/// Error of cancelled work, which has no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cancelled;
 
 impl<'a> Cancellation<'a> {
-    /// Work that goes on to its end.
+    /// A cancellation that never happens.
     pub const NEVER: Cancellation<'static> = Cancellation(&|| false);
 
-    /// Work that ends soon after `is_cancelled` has become true; from then on it has to stay true.
+    /// Creates a cancellation. The work ends soon after `is_cancelled` has become true, which must
+    /// then stay true.
     pub fn new(is_cancelled: &'a dyn Fn() -> bool) -> Cancellation<'a> {
         Cancellation(is_cancelled)
     }

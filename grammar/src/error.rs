@@ -12,18 +12,19 @@ pub struct SyntaxError {
 /// Kind of an error of syntax.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SyntaxErrorKind {
-    /// A word or character that cannot stand here.
+    /// A word or character that is not valid here.
     Unexpected {
-        /// Source at this place, shortened. Empty at the end of the file.
+        /// Source at this position, shortened. Empty at the end of the file.
         found: String,
-        /// Alternatives, as messages write them. Empty if no statement can contain the word.
+        /// Valid alternatives as text. Empty if no statement can contain the word.
         expected: Vec<&'static str>,
         /// First word of the statement, if only that could be read, or else an empty text.
         behind: String,
     },
     /// A block without its closing brace. The span is that of the opening one.
     Unclosed,
-    /// The head of a block without its opening brace. The span is the place of the missing brace.
+    /// The head of a block without its opening brace. The span is the position of the missing
+    /// brace.
     MissingBrace {
         /// Kind of the block.
         what: &'static str,
@@ -39,26 +40,26 @@ pub enum SyntaxErrorKind {
     Misplaced {
         /// Kind of the statement or block.
         what: &'static str,
-        /// Kind of its surroundings.
+        /// Kind of the block around the statement.
         within: &'static str,
-        /// Kind of the right surroundings.
+        /// Kind of the block that the statement belongs to.
         belongs: &'static str,
-        /// Whether the grammar allows it, so that it is in the tree.
+        /// Whether the grammar accepts the statement, so that it is in the tree.
         is_read: bool,
     },
     /// Parentheses around the list after a keyword. The span includes both.
     Parentheses {
-        /// The keyword.
+        /// The keyword that was used as a name.
         word: String,
     },
     /// A unit without a number before it.
     MissingNumber,
     /// A keyword used as a name.
     ReservedWord {
-        /// The word.
+        /// The unknown word.
         word: String,
     },
-    /// A face where a block must stand, or the other way round.
+    /// A face where a block is required, or a block where a face is required.
     FaceMisused {
         /// Advice, in the imperative.
         hint: &'static str,

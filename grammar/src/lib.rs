@@ -1,10 +1,11 @@
-//! Text to syntax tree, and back.
+//! Parser, printer and formatter of the language.
 //!
-//! [`parse`] turns the text of one file into a [`tree::Tree`] and a list of [`SyntaxError`]s; it
-//! always gives both, and neither the size nor the nesting of the text can exhaust the stack.
-//! [`print()`] turns a tree into text that parses to the same tree, and [`format`](format()) lays a
-//! text out in the one canonical way, comments included. The grammar itself is `src/sa.pest`; no
-//! other crate names a rule of it.
+//! [`parse`] turns the source of one file into a [`tree::Tree`] and a list of [`SyntaxError`]s. It
+//! always returns both. No size or nesting of the source can exhaust the stack.
+//!
+//! [`print()`] turns a tree into source that parses to the same tree. [`format`](format()) formats
+//! a source in one canonical layout and keeps comments. The grammar is `src/sa.pest`. No other
+//! crate uses its rules.
 mod cancellation;
 mod error;
 mod format;
@@ -25,5 +26,5 @@ pub use print::print;
 pub use span::Span;
 pub use symbol::{Symbol, Symbols};
 
-/// The mark of the byte order, with which some editors begin a text: it says nothing in UTF-8.
+/// Byte order mark. Some editors write it at the start of a file. It has no meaning in UTF-8.
 pub const BYTE_ORDER_MARK: &str = "\u{feff}";

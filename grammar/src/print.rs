@@ -9,7 +9,7 @@ use crate::tree::{
     Quantity, Subscript, Term, Tree,
 };
 
-/// Returns the text of a tree, laid out as [`crate::format()`] does it; parsing it gives the same
+/// Returns the source of a tree in the layout of [`crate::format()`]. Parsing it gives the same
 /// tree.
 pub fn print(tree: &Tree, symbols: &Symbols) -> String {
     let mut printer = Printer {
@@ -194,7 +194,7 @@ impl Printer<'_> {
         self.out.push('}');
     }
 
-    /// A scene's words go on lines of their own where a block ends; the layout carries no meaning.
+    /// Writes the words of a scene. Each block ends a line. The layout has no meaning.
     fn terms(&mut self, terms: &[Term]) {
         let mut fresh = true;
         let mut valued = false;
@@ -231,7 +231,8 @@ impl Printer<'_> {
         self.out.push('\n');
     }
 
-    /// Before another value, a unit `tick` would be the clause of that name.
+    /// Ends a value. Before another value, the unit `tick` would be read as a clause, so a
+    /// separator is needed.
     fn end_of_value(&mut self, quantity: &Quantity, next: Option<&Term>) {
         let is_tick = quantity
             .unit
@@ -310,7 +311,7 @@ impl Printer<'_> {
         self.out.push(')');
     }
 
-    /// Puts parentheses where the tree binds tighter than the text around it would.
+    /// Writes an expression, with parentheses if its operator binds less tightly than `least`.
     fn expr(&mut self, expr: &Expr, least: u8) {
         match &expr.kind {
             ExprKind::Int(value) => {

@@ -1,11 +1,11 @@
 /// A range of bytes in one file.
 ///
-/// Spans do not take part in comparing trees: two trees are equal if they say the same.
+/// Spans are ignored when trees are compared: two trees are equal if their content is.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Span {
-    /// First byte.
+    /// Position of the first byte.
     pub start: u32,
-    /// One past the last byte.
+    /// Position after the last byte.
     pub end: u32,
 }
 
@@ -15,7 +15,7 @@ impl Span {
         Span { start, end }
     }
 
-    /// Returns the smallest span that holds both.
+    /// Returns the smallest span that contains both.
     pub fn to(self, other: Span) -> Span {
         Span {
             start: self.start.min(other.start),
@@ -23,12 +23,12 @@ impl Span {
         }
     }
 
-    /// Bytes in it.
+    /// Returns the number of bytes.
     pub const fn len(self) -> usize {
         self.end.saturating_sub(self.start) as usize
     }
 
-    /// Returns whether it holds no byte.
+    /// Returns whether the span is empty.
     pub const fn is_empty(self) -> bool {
         self.end <= self.start
     }

@@ -5,7 +5,7 @@ use string_interner::backend::StringBackend;
 use string_interner::symbol::SymbolU32;
 use string_interner::{StringInterner, Symbol as _};
 
-/// A word, as a number; meaningful with the [`Symbols`] that gave it.
+/// A word as a number. Valid only with the [`Symbols`] that created it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Symbol(pub u32);
 
@@ -60,12 +60,12 @@ impl Symbols {
         (symbol.0 as usize) < RESERVED.len()
     }
 
-    /// How many different words there are.
+    /// Returns the number of different words.
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Returns whether there is none; never, because of the reserved words.
+    /// Returns `false`, because the table always has the reserved words.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

@@ -1,10 +1,10 @@
-//! Syntax tree of a file, with the place of every word.
+//! Syntax tree of a file, with the location of every word.
 use smallvec::SmallVec;
 use stochc_ir::Face;
 
 use crate::{Span, Symbol};
 
-/// A file.
+/// The syntax tree of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tree {
     /// Declarations in source order.
@@ -14,11 +14,11 @@ pub struct Tree {
 /// A declaration or statement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
-    /// Lines of `///` before it, without the slashes.
+    /// Lines of `///` before the item, without the slashes.
     pub docs: Docs,
-    /// Place from its first to its last word.
+    /// Range from the first to the last word of the item.
     pub span: Span,
-    /// Content.
+    /// Content of the item.
     pub kind: ItemKind,
 }
 
@@ -63,12 +63,12 @@ pub enum ItemKind {
     Import(Box<Import>),
 }
 
-/// A word with its place.
+/// A word with its location.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Name {
-    /// The word.
+    /// The word as a symbol.
     pub symbol: Symbol,
-    /// Place of the word.
+    /// Location of the word.
     pub span: Span,
 }
 
@@ -104,7 +104,7 @@ pub enum Arrow {
 /// An event to wait for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EventReference {
-    /// Whether it is the release of the block, not the capture.
+    /// Whether the event waits for the release of the block instead of its capture.
     pub release: bool,
     /// Block of the event.
     pub place: Place,
@@ -113,7 +113,7 @@ pub struct EventReference {
 /// A release of blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Release {
-    /// Released blocks.
+    /// Blocks to release.
     pub places: Vec<Place>,
     /// Events that the releases wait for.
     pub after: Vec<EventReference>,
@@ -124,7 +124,7 @@ pub struct Release {
 pub struct Place {
     /// Path from the outermost pattern instance to the name.
     pub path: SmallVec<[Segment; 1]>,
-    /// Face at the end, with its place.
+    /// Face at the end, with its location.
     pub face: Option<(Face, Span)>,
     /// Place of the whole path.
     pub span: Span,
@@ -133,9 +133,9 @@ pub struct Place {
 /// A name of a path, with its indices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
-    /// The name.
+    /// Name without its index.
     pub name: Name,
-    /// Indices, if it has any.
+    /// Indices. `None` if there are none.
     pub index: Option<Box<[Subscript]>>,
 }
 
@@ -164,11 +164,11 @@ pub struct Instance {
 pub enum Argument {
     /// A number, or a bare name of any kind.
     Expr(Expr),
-    /// A block.
+    /// A block, possibly with a face.
     Place(Place),
 }
 
-/// A seed.
+/// A seed of the plate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seat {
     /// Name of the seed.
@@ -177,7 +177,7 @@ pub struct Seat {
     pub at: (Expr, Expr),
 }
 
-/// A loop.
+/// A `for` loop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct For {
     /// Name of the counter.
@@ -191,9 +191,9 @@ pub struct For {
 /// A number with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Let {
-    /// The name.
+    /// Name of the number.
     pub name: Name,
-    /// The number.
+    /// Value of the number.
     pub value: Expr,
 }
 
@@ -202,7 +202,7 @@ pub struct Let {
 pub struct LintDirective {
     /// Level of the warning.
     pub verdict: LintDirectiveKind,
-    /// Code of the warning, with its hyphens.
+    /// Code of the warning, including hyphens.
     pub code: Name,
     /// Reason in quotation marks. Empty if it is missing, which is an error.
     pub reason: String,
@@ -228,7 +228,7 @@ pub struct PhaseDeclaration {
     pub body: Vec<Item>,
 }
 
-/// The seed plate.
+/// The seed plate with its seeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seed {
     /// Number of blocks from west to east and from south to north.
@@ -242,18 +242,18 @@ pub struct Seed {
 pub struct Pattern {
     /// Name of the pattern.
     pub name: Name,
-    /// Parameters.
+    /// Parameters of the pattern.
     pub parameters: Vec<Name>,
-    /// Statements.
+    /// Statements of the pattern.
     pub body: Vec<Item>,
 }
 
-/// A program.
+/// An assembly program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assembly {
     /// Name of the assembly.
     pub name: Name,
-    /// Scene in which it runs.
+    /// Name of its scene. `None` for the default scene.
     pub scene: Option<Name>,
     /// Plate, phases and declarations.
     pub body: Vec<Item>,
@@ -264,9 +264,9 @@ pub struct Assembly {
 pub struct Aggregate {
     /// Name of the aggregate.
     pub name: Name,
-    /// Scene in which it runs.
+    /// Name of its scene. `None` for the default scene.
     pub scene: Option<Name>,
-    /// Number of bonded blocks that completes it.
+    /// Number of bonded blocks that completes the aggregate.
     pub size: Expr,
     /// Time after which the next size has failed.
     pub timeout: Option<Quantity>,
@@ -279,7 +279,7 @@ pub struct Shape {
     pub name: Name,
     /// South-west corner of every layer. (0, 0) by default.
     pub at: Option<(Expr, Expr)>,
-    /// Layers.
+    /// Layers of the shape.
     pub layers: Vec<Layer>,
 }
 
@@ -297,7 +297,7 @@ pub struct Layer {
 /// A row of a layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerRow {
-    /// Cells from west to east: whether there is a block.
+    /// Cells from west to east. `true` for a block.
     pub cells: Vec<bool>,
     /// Place of the row.
     pub span: Span,
@@ -308,7 +308,7 @@ pub struct LayerRow {
 pub struct SceneDeclaration {
     /// Name of the scene.
     pub name: Name,
-    /// Scene that it is derived from.
+    /// Name of its base scene. `None` without a base.
     pub base: Option<Name>,
     /// Words and values between the braces.
     pub terms: Vec<Term>,
@@ -341,7 +341,7 @@ pub struct Quantity {
 /// A factor of a unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnitFactor {
-    /// Name with its prefix, such as `mPa`.
+    /// Name of the unit with its prefix, such as `mPa`.
     pub symbol: String,
     /// Exponent. Negative after a `/`.
     pub power: i8,
@@ -359,7 +359,7 @@ pub struct Import {
 /// An integer expression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expr {
-    /// Content.
+    /// Content of the expression.
     pub kind: ExprKind,
     /// Place of the expression.
     pub span: Span,

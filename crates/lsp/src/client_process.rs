@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::event::ServerEvent;
 use super::wire::Incoming;
 
-/// Interval of checks.
+/// Time between two checks of the client's process.
 const PAUSE: Duration = Duration::from_secs(2);
 
 /// Ends the session after the client's process has ended, even if another process keeps its stream
@@ -36,7 +36,7 @@ fn is_running(id: i32) -> bool {
     found.is_some_and(|id| test_kill_process(id) != Err(Errno::SRCH))
 }
 
-/// Unknown on this system.
+/// Returns `true`, because this system offers no check.
 #[cfg(not(unix))]
 fn is_running(_: i32) -> bool {
     false

@@ -1,4 +1,4 @@
-//! Background jobs: each has a thread of its own and can be cancelled.
+//! Background jobs. Each has its own thread and can be cancelled.
 use std::collections::BTreeMap;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -12,7 +12,7 @@ use stochc_compiler::Cancellation;
 /// [`stochc_compiler::Limits::EDITOR`] allows.
 const MAX: usize = 4;
 
-/// Largest number of background jobs among these.
+/// Largest number of background jobs among the running jobs.
 const MAX_UNASKED: usize = 2;
 
 /// Stack size of a thread \[bytes\]: twice the need of the deepest nesting of expressions and
@@ -26,9 +26,9 @@ pub struct JobId(u64);
 /// Reason of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JobTrigger {
-    /// A request is waiting for it.
+    /// A request is waiting for the job.
     Requested,
-    /// It was started in the background.
+    /// No request is waiting for the job.
     Background,
 }
 

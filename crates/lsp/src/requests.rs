@@ -79,19 +79,19 @@ pub fn notification(
 /// Programs that a response depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
-    /// None: only the text.
+    /// No program: the request needs only the text.
     Text,
-    /// The program of the request.
+    /// The program of the request's file.
     Own,
     /// All open programs.
     All,
 }
 
-/// Parsed request.
+/// A parsed request.
 pub struct Query {
     /// File of the request.
     pub path: String,
-    /// Required programs.
+    /// Programs that the request needs.
     pub needs: Needs,
     /// Whether the response may contain edits of files.
     pub has_edits: bool,
@@ -124,7 +124,7 @@ impl RequestContext<'_> {
         own.map(|own| &**own).ok_or_else(not_open)
     }
 
-    /// Returns the same, and the byte of a position in its file.
+    /// Returns the analysis of the request's program, and the byte of a position in its file.
     fn at(&self, position: Position) -> Result<(&Analysis, usize), RequestFailure> {
         let analysis = self.own()?;
         if analysis.checked.sources.files().is_empty() {

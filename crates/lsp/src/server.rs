@@ -54,7 +54,7 @@ pub struct Server<W> {
     gone: bool,
 }
 
-/// Pending request.
+/// A request without a response so far.
 struct PendingRequest {
     id: Value,
     method: String,
@@ -66,13 +66,13 @@ struct PendingRequest {
 
 /// Progress of a request.
 enum Work {
-    /// It waits for analyses.
+    /// The request waits for analyses of programs.
     Waiting(RequestHandler),
     UnderWay(JobId),
 }
 
 impl PendingRequest {
-    /// Returns whether its response would be out of date after a change.
+    /// Returns whether a change makes the response to this request outdated.
     fn is_about(&self, changed: &str, outdated: &BTreeSet<String>) -> bool {
         match self.needs {
             Needs::Text => self.path == changed,
@@ -233,7 +233,7 @@ impl<W: Write> Server<W> {
         self.fail(|request| request.id == *id, &RequestFailure::cancelled());
     }
 
-    /// Answers some requests with an error and cancels their jobs.
+    /// Answers the selected requests with an error and cancels their jobs.
     fn fail(&mut self, is_meant: impl Fn(&PendingRequest) -> bool, why: &RequestFailure) {
         let (meant, rest) = std::mem::take(&mut self.requests)
             .into_iter()
@@ -270,9 +270,9 @@ impl<W: Write> Server<W> {
         }
     }
 
-    /// Replaces an answer with edits by an error if a file that it is based on has changed on the disk.
+    /// Replaces an answer with edits by an error if one of its files has changed on the disk.
     ///
-    /// The edits would be made at positions of the old text.
+    /// The edits would otherwise be applied at positions of the old text.
     fn compared_with_disk(
         &mut self,
         request: &PendingRequest,
@@ -318,10 +318,10 @@ impl<W: Write> Server<W> {
         }
     }
 
-    /// Returns the analyses that a request needs, that of its own program first. An error if one of
+    /// Returns the analyses that a request needs, its own program first. Returns an error if one of
     /// the checks has failed.
     ///
-    /// Returns `None` if a check must come first. It is started as soon as another job is allowed.
+    /// Returns `None` if a check must run first. It starts as soon as another job is allowed.
     fn needed(&mut self, path: &str, needs: Needs) -> Option<Result<Vec<Arc<Analysis>>, ()>> {
         let paths: Vec<String> = match needs {
             Needs::Text => Vec::new(),
@@ -493,7 +493,7 @@ impl<W: Write> Server<W> {
     }
 }
 
-/// Returns the error for a response that would be about an old text.
+/// Returns the error for a response that refers to an old text.
 fn modified() -> RequestFailure {
     RequestFailure::new(Reason::ContentModified, "the text has changed")
 }

@@ -19,14 +19,14 @@ pub struct ClientMessage {
     pub id: Option<Value>,
     /// Method. Empty for a response of the client.
     pub method: String,
-    /// Parameters.
+    /// Parameters of the request or notification.
     pub params: Value,
 }
 
-/// Input.
+/// Input of the server.
 #[derive(Debug)]
 pub enum Incoming {
-    /// A message.
+    /// A message of the client.
     Message(ClientMessage),
     /// Invalid input, with the reason.
     Garbage(String),
@@ -109,14 +109,14 @@ pub enum Reason {
 /// Error response to a request.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RequestFailure {
-    /// Error code.
+    /// Error code of the response.
     pub reason: Reason,
     /// Message for users.
     pub message: String,
 }
 
 impl RequestFailure {
-    /// Returns an error.
+    /// Creates an error response.
     pub fn new(reason: Reason, message: impl Into<String>) -> RequestFailure {
         RequestFailure {
             reason,
@@ -141,7 +141,7 @@ impl From<Cancelled> for RequestFailure {
     }
 }
 
-/// Returns a response.
+/// Creates the response to a request.
 pub fn answer(id: &Value, result: Result<Value, RequestFailure>) -> Value {
     match result {
         Ok(result) => json!({ "jsonrpc": "2.0", "id": id, "result": result }),

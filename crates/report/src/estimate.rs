@@ -22,7 +22,7 @@ pub struct CompletionEstimate {
     pub completed: u64,
     /// Number of draws or runs that did not complete because of a timeout or the limit of ticks.
     pub incomplete: u64,
-    /// Times of the whole program. Incomplete draws count as slower than all others. `None`: less
+    /// Times of the whole program. Incomplete draws count as slower than all others. `None` if less
     /// than a tenth completed, or a capture has no remaining block.
     pub total: Option<Times>,
     /// Times of each phase that is not pre-attached.
@@ -53,7 +53,7 @@ pub enum Method {
 pub struct PhaseEstimate {
     /// Name of the phase.
     pub name: String,
-    /// Times of the draws that reached the phase \[ticks\]. `None`: too few completed it, or the
+    /// Times of the draws that reached the phase \[ticks\]. `None` if too few completed it, or the
     /// limit of ticks ended some draws earlier.
     pub times: Option<Times>,
 }
@@ -107,8 +107,8 @@ impl CompletionEstimate {
     }
 }
 
-/// Returns the times of observations. Incomplete runs count as slower than all others. `None`: this
-/// is unknown.
+/// Returns the times of observations. Incomplete runs count as slower than all others. Returns
+/// `None` if this is unknown.
 fn times(seen: &[Observation]) -> Option<Times> {
     let times: Vec<f64> = seen.iter().filter_map(|it| it.completed_time()).collect();
     let longest = times.iter().copied().fold(0.0, f64::max);

@@ -9,7 +9,7 @@ use stochc_results::EnsembleProgram;
 pub struct ProgramLabel {
     /// Name of the program in the ensemble, without the values of a sweep.
     pub name: String,
-    /// Text to show.
+    /// Label to show instead of the name.
     pub text: String,
 }
 
@@ -19,7 +19,7 @@ pub struct Presentation {
     /// Whether all times are in seconds. Otherwise they are in ticks if all programs have ticks of
     /// one length.
     pub in_seconds: bool,
-    /// Texts of programs.
+    /// Labels of programs.
     pub labels: Vec<ProgramLabel>,
 }
 

@@ -2,10 +2,10 @@
 use super::line::{FormattedLine, LineKind, SEAT_GAP, columns};
 use super::{INDENT, WIDTH};
 
-/// Columns between the longest code of a group and its comments.
+/// Columns between the longest code of a group of lines and the comments next to it.
 const NOTE_GAP: usize = 3;
 
-/// Writes lines with their columns.
+/// Returns the lines as text, with comments and cells aligned in columns.
 pub fn write(mut lines: Vec<FormattedLine>) -> String {
     let mut start = 0;
     while start < lines.len() {
@@ -52,7 +52,7 @@ fn end_of(
     end
 }
 
-/// Seeds below each other begin in the same column, if there is room.
+/// Aligns seeds of consecutive lines in columns, if they fit.
 fn align_seats(lines: &mut [FormattedLine]) {
     let mut widths: Vec<usize> = Vec::new();
     for line in lines.iter().filter(|line| line.kind == LineKind::Seats) {

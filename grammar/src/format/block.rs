@@ -1,10 +1,10 @@
-//! Arranges pieces in lines with their indentation.
+//! Arranges statements in lines, with their indentation.
 use super::line::{FormattedLine, LineKind, SEAT_GAP, columns};
 use super::source::{Note, TextPiece, TokenizedText};
 use super::{INDENT, WIDTH, align, scene, statement};
 use crate::parse::Rule;
 
-/// Layout of a source.
+/// Returns the source in the canonical layout.
 pub fn lay_out(source: &TokenizedText<'_>) -> String {
     let mut layout = LineLayout {
         source,
@@ -28,18 +28,18 @@ pub fn lay_out(source: &TokenizedText<'_>) -> String {
 pub struct LineLayout<'s, 't> {
     pub source: &'s TokenizedText<'t>,
     pub lines: Vec<FormattedLine>,
-    /// Open blocks.
+    /// Number of open blocks.
     pub depth: usize,
     /// Whether the innermost block is empty so far.
     fresh: bool,
-    /// Whether the last piece was a `///`.
+    /// Whether the last token was a `///` comment.
     documented: bool,
     /// Whether the last item of the file was a block.
     ended: Option<bool>,
 }
 
 impl LineLayout<'_, '_> {
-    /// Lays out a piece and the pieces that share its line. Returns the start of the next one.
+    /// Lays out a piece, and further pieces on the same line. Returns the index of the next piece.
     fn piece(&mut self, at: usize) -> usize {
         let piece = &self.source.pieces[at];
         let apart = self.is_set_apart(at);
@@ -73,8 +73,7 @@ impl LineLayout<'_, '_> {
         next
     }
 
-    /// Returns whether a blank line always separates the piece from the one before: around blocks
-    /// of the file.
+    /// Returns whether a blank line always precedes the piece. This holds around top-level blocks.
     fn is_set_apart(&self, at: usize) -> bool {
         let (Some(was_block), 0, false) = (self.ended, self.depth, self.documented) else {
             return false;
@@ -147,7 +146,7 @@ impl LineLayout<'_, '_> {
         }
     }
 
-    /// Returns a block on one line: an empty block, or a short one that is written on one line,
+    /// Returns the text of a block on one line. The block must be empty, or written on one line
     /// with one statement or a row of seeds.
     fn one_line(&self, at: usize) -> Option<(String, usize)> {
         let source = self.source;
@@ -228,7 +227,7 @@ impl LineLayout<'_, '_> {
         next
     }
 
-    /// Lays out the rows of a layer: without spaces if all of them are, or else with spaces between
+    /// Lays out the rows of a layer. They have no spaces if none of them had, else spaces between
     /// cells.
     fn rows(&mut self, at: usize) -> usize {
         let source = self.source;
@@ -279,7 +278,7 @@ impl LineLayout<'_, '_> {
     }
 }
 
-/// Adds a comment: after the last line, under the comment there, or on its own line.
+/// Adds a comment: at the end of the last line, below the comment there, or on its own line.
 pub fn push_note(lines: &mut Vec<FormattedLine>, note: &Note<'_>, depth: usize, blank: bool) {
     let own = match lines.last_mut() {
         Some(last) if note.newlines == 0 && last.note.is_none() => {

@@ -1,14 +1,14 @@
-//! Lines of a layout, before their columns are known.
+//! Formatted lines before their columns are aligned.
 
-/// A line.
+/// A line of the formatted source.
 #[derive(Debug)]
 pub struct FormattedLine {
     pub kind: LineKind,
-    /// Levels of indentation.
+    /// Indentation level.
     pub depth: usize,
-    /// Whether a blank line is before it.
+    /// Whether a blank line precedes this line.
     pub blank: bool,
-    /// Its code. Several cells are aligned in columns.
+    /// Code of the line. Cells are aligned in columns.
     pub cells: Vec<String>,
     /// Comment after the code, or alone.
     pub note: Option<String>,
@@ -19,7 +19,7 @@ pub struct FormattedLine {
 /// Kind of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineKind {
-    /// A statement.
+    /// A line of any other kind, such as a statement.
     Plain,
     /// The continuation of a statement.
     Wrapped,
@@ -27,11 +27,11 @@ pub enum LineKind {
     Brace,
     /// Seeds, each in a cell.
     Seats,
-    /// Words of a scene.
+    /// Words of a scene, aligned in columns.
     Terms,
     /// A separate comment or a `///`.
     Comment,
-    /// The continuation of a comment after code, under it.
+    /// The continuation of a comment after code, aligned below it.
     Continued,
 }
 
@@ -48,7 +48,7 @@ impl FormattedLine {
         }
     }
 
-    /// Returns the width of its code, with seeds at their closest.
+    /// Returns the width of the code without alignment \[columns\].
     pub fn width(&self) -> usize {
         let cells: usize = self.cells.iter().map(|cell| columns(cell)).sum();
         let gaps = SEAT_GAP * self.cells.len().saturating_sub(1);

@@ -27,7 +27,7 @@ pub(crate) const INDENT: usize = 4;
 /// Reason why a source cannot be formatted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FormatError {
-    /// It has errors of syntax.
+    /// The source has syntax errors.
     Wrong(Vec<SyntaxError>),
     /// Formatting would have changed the meaning: a bug in this crate.
     Unfaithful,

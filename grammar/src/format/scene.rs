@@ -1,14 +1,14 @@
-//! The lines of a scene.
+//! Formats the lines of a scene.
 //!
-//! What belongs to what in a scene is no matter of grammar, so its lines stay as they are divided,
-//! and a gap of several blanks stays a gap.
+//! The grammar does not determine which words of a scene belong together. The formatter therefore
+//! keeps line breaks and wide gaps.
 use super::line::{FormattedLine, LineKind, columns};
 use super::source::{Gap, TextPiece, TokenizedText};
 use super::{INDENT, WIDTH, statement};
 use crate::parse::{Rule, is_unit};
 
-/// Returns the line that begins at a piece of a scene; what follows it, and whether it opens a
-/// block.
+/// Returns the line that begins at a piece of a scene, the index of the next piece, and whether the
+/// line opens a block.
 pub fn line(source: &TokenizedText<'_>, at: usize, depth: usize) -> (FormattedLine, usize, bool) {
     let room = WIDTH.saturating_sub(INDENT * depth);
     let mut line = FormattedLine::code(LineKind::Terms, depth, "");
@@ -96,14 +96,15 @@ fn one_line(source: &TokenizedText<'_>, at: usize, room: usize) -> Option<(Strin
     None
 }
 
-/// Returns whether a word may stand behind another on its line: `s` behind `20 ms` would become a
-/// unit.
+/// Returns whether a word may follow another on one line. For example, `s` after `20 ms` would
+/// become a unit.
 fn may_follow(source: &TokenizedText<'_>, before: &TextPiece, piece: &TextPiece) -> bool {
     let valued = matches!(before.rule, Rule::quantity | Rule::span_of_values);
     !(valued && piece.rule == Rule::word && is_unit(&source.first(piece).text()))
 }
 
-/// Returns the blanks before a piece on the line of another: only a word may begin something new.
+/// Returns the spaces before a piece that shares a line with the previous one. Only a word may have
+/// a wide gap before it.
 fn gap(source: &TokenizedText<'_>, piece: &TextPiece) -> &'static str {
     match source.first(piece).gap {
         Gap::Wide if piece.rule == Rule::word => "  ",

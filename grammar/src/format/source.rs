@@ -21,17 +21,17 @@ pub struct TextPiece {
     pub words: Range<usize>,
 }
 
-/// A token.
+/// A token with its surroundings.
 #[derive(Clone, Debug)]
 pub struct Word<'t> {
-    /// `None` for the dot of a place.
+    /// Grammar rule of the token. `None` for the dot of a qualified name.
     pub rule: Option<Rule>,
     text: &'t str,
-    /// Comments before it.
+    /// Indices of the comments before the token.
     pub notes: Range<usize>,
-    /// Number of line ends directly before it, after the comments.
+    /// Number of line breaks between the token and the previous one or its comments.
     pub newlines: u32,
-    /// Gap to the word before it on its line.
+    /// Space between the token and the previous one on the same line.
     pub gap: Gap,
 }
 
@@ -43,14 +43,14 @@ pub enum Gap {
     Wide,
 }
 
-/// A comment.
+/// A comment in the source.
 #[derive(Clone, Debug)]
 pub struct Note<'t> {
-    /// Text from its slashes on, without space at the end.
+    /// Text of the comment with its slashes, without trailing space.
     pub text: &'t str,
-    /// Number of line ends directly before it. 0 if it follows code.
+    /// Number of line breaks directly before the comment. 0 if it follows code.
     pub newlines: u32,
-    /// Number of characters before it on its line.
+    /// Column of the comment, from 0.
     pub column: usize,
 }
 
@@ -83,7 +83,7 @@ impl TokenizedText<'_> {
     }
 }
 
-/// Divides a source.
+/// Divides a source into pieces, words and comments.
 pub fn read<'t>(text: &'t str, record: &Record) -> TokenizedText<'t> {
     let mut reader = TokenReader {
         text,

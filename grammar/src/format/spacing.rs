@@ -1,8 +1,8 @@
-//! The blank between two words of a piece.
+//! Spaces between the words of a piece.
 use super::source::{Gap, Word};
 use crate::parse::Rule;
 
-/// Returns whether a blank stands between two neighbouring words of a piece.
+/// Returns whether a space separates two neighbouring words of a piece.
 pub fn is_blank(whole: Rule, left: &Word<'_>, right: &Word<'_>) -> bool {
     let (Some(first), Some(second)) = (left.rule, right.rule) else {
         // The dot of a place.
@@ -20,7 +20,7 @@ pub fn is_blank(whole: Rule, left: &Word<'_>, right: &Word<'_>) -> bool {
     }
 }
 
-/// Follows the parentheses of a piece, to tell where its line may break.
+/// Counts the parentheses of a piece, because lines break only outside of them.
 #[derive(Debug, Default)]
 pub struct Breaks {
     parens: u32,

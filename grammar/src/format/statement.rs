@@ -1,4 +1,4 @@
-//! One piece as a line, or as several where it is too long.
+//! Formats one statement on one line, or on several if it is too long.
 use super::line::{FormattedLine, LineKind, columns};
 use super::source::{TextPiece, TokenizedText};
 use super::spacing::{Breaks, is_blank};
@@ -7,7 +7,7 @@ use super::{INDENT, WIDTH};
 /// Words that stay together.
 struct UnbreakableText {
     text: String,
-    /// The comments before it.
+    /// Indices of the comments before the statement.
     notes: std::ops::Range<usize>,
 }
 
@@ -24,7 +24,7 @@ pub fn text(source: &TokenizedText<'_>, piece: &TextPiece) -> String {
     text
 }
 
-/// Returns the text of a piece on one line, unless it takes more than so many columns.
+/// Returns the text of a piece on one line. Returns `None` if it has more than `most` columns.
 pub fn short_text(source: &TokenizedText<'_>, piece: &TextPiece, most: usize) -> Option<String> {
     // A word has a character at least, so most pieces that are too long are never written.
     if piece.words.len() > most {
@@ -34,7 +34,7 @@ pub fn short_text(source: &TokenizedText<'_>, piece: &TextPiece, most: usize) ->
     (columns(&text) <= most).then_some(text)
 }
 
-/// The lines of a piece; comments inside it go to `note`.
+/// Wraps a piece into lines. Comments inside it are passed to `note`.
 pub fn wrap(
     source: &TokenizedText<'_>,
     piece: &TextPiece,

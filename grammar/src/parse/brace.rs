@@ -1,4 +1,4 @@
-//! Missing and extra braces: they are reported instead of the errors that follow from them.
+//! Reports missing and extra braces instead of the errors that follow from them.
 use pest::Parser as _;
 use pest::iterators::Pair;
 
@@ -73,8 +73,8 @@ impl Parser<'_, '_> {
             .is_some_and(|next| holds(head, next))
     }
 
-    /// Returns whether a `}` that ends at `end` does not close the innermost block: there is a
-    /// brace too many, and the next piece can stand in this block but not in the one around it.
+    /// Returns whether a `}` that ends at `end` is an extra brace. This is so if the next piece can
+    /// be in the innermost block but not in the block around it.
     pub fn goes_on(&mut self, end: usize) -> bool {
         let Some(outer) = self.frames.len().checked_sub(1) else {
             return false;
@@ -96,7 +96,7 @@ impl Parser<'_, '_> {
         self.surplus.get_or_insert_with(|| surplus(self.text))
     }
 
-    /// Returns the rule of the piece at a byte, without comments.
+    /// Returns the rule of the piece at a byte, after any comments.
     fn next_piece(&self, at: usize, mode: Mode) -> Option<Rule> {
         let mut at = trivia::skip(self.text, at);
         while self.text[at..].starts_with("///") {
@@ -149,7 +149,7 @@ fn is_head(rule: Rule) -> bool {
     ) || matches!(rule, R::scene_head | R::shape_head | R::layer_head)
 }
 
-/// Returns whether a piece can stand in a block with this head, or in the file.
+/// Returns whether a piece is valid in a block with this head, or at the top level.
 fn holds(head: Option<Rule>, next: Rule) -> bool {
     use Rule as R;
     matches!(

@@ -15,7 +15,7 @@ use crate::tree::{
 };
 
 impl Parser<'_, '_> {
-    /// Builds a piece and puts it where it belongs.
+    /// Builds a piece and adds it to the block that contains it.
     pub fn build(&mut self, pair: Pair<'_, Rule>, base: usize) {
         if self.mode() != Mode::Block {
             return self.scene_or_shape_piece(pair, base);
@@ -62,7 +62,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Tells of what looks like an instance and is a list in parentheses: `after (A, B)`.
+    /// Reports a list in parentheses that was parsed as an instance: `after (A, B)`.
     fn is_list(&mut self, pair: &Pair<'_, Rule>, base: usize) -> bool {
         let mut parts = pair.clone().into_inner();
         let word = parts.next().map_or("", |name| name.as_str());
@@ -102,7 +102,7 @@ impl Parser<'_, '_> {
         };
         use ItemKind as K;
         let (fits, belongs) = match (&item.kind, outer.map(|outer| &outer.kind)) {
-            // What is attached by hand.
+            // Pre-attached blocks.
             (K::Chain(_), Some(K::Seed(_))) => (true, ""),
             (K::Chain(_) | K::Release(_) | K::Instance(_), outer) => (
                 matches!(outer, Some(K::Phase(_) | K::Pattern(_))),
@@ -152,7 +152,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Returns a `name`.
+    /// Builds a `name`.
     pub fn name(&mut self, pair: &Pair<'_, Rule>, base: usize) -> Name {
         let name = self.word(pair, base);
         if self.symbols.is_reserved(name.symbol) {
@@ -186,7 +186,7 @@ impl Parser<'_, '_> {
         })
     }
 
-    /// Returns a `place`.
+    /// Builds a `place`.
     pub fn place(&mut self, pair: Pair<'_, Rule>, base: usize) -> Place {
         let span = span_of(&pair, base);
         let mut place = Place {
@@ -234,7 +234,7 @@ impl Parser<'_, '_> {
         place
     }
 
-    /// Returns a `place` that names blocks, without a face.
+    /// Builds a `place` that names blocks. Reports a face.
     fn block(&mut self, pair: Pair<'_, Rule>, base: usize) -> Place {
         let place = self.place(pair, base);
         if let Some((_, span)) = place.face {
@@ -246,7 +246,7 @@ impl Parser<'_, '_> {
         place
     }
 
-    /// Returns a `place` that is the name of something new.
+    /// Builds a `place` that declares a new name.
     fn new_place(&mut self, pair: Pair<'_, Rule>, base: usize) -> Place {
         let mut place = self.place(pair, base);
         if let Some((face, span)) = place.face.take() {
@@ -260,7 +260,7 @@ impl Parser<'_, '_> {
         place
     }
 
-    /// Returns a word of the language that is used as a name, taken for one.
+    /// Builds a name from a keyword, and reports it.
     fn reserved(&mut self, word: &str, span: Span) -> Segment {
         let symbol = self.symbols.intern(word);
         let word = word.to_owned();
@@ -369,7 +369,7 @@ impl Parser<'_, '_> {
     }
 
     fn argument(&mut self, pair: Pair<'_, Rule>, base: usize) -> Option<Argument> {
-        // The lookahead behind an expression leaves no pair.
+        // The lookahead after an expression leaves no pair.
         let part = pair.into_inner().next()?;
         if part.as_rule() != Rule::expr {
             return Some(Argument::Place(self.place(part, base)));

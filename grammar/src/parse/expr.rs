@@ -6,7 +6,7 @@ use crate::error::SyntaxErrorKind;
 use crate::tree::{Expr, ExprKind, Operator, Subscript};
 
 impl Parser<'_, '_> {
-    /// Returns an `expr`.
+    /// Builds an `expr`.
     pub fn expr(&mut self, pair: Pair<'_, Rule>, base: usize) -> Expr {
         // Terms have a byte each at least, with an operator between them.
         if pair.as_str().len() > 2 * MAX_TERMS {
@@ -59,7 +59,7 @@ impl Parser<'_, '_> {
         })
     }
 
-    /// One term with the signs before it.
+    /// Builds one term with the signs before it.
     fn operand(&mut self, pairs: &mut Pairs<'_, Rule>, base: usize, depth: usize) -> Option<Expr> {
         let mut negative = false;
         let (mut first, mut open) = (None, None);
@@ -82,7 +82,7 @@ impl Parser<'_, '_> {
                     let inside = self.expr_at(pair, base, depth + 1);
                     let close = pairs.next().map(|close| span_of(&close, base));
                     span = match (&inside.kind, open.zip(close)) {
-                        // A name is where it stands.
+                        // The span of a name is its own position.
                         (ExprKind::Name(_), _) | (_, None) => inside.span,
                         (_, Some((open, close))) => open.to(close),
                     };
@@ -122,7 +122,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Returns a `range`.
+    /// Builds a `range`.
     pub fn range(&mut self, pair: Pair<'_, Rule>, base: usize) -> (Expr, Expr) {
         let ends: Vec<Expr> = pair
             .into_inner()

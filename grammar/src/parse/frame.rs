@@ -13,7 +13,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// Returns the rule for a run of pieces.
+    /// Returns the rule for a sequence of pieces.
     pub const fn run(self) -> Rule {
         match self {
             Mode::Block => Rule::pieces,
@@ -41,14 +41,14 @@ impl Mode {
     }
 }
 
-/// An open block.
+/// A block whose closing brace has not been read yet.
 pub struct OpenBlock {
     pub content: OpenBlockContent,
-    /// Place of its opening brace, or of its head.
+    /// Position of its opening brace, or of its head.
     pub opened: Span,
     /// Items read so far.
     pub body: Vec<Item>,
-    /// Start without documentation.
+    /// Start of the block without its documentation.
     pub start: u32,
 }
 
@@ -56,13 +56,13 @@ pub struct OpenBlock {
 pub enum OpenBlockContent {
     /// A block whose items belong to `Item::body_mut`.
     Items(Box<Item>),
-    /// A scene.
+    /// A scene with its words so far.
     Scene(Box<Item>, Vec<Term>),
     /// Braces in a scene.
     SceneBlock(Vec<Term>),
-    /// A shape.
+    /// A shape with its layers so far.
     Shape(Box<Item>),
-    /// A layer of the shape around it.
+    /// A layer of the enclosing shape.
     Layer(Layer),
     /// A block with a wrong head. Its content is read and dropped.
     Broken(Mode),
@@ -174,7 +174,7 @@ impl Parser<'_, '_> {
         self.keep(item);
     }
 
-    /// Adds an item to its block.
+    /// Adds an item to the block.
     pub fn keep(&mut self, item: Item) {
         match self.frames.last_mut() {
             None => self.root.push(item),

@@ -42,7 +42,7 @@ pub const MAX_STATEMENT: usize = 4 << 20;
 /// Largest number of errors that are reported for a file.
 pub const MAX_ERRORS: usize = 100;
 
-/// Result of parsing.
+/// Result of parsing a file.
 #[derive(Clone, Debug)]
 pub struct Parsed {
     /// Everything that could be read.
@@ -61,7 +61,7 @@ pub fn parse(text: &str, symbols: &mut Symbols) -> Parsed {
     read(text, symbols, None, Cancellation::NEVER).0
 }
 
-/// As [`parse`], and can be cancelled.
+/// Parses a source like [`parse`], and can be cancelled.
 ///
 /// # Errors
 ///
@@ -77,7 +77,7 @@ pub fn parse_cancellable(
     Ok(parsed)
 }
 
-/// As [`parse`], and returns every token in order.
+/// Parses a source like [`parse`], and also returns every token in order.
 pub(crate) fn parse_recorded(text: &str, symbols: &mut Symbols) -> (Parsed, Record) {
     let record = Some(Record::default());
     let (parsed, record) = read(text, symbols, record, Cancellation::NEVER);
@@ -201,7 +201,7 @@ impl Parser<'_, '_> {
         self.at = self.text.len();
     }
 
-    /// Reads one run of pieces, or one error.
+    /// Reads one sequence of pieces, or one error.
     fn run(&mut self) {
         let mode = self.mode();
         let base = self.at;
@@ -265,7 +265,7 @@ impl Parser<'_, '_> {
     }
 }
 
-/// Returns the end of the last word, without the space and comments before something optional.
+/// Returns the end of the last word, excluding space and comments before an absent optional part.
 fn end_of(pair: &Pair<'_, Rule>, base: usize) -> u32 {
     let mut last = pair.clone();
     while let Some(inner) = last.clone().into_inner().next_back() {

@@ -20,7 +20,7 @@ pub(crate) struct Token {
 }
 
 impl Record {
-    /// Adds what a piece consists of. The dots of a place have no rule and are not recorded.
+    /// Adds the tokens of a piece. The dots of qualified names have no rule and are not recorded.
     pub fn piece(&mut self, pair: &Pair<'_, Rule>, base: usize) {
         let first = self.tokens.len() as u32;
         self.pieces.push((pair.as_rule(), first));

@@ -9,7 +9,7 @@ use crate::tree::{
 };
 
 impl Parser<'_, '_> {
-    /// Reports a piece that cannot be read, and skips it to the end of its line or to a brace.
+    /// Reports an unreadable piece, and skips it up to the end of its line or to a brace.
     pub fn recover(&mut self, error: Unreadable) {
         let start = self.at;
         let error = window::sharpen(self.text, start, error);
@@ -68,7 +68,7 @@ impl Parser<'_, '_> {
         self.error(kind, span);
     }
 
-    /// Returns whether a piece has only one word before a byte, and that is a keyword.
+    /// Returns whether only a keyword of the piece precedes a byte.
     fn is_behind_keyword(&self, start: usize, at: usize) -> bool {
         let word = words::found(self.text, start);
         let symbol = self.symbols.get(word);
@@ -76,14 +76,14 @@ impl Parser<'_, '_> {
             && trivia::skip(self.text, start + word.len()) >= at
     }
 
-    /// Returns the first word of a piece, if the error is right after it.
+    /// Returns the first word of a piece if the error directly follows it.
     fn lone_word(&self, start: usize, at: usize) -> Option<&str> {
         let first = words::found(self.text, start);
         let is_alone = at > start && trivia::skip(self.text, start + first.len()) == at;
         is_alone.then_some(first)
     }
 
-    /// Removes the statement that ends right before a byte, because the error belongs to it.
+    /// Removes the statement that ends directly before a byte, because the error belongs to it.
     fn retract(&mut self, at: usize) {
         let Some(frame) = self.frames.last_mut() else {
             return;
@@ -137,7 +137,7 @@ impl Parser<'_, '_> {
         true
     }
 
-    /// Returns the start of the next piece, and whether a brace was opened just before it.
+    /// Returns the start of the next piece, and whether a brace opens directly before it.
     fn end_of_piece(&self, from: usize) -> (usize, bool) {
         let bytes = self.text.as_bytes();
         let mut at = from;

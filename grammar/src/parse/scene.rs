@@ -7,11 +7,11 @@ use super::{Parser, Rule, SaParser, span_of};
 use crate::error::SyntaxErrorKind;
 use crate::tree::{ItemKind, Layer, LayerRow, Quantity, Term, UnitFactor};
 
-/// In the place of a number that cannot be read: which one was meant is of no concern to the rest of the scene.
+/// Value of an unreadable number. The rest of the scene does not depend on it.
 const SOME_NUMBER: f64 = 1.0;
 
 impl Parser<'_, '_> {
-    /// A piece of the inside of a scene or shape.
+    /// Builds a piece inside a scene or shape.
     pub fn scene_or_shape_piece(&mut self, pair: Pair<'_, Rule>, base: usize) {
         let span = span_of(&pair, base);
         match pair.as_rule() {
@@ -80,7 +80,7 @@ impl Parser<'_, '_> {
         self.open(OpenBlockContent::Layer(layer), span);
     }
 
-    /// Tells of a unit such as `N/m` whose number has been forgotten; its sign stands at `at`.
+    /// Reports a unit such as `N/m` without a number. The unexpected character is at `at`.
     pub fn lone_unit(&mut self, at: usize) -> bool {
         let content = self.frames.last_mut().map(|frame| &mut frame.content);
         let Some(OpenBlockContent::Scene(_, terms) | OpenBlockContent::SceneBlock(terms)) = content
@@ -116,7 +116,7 @@ impl Parser<'_, '_> {
         true
     }
 
-    /// Returns whether the head of the innermost block could not be read, which has been told of.
+    /// Returns whether the head of the innermost block was unreadable. This has been reported.
     fn is_broken(&self) -> bool {
         matches!(
             self.frames.last(),
@@ -154,7 +154,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Returns a `quantity`.
+    /// Builds a `quantity`.
     pub fn quantity(&mut self, pair: Pair<'_, Rule>, base: usize) -> Quantity {
         let span = span_of(&pair, base);
         let mut quantity = Quantity {
@@ -181,7 +181,7 @@ impl Parser<'_, '_> {
     }
 }
 
-/// Returns a `unit`.
+/// Builds a `unit`.
 fn unit(pair: Pair<'_, Rule>) -> Vec<UnitFactor> {
     let mut factors = Vec::new();
     let mut divides = false;

@@ -1,7 +1,7 @@
-//! Reads one run of pieces from a source of any size.
+//! Reads one sequence of pieces from a source of any size.
 //!
-//! pest keeps about 100 bytes for every token, so it is given a window of the source. A window may
-//! cut its last piece in two. That piece is left to the next window, unless it must be complete.
+//! pest keeps about 100 bytes per token, so it gets only a window of the source. A window may end
+//! inside its last piece. That piece is left to the next window unless it must be complete.
 use pest::Parser as _;
 use pest::error::{Error, ErrorVariant, InputLocation};
 use pest::iterators::{Pair, Pairs};
@@ -13,24 +13,24 @@ use super::{MAX_STATEMENT, Rule, SaParser, trivia, words};
 pub enum Read<'t> {
     /// At least one piece. Positions are relative to the window.
     Pieces(std::iter::Take<Pairs<'t, Rule>>),
-    /// No piece can begin here.
+    /// No piece begins here.
     Error(Unreadable),
 }
 
-/// No piece could be read.
+/// Position and cause of an unreadable piece.
 pub struct Unreadable {
-    /// The byte at which one of `expected` can stand.
+    /// Position in the source where one of `expected` is valid.
     pub at: usize,
     /// Rules that were tried there.
     pub expected: Vec<Rule>,
-    /// Reason, if it is not an unexpected word.
+    /// Cause of the error.
     pub cause: Cause,
 }
 
-/// Reason why no piece could be read.
+/// Cause of an unreadable piece.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
-    /// An unexpected word.
+    /// A word that is not valid here.
     Word,
     /// Parentheses are nested beyond the stack of the parser.
     Depth,
@@ -38,7 +38,7 @@ pub enum Cause {
     Length,
 }
 
-/// Reads as many pieces from `base` on as a window has.
+/// Reads the pieces of one window that starts at `base`.
 pub fn read(text: &str, base: usize, mode: Mode) -> Read<'_> {
     let mut size = mode.window();
     loop {
@@ -105,7 +105,8 @@ pub fn cut(text: &str, about: usize) -> usize {
     end
 }
 
-/// Returns whether a longer window cannot extend the only piece of this one.
+/// Returns whether the only piece of this window is complete, so that a longer window cannot extend
+/// it.
 fn is_complete(piece: &Pair<'_, Rule>, window: &str, mode: Mode) -> bool {
     let end = piece.as_span().end();
     if window[..end].ends_with(['{', '}']) {

@@ -67,7 +67,7 @@ pub struct PlanOptions<'a> {
     pub seed: u64,
     /// Whether scaffolds remain in the structure.
     pub keeps_scaffolds: bool,
-    /// Number of runs of each plan in a race. `None`: there is no race.
+    /// Number of runs of each plan in a race. `None` if there is no race.
     pub race: Option<u64>,
     /// Files of rates for scenes without built-in rates.
     pub rates: &'a [PathBuf],

@@ -4,7 +4,7 @@ use stochc_ir::record::{Limit, Outcome, RunRecord};
 use crate::statistics::{Observation, Status};
 use stochc_results::{JournalError, Records};
 
-/// Returns the time to completion of a run in ticks. `None`: the run failed.
+/// Returns the time to completion of a run in ticks. Returns `None` if the run failed.
 ///
 /// A run that reached its limit of ticks is censored. A run ended by the timeout of a phase never
 /// completes. A timeout ends only slow runs, so the others are not representative for them.
@@ -15,8 +15,8 @@ pub fn completion_time(record: &RunRecord) -> Option<Observation> {
     })
 }
 
-/// Returns the status at the end of a run of all events that it did not reach. `None`: the run
-/// failed.
+/// Returns the status at the end of a run of all events that it did not reach. Returns `None` if
+/// the run failed.
 pub fn completion_status(outcome: &Outcome) -> Option<Status> {
     match outcome {
         Outcome::Completed => Some(Status::Completed),
@@ -37,8 +37,8 @@ pub fn sort_by_time(runs: &mut [(u64, Observation)]) {
     });
 }
 
-/// Returns the number of the program's run with the median time to completion. `None`: no run has a
-/// time.
+/// Returns the number of the program's run with the median time to completion. Returns `None` if no
+/// run has a time.
 ///
 /// # Errors
 ///
@@ -55,8 +55,8 @@ pub fn median_run(finished: &Records, program: usize) -> Result<Option<u64>, Jou
     Ok(times.get(middle).map(|&(run, _)| run))
 }
 
-/// Returns the time of a phase in ticks, censored if the run was stopped in the phase. `None`: the
-/// run failed or did not reach the phase.
+/// Returns the time of a phase in ticks, censored if the run was stopped in the phase. Returns
+/// `None` if the run failed or did not reach the phase.
 pub fn phase_time(record: &RunRecord, phase: usize) -> Option<Observation> {
     match &record.outcome {
         Outcome::Failed { .. } => None,

@@ -44,11 +44,12 @@ pub(super) struct Comparable {
     /// are equal. The unknown share of completing runs is then the only error. It is bounded by the
     /// case that they complete at once.
     pub unseen: [f64; 2],
-    /// Horizon of the restricted means. `None`: all times are known.
+    /// Horizon of the restricted means. `None` if all times are known.
     pub horizon: Option<f64>,
 }
 
-/// Returns values whose means are the restricted means of both samples. `None`: a sample is empty.
+/// Returns values whose means are the restricted means of both samples. Returns `None` if a sample
+/// is empty.
 ///
 /// The horizon is the last time up to which both curves are known. If some runs never complete, it
 /// is at most the last observed time of both samples.

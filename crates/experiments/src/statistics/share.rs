@@ -1,7 +1,7 @@
 //! Confidence interval of a share of runs.
 use super::distribution::normal_quantile;
 
-/// Returns the 95 % interval of the share `k / n`. `None`: the sample is empty.
+/// Returns the 95 % interval of the share `k / n`. Returns `None` if the sample is empty.
 ///
 /// The interval stays between 0 and 1. It has a positive width even if the share is 0 or 1.
 ///

@@ -10,10 +10,10 @@ pub struct Summary {
     pub n: usize,
     /// Arithmetic mean.
     pub mean: f64,
-    /// Standard deviation with n - 1 in the denominator. `None`: the sample has a single value.
+    /// Standard deviation with n - 1 in the denominator. `None` if the sample has a single value.
     pub sd: Option<f64>,
     /// Half the width of the 95 % confidence interval of the mean, t(0.975, n - 1) SD / sqrt n.
-    /// `None`: the sample has a single value.
+    /// `None` if the sample has a single value.
     ///
     /// The paper uses 1.96 SD / sqrt n, which is 2.5 % narrower for its n = 50.
     pub half_width: Option<f64>,
@@ -26,7 +26,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Summarizes finite values. `None`: there are no values.
+    /// Summarizes finite values. Returns `None` if there are no values.
     pub fn from_values(values: &[f64]) -> Option<Summary> {
         let n = values.len();
         let median = median(values)?;
@@ -61,7 +61,7 @@ impl Summary {
 }
 
 /// Returns the median of finite values, the mean of the two middle values for an even number.
-/// `None`: there are no values.
+/// Returns `None` if there are no values.
 pub fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

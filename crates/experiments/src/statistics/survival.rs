@@ -64,7 +64,8 @@ pub(crate) struct RestrictedMean {
 }
 
 impl KaplanMeier {
-    /// Estimates the curve from observations in any order. `None`: there are no observations.
+    /// Estimates the curve from observations in any order. Returns `None` if there are no
+    /// observations.
     pub fn new(observations: &[Observation]) -> Option<KaplanMeier> {
         let mut sorted = observations.to_vec();
         sorted.sort_by(|a, b| a.at_risk_until().total_cmp(&b.at_risk_until()));
@@ -143,8 +144,8 @@ impl KaplanMeier {
         self.quantile(0.5)
     }
 
-    /// Returns the time at which a share of the runs has completed. `None`: the estimate stays
-    /// below this share.
+    /// Returns the time at which a share of the runs has completed. Returns `None` if the estimate
+    /// stays below this share.
     ///
     /// If the estimate equals the share between two completions, the result is the midpoint of the
     /// two. The quantile of 0.5 is then the plain median of a sample without censoring.

@@ -64,7 +64,7 @@ impl Axis {
         })
     }
 
-    /// Returns the values of a setting. `None`: the axis is a scene parameter.
+    /// Returns the values of a setting. Returns `None` if the axis is a scene parameter.
     pub fn settings(&self) -> Option<&[ChosenSetting]> {
         match &self.values {
             AxisValues::Settings(chosen) => Some(chosen),

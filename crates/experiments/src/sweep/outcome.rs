@@ -59,7 +59,7 @@ pub struct SweepPoint {
     pub censored: usize,
     /// Number of runs with failed physics. No time includes them.
     pub failed: usize,
-    /// Share of the finished runs that completed, 0 to 1. `None`: no run is finished.
+    /// Share of the finished runs that completed, 0 to 1. `None` if no run is finished.
     pub share: Option<f64>,
     /// 95 % interval of the share, by Wilson.
     pub share_interval: Option<(f64, f64)>,
@@ -114,7 +114,8 @@ pub struct SweepTally<'a> {
 }
 
 impl<'a> SweepTally<'a> {
-    /// Creates the accumulator for the sweep of a manifest. `None`: the manifest has no sweep.
+    /// Creates the accumulator for the sweep of a manifest. Returns `None` if the manifest has no
+    /// sweep.
     pub fn new(manifest: &'a Manifest) -> Option<SweepTally<'a>> {
         let axes: Vec<SweptNumber> = manifest.axes().iter().map(dial).collect();
         if axes.is_empty() && !manifest.varies_settings() {
@@ -182,7 +183,7 @@ fn dial(varied: &Varied) -> SweptNumber {
 }
 
 impl Sweep {
-    /// Returns the results of the sweep of a manifest. `None`: the manifest has no sweep.
+    /// Returns the results of the sweep of a manifest. Returns `None` if the manifest has no sweep.
     ///
     /// # Errors
     ///
@@ -219,7 +220,7 @@ impl Sweep {
         }
     }
 
-    /// Returns the length of a tick at a point if times are in ticks. `None`: times are in seconds.
+    /// Returns the length of a tick at a point if times are in ticks. `None` means times are in seconds.
     pub fn tick(&self, point: &SweepPoint) -> Option<Tick> {
         (self.unit == TICKS).then_some(Tick(point.tick))
     }

@@ -29,7 +29,7 @@ pub struct Doubling {
     pub from: u32,
     /// Substeps after the doubling.
     pub to: u32,
-    /// For each program, the mean after over the mean before, minus one. `None`: there is nothing
+    /// For each program, the mean after over the mean before, minus one. `None` if there is nothing
     /// to compare.
     pub changes: Vec<Option<Relative>>,
     /// For each program, the number of right-censored runs before and after. If it is positive, the
@@ -57,7 +57,7 @@ impl Doubling {
     }
 
     /// Returns the largest change of a mean that the intervals do not exclude, over these programs.
-    /// `None`: nothing is excluded.
+    /// Returns `None` if nothing is excluded.
     pub fn bound(&self, programs: &[usize]) -> Option<f64> {
         let mut bounds = programs.iter().map(|&p| self.changes[p].as_ref()?.bound());
         bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))

@@ -14,7 +14,7 @@ const FORMAT: u32 = 1;
 /// Programs at many settings. Times are in ticks, costs in CPU time \[s\].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trade {
-    /// Ticks after which a run was stopped. `None`: runs were not stopped.
+    /// Ticks after which a run was stopped. `None` if runs were not stopped.
     pub max_ticks: Option<u64>,
     /// Programs that were run.
     pub programs: Vec<TradedProgram>,
@@ -43,8 +43,8 @@ pub struct Reference {
     /// Whether the reference has converged to within 10 %. It is undecided if the limit of ticks
     /// stopped runs of the last doubling.
     pub convergence: Convergence,
-    /// The largest change of a mean by the last doubling that its interval does not exclude. `None`: nothing is
-    /// excluded.
+    /// The largest change of a mean by the last doubling that its interval does not exclude. `None`
+    /// if nothing is excluded.
     pub bound: Option<f64>,
     /// All doublings that lead to the reference.
     pub doublings: Vec<Doubling>,
@@ -59,14 +59,15 @@ pub struct CandidateResult {
     pub options: String,
     /// The settings in full.
     pub settings: Settings,
-    /// CPU time of a run: the mean of the programs' medians \[s\]. `None`: some program has no runs.
+    /// CPU time of a run: the mean of the programs' medians \[s\]. `None` if some program has no
+    /// runs.
     pub cost: Option<f64>,
     /// Cost as a multiple of the reference's cost.
     pub cost_ratio: Option<f64>,
-    /// The largest bias of any program. `None`: some program has no bias.
+    /// The largest bias of any program. `None` if some program has no bias.
     pub worst: Option<Relative>,
-    /// The largest bias of any program that its interval does not exclude. `None`: nothing is excluded, for example
-    /// because the limit of ticks stopped runs.
+    /// The largest bias of any program that its interval does not exclude. `None` if nothing is
+    /// excluded, for example because the limit of ticks stopped runs.
     pub bound: Option<f64>,
     /// Whether the setting is Pareto-optimal: no cheaper one has a smaller bound.
     pub front: bool,

@@ -1,4 +1,4 @@
-//! Definitions and references.
+//! Finds definitions and references.
 use std::collections::BTreeSet;
 
 use gen_lsp_types::Range;
@@ -94,7 +94,7 @@ fn imported(analysis: &Analysis, at: usize) -> Option<SourceLocation> {
 /// Range in a file given by its path, which is valid in every program.
 pub type FileRange = (String, u32, u32);
 
-/// Returns all occurrences, in all programs, of the thing named at a location.
+/// Returns all occurrences, in all programs, of the name at a location.
 ///
 /// # Errors
 ///

@@ -26,7 +26,7 @@ pub fn of(
     all
 }
 
-/// Converts a diagnostic.
+/// Converts a diagnostic to the form of the protocol.
 pub fn lsp_diagnostic(
     diagnostic: &Diagnostic,
     analysis: &Analysis,

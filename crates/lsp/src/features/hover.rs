@@ -186,7 +186,7 @@ fn phase_of(program: &Program, event: EventId) -> Option<&PlanPhase> {
     program.plan.phases.get(number)
 }
 
-/// Describes the declaration of a thing.
+/// Describes the declaration of a name.
 fn declaration(analysis: &Analysis, name: &Occurrence, kind: NameKind) -> String {
     let names = &analysis.names;
     let word = analysis.checked.symbols.word(names.word(name.definition));

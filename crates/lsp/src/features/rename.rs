@@ -38,8 +38,8 @@ pub fn renameable(analysis: &Analysis, at: usize) -> Result<SourceLocation, Requ
     Ok(name.location)
 }
 
-/// Returns the edits that rename the thing at a byte of a program's own file in all programs that
-/// use it.
+/// Returns the edits that rename a name in all programs that use it. The name is at a byte of a
+/// program's own file.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Texts open in the client, saved or not.
+//! Documents that are open in the client, saved or not.
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -14,7 +14,7 @@ use super::uri;
 #[derive(Clone, Debug, Default)]
 pub struct Documents(Arc<Mutex<BTreeMap<String, Document>>>);
 
-/// Open text.
+/// A document that is open in the client.
 #[derive(Clone, Debug)]
 pub struct Document {
     /// URI in the client's spelling.

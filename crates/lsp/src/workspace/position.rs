@@ -7,7 +7,7 @@ use stochc_compiler::Span;
 /// Unit of characters within a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Encoding {
-    /// Bytes.
+    /// Columns count bytes.
     Utf8,
     /// UTF-16 code units, the default of the protocol.
     #[default]

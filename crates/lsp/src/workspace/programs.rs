@@ -27,15 +27,15 @@ pub struct CheckedProgram {
 #[derive(Default)]
 pub struct Programs(BTreeMap<String, OpenProgram>);
 
-/// Open program.
+/// A program that is open in the client.
 #[derive(Default)]
 struct OpenProgram {
     state: AnalysisState,
     /// Files read by the last check.
     reads: Arc<Reads>,
-    /// Whether the client lacks its current diagnostics.
+    /// Whether the client has not received the current diagnostics yet.
     is_unseen: bool,
-    /// Its latest diagnostics.
+    /// Latest diagnostics of the program.
     found: DiagnosticsByFile,
 }
 
@@ -52,7 +52,7 @@ enum AnalysisState {
 
 /// Availability of an analysis.
 pub enum Knowledge {
-    /// The analysis.
+    /// The analysis is up to date.
     Known(Arc<Analysis>),
     /// A check must start or end first.
     Waiting,
@@ -61,7 +61,7 @@ pub enum Knowledge {
 }
 
 impl Programs {
-    /// Returns all paths.
+    /// Returns the paths of all open programs.
     pub fn paths(&self) -> impl Iterator<Item = &String> {
         self.0.keys()
     }

@@ -13,10 +13,10 @@ pub struct Reads(Mutex<BTreeMap<String, ReadState>>);
 /// State of reading a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ReadState {
-    /// It may be read before or after a change.
+    /// The file is being read, before or after a change.
     Pending,
     Missing,
-    /// Digest of its bytes.
+    /// Digest of the file's bytes.
     Read(u64),
 }
 

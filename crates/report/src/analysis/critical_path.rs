@@ -19,7 +19,7 @@ pub(crate) struct CriticalPathSegment {
     /// First tick of the segment in the run.
     pub from: u64,
     pub to: u64,
-    /// Event and dependency that ended the preceding wait, at `from`. `None`: the beginning of the
+    /// Event and dependency that ended the preceding wait, at `from`. `None` means the beginning of the
     /// phase.
     pub since: Option<(usize, Dependency)>,
 }
@@ -40,9 +40,9 @@ pub(crate) enum SegmentKind {
 /// Ticks at which an event of a run became possible and happened.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct EventTiming {
-    /// Tick of the magnetization of the face, or of the request for the release. `None`: never.
+    /// Tick of the magnetization of the face, or of the request for the release. `None` means never.
     pub ready: Option<u64>,
-    /// Tick of the docking or the release. `None`: never.
+    /// Tick of the docking or the release. `None` means never.
     pub done: Option<u64>,
     /// Index of the capture in the record.
     pub bond: Option<usize>,
@@ -358,7 +358,7 @@ mod tests {
         }
     }
 
-    /// Release of E by its parent C.
+    /// Returns the release of E by its parent C.
     fn release(tick: u64) -> ReleaseRecord {
         ReleaseRecord {
             phase: PhaseId(1),
@@ -369,8 +369,8 @@ mod tests {
         }
     }
 
-    /// Phase 0: A -> C -> E, in parallel with B -> D. Phase 1: release of E, then A -> F after E is
-    /// away.
+    /// Returns a program. Phase 0: A -> C -> E, in parallel with B -> D. Phase 1: release of E,
+    /// then A -> F after the release.
     fn program() -> Events {
         Events {
             events: vec![

@@ -87,7 +87,7 @@ impl Events {
 /// Returns a topological order in which each event directly follows its last dependency if
 /// possible. This keeps chains together.
 ///
-/// Otherwise the order is that of the indices, which is phase by phase, so the result is as well.
+/// Otherwise the order is that of the indices. Both keep events of one phase together.
 fn side_by_side(graph: &EventGraph) -> Vec<u32> {
     let count = graph.events.len();
     let mut missing = vec![0; count];

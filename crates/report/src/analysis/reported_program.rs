@@ -36,7 +36,7 @@ pub struct Input {
     pub path: String,
     /// Manifest of the folder.
     pub manifest: Manifest,
-    /// Finished runs.
+    /// Records of the finished runs.
     pub finished: Records,
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct ReportedProgram<'a> {
     pub label: String,
     /// Whether times in figures are in seconds. Otherwise they are in ticks.
     in_seconds: bool,
-    /// Index of its folder.
+    /// Index of its results folder.
     pub folder: usize,
     /// Index of the program in the manifest.
     pub number: usize,
@@ -60,14 +60,14 @@ pub(crate) struct ReportedProgram<'a> {
     pub times: Vec<(u64, Observation)>,
     /// Number of failed runs.
     pub failed: usize,
-    /// First failed runs.
+    /// The first failed runs.
     pub failures: Vec<FailedRun>,
     /// Data of the program as a point of a sweep.
     pub point: PointTally,
     pub waits: WaitsTally,
     pub decisive: DecisiveEvents,
     phase_times: Vec<TimeSample>,
-    /// For an aggregate, the times from the beginning to each size of its largest group.
+    /// Times from the start to each size of an aggregate's largest group. Empty for assemblies.
     size_times: Vec<TimeSample>,
     /// Example runs, with their descriptions.
     example_runs: Vec<(&'static str, FinishedRun)>,
@@ -208,7 +208,7 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// Adds a run.
+    /// Adds a run to the sums.
     fn add(&mut self, run: &FinishedRun) {
         /// Largest number of failures with details.
         const TOLD: usize = 5;
@@ -288,8 +288,8 @@ impl<'a> ReportedProgram<'a> {
         self.program.tables().aggregate.is_some()
     }
 
-    /// Returns the times from the beginning to a size of the largest group of an aggregate, by
-    /// index of the phase \[ticks\].
+    /// Returns the times from the start to a size of an aggregate's largest group \[ticks\].
+    /// `phase` is the index of the phase with this size.
     pub fn size_times(&self, phase: usize) -> Vec<Observation> {
         self.size_times[phase].to_vec()
     }

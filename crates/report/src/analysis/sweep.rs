@@ -15,7 +15,7 @@ type SweepMember = (usize, BTreeMap<&'static str, f64>);
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct ComparisonKey<'a> {
     tables: &'a str,
-    /// Settings as JSON.
+    /// Settings of the programs as JSON.
     settings: String,
     words: BTreeMap<String, String>,
 }
@@ -77,7 +77,7 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
     sweeps.into_iter().map(sweep).collect()
 }
 
-/// Returns the only parameter that differs in a group. `None`: none or several differ.
+/// Returns the only parameter that differs in a group. Returns `None` if none or several differ.
 fn difference(group: &[SweepMember]) -> Option<&'static str> {
     let (_, first) = group.first()?;
     let mut found = BTreeSet::new();

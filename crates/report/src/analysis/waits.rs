@@ -14,9 +14,9 @@ pub(crate) struct ReportedCapture {
     pub phase: PhaseId,
     /// Text such as `M.up -> N`.
     pub text: String,
-    /// Whether it depends on the preceding capture in the list.
+    /// Whether the capture depends on the preceding capture in the list.
     pub follows: bool,
-    /// Statistics of its waits. `None`: no run waited for it.
+    /// Statistics of its waiting times. `None` if no run waited for it.
     pub waits: Option<Waits>,
     /// Share of the total time of all runs on the critical paths, 0 to 1.
     pub share: Option<f64>,
@@ -58,7 +58,8 @@ impl ReportedCapture {
     }
 }
 
-/// Returns every capture of a program in the order of its events. This takes the accumulated waits.
+/// Returns the captures of a program in the order of events. Moves the collected waiting times out
+/// of `subject`.
 pub(crate) fn waits(subject: &mut ReportedProgram) -> Vec<ReportedCapture> {
     let DecisiveEvents {
         spent,

@@ -374,7 +374,7 @@ fn ratio(ratio: &Ratio) -> [String; 3] {
     ]
 }
 
-/// Returns every place of every map.
+/// Returns the table of all map cells.
 fn mapped(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
     let mut table = CsvTable::new([
         "program", "map", "slice", "at", "east", "up", "value", "low", "high",

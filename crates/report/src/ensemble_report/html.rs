@@ -16,7 +16,7 @@ pub(super) struct Html {
 pub(super) enum HtmlCell {
     /// Text that is already HTML.
     Marked(String),
-    /// Plain text.
+    /// Plain text, to be escaped.
     Plain(String),
     /// A number, aligned to the right. It can have several lines.
     Number(String),
@@ -102,7 +102,7 @@ pub(super) fn name(text: &str) -> String {
     format!("<bdi>{}</bdi>", escaped(text))
 }
 
-/// Returns a command or a piece of a program as HTML.
+/// Returns a command or a part of a program as HTML.
 pub(super) fn code(text: &str) -> String {
     /// Largest length without line breaks.
     const WHOLE: usize = 40;

@@ -24,10 +24,10 @@ pub use crate::figures::{FigureFormat, Figures};
 pub use crate::svg::Medium;
 pub use data::CHAINS;
 
-/// First line of every report, which distinguishes it from foreign files.
+/// First line of every report. It distinguishes reports from other files.
 pub const MARK: &str = "<!DOCTYPE html><!-- stochc report -->";
 
-/// A complete report.
+/// A complete report with its figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     /// HTML page, self-contained and without scripts.
@@ -45,10 +45,10 @@ pub struct ReportLocation<'a> {
     pub folder: &'a str,
     /// Formats of the figures.
     pub figures: &'a Figures,
-    /// Interval of reloads by a browser. `None`: the page is not reloaded.
+    /// Interval of reloads by a browser. `None` if the page is not reloaded.
     pub reload: Option<Duration>,
-    /// Returns the relative address of the replay of a run, given the index of the folder, the
-    /// index of the program and the number of the run. `None`: there is no replay.
+    /// Returns the relative address of the replay of a run. Arguments: index of the folder, index
+    /// of the program, number of the run. Returns `None` if there is no replay.
     pub replay: &'a dyn Fn(usize, usize, u64) -> Option<String>,
     /// Reader of the recordings.
     pub recordings: &'a RecordingReader<'a>,

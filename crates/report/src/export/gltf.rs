@@ -73,7 +73,7 @@ impl Gltf {
         }
     }
 
-    /// Writes the file.
+    /// Writes the glTF file.
     ///
     /// # Errors
     ///

@@ -45,7 +45,7 @@ const SCHEMA: &str = "message trajectories {
 /// | `qx`, `qy`, `qz`, `qw` | 32-bit float | quaternion from its own axes to those of the structure |
 /// | `role` | text or null | its role while it is part of the structure |
 pub struct Trajectories<W: Write + Send> {
-    /// Writer. `None`: it has failed.
+    /// Writer. `None` if it has failed.
     writer: Option<SerializedFileWriter<W>>,
     every: u64,
     names: Vec<String>,

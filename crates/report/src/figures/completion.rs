@@ -5,8 +5,9 @@ use stochc_results::{JournalError, Manifest, Records};
 use super::{SurvivalCurve, incomplete, survival};
 use crate::svg::{Colours, Drawing, Medium, PlotAxis};
 
-/// Draws the curves of all programs of an ensemble in a common unit. `None`: no run has completed
-/// or been stopped. A sweep has the figures of [`super::sweep`] instead, and returns `None`.
+/// Draws the curves of all programs of an ensemble in a common unit. Returns `None` if no run has
+/// completed or been stopped. A sweep has the figures of [`super::sweep`] instead, and returns
+/// `None`.
 ///
 /// # Errors
 ///

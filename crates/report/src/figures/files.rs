@@ -8,10 +8,10 @@ use crate::presentation::Presentation;
 /// File format of a figure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FigureFormat {
-    /// For browsers and drawing programs.
+    /// SVG, for browsers and drawing programs.
     #[default]
     Svg,
-    /// For papers, with its font embedded.
+    /// PDF, for papers, with an embedded font.
     Pdf,
 }
 

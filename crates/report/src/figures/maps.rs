@@ -23,7 +23,7 @@ const AXIS: f64 = 40.0;
 const SAMPLE: f64 = 10.0;
 const STEPS: usize = 40;
 
-/// Draws panels in columns, each with its colour scale below. `None`: all maps are empty.
+/// Draws panels in columns, each with its colour scale below. Returns `None` if all maps are empty.
 pub(crate) fn maps(
     medium: Medium,
     name: &str,

@@ -9,7 +9,8 @@ use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, widest};
 use crate::svg::{Drawing, LegendEntry, LegendSymbol, Medium, PlotAxis, Scale, class};
 
-/// Draws a bar for each capture that took a released block at least once. `None`: there is none.
+/// Draws a bar for each capture that captured a released block at least once. Returns `None` if no
+/// capture did.
 pub(crate) fn origins(
     medium: Medium,
     number: usize,

@@ -19,8 +19,8 @@ pub(crate) fn incomplete() -> PlotAxis {
     PlotAxis::new("runs not complete yet", "%")
 }
 
-/// Draws Kaplan-Meier curves with their intervals. Marks show stopped runs. The numbers at risk
-/// stand below the ticks of the axis. `axis` is the axis of the times, and `of` that of the shares.
+/// Draws Kaplan-Meier curves with their intervals. Marks show stopped runs. The numbers at risk are
+/// listed below the time axis. `axis` is the axis of times, and `of` that of shares.
 pub(crate) fn survival(
     medium: Medium,
     name: &str,

@@ -43,7 +43,7 @@ struct PlottedSetting<'a> {
 struct Axes {
     /// Scale of the costs.
     cost: Scale,
-    /// Largest bias.
+    /// Largest bias to show.
     most: f64,
     left: f64,
     right: f64,

@@ -10,8 +10,8 @@ use crate::svg::{Drawing, LINE, Medium, Scale, Style};
 /// Largest number of rows. With more captures, those with the largest shares are shown.
 pub(crate) const SHOWN: usize = 60;
 
-/// Draws a dot for each mean with its interval in the order of the dependency graph, and bars of
-/// the shares at the right.
+/// Draws a dot for each mean waiting time with its interval, in the order of the dependency graph.
+/// Bars at the right show shares.
 ///
 /// `number` is the number of the program in the report.
 pub(crate) fn waits(

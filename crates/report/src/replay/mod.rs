@@ -96,7 +96,7 @@ fn script() -> String {
     format!("\"use strict\";\n{}{}", colours::script(), SCRIPT.concat())
 }
 
-/// Copies in base64, in pieces of whole groups of three bytes.
+/// Copies a stream as base64. Encodes parts whose length is a multiple of three bytes.
 fn encode(from: &mut impl Read, out: &mut impl Write) -> io::Result<()> {
     const PIECE: u64 = 3 << 16;
     loop {

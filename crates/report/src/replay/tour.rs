@@ -7,7 +7,7 @@ use crate::analysis::events::Events;
 use crate::analysis::reported_program::FinishedRun;
 use crate::ensemble_report::narrative::{NarrativeContext, item};
 
-/// Largest number of steps. Of a longer path, the longest segments are taken.
+/// Largest number of steps. Longer paths are reduced to their longest segments.
 const MAX: usize = 200;
 
 /// Returns `[{ from, to, cell, html }]`: the consecutive waits in ticks, their cells, and their

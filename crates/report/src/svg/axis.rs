@@ -56,7 +56,7 @@ impl Drawing {
         all.find(fits).unwrap_or(first)
     }
 
-    /// Returns the nearest centre of a text that keeps it within the edges.
+    /// Returns the centre for a text next to `x` that keeps it within the edges.
     pub(crate) fn within(&self, x: f64, text: &str) -> f64 {
         let half = letters::width(text) / 2.0 + 2.0;
         let last = (self.size().0 - half).max(half);

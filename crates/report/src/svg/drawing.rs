@@ -14,7 +14,7 @@ pub(crate) const LINE: f64 = 15.0;
 pub struct Drawing {
     /// Name of its file without extension: letters, digits and `-`.
     pub name: String,
-    /// Short title.
+    /// Title of the figure.
     pub title: String,
     /// Description of its content.
     pub description: String,
@@ -39,7 +39,7 @@ pub(crate) enum LegendSymbol {
     /// A bar with this kind of hatching.
     Bar(usize),
     Mark(Marker),
-    /// A dashed line.
+    /// A dashed line with its pattern.
     Line(&'static str),
 }
 
@@ -67,7 +67,7 @@ impl Drawing {
         }
     }
 
-    /// Sets the height.
+    /// Sets the height of the drawing.
     pub(crate) fn high(mut self, height: f64) -> Drawing {
         self.size.1 = height;
         self
@@ -101,7 +101,7 @@ impl Drawing {
         self.push(class, own, Form::Line(from, to), "");
     }
 
-    /// Draws a line of text that begins at `place`.
+    /// Draws a line of text that starts at `place`.
     pub(crate) fn text(&mut self, class: &str, place: Point, content: &str) {
         self.words(class, place, TextAnchor::Start, content);
     }
@@ -121,8 +121,8 @@ impl Drawing {
         self.push(class, Style::default(), form, "");
     }
 
-    /// Draws text in lines of limited width, the first with its baseline at `place`. Returns the
-    /// baseline of the next line.
+    /// Draws text in lines of at most `most` width. The first baseline is at `place`. Returns the
+    /// next baseline.
     pub(crate) fn paragraph(&mut self, class: &str, place: Point, most: f64, content: &str) -> f64 {
         let mut y = place.1;
         for line in wrapped(content, most) {
@@ -239,8 +239,7 @@ impl Drawing {
         self.push("", Style::area(colour), form, "");
     }
 
-    /// Draws a legend in columns, the first entry with its baseline at `place`. Returns the
-    /// baseline of the next line.
+    /// Draws a legend in columns. The first baseline is at `place`. Returns the next baseline.
     pub(crate) fn keys(&mut self, place: Point, right: f64, keys: &[LegendEntry]) -> f64 {
         const ROW: f64 = 19.0;
         const APART: f64 = 16.0;

@@ -22,14 +22,14 @@ pub(crate) fn width(text: &str) -> f64 {
     widths.sum()
 }
 
-/// Returns the width of a line of text. `None`: the text is empty, or contains characters of other
-/// fonts.
+/// Returns the width of a line of text. Returns `None` if the text is empty, or contains characters
+/// of other fonts.
 pub(crate) fn known_width(text: &str) -> Option<f64> {
     let width: Option<f64> = text.chars().map(advance).sum();
     width.filter(|&width| width > 0.0)
 }
 
-/// Returns the width of a character. `None`: the font does not contain it.
+/// Returns the width of a character. Returns `None` if the font does not contain it.
 fn advance(sign: char) -> Option<f64> {
     let glyph = FACE.glyph_index(sign)?;
     let width = f64::from(FACE.glyph_hor_advance(glyph)?);

@@ -370,7 +370,7 @@ mod tests {
     use super::super::Medium;
     use super::*;
 
-    /// The page has the requested size, and equal drawings give equal files.
+    /// Checks that the page has the requested size, and that equal drawings give equal files.
     #[test]
     fn a_page_is_as_large_as_the_figure() {
         let mut out = Drawing::new(Medium::Print(89.0), "n", "A title", "d").high(240.0);

@@ -1,4 +1,4 @@
-//! Elements of drawings.
+//! Graphical elements of drawings.
 use super::style::Style;
 
 /// A position or size, in units of the drawing. Positive is down.
@@ -12,7 +12,7 @@ pub(crate) struct DrawnShape {
     /// Own style, which takes precedence over the classes.
     pub own: Style,
     pub form: Form,
-    /// Tooltip. Empty: none.
+    /// Tooltip text. Empty if there is none.
     pub tooltip: String,
 }
 
@@ -37,7 +37,7 @@ pub(crate) enum Form {
     AxisEnd,
 }
 
-/// Position of a line of text relative to its point.
+/// Horizontal position of a text relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TextAnchor {
     /// The text begins at the point.
@@ -52,7 +52,7 @@ pub(crate) enum TextAnchor {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Marker {
     Disc,
-    /// An unfilled disc.
+    /// A circle without fill.
     Ring,
     Square,
     Triangle,

@@ -27,7 +27,7 @@ pub(crate) enum Paint {
     Nothing,
 }
 
-/// Style of a rule. `None`: the rule does not set the property.
+/// Style of a rule. `None` if the rule does not set the property.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Style {
     pub fill: Option<Paint>,
@@ -104,7 +104,7 @@ impl Style {
         }
     }
 
-    /// Returns the set properties with their names in SVG.
+    /// Returns the properties that are set, with their SVG names.
     fn said(&self) -> impl Iterator<Item = (&'static str, String)> {
         let paint = |paint: Option<Paint>| {
             paint.map(|paint| match paint {

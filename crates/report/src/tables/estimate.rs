@@ -1,4 +1,4 @@
-//! Table of estimates.
+//! Prints estimates as tables.
 use stochc_text::percent;
 
 use stochc_runtime::rates::{Interaction, LowerBoundReasons, Times};

@@ -3,8 +3,8 @@ use std::time::Duration;
 
 use crate::execution::{ProgramProgress, Snapshot};
 
-/// Returns the remaining time at the tick rate observed in `elapsed`. `None`: no run has finished
-/// yet.
+/// Returns the remaining time at the tick rate observed in `elapsed`. Returns `None` if no run has
+/// finished yet.
 ///
 /// The unfinished runs of a program are assumed to have the mean number of ticks of its finished
 /// runs. A program without finished runs has the mean of all programs.

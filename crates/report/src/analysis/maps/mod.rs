@@ -38,8 +38,8 @@ const HALF_SLICE: f64 = 1.0;
 /// Largest number of captures for a map of the faces.
 const MAX_CAPTURES: usize = 2000;
 
-/// Reader of the recording of a run, given the index of the folder, the index of the program and
-/// the number of the run. `None`: there is no recording.
+/// Reader of the recording of a run. Arguments: index of the folder, index of the program, number
+/// of the run. Returns `None` if there is no recording.
 pub type RecordingReader<'a> = dyn Fn(usize, usize, u64) -> Option<io::Result<Box<dyn Read>>> + 'a;
 
 /// Plane of a slice.
@@ -74,7 +74,8 @@ impl Slice {
         }
     }
 
-    /// Returns the coordinates of a cell in the plane. `None`: the cell is outside the plane.
+    /// Returns the coordinates of a cell in the plane. Returns `None` if the cell is outside the
+    /// plane.
     fn place(self, cell: Cell) -> Option<(i32, i32)> {
         match self {
             Slice::Horizontal(z) => (cell.z == z).then_some((cell.x, cell.y)),
@@ -89,7 +90,7 @@ pub(crate) struct SliceMap {
     pub slice: Slice,
     /// First and last coordinates of both axes.
     pub ends: ((i32, i32), (i32, i32)),
-    /// Estimate at each place. Absent places are unknown.
+    /// Estimate for each cell of the map. Absent cells are unknown.
     pub places: BTreeMap<(i32, i32), Ratio>,
     /// Places of the structure in the plane.
     pub structure: Vec<(i32, i32)>,
@@ -120,7 +121,7 @@ pub(crate) struct Maps {
     pub faces: Vec<FaceEntries>,
 }
 
-/// A place in a slice, after the index of the slice.
+/// A cell in a slice: index of the slice, then its two coordinates.
 type SlicePlace = (usize, i32, i32);
 
 /// A capture: parent, face and child as in the record.
@@ -134,7 +135,7 @@ struct RunCounts {
     faces: BTreeMap<LocatedCapture, (f64, f64)>,
 }
 
-/// Computes the maps of a program. `None`: its blocks do not move, or it captures none.
+/// Computes the maps of a program. Returns `None` if its blocks do not move, or it captures none.
 ///
 /// # Errors
 ///
@@ -234,7 +235,7 @@ pub(crate) fn maps(
     Ok(Some(maps))
 }
 
-/// Returns the estimate at each place between two corners.
+/// Returns the estimate for each cell of a rectangle.
 fn every(
     ((west, east), (low, high)): ((i32, i32), (i32, i32)),
     known: impl Fn(i32, i32) -> Option<Ratio>,

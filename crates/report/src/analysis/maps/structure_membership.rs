@@ -41,7 +41,7 @@ impl StructureMembership {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PlaceQuery {
     pub tick: u64,
-    /// Index into [`AGES`].
+    /// Index of the age in [`AGES`].
     pub age: usize,
     pub body: u32,
     /// Cell of the later capture.
@@ -80,7 +80,7 @@ mod tests {
 
     use super::*;
 
-    /// A block that is captured at 300, released at 500, and captured again at 1200.
+    /// Checks a block that is captured at 300, released at 500, and captured again at 1200.
     #[test]
     fn blocks_are_looked_for_where_they_were_free() {
         let bond = |docked| BondRecord {

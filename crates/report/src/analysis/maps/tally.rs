@@ -38,7 +38,7 @@ impl<K: Ord + Copy> Tally<K> {
         self.of.add(counts.of, weights);
     }
 
-    /// Returns the ratio of the counts at a place to the denominator times `volume`.
+    /// Returns the counts of a cell divided by `volume` times the denominator.
     pub fn ratio(&self, place: K, volume: f64) -> Option<Ratio> {
         match self.by.get(&place) {
             Some(counts) => counts.over(&self.of, volume),

@@ -67,7 +67,7 @@ pub(super) fn sentence(parts: &Parts, contrast: &PairwiseTest) -> String {
     told
 }
 
-/// Returns the length of a tick if times are in ticks. `None`: they are in seconds.
+/// Returns the length of a tick if times are in ticks. Returns `None` if they are in seconds.
 pub(super) fn tick(parts: &Parts) -> Option<Tick> {
     match parts.clock {
         TimeUnit::Ticks => Some(parts.subjects.first()?.tick()),

@@ -58,7 +58,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Returns the time to completion of a program for comparison with the others, in the unit of
-    /// the page. `None`: there is none.
+    /// the page. Returns `None` if there is none.
     fn time(&self, subject: &ReportedProgram) -> Option<Time> {
         Time::beside(&subject.times_by(self.clock), self.last)
     }

@@ -95,7 +95,7 @@ pub(super) fn first_of_text(programs: &[EnsembleProgram], number: usize) -> usiz
     }
 }
 
-/// Returns the substeps of a tick. `None`: blocks do not move.
+/// Returns the substeps of a tick. Returns `None` if blocks do not move.
 fn steps(settings: &Settings) -> Option<String> {
     (settings.model.has_places()).then(|| settings.steps().to_string())
 }
@@ -116,8 +116,8 @@ fn further(settings: &Settings) -> Vec<(&'static str, String)> {
     further
 }
 
-/// Returns the command line that makes an ensemble. `None`: its settings are not all combinations
-/// of some values.
+/// Returns the command line that makes an ensemble. Returns `None` if its settings are not all
+/// combinations of some values.
 pub(super) fn simulate(manifest: &stochc_results::Manifest) -> Option<String> {
     let axes = manifest.axes();
     let chosen = setting_axes(manifest)?;
@@ -173,7 +173,8 @@ pub(super) fn simulate(manifest: &stochc_results::Manifest) -> Option<String> {
     Some(words.join(" "))
 }
 
-/// Returns the swept settings with their values. `None`: the sweep is not all combinations of them.
+/// Returns the swept settings with their values. Returns `None` if the sweep is not all
+/// combinations of them.
 fn setting_axes(manifest: &stochc_results::Manifest) -> Option<Vec<(&str, Vec<&str>)>> {
     let mut points: Vec<&[ChosenSetting]> = Vec::new();
     for program in &manifest.programs {

@@ -68,7 +68,8 @@ impl<'a> Panel<'a> {
         keys.into_iter().map(curve).collect()
     }
 
-    /// Returns the common values of all points, such as `tick=10 ms`. `None`: there are none.
+    /// Returns the values that all points have in common, such as `tick=10 ms`. Returns `None` if
+    /// there are none.
     pub fn fixed(&self) -> Option<String> {
         let further = self.sweep.axes.iter().skip(2).zip(self.rest);
         let values: Vec<String> = further.map(|(dial, value)| dial.at(*value)).collect();
@@ -136,7 +137,7 @@ impl<'a> Panel<'a> {
 /// Smallest ratio of values for a logarithmic axis. A power law is then a straight line.
 pub(super) const DECADE: f64 = 10.0;
 
-/// Vertical scale.
+/// Scale of the vertical axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum YScale {
     Linear(f64, f64),

@@ -5,7 +5,7 @@ use stochc_text::percent_number;
 use super::frame::{AxesFrame, Panel, YScale, aside, description};
 use crate::svg::{Drawing, PlotAxis, Style, class, dashes};
 
-/// Draws shares with their 95 % intervals. `None`: no run is finished.
+/// Draws shares with their 95 % intervals. Returns `None` if no run is finished.
 pub(super) fn share(panel: &Panel) -> Option<Drawing> {
     let curves = panel.curves();
     panel.points.iter().find(|point| point.share.is_some())?;

@@ -6,7 +6,7 @@ use stochc_text::number;
 use super::frame::{AxesFrame, DECADE, Panel, YScale, aside, description};
 use crate::svg::{Drawing, PlotAxis, Style, class, dashes};
 
-/// Draws means with their 95 % intervals, and medians. `None`: no run has a time.
+/// Draws means with their 95 % intervals, and medians. Returns `None` if no run has a time.
 pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     let curves = panel.curves();
     let unit = panel.sweep.unit;
