@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use stochc::compiler::Checked;
-use stochc::diagnostics::{drawn, values};
+use stochc::diagnostics::{diagnostics_json, drawn};
 use stochc::host::Host;
 use stochc::progress::WorkProgress;
 use stochc::results::now;
@@ -66,7 +66,7 @@ impl Host for Caller {
         let mut log = lock(&self.log);
         if checked.has_errors() {
             log.failures += &drawn;
-            log.diagnostics.extend(values(checked));
+            log.diagnostics.extend(diagnostics_json(checked));
         } else if !drawn.is_empty() {
             log.doubts.push(drawn.trim_end().to_owned());
         }

@@ -9,6 +9,7 @@ use crate::observe::{EventObservation, Observer, StepObserver};
 use crate::run_error::RunError;
 use crate::settings::{Model, Settings};
 use crate::watch::{Watch, resume, tell};
+#[cfg(feature = "rapier")]
 use crate::world::rapier::RapierWorld;
 use crate::world::rate::RateWorld;
 use crate::world::rigid::RigidWorld;
@@ -38,6 +39,9 @@ pub fn run(
     let messages = scene.messages.as_ref();
     let limit = settings.max_ticks;
     match settings.model {
+        #[cfg(not(feature = "rapier"))]
+        Model::Rapier => Err(RunError::Absent(Model::Rapier)),
+        #[cfg(feature = "rapier")]
         Model::Rapier => {
             let mut world = RapierWorld::new(scene, &tables.plate, settings, seed, run)?;
             drive(tables, messages, &mut world, limit, (seed, run), watch)
@@ -84,6 +88,9 @@ pub fn observe(
 ) -> Result<RunRecord, RunError> {
     let key = (seed, run);
     match settings.model {
+        #[cfg(not(feature = "rapier"))]
+        Model::Rapier => Err(RunError::Absent(Model::Rapier)),
+        #[cfg(feature = "rapier")]
         Model::Rapier => {
             let world = RapierWorld::new(scene, &tables.plate, settings, seed, run)?;
             observed(tables, scene, world, settings, key, watch, observer)

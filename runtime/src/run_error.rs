@@ -13,6 +13,8 @@ pub enum RunError {
     Cancelled,
     /// Blocks have no positions in this model.
     Nowhere(Model),
+    /// This build does not contain the model.
+    Absent(Model),
     /// The data of [`Watch::kept`](crate::Watch::kept) are not a state of this run.
     State(StateError),
 }
@@ -27,6 +29,13 @@ impl std::fmt::Display for RunError {
                 "blocks have no positions in the model `{}`; use `--model rigid`",
                 model.name()
             ),
+            RunError::Absent(model) => {
+                write!(
+                    f,
+                    "this build does not contain the model `{}`",
+                    model.name()
+                )
+            }
             RunError::State(error) => write!(f, "cannot resume from the saved state: {error}"),
         }
     }

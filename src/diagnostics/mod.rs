@@ -7,9 +7,10 @@ mod short;
 use stochc_compiler::{Checked, SourceLocation, Sources};
 
 pub use graphical::DiagnosticCounts;
-pub use json::{CheckDocument, values};
+pub use json::CheckDocument;
 pub use sarif::SarifLog;
 pub use short::warning_lines;
+pub use stochc_compiler::diagnostic::diagnostics_json;
 
 /// Output format of diagnostics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,6 +14,7 @@ mod lattice;
 mod motion_limits;
 mod parameters;
 mod ranked;
+#[cfg(feature = "rapier")]
 pub mod rapier;
 pub mod rate;
 mod real;

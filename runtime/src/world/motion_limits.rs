@@ -40,6 +40,7 @@ impl MotionLimits {
     }
 
     /// Returns the limits with a smaller distance, if the ground ends there.
+    #[cfg(feature = "rapier")]
     pub fn within(self, far: f64) -> MotionLimits {
         let far = self.far.min(far);
         MotionLimits { far, ..self }

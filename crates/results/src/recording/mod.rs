@@ -4,16 +4,15 @@
 //! written chunk by chunk during the run, so that long runs need no more memory than short ones.
 //! Positions have 16 bits, for display only. Equal runs have equal recordings, bit for bit.
 mod chunk;
-mod events;
 mod format;
 mod read;
 mod selection;
 mod write;
 
-pub use events::TimedEvent;
 pub use format::{RecordingError, RecordingHeader, is_file};
 pub use read::{Frame, Outline, Places, Recording, each_places};
 pub use selection::Selection;
+pub use stochc_runtime::observe::TimedEvent;
 pub use write::Recorder;
 
 /// Default ticks between two frames.

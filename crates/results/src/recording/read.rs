@@ -7,9 +7,9 @@ use serde_json::value::RawValue;
 use stochc_files::budget::{self, RECORDING_EVENT, RECORDING_PART, RECORDING_WHOLE};
 use stochc_ir::record::RunRecord;
 use stochc_ir::table::Tables;
+use stochc_runtime::observe::{EventRows, TimedEvent};
 
 use super::chunk::PoseChunk;
-use super::events::{Seeds, TimedEvent};
 use super::format::{
     DONE, EVENTS, POSES, RecordingError, RecordingHeader, inflate, read_header, read_section,
 };
@@ -149,7 +149,7 @@ fn walk(
     each: &mut dyn FnMut(&RecordingHeader, Content) -> Result<(), RecordingError>,
 ) -> Result<Outline, RecordingError> {
     let header = read_header(&mut from)?;
-    let seeds = Seeds::new(tables);
+    let seeds = EventRows::new(tables);
     let most = budget::record(tables.captures() as u64);
     // Last tick with positions, and last tick of any item.
     let (mut last, mut latest) = (None, 0);

@@ -6,12 +6,11 @@ use stochc_files::budget::RECORDING_PART;
 use stochc_ir::record::RunRecord;
 use stochc_ir::state::{StateError, StateReader, StateWriter};
 use stochc_ir::table::Tables;
-use stochc_runtime::observe::{ObservedEvent, Observer};
+use stochc_runtime::observe::{EventRows, ObservedEvent, Observer};
 use stochc_runtime::world::Arena;
 use stochc_runtime::world::view::pose;
 
 use super::chunk::{NUMBERS, PoseChunk, unpacked};
-use super::events::Seeds;
 use super::format::{DONE, EVENTS, POSES, RecordingHeader, deflate, write_header, write_section};
 
 /// Numbers per chunk, about 2 MB.
@@ -64,7 +63,7 @@ pub struct Recorder<W: Output> {
     out: W,
     every: u64,
     bodies: usize,
-    seeds: Seeds,
+    seeds: EventRows,
     ticks: Vec<u64>,
     places: Vec<f32>,
     rows: Vec<serde_json::Value>,
@@ -85,7 +84,7 @@ impl<W: Output> Recorder<W> {
             out,
             every: header.every.max(1).into(),
             bodies: header.bodies as usize,
-            seeds: Seeds::new(tables),
+            seeds: EventRows::new(tables),
             ticks: Vec::new(),
             places: Vec::new(),
             rows: Vec::new(),

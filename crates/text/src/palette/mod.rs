@@ -113,6 +113,41 @@ pub struct Theme {
     pub rest: Rgb,
 }
 
+impl Theme {
+    /// Returns the colours of the arena, with the names that pages use.
+    pub fn named(&self) -> [(&'static str, Rgb); 11] {
+        [
+            ("background", self.background),
+            ("ground", self.ground),
+            ("rings", self.rings),
+            ("shell", self.shell),
+            ("seed", self.seed),
+            ("plate", self.plate),
+            ("free", self.free),
+            ("lit", self.lit),
+            ("mark", self.mark),
+            ("ink", self.ink),
+            ("halo", self.halo),
+        ]
+    }
+
+    fn json(&self) -> String {
+        let named = self.named();
+        let named = named.map(|(name, colour)| format!("\"{name}\":\"{colour}\""));
+        let groups = self.groups.map(|colour| format!("\"{colour}\""));
+        format!("{{\"groups\":[{}],{}}}", groups.join(","), named.join(","))
+    }
+}
+
+/// Returns the palette of the arena as JSON: `{ phases: [{ colour, ink }], dark: { background, ...,
+/// groups: [...] }, light: { ... } }`.
+pub fn json() -> String {
+    let phases =
+        PHASES.map(|colour| format!("{{\"colour\":\"{colour}\",\"ink\":\"{}\"}}", colour.ink()));
+    let (phases, dark, light) = (phases.join(","), DARK.json(), LIGHT.json());
+    format!("{{\"phases\":[{phases}],\"dark\":{dark},\"light\":{light}}}")
+}
+
 /// Dark theme.
 pub const DARK: Theme = Theme {
     background: Rgb(0x12, 0x16, 0x1c),

@@ -58,6 +58,7 @@ impl BlockGroups {
     }
 
     /// Returns the bonded pairs.
+    #[cfg(feature = "rapier")]
     pub fn bonds(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
         self.groups
             .values()

@@ -7,8 +7,9 @@ use serde_json::value::RawValue;
 use serde_json::{Value, json};
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::observe::{MessageContent, ObservedEvent};
-use stochc_runtime::world::{Body, FreeBond};
+
+use super::{MessageContent, ObservedEvent};
+use crate::world::{Body, FreeBond};
 
 /// Event with its tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,18 +20,19 @@ pub struct TimedEvent {
     pub event: ObservedEvent,
 }
 
-/// Seeds of a program, by number and by cell.
+/// Conversion between events and rows: the seeds of a program, by number and by cell.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Seeds {
+pub struct EventRows {
     roles: BTreeMap<Cell, u32>,
     cells: BTreeMap<u32, Cell>,
 }
 
-impl Seeds {
-    pub fn new(tables: &Tables) -> Seeds {
+impl EventRows {
+    /// Creates the conversion for a program.
+    pub fn new(tables: &Tables) -> EventRows {
         let roles: BTreeMap<_, _> = tables.seeds().map(|(role, cell)| (cell, role.0)).collect();
         let cells = roles.iter().map(|(&cell, &role)| (role, cell)).collect();
-        Seeds { roles, cells }
+        EventRows { roles, cells }
     }
 
     /// Returns the number of a block in events.

@@ -1,10 +1,14 @@
 //! Observation of a running simulation: block positions and the structure's events.
+mod rows;
+
 use std::collections::BTreeMap;
 
 use stochc_control::{Body, Payload};
 use stochc_ir::state::{State, StateError, StateReader, StateWriter};
 use stochc_ir::table::{News, PhaseId, RoleId};
 use stochc_ir::{Cell, Face};
+
+pub use rows::{EventRows, TimedEvent};
 
 use crate::world::view::in_structure;
 use crate::world::{Arena, FreeBond};

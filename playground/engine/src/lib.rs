@@ -1,0 +1,44 @@
+//! The engine of the playground: the compiler and the simulator behind two functions of WebAssembly.
+//!
+//! A page writes a request of JSON into the memory that [`input`] returns, and calls [`answer`]. The
+//! reply is JSON in the memory that [`output`] returns. `playground/web/src/engine.js` is the other side.
+mod check;
+mod examples;
+mod host;
+mod request;
+mod run;
+
+use std::cell::RefCell;
+
+thread_local! {
+    static INPUT: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
+    static OUTPUT: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Returns memory for a request of this length \[bytes\].
+#[unsafe(no_mangle)]
+pub extern "C" fn input(length: usize) -> *mut u8 {
+    INPUT.with_borrow_mut(|input| {
+        input.clear();
+        input.resize(length, 0);
+        input.as_mut_ptr()
+    })
+}
+
+/// Answers the request in the memory of [`input`]. Returns the length of the reply \[bytes\].
+#[unsafe(no_mangle)]
+pub extern "C" fn answer() -> usize {
+    host::report_panics();
+    let request = INPUT.take();
+    let reply = request::answer(&request);
+    OUTPUT.with_borrow_mut(|output| {
+        *output = reply.into_bytes();
+        output.len()
+    })
+}
+
+/// Returns the memory of the last reply.
+#[unsafe(no_mangle)]
+pub extern "C" fn output() -> *const u8 {
+    OUTPUT.with_borrow(|output| output.as_ptr())
+}
