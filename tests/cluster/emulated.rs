@@ -285,7 +285,7 @@ impl Held {
         until("process that makes a piece", || {
             !find().is_empty() && has_run()
         });
-        let id = find().pop().expect("it makes a piece of several runs");
+        let id = find().pop().expect("the shard has several runs");
         signal("-STOP", std::slice::from_ref(&id));
         let whole = folder.join("shards").join(format!("{piece}.jsonl"));
         assert!(!whole.exists(), "a piece was made too fast to be held");

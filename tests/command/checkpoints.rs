@@ -155,7 +155,7 @@ fn pieces_go_on() {
     let mut cut = of(&out);
     // Each piece says how often it keeps its states.
     let checkpoints = cut.iter().position(|word| *word == "--checkpoints");
-    let checkpoints = checkpoints.expect("runs that go on have them");
+    let checkpoints = checkpoints.expect("unfinished runs have waits");
     cut.drain(checkpoints..checkpoints + 2);
     cut.splice(0..1, ["shard", "new", "--shards", "2"]);
     let said_of = said(&mut command(&cut));

@@ -66,7 +66,7 @@ fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
 #[test]
 fn the_model_has_an_equation_for_every_number_of_a_scene() {
     let table = MODEL.split_once("| clause | equation").expect("the table");
-    let table = table.1.split_once("\n\n").expect("its end").0;
+    let table = table.1.split_once("\n\n").expect("the end of the text").0;
     let clauses: Vec<Vec<&str>> = (table.lines())
         .filter_map(|line| line.split(" | ").next())
         .map(|clause| {

@@ -70,8 +70,8 @@ proptest! {
             let shuffled = ShuffleWorld::new(&tables, 300, seed, 0);
             let built = execute(&tables, shuffled, hop, loss, seed);
             prop_assert_eq!(built.as_ref(), Ok(&declared.structure), "{}", declared.text);
-            let scene = built_in("hemisphere").expect("it is built in");
-            let rated = RateWorld::new(&tables, &scene, &[], seed, 0).expect("its rates are known");
+            let scene = built_in("hemisphere").expect("a built-in scene");
+            let rated = RateWorld::new(&tables, &scene, &[], seed, 0).expect("the scene has rates");
             let built = execute(&tables, rated, hop, loss, seed);
             prop_assert_eq!(built.as_ref(), Ok(&declared.structure), "{}", declared.text);
         }
@@ -117,7 +117,7 @@ proptest! {
         let messages = Messages { hop: HOP, loss: None };
         let scene = program.scene.as_mut().expect("it has a scene");
         scene.messages = Some(messages.clone());
-        let mut world = RateWorld::new(&tables, scene, &[], seed, 0).expect("its rates are known");
+        let mut world = RateWorld::new(&tables, scene, &[], seed, 0).expect("the scene has rates");
         let mut go = |_, _| ControlFlow::Continue(());
         let run = drive(&tables, Some(&messages), &mut world, None, (seed, 0), &mut go).unwrap();
         prop_assert_eq!(&run.outcome, &Outcome::Completed);

@@ -18,8 +18,8 @@ const CELL: Cell = Cell { x: 1, y: 1, z: 1 };
 /// The words that an enumeration has in a file, which serde lists where it finds another one.
 fn words<T: DeserializeOwned>() -> Vec<String> {
     let error = serde_json::from_value::<T>(json!("no such word"));
-    let error = error.err().expect("there is none").to_string();
-    let expected = error.split_once("expected").expect("what there is").1;
+    let error = error.err().expect("no such item").to_string();
+    let expected = error.split_once("expected").expect("the output").1;
     let words = expected.split('`').skip(1).step_by(2);
     words.map(str::to_owned).collect()
 }

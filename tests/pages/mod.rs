@@ -29,19 +29,19 @@ pub fn assert_page(path: &str, expected: &str) {
 /// The same for what stands between two marks.
 #[track_caller]
 pub fn assert_part(path: &str, [begin, end]: [&str; 2], expected: &str) {
-    let page = std::fs::read_to_string(path).expect("the page is there");
-    let (before, rest) = page.split_once(begin).expect("the part begins");
-    let (_, after) = rest.split_once(end).expect("the part ends");
+    let page = std::fs::read_to_string(path).expect("the page exists");
+    let (before, rest) = page.split_once(begin).expect("the start of the part");
+    let (_, after) = rest.split_once(end).expect("the end of the part");
     assert_page(path, &format!("{before}{begin}{expected}{end}{after}"));
 }
 
 /// The same for the table with the same head.
 #[track_caller]
 pub fn assert_table(path: &str, table: &str) {
-    let page = std::fs::read_to_string(path).expect("the page is there");
-    let head = table.lines().next().expect("a head");
-    let start = page.find(head).expect("a table with this head");
-    let end = page[start..].find("\n\n").expect("an end of the table");
+    let page = std::fs::read_to_string(path).expect("the page exists");
+    let head = table.lines().next().expect("a header");
+    let start = page.find(head).expect("a table with this header");
+    let end = page[start..].find("\n\n").expect("the end of the table");
     let end = start + end + 1;
     assert_page(path, &[&page[..start], table, &page[end..]].concat());
 }

@@ -147,7 +147,7 @@ fn whoever_leaves_had_entered() {
             ObservedEvent::Left { body, of, .. } => {
                 left += 1;
                 let at = inside.iter().position(|pair| *pair == (body, of));
-                inside.remove(at.expect("it had entered"));
+                inside.remove(at.expect("the block had entered"));
             }
             ObservedEvent::Captured { body, .. } => inside.retain(|(who, _)| *who != body),
             _ => {}

@@ -14,7 +14,11 @@ fn checked(text: &str, levels: &LintLevels) -> Checked {
 /// The scene of the first assembly of a text.
 fn scene(text: &str) -> Scene {
     let mut checked = checked(text, &LintLevels::default());
-    checked.programs.remove(0).scene.expect("it is right")
+    checked
+        .programs
+        .remove(0)
+        .scene
+        .expect("the program is valid")
 }
 
 /// Clauses of a scene that is based on the default one, and what its assembly says.
@@ -80,7 +84,7 @@ fn scenes_in_which_nothing_moves_are_warned_of() {
     ] {
         assert_eq!(codes(&program(clauses, "")), expected, "{clauses}");
     }
-    let mut still = built_in("hemisphere").expect("it is built in");
+    let mut still = built_in("hemisphere").expect("a built-in scene");
     still.agitation = None;
     let kinds = |scene: &Scene| -> Vec<SceneWarningKind> {
         let all = scene_warnings(scene, Stepping::DEFAULT, None);
@@ -89,7 +93,7 @@ fn scenes_in_which_nothing_moves_are_warned_of() {
     assert_eq!(kinds(&still), [SceneWarningKind::NoAgitation]);
     // A pump draws blocks, and a flow carries them.
     for name in ["suction_tank", "magnet_tank"] {
-        let mut scene = built_in(name).expect("it is built in");
+        let mut scene = built_in(name).expect("a built-in scene");
         scene.agitation = None;
         assert!(
             !kinds(&scene).contains(&SceneWarningKind::NoAgitation),
@@ -126,7 +130,7 @@ fn contacts_and_walls_that_give_way_are_warned_of() {
         assert_eq!(found, expected, "{clauses}");
     }
     // Eddies press blocks out of the shell, at 0.1 m/s by their inertia and at 1 m/s by their drag.
-    let mut tank = built_in("suction_tank").expect("it is built in");
+    let mut tank = built_in("suction_tank").expect("a built-in scene");
     let symbols = |scene: &Scene| -> Vec<&'static str> {
         let all = scene_warnings(scene, Stepping::DEFAULT, None).into_iter();
         let soft = all.filter(|it| it.kind == SceneWarningKind::SoftContact);
@@ -206,7 +210,7 @@ fn a_check_judges_the_steps_of_the_runs() {
     let text = program("tick 60 ms", "");
     let with = |steps: &str| {
         let stepping = Stepping {
-            steps: steps.parse().expect("they are steps"),
+            steps: steps.parse().expect("steps"),
             ..Stepping::DEFAULT
         };
         let checked = checked(&text, &LintLevels::default().for_runs(Some(stepping)));
@@ -244,7 +248,7 @@ fn what_is_advised_resolves_all_and_keeps_the_steps_near_faces() {
         scene_warnings(&scene, stepping, None)
     };
     for taken in ["2/8", "2/2", "1", "1/8"] {
-        let taken: Substeps = taken.parse().expect("they are steps");
+        let taken: Substeps = taken.parse().expect("steps");
         let all = with(taken);
         assert!(!all.is_empty(), "{taken}");
         let advised = |warning: &SceneWarning| {
@@ -268,7 +272,7 @@ fn what_is_advised_resolves_all_and_keeps_the_steps_near_faces() {
 #[test]
 fn built_in_tanks_are_not_warned_of() {
     for name in ["hemisphere", "magnet_tank", "jet_tank", "suction_tank"] {
-        let scene = built_in(name).expect("it is built in");
+        let scene = built_in(name).expect("a built-in scene");
         assert_eq!(
             scene_warnings(&scene, Stepping::DEFAULT, Some(1..=1)),
             [],

@@ -19,7 +19,7 @@ fn tables(text: &str) -> Tables {
         .expect("it has a program");
     program
         .into_executable()
-        .expect("nothing is wrong in it")
+        .expect("the program is valid")
         .tables
 }
 
@@ -36,7 +36,7 @@ fn found(scene: &Scene, truth: &Rates, runs: u64) -> Rates {
         let tables = tables(text);
         for number in 0..runs {
             let record = run(&tables, scene, &settings, place as u64, number, &mut watch);
-            calibration.observe(&record.expect("it runs"));
+            calibration.observe(&record.expect("the command starts"));
         }
     }
     calibration
@@ -46,8 +46,10 @@ fn found(scene: &Scene, truth: &Rates, runs: u64) -> Rates {
 
 #[test]
 fn the_parameters_of_the_law_are_found_again() {
-    let scene = built_in("hemisphere").expect("it is built in");
-    let mut truth = Rates::built_in(&scene).expect("they are shipped").clone();
+    let scene = built_in("hemisphere").expect("a built-in scene");
+    let mut truth = Rates::built_in(&scene)
+        .expect("the files are shipped")
+        .clone();
     // Away from what the prior holds for usual.
     let off = [
         0.7, 0.2, 0.0, -0.2, 0.2, 0.2, -0.2, 0.4, -0.3, -0.9, 0.2, -0.4, 1.2, 0.1, 0.2, 0.2, -0.3,
@@ -75,13 +77,13 @@ fn the_parameters_of_the_law_are_found_again() {
         .head_starts
         .iter()
         .find(|it| it.squared_distance == 0)
-        .expect("programs have such");
+        .expect("programs contain such a statement");
     assert!(same.probability > 0.9, "{same:?}");
 }
 
 #[test]
 fn too_few_captures_are_not_enough() {
-    let scene = built_in("hemisphere").expect("it is built in");
+    let scene = built_in("hemisphere").expect("a built-in scene");
     let calibration = Calibration::new(&scene, vec![1.0]);
     let error = calibration.rates(&Settings::default(), 0).unwrap_err();
     assert_eq!(error.captures, 0);

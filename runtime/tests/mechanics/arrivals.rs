@@ -1,4 +1,5 @@
-//! Kinetic theory: how often blocks of an ideal gas come to a face and to the shell.
+//! Compares the rates at which blocks of an ideal gas reach a face and the shell with kinetic
+//! theory.
 
 use crate::scenes::{Dice, attract, empty, hemisphere, pass, world};
 use nalgebra::Vector3;
@@ -13,7 +14,8 @@ in_every_world!(
 
 const SPEED: f64 = 0.1;
 
-/// `count` blocks, evenly spread over a ball, all as fast, in every direction, turned anyhow.
+/// Returns `count` blocks, spread evenly over a ball, with equal speeds and random directions and
+/// orientations.
 fn gas(count: usize, radius: f64) -> Vec<BodyState> {
     let mut dice = Dice::new(11);
     let block = |_| BodyState {
@@ -29,8 +31,8 @@ fn density(count: usize, radius: f64) -> f64 {
     count as f64 / (4.0 / 3.0 * std::f64::consts::PI * radius.powi(3))
 }
 
-/// Surface of the places where a block's nearest face is within `reach` of a point, by Monte
-/// Carlo: six balls around the point, half a side off it.
+/// Estimates by Monte Carlo the surface of the region in which a block's nearest face is within
+/// `reach` of a point: six balls, each half a block length off the point.
 fn effective_area(reach: f64) -> f64 {
     let mut dice = Dice::new(12);
     let (mut bare, samples) = (0, 20_000);
@@ -73,7 +75,8 @@ fn entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area<W: A
     let found = entries(&world) - before;
     let area = 9.0 * effective_area(1.0);
     let expected = density(count, radius) * SPEED * area / 4.0 * ticks as f64;
-    // Some 490 entries, of which neighbouring faces share many, are known to about 7 %.
+    // Neighbouring faces share many of the roughly 490 entries, so their standard error is about 7
+    // %.
     assert!(expected > 400.0);
     assert!(
         (found / expected - 1.0).abs() < 0.2,

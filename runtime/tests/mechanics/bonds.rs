@@ -1,4 +1,4 @@
-//! Bonds by magnets that always attract, and by suction, in both worlds.
+//! Tests bonds of faces that always attract, and suction, in every world of rigid blocks.
 
 use crate::scenes::{
     ANCHOR, SEED, at, contact, dockings, empty, hemisphere, in_steps as world, moving, reject,
@@ -63,7 +63,7 @@ fn two_blocks_find_each_other_and_bond<W: Arena>() {
             ..BodyState::at_rest(at(1.25, 0.1, 10.05))
         },
     ];
-    // Weak enough that all the work of the magnets does not make them too fast to bond.
+    // Weak magnets, whose total work leaves the blocks slow enough to bond.
     let mut scene = reject(0.002, 0.0);
     scene.fluid = Some(Fluid {
         density: None,
@@ -80,7 +80,7 @@ fn two_blocks_find_each_other_and_bond<W: Arena>() {
     assert!((b.position - a.position - east).norm() < 2e-3);
 }
 
-/// Two blocks that have just bonded, and then move like this.
+/// Returns a world with two blocks that have just bonded and then get these velocities.
 fn pair<W: Arena>(scene: &Scene, first: Vector3<f64>, second: Vector3<f64>) -> W {
     let places = [at(0.0, 0.0, 10.0), at(1.01, 0.0, 10.0)];
     let mut world: W = world(scene, &places.map(BodyState::at_rest));
@@ -111,11 +111,11 @@ fn a_bonded_pair_moves_as_one_body<W: Arena>() {
 }
 
 fn blocks_that_are_too_fast_do_not_bond<W: Arena>() {
-    // What two blocks lose when they stop each other is m v^2 / 4; the bond takes up hold depth / 3.
+    // Two blocks that stop each other lose m v^2 / 4. A bond absorbs hold * depth / 3.
     let hold = 0.3;
     let fast = (4.0 * hold * 0.2 / 3.0_f64).sqrt();
     for (speed, bonds) in [(0.5 * fast, true), (1.5 * fast, false)] {
-        // So near that magnets have no time to matter.
+        // The gap is too short for the magnets to change the speed.
         let blocks = [
             BodyState::at_rest(at(0.0, 0.0, 10.0)),
             moving(at(1.02, 0.0, 10.0), at(-speed, 0.0, 0.0)),
@@ -128,7 +128,8 @@ fn blocks_that_are_too_fast_do_not_bond<W: Arena>() {
 }
 
 fn a_pair_is_torn_by_a_flow_that_pulls_harder_than_it_holds<W: Arena>() {
-    // A wide jet from the east, of which one block feels more than the other, and a shear that turns one.
+    // A wide jet from the east, which drags one block more than the other. The shear of the jet
+    // also turns one of the blocks.
     let (rate, speed, nozzle) = (0.5, 2.0, 0.2);
     for (hold, holds) in [(0.1, true), (0.004, false)] {
         let mut scene = reject(hold, 0.0);
@@ -154,7 +155,8 @@ fn a_pair_is_torn_by_a_flow_that_pulls_harder_than_it_holds<W: Arena>() {
 }
 
 fn a_pair_turns_in_a_viscous_vortex_as_its_friction_says_at_every_step<W: Arena>() {
-    // Beyond the core the fluid has no vorticity: the torque of the flow on both blocks against that of their drag.
+    // Beyond the core the fluid has no vorticity. The torque of the flow on both blocks balances
+    // the torque of their drag.
     let (core, turning, rate) = (0.1, 0.2, 10.0);
     let viscosity = viscosity(rate);
     let still = Scene {
@@ -194,10 +196,10 @@ fn a_pair_turns_in_a_viscous_vortex_as_its_friction_says_at_every_step<W: Arena>
     }
 }
 
-/// What the fluctuations of a step are per step grows without end as steps get shorter.
+/// The fluctuating force within one step grows without limit as steps get shorter.
 fn heat_tears_no_bond_however_short_the_steps<W: Arena>() {
     let (hold, depth) = (0.1, 0.2);
-    // Of which a bond has two thousand times as much.
+    // A bond can absorb 2,000 times this energy.
     let energy = hold * depth / 3.0 / 2000.0;
     let mut scene = reject(hold, 0.0);
     scene.fluid = Some(Fluid {
@@ -236,7 +238,7 @@ fn every_face_of_a_planted_block_attracts<W: Arena>() {
         .map(|(site, _)| site.face)
         .collect();
     on.sort();
-    // Its lower face sits on the plate.
+    // The lower face of the planted block is attached to the plate.
     let mut faces: Vec<Face> = Face::ALL
         .into_iter()
         .filter(|&face| face != Face::Down)
@@ -246,7 +248,7 @@ fn every_face_of_a_planted_block_attracts<W: Arena>() {
     assert!(world.active().iter().all(|(site, _)| site.body == body));
 }
 
-/// A planted block, number 1, and another one before its east face.
+/// Returns a world with a planted block, number 1, and another block before its east face.
 fn planted<W: Arena>(scene: &Scene, gap: f64) -> W {
     let blocks = [
         BodyState::at_rest(at(1.0 + gap, 0.0, 0.5)),
@@ -269,19 +271,19 @@ fn a_rejected_block_leaves_with_the_impulse_and_may_come_back_later<W: Arena>() 
     world.switch_off(east);
     assert!(world.anchored(0).is_none());
     assert_eq!(world.state(0).velocity, Vector3::zeros());
-    // It gets the impulse in the next step, and stays where it could dock for two more ticks, and does not: its energy of 3.9e-4 is more than the work of the
-    // magnets until there, 3.3e-4.
+    // The block gets the impulse in the next step and stays close enough to dock for two more
+    // ticks. It does not dock: its energy, 3.9e-4, exceeds the work of the magnets so far, 3.3e-4.
     assert!(dockings(&mut world, 4).is_empty());
     let away = world.state(0);
     assert!(away.position.x > 1.05, "{away:?}");
-    // All their work, 0.01 * 0.2 / 3, is more than its energy: it comes back and docks.
+    // The total work of the magnets, 0.01 * 0.2 / 3, exceeds its energy, so it returns and docks.
     let again = dockings(&mut world, 400);
     assert_eq!(again.len(), 1);
     assert_eq!(again[0].site, east);
 }
 
 fn a_block_that_is_rejected_from_a_corner_is_not_taken_by_the_other_side<W: Arena>() {
-    // Its cell lies before the east face of one block and before the south face of another.
+    // The block is before the east face of one block and the south face of another.
     let blocks = [
         BodyState::at_rest(at(1.03, 0.0, 0.5)),
         BodyState::at_rest(at(-5.0, 0.0, 5.0)),
@@ -334,7 +336,8 @@ fn an_open_face_draws_a_block_and_holds_it<W: Arena>() {
         "the valve is closed"
     );
     world.magnetize(SEED);
-    // The flow is head / (supply + valve), a sink before a wall, and the block follows the fluid: d^2 d' = -Q / 2 pi.
+    // The flow is head / (supply + valve), a sink at a wall. The block follows the fluid: d^2 d' =
+    // -Q / 2 pi.
     let flow = 0.02 / 0.06;
     let rate = Fluid::friction(0.05, 1.0);
     dockings(&mut world, 3);
@@ -356,7 +359,7 @@ fn an_open_face_draws_a_block_and_holds_it<W: Arena>() {
 fn a_second_open_face_halves_what_the_first_draws<W: Arena>() {
     let draw = |open: &[i32]| {
         let scene = Scene {
-            // All of the head is lost before the plate.
+            // The whole head is lost upstream of the plate, so two open faces share one flow.
             bond: suction().bond.map(|bond| match bond {
                 Bond::Suction { pump, seal, anchor } => Bond::Suction {
                     pump: Pump {
@@ -384,7 +387,7 @@ fn a_second_open_face_halves_what_the_first_draws<W: Arena>() {
         world.state(0).velocity
     };
     let (alone, other, both) = (draw(&[0]), draw(&[2]), draw(&[0, 2]));
-    // Half of each, as long as the block has not moved much.
+    // Each face gets half of the flow, as long as the block has moved little.
     assert!(
         (both - (alone + other) / 2.0).norm() < 0.02 * both.norm(),
         "{alone} {other} {both}"

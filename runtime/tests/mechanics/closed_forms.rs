@@ -1,4 +1,4 @@
-//! The rigid-body world against closed forms.
+//! Compares the world of rigid blocks with closed forms.
 
 use crate::scenes::{Dice, attract, contact, empty, hemisphere, kicks, pass, world};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -45,7 +45,7 @@ fn free_flight_is_exact<W: Arena>() {
         let mut world: W = world(&empty(), &settings, &[start]);
         pass(&mut world, 256);
         let end = world.state(0);
-        // Powers of two: not even rounding is allowed.
+        // All values are powers of two, so there is no rounding.
         assert_eq!(end.position, start.position + 256.0 * start.velocity);
         assert_eq!((end.velocity, end.spin), (start.velocity, start.spin));
         assert!((end.orientation.scaled_axis() - 256.0 * start.spin).norm() < 1e-3);
@@ -68,12 +68,13 @@ fn kicks_make_a_random_walk_of_the_velocity<W: Arena>() {
         );
         pass(&mut world, ticks);
         let end = states(&world);
-        // <v^2> = n j^2. As a kick acts on the whole tick it falls in, k ticks after it the block
-        // has gone k times as far: <x^2> = j^2 (1 + 4 + ... + n^2).
+        // <v^2> = n j^2. A kick acts on the whole tick in which it falls. So k ticks later it has
+        // moved the block k times as far: <x^2> = j^2 (1 + 4 + ... + n^2).
         let n = ticks as f64;
         let speed = n * rms * rms;
         let path = rms * rms * n * (n + 1.0) * (2.0 * n + 1.0) / 6.0;
-        // 12,000 components: each mean square is known to 1.3 %; four of these are allowed.
+        // The mean square of 12,000 components has a standard error of 1.3 %; the limit is four of
+        // these.
         let close = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.052;
         assert!(close(
             mean(end.iter().map(|b| b.velocity.norm_squared())),
@@ -111,7 +112,7 @@ fn drag_makes_the_velocity_stationary_and_normal<W: Arena>() {
         .flat_map(|b| [b.velocity.x, b.velocity.y, b.velocity.z])
         .collect();
     components.sort_by(f64::total_cmp);
-    // Kolmogorov and Smirnov; chance exceeds 1.95 / sqrt(n) once in 1000 cases.
+    // Kolmogorov-Smirnov test. Chance exceeds 1.95 / sqrt(n) in one of 1,000 cases.
     let n = components.len() as f64;
     let gap = components.iter().enumerate().map(|(i, &v)| {
         let normal = 0.5 * libm::erfc(-v / (sigma * std::f64::consts::SQRT_2));
@@ -131,18 +132,20 @@ fn drag_and_kicks_make_blocks_diffuse<W: Arena>() {
     let start = vec![BodyState::at_rest(Vector3::zeros()); blocks];
     let mut world: W = world(&scene, &settings, &start);
     pass(&mut world, ticks);
-    // A kick k carries a block k (f + ... + f^m) far in the m ticks from its own on, with f = exp(-rate),
-    // so <x^2> = j^2 f^2 / (1 - f)^2 times the sum of (1 - f^m)^2.
+    // In the m ticks since its own, a kick k has moved a block by k (f + ... + f^m), with f =
+    // exp(-rate). So <x^2> = j^2 f^2 / (1 - f)^2 times the sum of (1 - f^m)^2.
     let f = (-rate).exp();
     let sum: f64 = (1..=ticks as i32).map(|m| (1.0 - f.powi(m)).powi(2)).sum();
     let expected = (rms * f / (1.0 - f)).powi(2) * sum;
     let found = mean(states(&world).iter().map(|b| b.position.norm_squared()));
-    // 9,000 components, their mean square known to 1.5 %; four of these are allowed.
+    // The mean square of 9,000 components has a standard error of 1.5 %; the limit is four of
+    // these.
     assert!(
         (found / expected - 1.0).abs() < 0.06,
         "{found} instead of {expected}"
     );
-    // Seen from afar, diffusion with D = j^2 / (6 rate^2) per tick, but for the start, within 1.5 / (rate n).
+    // Long times approach diffusion with D = j^2 / (6 rate^2) per tick. The start deviates by up to
+    // 1.5 / (rate n).
     let diffusion = rms * rms / (rate * rate) * ticks as f64;
     assert!((expected / diffusion - 1.0).abs() < 2.5 / (rate * ticks as f64));
 }
@@ -173,7 +176,7 @@ fn elastic_collisions_keep_momentum_and_energy<W: Arena>() {
         let middle = at(0.0, 0.0, 50.0);
         let angular = |b: &BodyState| (b.position - middle).cross(&b.velocity) + b.spin / 6.0;
         assert!((sum(&momentum, &start) - sum(&momentum, &end)).norm() < 1e-5);
-        // The two blocks feel a contact up to the engine's margin of 0.1 apart.
+        // Two blocks touch at gaps up to the engine's margin of 0.1.
         assert!((sum(&angular, &start) - sum(&angular, &end)).norm() < 0.015);
         if (end[0].velocity - start[0].velocity).norm() > 1e-3 {
             let [before, after] =
@@ -184,7 +187,7 @@ fn elastic_collisions_keep_momentum_and_energy<W: Arena>() {
     changes.sort_by(f64::total_cmp);
     assert!(changes.len() > 35, "only {} of 40 met", changes.len());
     assert!(changes[changes.len() / 2] < 1e-5);
-    // The engine solves an edge or a side that hits at several points at once less well.
+    // The engine is less exact for an edge or a face that hits at several points at once.
     assert!(changes[changes.len() - 1] < 0.1);
 }
 
@@ -210,7 +213,8 @@ fn the_shell_is_a_spring<W: Arena>() {
             outside += f64::from(u8::from(depth > 0.0));
             deepest = deepest.max(depth);
         }
-        // Half a period of sqrt(wall / mass), as deep as speed / frequency, and back as fast.
+        // The contact lasts half a period of sqrt(wall / mass), is speed / frequency deep, and
+        // conserves the speed.
         let frequency = f64::sqrt(wall);
         assert!(
             (outside - std::f64::consts::PI / frequency).abs() <= 1.0,
@@ -224,7 +228,7 @@ fn the_shell_is_a_spring<W: Arena>() {
 
 fn an_absent_term_is_not_there<W: Arena>() {
     let mut scene = empty();
-    // Without contact blocks pass through each other, and through the plate.
+    // Without contact, blocks pass through each other and through the plate.
     let towards = |z: f64, speed: f64| BodyState {
         velocity: at(0.0, 0.0, speed),
         ..BodyState::at_rest(at(0.0, 0.0, z))
@@ -234,7 +238,7 @@ fn an_absent_term_is_not_there<W: Arena>() {
     pass(&mut through, 64);
     assert_eq!(through.state(0).position, at(0.0, 0.0, -12.0));
     assert_eq!(through.state(1).position, at(0.0, 0.0, 12.0));
-    // With it they stay above.
+    // With contact, they stay above the plate.
     scene.contact = contact(0.0, 0.2);
     scene.enclosure = hemisphere(25.0, 0.01);
     scene.bond = attract(0.03, 0.005);
@@ -243,7 +247,7 @@ fn an_absent_term_is_not_there<W: Arena>() {
     assert!(held.state(0).position.z > 0.4);
 }
 
-/// One tick of the magnet in the middle of the plate on a block at rest.
+/// Returns a block at rest after one tick under the magnet in the middle of the plate.
 fn magnetized<W: Arena>(block: BodyState) -> BodyState {
     let mut scene = empty();
     scene.bond = attract(PULL, 0.0);
@@ -262,7 +266,7 @@ fn a_magnet_pulls_the_nearest_face_with_constant_force_within_its_reach<W: Arena
         assert!((pulled.velocity - at(0.0, 0.0, -PULL)).norm() < 1e-6);
         assert!(pulled.spin.norm() < 1e-6);
     }
-    // The lower face of this one is at (0.3, 0, 0.7), half a side below the centre.
+    // The lower face of this block is at (0.3, 0, 0.7), half a block length below its centre.
     let pulled = magnetized::<W>(BodyState::at_rest(at(0.3, 0.0, 1.2)));
     let force = PULL * at(-0.3, 0.0, -0.7).normalize();
     assert!((pulled.velocity - force).norm() < 1e-6);
@@ -283,11 +287,11 @@ fn the_corners_turn_a_close_block_to_the_nearest_quarter_turn<W: Arena>() {
         });
         assert!(turned.spin.z * sign > 1e-5, "{degrees}: {}", turned.spin);
         assert!(turned.spin.xy().norm() < 1e-6);
-        // Four corners at a twentieth each, nearly straight down, besides the pull.
+        // The pull, plus four corner forces of a twentieth each, almost straight down.
         let speed = -turned.velocity.z / PULL;
         assert!((1.1..=1.2).contains(&speed), "{speed}");
     }
-    // Not beyond the second reach.
+    // Beyond the second reach, nothing turns the block.
     let far = magnetized::<W>(BodyState {
         orientation: UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.3),
         ..BodyState::at_rest(at(0.0, 0.0, 1.1))

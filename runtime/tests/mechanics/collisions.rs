@@ -1,8 +1,8 @@
-//! Single collisions against their closed forms.
+//! Compares single collisions with their closed forms.
 //!
-//! Bodies begin with an overlap of [`DEPTH`], which is too little to be undone, so that the first
-//! step computes the collision of exactly this geometry. An impulse J along n at the arms r then
-//! changes velocities by J n / m and spins by (r x n) J / I, with I = 1/6.
+//! Bodies begin with an overlap of [`DEPTH`], which is too small to be corrected. So the first step
+//! computes the collision of exactly this geometry. An impulse J along n at the arms r changes
+//! velocities by J n / m and spins by (r x n) J / I, with I = 1/6.
 
 use crate::scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, pass, states};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -19,33 +19,35 @@ in_every_kind!(
     an_anchored_block_is_as_firm_as_the_ground,
 );
 
-/// Not of the reference, whose blocks turn up to 30 % faster here than they should.
+/// Tests of the kernel only. In these cases the blocks of the reference turn up to 30 % too fast.
 mod patches {
     use super::*;
     in_either_precision!(faces_that_meet_off_centre_share_the_impulse_in_the_middle_of_the_patch);
 }
 
-/// Overlap at the beginning \[side\].
+/// Overlap at the start, in block lengths.
 const DEPTH: f64 = 1.0 / 2048.0;
 
 const RESTITUTIONS: [f64; 4] = [0.0, 0.25, 0.5, 1.0];
 
-/// How far a component may be off at a single point without friction, for motions of about 0.1 a tick.
+/// Returns the tolerance of a component after a collision at a single point without friction, for
+/// motions of about 0.1 per tick.
 ///
-/// Places within 4 sides of the origin are rounded to 4 units of [`Kind::ROUNDING`], and
-/// with them the arms; velocities follow with a factor of 6 (1 / I), and after that half a dozen
-/// operations round. The reference keeps contact points in the frames of both blocks, and solves in four
-/// steps, with as many times the roundings.
+/// Positions within 4 block lengths of the origin are rounded to 4 units of [`Kind::ROUNDING`], and
+/// so are the arms. Velocities follow with a factor of 6 (1 / I), and half a dozen operations round
+/// after that. The reference stores contact points in the frames of both blocks. It solves in four
+/// steps and rounds four times as often.
 fn rounding<K: Kind>() -> f64 {
     let steps = if K::REFERENCE { 4.0 } else { 1.0 };
     200.0 * steps * 0.1 * K::ROUNDING
 }
 
-/// The same where several points of a face are hit at `speed`.
+/// Returns the tolerance if several points of a face hit at `speed`.
 ///
-/// The kernel stops after a round that changes no point by 1e-4 of the approach. The reference has a soft
-/// contact that parts blocks again, at a few hundredths of the approach, however many its steps. An
-/// impulse at half a side turns a block by 6 * 1/2 of what it pushes it.
+/// The kernel stops after a round that changes every point by less than 1e-4 of the approach. The
+/// reference has a soft contact. It separates blocks at a few hundredths of the approach, however
+/// many steps it takes. An impulse at half a block length changes the spin by 6 * 1/2 of its change
+/// of the velocity.
 fn solved<K: Kind>(speed: f64) -> f64 {
     let part = if K::REFERENCE { 0.1 } else { 1e-4 };
     part * speed
@@ -86,7 +88,7 @@ fn corners(turned: UnitQuaternion<f64>) -> Vec<Vector3<f64>> {
     corners
 }
 
-/// A rotation whose lowest corner is lower than all others by enough for only this one to touch.
+/// Returns a rotation whose lowest corner is low enough to be the only one that touches.
 fn on_a_corner(dice: &mut Dice) -> (UnitQuaternion<f64>, Vector3<f64>) {
     loop {
         let turned = dice.rotation();
@@ -97,7 +99,7 @@ fn on_a_corner(dice: &mut Dice) -> (UnitQuaternion<f64>, Vector3<f64>) {
     }
 }
 
-/// Velocities and spins after a frictionless collision at one point.
+/// Returns velocities and spins after a frictionless collision at one point.
 fn collided(
     mut pair: [BodyState; 2],
     arms: [Vector3<f64>; 2],
@@ -175,7 +177,8 @@ fn two_edges_that_cross_push_both_blocks_as_the_closed_form_says<K: Kind>() {
     let mut cases = 0;
     let (quarter, high) = (std::f64::consts::FRAC_PI_4, 0.5f64.sqrt());
     for case in 0..80 {
-        // The upper edge of one lies along x, the lower edge of the other across it.
+        // The upper edge of one block is parallel to x. The lower edge of the other block crosses
+        // it.
         let lower = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), quarter);
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.6 + dice.unit());
         let upper = yaw * lower;
@@ -193,8 +196,8 @@ fn two_edges_that_cross_push_both_blocks_as_the_closed_form_says<K: Kind>() {
     assert!(cases > 30, "{cases}");
 }
 
-/// Two blocks that touch at one point, the first one above: turned anyhow as a whole, set in motion, and
-/// compared with the closed form. Whether they did approach each other.
+/// Compares two blocks that touch at one point with the closed form. The first block is above; the
+/// pair as a whole has a random orientation and motion. Returns whether the blocks approached.
 fn pair_as_closed_form<K: Kind>(
     dice: &mut Dice,
     e: f64,
@@ -218,7 +221,7 @@ fn pair_as_closed_form<K: Kind>(
         near(end.velocity, expected.velocity, rounding::<K>());
         near(end.spin, expected.spin, rounding::<K>());
     }
-    // Equal and opposite, whatever the closed form says.
+    // The changes are equal and opposite, independently of the closed form.
     let change = |i: usize| end[i].velocity - start[i].velocity;
     near(change(0) + change(1), Vector3::zeros(), rounding::<K>());
     let turned = |i: usize| {
@@ -236,7 +239,7 @@ fn faces_that_meet_head_on_part_e_times_as_fast<K: Kind>() {
         };
         let start = [block(-0.5 + DEPTH, 0.1), block(0.5, -0.05)];
         let end = after::<K>(&with_contact(e, 0.0), &start);
-        // The middle moves on at 0.025, the relative speed was 0.15.
+        // The common velocity stays 0.025. The relative speed before the collision was 0.15.
         near(
             end[0].velocity,
             at(0.025 - 0.075 * e, 0.0, 0.0),
@@ -252,8 +255,8 @@ fn faces_that_meet_head_on_part_e_times_as_fast<K: Kind>() {
     }
 }
 
-/// All points of the patch part equally fast if the impulse acts in the middle between the lines of
-/// the centres: both blocks then turn alike, and J = (1 + e) v / (2 + 2 * 6 (s / 2)^2).
+/// All points of the patch separate equally fast if the impulse acts halfway between the lines of
+/// the centres. Both blocks then turn alike, and J = (1 + e) v / (2 + 2 * 6 (s / 2)^2).
 fn faces_that_meet_off_centre_share_the_impulse_in_the_middle_of_the_patch<K: Kind>() {
     for e in RESTITUTIONS {
         for aside in [0.2, 0.6] {
@@ -278,13 +281,13 @@ fn faces_that_meet_off_centre_share_the_impulse_in_the_middle_of_the_patch<K: Ki
     }
 }
 
-/// A cube on its corner with the centre above: no impulse there changes another direction's speed. The
-/// point yields 1 / m upward and 1 / m + r^2 / I sideways.
+/// A cube stands on its corner with the centre above it, so impulses at the corner do not couple
+/// directions. The inverse mass of the point is 1 / m upward and 1 / m + r^2 / I sideways.
 fn a_corner_that_hits_aslant_sticks_or_slides_as_coulomb_says<K: Kind>() {
     let mut dice = Dice::new(5);
     let up =
         UnitQuaternion::rotation_between(&at(1.0, 1.0, 1.0), &Vector3::z()).expect("not opposite");
-    // To halfway up the overlap.
+    // The arm ends halfway up the overlap.
     let arm = at(0.0, 0.0, 0.5 * DEPTH - 0.75f64.sqrt());
     let yields = 1.0 + 6.0 * arm.norm_squared();
     for case in 0..96 {
@@ -304,8 +307,8 @@ fn a_corner_that_hits_aslant_sticks_or_slides_as_coulomb_says<K: Kind>() {
         let sliding = (slip / yields).min(friction * normal);
         let impulse = at(0.0, 0.0, normal) - sliding * along;
         let end = after::<K>(&with_ground(e, friction), &[start]).remove(0);
-        // Along the ground the reference has been up to 0.0092 off in these cases; its friction acts
-        // in four steps, each within the cone of what presses then.
+        // In these cases the reference is off by up to 0.0092 along the ground. Its friction acts
+        // in four steps, each limited by the pressure in that step.
         let tolerance = if K::REFERENCE { 0.01 } else { rounding::<K>() };
         near(end.velocity, start.velocity + impulse, tolerance);
         near(
@@ -316,8 +319,8 @@ fn a_corner_that_hits_aslant_sticks_or_slides_as_coulomb_says<K: Kind>() {
     }
 }
 
-/// A block is captured, and another one falls on it, from above or from the side, at the height of its
-/// middle: it comes back e times as fast, and the captured one stays where it is.
+/// Another block hits a captured block from above or from the side, at half its height. It bounces
+/// back with e times its speed, and the captured block does not move.
 fn an_anchored_block_is_as_firm_as_the_ground<K: Kind>() {
     let (e, speed) = (0.5, 0.0625);
     let mut scene = with_contact(e, 0.0);
@@ -336,7 +339,7 @@ fn an_anchored_block_is_as_firm_as_the_ground<K: Kind>() {
         world.magnetize(BlockFace { body, face });
         let mut dockings = Vec::new();
         for _ in 0..20 {
-            world.step(&mut dockings).expect("sound physics");
+            world.step(&mut dockings).expect("the physics is stable");
         }
         assert_eq!(dockings.len(), 1);
         near(world.state(0).position, at(0.0, 0.0, 0.5), 1e-12);

@@ -1,9 +1,10 @@
-//! The compliant contact against the damped oscillator that it is while two bodies overlap.
+//! Compares the compliant contact with a damped oscillator.
 //!
-//! With w = sqrt(k / m) and c = 2 m w sin(a), a block that lands flat at speed v sinks to
-//! (v / w) exp(-tan(a) (pi / 2 - a)). As the contact never pulls, it ends when k d + c d' = 0, before the
-//! block is out of the ground: after (pi - 2 a) / (w cos(a)), at exp(-tan(a) (pi - 2 a)) of the speed
-//! (Schwager and Poeschel 2007). Without that limit it would be pi / (w cos(a)) and exp(-tan(a) pi).
+//! With w = sqrt(k / m) and c = 2 m w sin(a), a block that lands flat at speed v sinks to (v / w)
+//! exp(-tan(a) (pi / 2 - a)). The contact never pulls, so it ends when k d + c d' = 0, before the
+//! block has left the ground. It lasts (pi - 2 a) / (w cos(a)) and returns exp(-tan(a) (pi - 2 a))
+//! of the speed (Schwager and Poeschel 2007). If the contact could pull, it would last pi / (w
+//! cos(a)) and return exp(-tan(a) pi).
 
 use crate::scenes::{Kind, at, compliant, empty, hemisphere, pass};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -35,7 +36,7 @@ fn falling(turned: UnitQuaternion<f64>, reach: f64, depth: f64, speed: f64) -> B
     }
 }
 
-/// What came of a landing: ticks with a force, speed after over speed before, greatest depth.
+/// Outcome of a landing: ticks with a force, ratio of the speeds after and before, greatest depth.
 #[derive(Clone, Copy, Debug)]
 struct Bounce {
     time: f64,
@@ -43,8 +44,9 @@ struct Bounce {
     depth: f64,
 }
 
-/// Flat landings that begin at evenly spread moments of a tick, in the motion of `frequency` per tick: what comes of them
-/// on average. Of one alone the damper is felt half a tick too long or too short.
+/// Returns the mean outcome of flat landings that begin at evenly spaced moments of a tick, for a
+/// contact of `frequency` per tick. In a single landing the damper may act half a tick too long or
+/// too short.
 fn bounce<K: Kind>(frequency: f64, damped: f64) -> Bounce {
     const STARTS: u32 = 32;
     let mut sum = [0.0; 3];
@@ -59,7 +61,8 @@ fn bounce<K: Kind>(frequency: f64, damped: f64) -> Bounce {
     Bounce { time, back, depth }
 }
 
-/// One that reaches the ground `late` ticks after its first one has begun.
+/// Returns the outcome of a landing that reaches the ground `late` ticks after the first tick
+/// began.
 fn bounce_from<K: Kind>(frequency: f64, damped: f64, late: f64) -> Bounce {
     let speed = 0.1 * frequency;
     let scene = ground(frequency * frequency, 2.0 * frequency * damped);
@@ -94,15 +97,15 @@ fn a_bounce_converges_to_the_damped_oscillator_in_the_second_order<K: Kind>() {
         };
         for h in [0.4, 0.2, 0.1] {
             let found = bounce::<K>(h, damped);
-            // It ends within a tick.
+            // The contact ends somewhere within a tick.
             assert!((found.time - exact.time).abs() < h, "{found:?} {exact:?}");
-            // The implicit step of the first order is off by pi h / 2 of the speed.
+            // An implicit step of first order would be off by pi h / 2 of the speed.
             let off = (found.back - exact.back).abs();
             assert!(
                 off < 0.1 * h * h + 64.0 * K::ROUNDING,
                 "{damped} {h}: {found:?} {exact:?}"
             );
-            // The greatest depth is seen at the ends of ticks.
+            // The depth is sampled at the ends of ticks only.
             let off = (found.depth - exact.depth).abs();
             assert!(
                 off < 0.2 * h * h + 64.0 * K::ROUNDING,
@@ -112,7 +115,7 @@ fn a_bounce_converges_to_the_damped_oscillator_in_the_second_order<K: Kind>() {
     }
 }
 
-/// To the bit, where the number of substeps is a power of two.
+/// The results are equal to the bit if the number of substeps is a power of two.
 fn substeps_are_short_ticks<K: Kind>() {
     let (stiffness, damping) = (0.04, 0.02);
     let at_once = [1u32, 2, 8].map(|substeps| {
@@ -130,8 +133,9 @@ fn substeps_are_short_ticks<K: Kind>() {
     assert_eq!(at_once[0], at_once[2]);
 }
 
-/// How far one step may be off: the kernel stops when a round changes less than 1e-4 of the fastest
-/// approach, and the points of a soft patch hardly feel each other, so that a round undoes nearly all.
+/// Returns the tolerance of one step. The kernel stops when a round changes less than 1e-4 of the
+/// fastest approach. The points of a soft patch hardly affect each other, so one round is almost
+/// exact.
 fn one_step<K: Kind>(speed: f64) -> f64 {
     1e-4 * speed + 16.0 * K::ROUNDING * speed
 }
@@ -150,10 +154,10 @@ fn flat_edge_and_corner_are_as_stiff_as_the_deepest_point<K: Kind>() {
             let mut world = K::world(&ground(stiffness, damping), &[start]);
             pass(&mut world, 1);
             let state = world.state(0);
-            // One centred step, upward positive: v' = v + k (d - (v' - v) / 12) - c (v + v') / 2.
+            // One centred step, positive upward: v' = v + k (d - (v' - v) / 12) - c (v + v') / 2.
             let change = stiffness * depth + damping * speed;
             let expected = change / (1.0 + stiffness / 12.0 + damping / 2.0) - speed;
-            // The depth is a difference of places near 1.
+            // The depth is a difference of coordinates near 1.
             let tolerance = one_step::<K>(0.003) + 4.0 * stiffness * K::ROUNDING;
             let off = (state.velocity.z - expected).abs();
             assert!(off < tolerance, "{points} {depth}: off by {off:e}");
@@ -162,7 +166,7 @@ fn flat_edge_and_corner_are_as_stiff_as_the_deepest_point<K: Kind>() {
     }
 }
 
-/// The forces are the same, but two masses yield.
+/// The forces equal those of one block, but both masses move.
 fn a_pair_is_as_stiff_as_one_block_on_the_ground<K: Kind>() {
     let (stiffness, damping, depth, speed) = (0.04, 0.02, 0.01, 0.003);
     let mut scene = empty();
@@ -173,7 +177,7 @@ fn a_pair_is_as_stiff_as_one_block_on_the_ground<K: Kind>() {
     };
     let mut world = K::world(&scene, &[block(1.0), block(-1.0)]);
     pass(&mut world, 1);
-    // u' = u + 2 (k (d - (u' - u) / 12) - c (u + u') / 2) for the relative velocity u.
+    // For the relative velocity u: u' = u + 2 (k (d - (u' - u) / 12) - c (u + u') / 2).
     let change = 2.0 * (stiffness * depth + 2.0 * damping * speed);
     let parting = change / (1.0 + stiffness / 6.0 + damping) - 2.0 * speed;
     let tolerance = one_step::<K>(0.006) + 8.0 * stiffness * K::ROUNDING;
@@ -184,7 +188,7 @@ fn a_pair_is_as_stiff_as_one_block_on_the_ground<K: Kind>() {
 }
 
 fn a_contact_that_ends_does_not_pull<K: Kind>() {
-    // Leaving faster than k d / c, it feels nothing.
+    // A block that leaves faster than k d / c feels no force.
     let scene = ground(0.01, 0.5);
     let mut world = K::world(
         &scene,
@@ -192,7 +196,7 @@ fn a_contact_that_ends_does_not_pull<K: Kind>() {
     );
     pass(&mut world, 1);
     assert_eq!(world.state(0).velocity, at(0.0, 0.0, 0.03125));
-    // In a whole bounce it is never slowed on its way out, however strong the damper.
+    // During a whole bounce the block is never slowed on its way out, whatever the damping.
     for damped in [0.1, 0.5, 0.9, 1.5] {
         let scene = ground(0.01, 0.2 * damped);
         let mut world = K::world(
@@ -210,7 +214,7 @@ fn a_contact_that_ends_does_not_pull<K: Kind>() {
     }
 }
 
-/// A patch is damped as a whole, however many points it has and whichever of them are deepest.
+/// A patch is damped as a whole, whatever the number of its points and their depths.
 fn a_damper_is_the_same_for_every_patch<K: Kind>() {
     let (damping, speed, deepest) = (0.02, 0.003, 0.03);
     for tilt in [0.0, 0.2, 1.0, 3.0f64] {
@@ -223,7 +227,7 @@ fn a_damper_is_the_same_for_every_patch<K: Kind>() {
         );
         pass(&mut world, 1);
         let slowed = (world.state(0).velocity.z + speed) / speed;
-        // On an edge it yields by turning as well, 1 + 6 / 4 instead of 1.
+        // On an edge the block also turns, so its inverse mass is 1 + 6 / 4 instead of 1.
         let [level, edge] = [1.0, 2.5].map(|yields| damping / (1.0 + 0.5 * yields * damping));
         let rounding = 1e-3 * damping;
         assert!(
@@ -233,7 +237,7 @@ fn a_damper_is_the_same_for_every_patch<K: Kind>() {
     }
 }
 
-/// However stiff, however strong the damper, whenever in a step it begins.
+/// This holds for every stiffness and damping, and for every start of the contact within a step.
 fn a_contact_that_a_step_does_not_resolve_gains_nothing<K: Kind>() {
     for (stiffness, damping) in [(8.0, 0.0), (1e3, 0.0), (1e9, 0.0), (0.1, 1e9), (1e9, 1e9)] {
         let scene = ground(stiffness, damping);

@@ -1,8 +1,8 @@
-//! What a closed gas keeps: momentum, angular momentum, energy.
+//! Checks that a closed gas conserves momentum, angular momentum and energy.
 //!
-//! The blocks are kept together by a mirror that the test holds: who has left a ball gets the
-//! radial part of the velocity turned round, which keeps its energy and, as the push is central,
-//! the angular momentum of all about the middle of the ball.
+//! A mirror, which is part of the test, keeps the blocks within a ball. It reverses the radial
+//! velocity of each block that leaves. This conserves the energy and, because the push is central,
+//! the angular momentum about the middle of the ball.
 
 use crate::scenes::{Double, Kind, Single, compliant, contact, empty, energy, pass, states};
 use nalgebra::Vector3;
@@ -28,24 +28,24 @@ mod kernel {
 const MIDDLE: Vector3<f64> = Vector3::new(0.0, 0.0, 6.0);
 const RADIUS: f64 = 4.0;
 
-/// `count` blocks that move and turn anyhow, none touching another.
+/// Returns `count` blocks with random motions that do not touch each other.
 fn gas(count: usize, seed: u64) -> Vec<BodyState> {
     crate::scenes::gas(count, seed, (MIDDLE, RADIUS), 1.9, 0.05)
 }
 
-/// What changed in the worst tick, and in all of them.
+/// Changes in the worst tick, and over the whole run.
 #[derive(Debug, Default)]
 struct Drift {
     momentum: f64,
     angular: f64,
-    /// Part of the energy that was there.
+    /// Greatest gain of energy in a tick, as a fraction of the energy at the start.
     gain: f64,
     ticks_with_gain: usize,
-    /// Energy at the end over that at the beginning.
+    /// Energy at the end divided by the energy at the start.
     left: f64,
-    /// The same, on average over the last thousand ticks.
+    /// `left`, averaged over the last thousand ticks.
     late: f64,
-    /// Ticks in which some block changed its speed.
+    /// Number of ticks in which a block changed its velocity.
     collisions: usize,
 }
 
@@ -107,7 +107,7 @@ fn watch_with<K: Kind>(
     drift
 }
 
-/// Every block changes several times a tick in a crowd, and rounds numbers of 0.1 each time.
+/// Returns the rounding of one tick: in a crowd each block changes several times, by about 0.1.
 fn rounding<K: Kind>() -> f64 {
     12.0 * BLOCKS as f64 * 0.1 * K::ROUNDING
 }
@@ -120,9 +120,9 @@ fn colliding_blocks_keep_momentum_and_angular_momentum<K: Kind>() {
             let drift = watch::<K>(contact(e, friction), BLOCKS, substeps, 600);
             assert!(drift.collisions > 20, "{drift:?}");
             assert!(drift.momentum < rounding::<K>(), "{drift:?}");
-            // Undoing an overlap moves blocks without giving them a velocity: a fifth of the depth, which
-            // is at most what two blocks at 0.15 gain on each other in a substep, times that speed.
-            // The reference feels a contact up to its margin of 0.1 apart, with impulses of 0.15.
+            // The correction of an overlap moves blocks without changing their velocities. It moves
+            // them by a fifth of the depth, which is at most the approach of two blocks at 0.15 in
+            // one substep. The reference feels contacts at gaps up to 0.1, with impulses of 0.15.
             let moved = 0.2 * 0.15 * 0.15 / f64::from(substeps);
             let most = if K::REFERENCE { 0.1 * 0.15 } else { moved };
             assert!(drift.angular < most, "{drift:?}");
@@ -130,12 +130,12 @@ fn colliding_blocks_keep_momentum_and_angular_momentum<K: Kind>() {
     }
 }
 
-/// A spring moves nobody but by its force.
+/// A spring moves blocks only by its force.
 fn compliant_contacts_keep_angular_momentum_to_the_last_digits<K: Kind>() {
     let drift = watch::<K>(compliant(0.2, 0.1, 0.3), BLOCKS, 4, 600);
     assert!(drift.collisions > 20, "{drift:?}");
     assert!(drift.momentum < rounding::<K>(), "{drift:?}");
-    // Places up to 8 sides from the origin are rounded to 8 units, times velocities of 0.1.
+    // Positions up to 8 block lengths from the origin are rounded to 8 units; velocities are 0.1.
     let places = 8.0 * BLOCKS as f64 * 0.1 * K::ROUNDING;
     assert!(
         drift.angular < RADIUS * rounding::<K>() + 4.0 * places,
@@ -143,9 +143,10 @@ fn compliant_contacts_keep_angular_momentum_to_the_last_digits<K: Kind>() {
     );
 }
 
-/// The energy of motion of 12 cubes after 8000 ticks of collisions without damping and friction, on average over the last
-/// thousand and over gases: some is in springs at any time, and none is made of nothing. What one gas gains or
-/// loses by chance, in some 3000 ticks with collisions, is a tenth.
+/// Compares the kinetic energy after 8,000 ticks without damping and friction with the start,
+/// averaged over the last thousand ticks and over gases. Springs store some of the energy at any
+/// time, and none may be created. One gas gains or loses about a tenth by chance, in some 3,000
+/// ticks with collisions.
 fn springs_without_damping_keep_energy<K: Kind>() {
     const GASES: u64 = 8;
     for substeps in [4, 16] {
@@ -161,14 +162,15 @@ fn springs_without_damping_keep_energy<K: Kind>() {
     }
 }
 
-/// Not with e near 1: Newton's law of restitution may then add energy, to a patch of which one part
-/// approaches while another recedes, and together with friction (Kane and Levinson 1985).
+/// Restitutions near 1 are not tested: Newton's law of restitution may then add energy. This occurs
+/// if one part of a patch approaches while another recedes, and together with friction (Kane and
+/// Levinson 1985).
 fn inelastic_and_rough_collisions_never_add_energy<K: Kind>() {
     for (e, friction) in [(0.0, 0.0), (0.0, 0.3), (0.5, 0.0), (0.5, 0.3)] {
         for substeps in [1, 4] {
             let drift = watch::<K>(contact(e, friction), BLOCKS, substeps, 600);
             assert!(drift.collisions > 20 && drift.left < 0.7, "{drift:?}");
-            // The reference pushes overlaps apart with a velocity, of which a little remains.
+            // The reference separates overlaps by a velocity. A little of that velocity remains.
             let most = if K::REFERENCE {
                 1e-5
             } else {
@@ -179,8 +181,8 @@ fn inelastic_and_rough_collisions_never_add_energy<K: Kind>() {
     }
 }
 
-/// None is gained but by rounding. What ten rounds cut short is lost: a part of 2e-4 of the energy of
-/// a pair at worst is within the solver's tolerance, and few patches need more rounds than that.
+/// Energy grows only by rounding. It shrinks if ten rounds do not solve a patch. A loss of 2e-4 of
+/// the energy of a pair is within the solver's tolerance, and few patches need more rounds.
 fn elastic_collisions_keep_energy<K: Kind>() {
     for substeps in [1, 8] {
         let drift = watch::<K>(contact(1.0, 0.0), BLOCKS, substeps, 1000);
@@ -191,7 +193,7 @@ fn elastic_collisions_keep_energy<K: Kind>() {
     }
 }
 
-/// Balls touch at one point, so that nothing is left but rounding.
+/// Balls touch at one point, so only rounding remains.
 fn elastic_balls_keep_energy_to_the_last_digits<K: Kind>(ticks: u64) {
     let settings = Settings {
         reduction: Some(Reduction::Corners),
@@ -199,8 +201,9 @@ fn elastic_balls_keep_energy_to_the_last_digits<K: Kind>(ticks: u64) {
     };
     let drift = watch_with::<K>(contact(1.0, 0.0), &gas(BLOCKS, 7), &settings, ticks);
     assert!(drift.collisions as u64 > ticks / 50, "{drift:?}");
-    // Each collision rounds a dozen numbers, at random. A ball that touches two at once, in fewer than one
-    // collision of fifty, is solved within 1e-4 of its speed, and of its energy within twice that.
+    // Each collision rounds a dozen numbers at random. In fewer than one of fifty collisions a ball
+    // touches two others. The solver is then exact to 1e-4 of its speed, and to twice that of its
+    // energy.
     let collisions = drift.collisions as f64;
     let rounded = 4.0 * K::ROUNDING * (12.0 * collisions).sqrt();
     let unsolved = 2e-4 / BLOCKS as f64 * (collisions / 50.0).sqrt();
@@ -219,7 +222,7 @@ fn a_million_ticks_of_elastic_balls() {
     elastic_balls_keep_energy_to_the_last_digits::<Double>(1_000_000);
 }
 
-/// The same of cubes: in a million ticks less than a hundredth is lost.
+/// In a million ticks elastic cubes lose less than a hundredth of their energy.
 #[test]
 #[ignore = "takes minutes without optimization"]
 fn a_million_ticks_of_elastic_cubes() {

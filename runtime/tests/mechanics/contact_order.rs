@@ -1,9 +1,12 @@
-//! Prepared collisions against exact or finely resolved ones: the error by the number of steps, and its order.
+//! Compares prepared collisions with exact or finely resolved ones: errors and their order in the
+//! number of steps.
 //!
-//! A collision begins anywhere within a step, so that each case is many collisions that begin at other moments. Of one
-//! that begins late in a step the damper is felt for less of it, by chance: such errors go down with the step and have
-//! no side. What would shift the results of a simulation is their mean, which goes down with the square of the step.
-//! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test mechanics contact_order` writes the table of docs/validation/physics.md.
+//! A collision can begin anywhere within a step, so each case consists of many collisions that
+//! begin at different moments. If a collision begins late in a step, the damper acts for less of
+//! that step. These random errors shrink with the step and have no preferred sign. Only their mean,
+//! which shrinks with the square of the step, would shift the results of a simulation.
+//! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test mechanics contact_order` writes the
+//! table of docs/validation/physics.md.
 
 use std::fmt::Write as _;
 
@@ -14,24 +17,24 @@ use nalgebra::UnitQuaternion;
 use stochc_runtime::world::BodyState;
 
 const PAGE: &str = "../docs/validation/physics.md";
-/// Around the table.
+/// Start and end of the table in the page.
 const BEGIN: &str = "<!-- collisions -->\n";
 const END: &str = "<!-- end of collisions -->\n";
 
-/// Of the scene `hemisphere_soft`, in block units.
+/// Stiffness and damping of the scene `hemisphere_soft`, in block units.
 const STIFFNESS: f64 = 0.1;
 const DAMPING: f64 = 0.12;
 
-/// Collisions of a case.
+/// Number of collisions per case.
 const COUNT: usize = 256;
 
-/// Steps a tick.
+/// Numbers of steps per tick.
 const STEPS: [u32; 5] = [1, 2, 4, 8, 16];
 
-/// Fine enough to be called exact beside the others.
+/// Number of steps per tick of the reference solution.
 const FINE: u32 = 64;
 
-/// Blocks that are about to collide.
+/// Constructor of blocks that are about to collide.
 type Prepare = fn(&mut Dice) -> Vec<BodyState>;
 
 struct Case {
@@ -49,7 +52,8 @@ fn edge() -> UnitQuaternion<f64> {
     UnitQuaternion::from_scaled_axis(at(std::f64::consts::FRAC_PI_4, 0.0, 0.0))
 }
 
-/// One block above another that lies flat, both on their way to each other; `reach`: of the upper one, downward.
+/// Returns two blocks that approach each other, one above the other. The lower one is level, and
+/// the upper one extends `reach` downward.
 fn head_on(dice: &mut Dice, turned: UnitQuaternion<f64>, reach: f64) -> Vec<BodyState> {
     let speed = 0.13;
     let gap = 0.5 + reach + 2.0 * speed * dice.unit();
@@ -73,7 +77,7 @@ fn corner_to_face(dice: &mut Dice) -> Vec<BodyState> {
     head_on(dice, corner(), 0.75f64.sqrt())
 }
 
-/// Two that meet off centre, turned anyhow and turning.
+/// Returns two spinning blocks with random orientations that meet off centre.
 fn pair(dice: &mut Dice) -> Vec<BodyState> {
     let way = dice.direction();
     let aside = dice.direction().cross(&way).normalize() * (0.5 * dice.unit());
@@ -88,7 +92,7 @@ fn pair(dice: &mut Dice) -> Vec<BodyState> {
         .to_vec()
 }
 
-/// One that lands turned anyhow and turning.
+/// Returns a spinning block with a random orientation that is about to land.
 fn landing(dice: &mut Dice) -> Vec<BodyState> {
     let speed = 0.07 + 0.1 * dice.unit();
     vec![BodyState {
@@ -99,7 +103,7 @@ fn landing(dice: &mut Dice) -> Vec<BodyState> {
     }]
 }
 
-/// One that lands on an edge and slides across it.
+/// Returns a block that lands on an edge and slides across it.
 fn sliding(dice: &mut Dice) -> Vec<BodyState> {
     let speed = 0.13;
     vec![BodyState {
@@ -161,7 +165,7 @@ const CASES: [Case; 8] = [
     },
 ];
 
-/// Energy after a collision over that before, of all collisions of a case.
+/// Returns, for each collision of a case, the ratio of the energies after and before.
 fn left(case: &Case, steps: u32) -> Vec<f64> {
     let mut scene = empty();
     scene.contact = compliant(STIFFNESS, case.damping, case.friction);
@@ -178,7 +182,7 @@ fn left(case: &Case, steps: u32) -> Vec<f64> {
     (0..COUNT).map(collide).collect()
 }
 
-/// Mean and rms of a sample.
+/// Returns the mean and root mean square of a sample.
 fn moments(sample: &[f64]) -> [f64; 2] {
     let n = sample.len() as f64;
     [
@@ -187,7 +191,7 @@ fn moments(sample: &[f64]) -> [f64; 2] {
     ]
 }
 
-/// The limit of small steps; without a damper and friction nothing is lost.
+/// Returns the limit of small steps. Without damping and friction no energy is lost.
 fn exact(case: &Case) -> Vec<f64> {
     if case.damping == 0.0 {
         return vec![1.0; COUNT];
@@ -195,7 +199,7 @@ fn exact(case: &Case) -> Vec<f64> {
     left(case, FINE)
 }
 
-/// What is off at each number of steps: mean and rms of the part of the energy that is left.
+/// Returns the errors of the remaining energy, mean and rms, for each number of steps.
 fn errors(case: &Case) -> [[f64; 2]; STEPS.len()] {
     let exact = exact(case);
     STEPS.map(|steps| {
@@ -206,7 +210,7 @@ fn errors(case: &Case) -> [[f64; 2]; STEPS.len()] {
     })
 }
 
-/// A mean below this is chance: twice the standard error of a case's collisions at one step a tick.
+/// Limit below which a mean is not significant: twice its standard error at one step per tick.
 const CHANCE: f64 = 0.01;
 
 #[test]
@@ -223,7 +227,8 @@ fn errors_go_down_as_the_page_says() {
         }
         table.push('\n');
         for (coarse, fine) in errors.iter().zip(&errors[2..]) {
-            // Four times the steps: of the first order each, and of the second in the mean.
+            // With four times as many steps, single errors shrink in first order, means in second
+            // order.
             assert!(fine[1] < coarse[1] / 2.0, "{}: {errors:?}", case.name);
             assert!(
                 fine[0].abs() < coarse[0].abs() / 8.0 + CHANCE,
@@ -235,7 +240,8 @@ fn errors_go_down_as_the_page_says() {
     crate::pages::assert_part(PAGE, [BEGIN, END], &table);
 }
 
-/// Where it is exact: all three are the damped oscillator of two blocks, which lasts pi - 2 a of its phase.
+/// All three head-on cases are the damped oscillator of two blocks, which ends at a phase of pi - 2
+/// a.
 #[test]
 fn head_on_collisions_are_exact_in_the_mean() {
     for case in &CASES[..3] {

@@ -1,4 +1,4 @@
-//! Gravity, fluids and heat against closed forms, in both worlds.
+//! Compares gravity, fluids and heat with closed forms, in both worlds.
 
 use crate::scenes::{at, empty, kicks, pass, states, world};
 use nalgebra::Vector3;
@@ -29,7 +29,7 @@ in_every_world!(
     a_sphere_keeps_its_blocks,
 );
 
-/// SI units and block units are the same.
+/// Returns a scene whose SI units and block units are the same.
 fn fluid(density: Option<f64>, viscosity: Option<f64>) -> Scene {
     Scene {
         fluid: Some(Fluid {
@@ -45,7 +45,7 @@ fn settings(substeps: u32) -> Settings {
     Settings::new(Model::Rapier, substeps)
 }
 
-/// A viscosity at which the velocity decays at this rate.
+/// Returns the viscosity that makes a velocity decay at this rate.
 fn viscosity(rate: f64) -> f64 {
     rate / Fluid::friction(1.0, 1.0)
 }
@@ -71,7 +71,7 @@ fn a_block_falls_freely_without_a_fluid<W: Arena>() {
     pass(&mut world, 50);
     let block = world.state(0);
     assert!((block.velocity.z + 0.1).abs() < 1e-6, "{block:?}");
-    // Symplectic Euler in steps of h: g h^2 n (n + 1) / 2.
+    // Symplectic Euler in steps of h gives g h^2 n (n + 1) / 2.
     let fall = 0.002 * 0.25 * 100.0 * 101.0 / 2.0;
     assert!((100.0 - block.position.z - fall).abs() < 1e-4, "{block:?}");
 }
@@ -85,7 +85,7 @@ fn a_block_sinks_at_its_terminal_speed_whatever_the_step<W: Arena>() {
         let speed = -world.state(0).velocity.z;
         assert!((speed * rate / 0.02 - 1.0).abs() < 1e-4, "{rate}: {speed}");
     }
-    // With a wake alone, m g (1 - rho) = rho v^2 / 2.
+    // With a wake only, m g (1 - rho) = rho v^2 / 2.
     let mut scene = fluid(Some(0.4), None);
     scene.gravity = Some(0.001);
     let mut world: W = world(&scene, &settings(4), &[still()]);
@@ -104,7 +104,7 @@ fn a_lighter_block_rises<W: Arena>() {
     assert!((speed / (0.5e-4 / 0.5) - 1.0).abs() < 1e-3, "{speed}");
 }
 
-/// A fluid of this density and added mass, which drags little at the speeds of these tests.
+/// Returns a scene with this density and added mass, and little drag at the speeds of these tests.
 fn with_added_mass(density: f64, added_mass: f64, rate: f64) -> Scene {
     let mut scene = fluid(Some(density), Some(viscosity(rate)));
     scene.fluid.as_mut().unwrap().added_mass = Some(added_mass);
@@ -120,7 +120,8 @@ fn a_block_with_added_mass_starts_more_slowly_and_ends_as_fast<W: Arena>() {
         scene.gravity = Some(gravity);
         let mut world: W = world(&scene, &settings(substeps), &[still()]);
         let mut passed = 0;
-        // From rest it accelerates by weight / inertial. The approach to weight / rate takes inertial / rate.
+        // From rest the block accelerates at weight / inertial. It approaches weight / rate within
+        // inertial / rate.
         for ticks in [1, 15, 200] {
             pass(&mut world, ticks - passed);
             passed = ticks;
@@ -165,7 +166,7 @@ fn brownian_blocks_with_added_mass_have_the_energy_of_their_temperature<W: Arena
         .map(|block| block.velocity.norm_squared())
         .sum::<f64>();
     let moving = (1.0 + added_mass) * squares / (3.0 * count as f64);
-    // 12,000 squares: 1.3 % each, four standard errors.
+    // 12,000 squares have a standard error of 1.3 %; the limit is four of these.
     assert!((moving / energy - 1.0).abs() < 0.052, "{moving}");
 }
 
@@ -201,14 +202,14 @@ fn kicks_against_wakes_come_to_the_expected_speed<W: Arena>() {
     let square = states.iter().map(|b| b.velocity.norm_squared());
     let found = (square.sum::<f64>() / states.len() as f64).sqrt();
     let expected = speed(&scene).rms.unwrap();
-    // Without collisions the speeds are not quite Maxwell's, which is 1.7 %; chance, 1 %.
+    // Without collisions the speeds are not quite Maxwellian (1.7 %). Chance adds 1 %.
     assert!(
         (found / expected - 1.0).abs() < 0.04,
         "{found} for {expected}"
     );
 }
 
-/// Each kick J moves a block by J / γ in the end.
+/// Each kick J finally moves a block by J / γ.
 fn kicks_in_a_viscous_fluid_move_blocks_alike_at_every_step<W: Arena>() {
     for rate in [0.3, 12.0] {
         let scene = Scene {
@@ -229,12 +230,12 @@ fn kicks_in_a_viscous_fluid_move_blocks_alike_at_every_step<W: Arena>() {
         });
         let apart = ways[0].iter().zip(&ways[1]).map(|(a, b)| (a - b).abs());
         let apart = apart.fold(0.0, f64::max);
-        // Places a hundred sides up have digits of 1e-5 in Rapier.
+        // Positions at a height of 100 block lengths have a resolution of 1e-5 in Rapier.
         assert!(apart < 1e-4, "{rate}: {apart}");
         let square: f64 = ways[0].iter().map(|way| way * way).sum();
         let found = (square / 400.0).sqrt();
         let told = speed(&scene).rms.unwrap();
-        // 1200 independent squares: 2 %.
+        // 1,200 independent squares have a standard error of 2 %.
         assert!(
             (found / told - 1.0).abs() < 0.06,
             "{rate}: {found} for {told}"
@@ -247,13 +248,13 @@ fn a_turning_block_is_slowed_too<W: Arena>() {
     let viscosity = 0.002;
     let mut slow: W = world(&fluid(None, Some(viscosity)), &settings(2), &[start]);
     pass(&mut slow, 10);
-    // 6 eta a^3 over I = 1 / 6.
+    // Viscous: 6 eta a^3 divided by I = 1 / 6.
     let exact = 0.3 * (-36.0 * viscosity * 10.0_f64).exp();
     let spin = slow.state(0).spin.y;
     assert!((spin / exact - 1.0).abs() < 1e-5, "{spin} {exact}");
     let mut wake: W = world(&fluid(Some(0.9), None), &settings(2), &[start]);
     pass(&mut wake, 40);
-    // rho / 32 over 1 / 6.
+    // Wake: rho / 32 divided by I = 1 / 6.
     let exact = 0.3 / (1.0 + 0.3 * 0.9 * 6.0 / 32.0 * 40.0);
     let spin = wake.state(0).spin.y;
     assert!((spin / exact - 1.0).abs() < 1e-5, "{spin} {exact}");
@@ -287,18 +288,18 @@ fn a_neutral_block_stays_on_its_circle_in_a_vortex<W: Arena>() {
         );
         let speed = block.velocity.norm() / (turning * distance);
         assert!((speed - 1.0).abs() < 0.01, "{speed}");
-        // Inside it turns with the fluid, outside not at all.
+        // Inside the core the block turns with the fluid, outside it does not turn.
         let spin = if distance < radius { turning } else { 0.0 };
         assert!((block.spin.z - spin).abs() < 1e-4, "{}", block.spin);
     }
 }
 
-/// So many blocks at rest, too far from each other to matter.
+/// Returns `count` blocks at rest. They do not interact in these scenes.
 fn many(count: usize) -> Vec<BodyState> {
     vec![BodyState::at_rest(at(0.0, 0.0, 0.0)); count]
 }
 
-/// A temperature at which k T is this, in block units.
+/// Returns agitation at the temperature at which k T is `energy`, in block units.
 fn hot(energy: f64) -> Option<Agitation> {
     Some(Agitation::Brownian {
         temperature: energy / BOLTZMANN,
@@ -316,7 +317,7 @@ fn brownian_blocks_diffuse_as_einstein_says_at_every_step<W: Arena>() {
         let mut scene = fluid(None, Some(viscosity(rate)));
         scene.agitation = hot(energy);
         let mut world: W = world(&scene, &settings(substeps), &many(count));
-        // Until the beginning at rest is forgotten.
+        // Wait until the blocks have reached thermal speeds.
         pass(&mut world, 50);
         let start = states(&world);
         let ticks = 200;
@@ -325,10 +326,11 @@ fn brownian_blocks_diffuse_as_einstein_says_at_every_step<W: Arena>() {
         let squares = (end.iter().zip(&start))
             .map(|(end, start)| (end.position - start.position).norm_squared());
         let mean = squares.sum::<f64>() / count as f64;
-        // <x^2> of Ornstein and Uhlenbeck: 6 D (t - (1 - exp(-rate t)) / rate).
+        // <x^2> of the Ornstein-Uhlenbeck process: 6 D (t - (1 - exp(-rate t)) / rate).
         let (t, diffusion) = (ticks as f64, energy / rate);
         let exact = 6.0 * diffusion * (t - (1.0 - (-rate * t).exp()) / rate);
-        // 6000 independent squares: 1.8 % each, so four standard errors. The last term is no more than 3 %.
+        // 6,000 independent squares have a standard error of 1.8 %; the limit is four of these. The
+        // last term is at most 3 %.
         assert!(
             (mean / exact - 1.0).abs() < 0.075,
             "{rate} {substeps}: {mean} {exact}"
@@ -348,14 +350,15 @@ fn brownian_blocks_have_the_energy_of_their_temperature<W: Arena>() {
         moving += block.velocity.norm_squared() / 3.0 / count as f64;
         turning += block.spin.norm_squared() / 6.0 / 3.0 / count as f64;
     }
-    // 12,000 squares: 1.3 % each, four standard errors; steps of rate dt = 0.025 and 0.09 shift them by far less.
+    // 12,000 squares have a standard error of 1.3 %; the limit is four of these. Steps of rate dt =
+    // 0.025 and 0.09 shift them by far less.
     assert!((moving / energy - 1.0).abs() < 0.052, "{moving}");
     assert!((turning / energy - 1.0).abs() < 0.052, "{turning}");
 }
 
 fn blocks_follow_eddies_and_disperse_as_taylor_says<W: Arena>() {
-    // So viscous that a block is taken along, and so short a memory that it hardly leaves its eddy: then a place
-    // diffuses with sigma^2 times the memory.
+    // The viscosity carries a block with the fluid, and the memory is so short that it hardly
+    // leaves its eddy. Then a position diffuses with sigma^2 times the memory.
     let (speed, memory, runs) = (0.02, 8.0, 400);
     let mut scene = fluid(None, Some(viscosity(40.0)));
     scene.agitation = Some(Agitation::Turbulence(Turbulence {
@@ -370,19 +373,20 @@ fn blocks_follow_eddies_and_disperse_as_taylor_says<W: Arena>() {
         let start = [BodyState::at_rest(at(0.0, 0.0, 0.0))];
         let plate = crate::scenes::PLATE;
         let mut world =
-            W::with_blocks(&scene, &plate, &settings(1), 7, run, &start).expect("sound");
+            W::with_blocks(&scene, &plate, &settings(1), 7, run, &start).expect("a valid scene");
         pass(&mut world, ticks);
         let place = world.state(0).position;
         level += (place.x * place.x + place.y * place.y) / 2.0 / runs as f64;
         upright += place.z * place.z / runs as f64;
     }
-    // In ticks, an amplitude keeps exp(-1 / memory): sum of a geometric row instead of the integral.
+    // Each tick an amplitude keeps exp(-1 / memory): the sum of a geometric series replaces the
+    // integral.
     let left = (-1.0 / memory).exp();
     let t = ticks as f64;
     let steps =
         t * (1.0 + left) / (1.0 - left) - 2.0 * left * (1.0 - left.powf(t)) / (1.0 - left).powi(2);
     let exact = speed * speed * steps;
-    // 800 squares: 5 %, four standard errors; 400 of them: 7 %.
+    // 800 squares have a standard error of 5 %, 400 squares of 7 %; the limits are four of these.
     assert!((level / exact - 1.0).abs() < 0.2, "{level} {exact}");
     assert!(
         (upright / exact / 0.25 - 1.0).abs() < 0.28,
@@ -402,7 +406,7 @@ fn a_jet_carries_a_block_to_the_middle<W: Arena>() {
         flow,
         nozzle,
     }));
-    // The middle of a ball over a plate of 3 x 3.
+    // Height of the centre of a sphere above a plate of 3 x 3.
     let height = (36.0_f64 - 4.5).sqrt();
     let from = 4.0;
     let mut world: W = world(
@@ -413,7 +417,7 @@ fn a_jet_carries_a_block_to_the_middle<W: Arena>() {
     let ticks = 40;
     pass(&mut world, ticks);
     let x = world.state(0).position.x;
-    // On the axis s s' = 6.2 D U from the tube at 6 sides on.
+    // On the axis s s' = 6.2 D U, starting at the tube, 6 block lengths from the centre.
     let speed = flow / (std::f64::consts::FRAC_PI_4 * nozzle * nozzle);
     let way = 6.0 - from;
     let exact = 6.0 - (way * way + 2.0 * 6.2 * nozzle * speed * ticks as f64).sqrt();
@@ -427,7 +431,7 @@ fn a_sphere_keeps_its_blocks<W: Arena>() {
         ..empty()
     };
     let height = (25.0_f64 - 4.5).sqrt();
-    // A swing through the wall is half an oscillation on the ball of 4.5 sides.
+    // A swing into the wall is half an oscillation, at the radius of 4.5 block lengths.
     for way in [at(0.0, 0.0, 1.0), at(0.6, 0.0, -0.8), at(0.0, -1.0, 0.0)] {
         let start = BodyState {
             velocity: way * 0.05,

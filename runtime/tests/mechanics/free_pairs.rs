@@ -1,4 +1,4 @@
-//! Two free blocks that bond: where, when, and what stays as it was.
+//! Tests where and when two free blocks bond, and which quantities stay unchanged.
 
 use crate::scenes::{
     SEED, at, dockings, gas, hemisphere, in_steps, moving, reject, states, viscous,
@@ -17,7 +17,7 @@ in_every_world!(
     bonding_moves_no_middle_and_shares_the_turn,
 );
 
-/// The least distance between two blocks of one group; at most 2.
+/// Returns the least distance between two blocks of one group, at most 2.
 fn nearest(world: &impl Arena) -> f64 {
     let blocks = states(world);
     let mut least: f64 = 2.0;
@@ -43,7 +43,7 @@ fn a_face_takes_one_block<W: Arena>() {
     assert_eq!(world.groups(), [[0, 1]]);
 }
 
-/// Without contact nothing else keeps them from the same place.
+/// Without contact only the bonds keep blocks from overlapping.
 fn blocks_of_a_group_sit_side_by_side<W: Arena>() {
     let mut scene = reject(0.05, 0.0);
     scene.agitation = Some(Agitation::Kicks { speed: (0.0, 0.02) });
@@ -69,14 +69,15 @@ fn a_block_does_not_dock_by_a_face_that_holds_another_one<W: Arena>() {
     assert_eq!(world.groups(), [[0, 1]]);
 }
 
-/// In a strain of a fluid that pulls two blocks apart at a relative speed u, their bond has to hold γ u / 2.
+/// A strain of the fluid separates two blocks at a relative speed u. Their bond has to hold γ u /
+/// 2.
 fn a_pair_that_drag_tears_apart_stays_apart<W: Arena>() {
     let (rate, apart, from_axis) = (40.0, 0.05, 3.0);
     let load = rate * apart / 2.0;
     for (hold, holds) in [(4.0 * load, true), (load / 4.0, false)] {
         let scene = Scene {
             fluid: viscous(rate),
-            // Beyond the core u = Ω r²/s; at 45 degrees to the radius it strains by Ω r²/s².
+            // Beyond the core u = Ω r²/s. At 45 degrees to the radius it strains by Ω r²/s².
             flow: Some(Flow::Stir(Stir {
                 radius: 1.0,
                 rate: apart * from_axis * from_axis,
@@ -99,7 +100,8 @@ fn a_pair_that_drag_tears_apart_stays_apart<W: Arena>() {
     }
 }
 
-/// They pull each other together from a tenth of a side, and pass the window, which is 0.01 sides wide, by 0.024 in a step.
+/// The blocks attract each other from a tenth of a block length. The window is 0.01 block lengths
+/// wide, and a step crosses it by 0.024.
 fn a_pair_bonds_wherever_a_step_ends_and_however_fast_both_move<W: Arena>() {
     let mut scene = reject(0.05, 0.0);
     if let Some(Bond::Reject { anchor, .. }) = &mut scene.bond {

@@ -1,7 +1,7 @@
-//! Coulomb's friction of a cube that is pressed on the ground.
+//! Tests Coulomb friction of a cube that is pressed on the ground.
 //!
-//! The scene has no weight, so the test adds it: a change of velocity before every tick, which the
-//! contact has to take up within the tick.
+//! The scene has no gravity. The test adds a change of velocity before every tick, which the
+//! contact has to cancel within the tick.
 
 use crate::scenes::{Dice, Double, Kind, Reference, Single, at, contact, empty, hemisphere, pass};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -23,26 +23,27 @@ fn the_cone_of_the_kernel_is_the_same_in_all_directions() {
     the_cone_is_the_same_in_all_directions::<Double>();
 }
 
-/// The reference is not asked: it is off by as much.
+/// The reference is not tested, because its friction deviates too much.
 #[test]
 fn friction_of_the_kernel_opposes_the_sliding() {
     friction_at_a_corner_opposes_the_sliding::<Single>();
     friction_at_a_corner_opposes_the_sliding::<Double>();
 }
 
-/// Of the press \[side / tick^2\].
+/// Pressure per tick. Unit: block lengths per square tick.
 const WEIGHT: f64 = 0.01;
 const FRICTION: f64 = 0.3;
 
-/// Fastest sliding \[side / tick\].
+/// Fastest sliding. Unit: block lengths per tick.
 const SPEED: f64 = 0.15;
 
-/// Part of the weight by which the friction may be off.
+/// Returns the tolerance of the friction, as a fraction of the weight.
 ///
-/// The kernel ends its rounds when no point changes by 1e-4 of the fastest motion at any point, which
-/// here is the sliding; what further rounds would add is at most thrice the last change, as each of them
-/// undoes at least a quarter of what is left. The reference has a soft contact, on which the cube
-/// rocks: its weight is on the ground on average only, and one tick in a hundred remains.
+/// The kernel stops its rounds when no point changes by more than 1e-4 of the fastest motion, which
+/// here is the sliding. Each further round would remove at least a quarter of the error, so the
+/// remaining error is at most three times the last change. The reference has a soft contact, on
+/// which the cube rocks. Its weight presses on the ground only on average, to one tick in a
+/// hundred.
 fn slack<K: Kind>() -> f64 {
     if K::REFERENCE {
         0.01
@@ -51,7 +52,7 @@ fn slack<K: Kind>() -> f64 {
     }
 }
 
-/// A cube flat on the ground, yawed, in contact and not deep enough to be parted from the ground.
+/// Returns a cube flat on the ground, yawed, in contact and without an overlap that is corrected.
 fn flat(yaw: f64, velocity: Vector3<f64>) -> BodyState {
     BodyState {
         orientation: UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw),
@@ -67,7 +68,7 @@ fn on_ground<K: Kind>(block: BodyState) -> K::World {
     K::world(&scene, &[block])
 }
 
-/// Ticks under weight, and a pull along the ground.
+/// Runs ticks with the weight and a pull along the ground. Returns the final state of the cube.
 fn press<K: Kind>(world: &mut K::World, pull: Vector3<f64>, ticks: u64) -> BodyState {
     for _ in 0..ticks {
         let mut state = world.state(0);
@@ -114,10 +115,11 @@ fn a_sliding_cube_comes_to_rest_where_it_should<K: Kind>() {
     let start = world.state(0).position;
     let stops = speed / (FRICTION * WEIGHT);
     let end = press::<K>(&mut world, Vector3::zeros(), stops as u64 + 20);
-    // On its soft contact the reference still rocks, at a tenth of what a tick of weight would add.
+    // The reference still rocks on its soft contact, by a tenth of the weight in a tick.
     let rocking = if K::REFERENCE { 0.15 } else { slack::<K>() };
     assert!(end.velocity.norm() < rocking * WEIGHT);
-    // Symplectic Euler: the sum of v0 - k mu g, half a tick at full speed less than v0^2 / (2 mu g).
+    // Symplectic Euler: the sum of v0 - k mu g. It is v0^2 / (2 mu g) less half a tick at full
+    // speed.
     let way = (end.position - start).norm();
     let expected = speed * speed / (2.0 * FRICTION * WEIGHT) - 0.5 * speed;
     assert!((way - expected).abs() < slack::<K>() / FRICTION * expected + 0.5 * FRICTION * WEIGHT);
@@ -125,8 +127,8 @@ fn a_sliding_cube_comes_to_rest_where_it_should<K: Kind>() {
     assert!((rest.position - end.position).norm() < 50.0 * rocking * WEIGHT);
 }
 
-/// One corner that slides all the time: what remains of the sliding is opposite to the friction, which is
-/// as great as the cone allows, wherever the centre is.
+/// One corner slides all the time. The friction is opposite to the remaining sliding and as large
+/// as the cone allows, wherever the centre is.
 fn friction_at_a_corner_opposes_the_sliding<K: Kind>() {
     let mut dice = Dice::new(1);
     let mut scene = empty();
@@ -139,7 +141,7 @@ fn friction_at_a_corner_opposes_the_sliding<K: Kind>() {
             continue;
         };
         cases += 1;
-        // Sliding at 0.2, pressing at 0.005.
+        // The block slides at 0.2 and presses at 0.005.
         let angle = std::f64::consts::TAU * dice.unit();
         let start = BodyState {
             orientation,
@@ -153,8 +155,8 @@ fn friction_at_a_corner_opposes_the_sliding<K: Kind>() {
         let sliding = (end.velocity + end.spin.cross(&(arm + at(0.0, 0.0, 1.0 / 4096.0)))).xy();
         let (push, pressing) = (impulse.xy(), impulse.z);
         assert!(pressing > 1e-4 && sliding.norm() > 0.1);
-        // The last change of a round is below 1e-4 of the sliding, and what is to come below thrice that;
-        // a part of the push, which is that much smaller than the sliding.
+        // The last change of a round is below 1e-4 of the sliding, and further changes sum to at
+        // most three times that. Relative to the push, the error is larger by sliding / pressing.
         let slack = 3.0 * 1e-4 * 0.2 / pressing;
         let size = push.norm() / (FRICTION * pressing);
         assert!((size - 1.0).abs() < slack, "{size}");
@@ -168,7 +170,8 @@ fn friction_at_a_corner_opposes_the_sliding<K: Kind>() {
     }
 }
 
-/// From the centre to the lowest corner, if no other is nearly as low.
+/// Returns the vector from the centre to the lowest corner. Returns `None` if another corner is
+/// nearly as low.
 fn only_corner(turned: UnitQuaternion<f64>) -> Option<Vector3<f64>> {
     let half = |bit: usize| if bit == 0 { -0.5 } else { 0.5 };
     let mut corners: Vec<Vector3<f64>> = (0..8)

@@ -1,7 +1,7 @@
-//! Blocks near magnetized faces take short steps and all others long ones: what crosses the border must not notice.
+//! Tests local steps: blocks near magnetized faces take short steps, all others long ones.
 //!
-//! Gases between mirrors around an open face, whose blocks come into its field and leave it all the time, some of them
-//! while they touch others.
+//! Gases between mirrors surround an open face. Blocks enter and leave its field all the time, some
+//! while they touch others. Crossing the border of the field must not change the physics.
 
 use crate::scenes::{Kind, attract, compliant, empty, energy, pass, states, world};
 use nalgebra::Vector3;
@@ -22,7 +22,7 @@ const RADIUS: f64 = 4.5;
 const BLOCKS: usize = 16;
 
 fn gas(seed: u64, speed: f64) -> Vec<BodyState> {
-    // The plate's middle, of which only the face attracts.
+    // The ball is around the middle of the plate, whose upper face is the only one that attracts.
     crate::scenes::gas(BLOCKS, seed, (MIDDLE, RADIUS), 1.8, speed)
 }
 
@@ -33,7 +33,8 @@ fn steps<K: Kind>(away: u32, near: u32) -> Settings {
     }
 }
 
-/// A gas of blocks that pass through the plate, around a face that pulls this hard and anchors nobody.
+/// Returns a gas of blocks that pass through the plate, around a face with this pull that never
+/// captures.
 fn scene(pull: f64, stiffness: f64, damping: f64) -> Scene {
     Scene {
         contact: compliant(stiffness, damping, 0.0),
@@ -49,7 +50,7 @@ fn open<K: Kind>(scene: &Scene, settings: &Settings, blocks: &[BodyState]) -> K:
     world
 }
 
-/// Turns back who leaves the ball.
+/// Reverses the radial velocity of each block that leaves the ball.
 fn mirror(world: &mut impl Arena) {
     for id in 0..world.count() {
         let mut block = world.state(id);
@@ -62,7 +63,7 @@ fn mirror(world: &mut impl Arena) {
     }
 }
 
-/// The pull is nothing, so that the only thing at the border is the border.
+/// Negligible pull, which isolates the effect of the border.
 const NOTHING: f64 = 1e-12;
 
 fn as_many_long_steps_as_short_ones_are_uniform_steps<K: Kind>() {
@@ -89,7 +90,7 @@ fn momentum_is_kept_across_the_border<K: Kind>() {
         let (before, start) = (momentum(&world), states(&world));
         pass(&mut world, 1);
         let change = (momentum(&world) - before).norm();
-        // The plate is a body as well, which takes what it is given.
+        // The plate also absorbs momentum, so ticks in which a block touches it are left out.
         let touches = |b: &BodyState| b.position.z < 0.9 && b.position.z > -1.9;
         let aside = |b: &BodyState| b.position.x.abs().max(b.position.y.abs()) < 2.5;
         if !states(&world)
@@ -109,8 +110,8 @@ fn momentum_is_kept_across_the_border<K: Kind>() {
     assert!(bounced > 20, "{bounced}");
 }
 
-/// Without damping, on average over gases, as with uniform steps. Springs are so soft that a long step resolves them, too: what
-/// is off is the border's.
+/// Compares energies without damping, averaged over gases, with those of uniform steps. The springs
+/// are soft enough for long steps, so any deviation comes from the border.
 fn energy_is_kept_across_the_border<K: Kind>() {
     let late = |settings: &Settings, seed| {
         let mut world = open::<K>(&scene(NOTHING, 0.003, 0.0), settings, &gas(seed, 0.03));
@@ -132,8 +133,8 @@ fn energy_is_kept_across_the_border<K: Kind>() {
     assert!((local - short).abs() < 0.1, "{local} {short} {long}");
 }
 
-/// How many blocks are in the field of a face that pulls, how fast they are, and how often one comes: the same within what
-/// is left to chance.
+/// Compares the number of blocks in the field of a face, their speed, and the rate of entries with
+/// short steps everywhere. They agree within chance.
 fn a_face_sees_the_same_gas_as_with_short_steps_everywhere<K: Kind>() {
     let look = |settings: &Settings, seed| {
         let mut world = open::<K>(&scene(0.0003, 0.003, 0.0), settings, &gas(seed, 0.03));

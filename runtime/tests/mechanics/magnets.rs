@@ -1,4 +1,5 @@
-//! What a step of any length makes of a magnet: the docking window along the way, and the force near its middle.
+//! Tests magnets with steps of any length: the docking window along the path, and the force near
+//! the middle.
 
 use crate::scenes::{Kind, at, attract, empty, world};
 use nalgebra::UnitQuaternion;
@@ -20,7 +21,7 @@ fn open(world: &mut impl World) {
     world.magnetize(BlockFace { body, face });
 }
 
-/// Pull and alignment with these reaches, and a docking window of 0.05.
+/// Returns a scene with these reaches of pull and alignment and a docking window of 0.05.
 fn reaches(pull: f64, align: f64) -> Scene {
     let reach = |force, within| Reach { force, within };
     let mut scene = empty();
@@ -37,7 +38,7 @@ fn reaches(pull: f64, align: f64) -> Scene {
     scene
 }
 
-/// A twisted block 0.3 over the face.
+/// Uses a twisted block 0.3 over the face.
 fn each_force_of_a_magnet_has_its_own_reach<K: Kind>() {
     let block = BodyState {
         orientation: UnitQuaternion::from_scaled_axis(at(0.0, 0.0, 0.2)),
@@ -61,7 +62,7 @@ fn each_force_of_a_magnet_has_its_own_reach<K: Kind>() {
     assert!((pull.0 + align.0 - both.0).norm() < 1e-6);
     assert!((align.1 - both.1).norm() < 1e-6);
     assert!(neither.0.norm() + neither.1.norm() < 1e-6);
-    // Who is in the reach of the pull has come in.
+    // A block within the reach of the pull counts as entered.
     assert_eq!([both.2, pull.2, align.2, neither.2], [1, 1, 0, 0]);
 }
 
@@ -74,7 +75,8 @@ fn a_block_docks_from_beyond_the_reach_of_the_pull<K: Kind>() {
     assert_eq!((docked[0].entries, docked[0].entered), (1, 1));
 }
 
-/// It passes the face at three times the width of the window in a step, wherever steps end.
+/// The block passes the face at three times the width of the window per step, at any phase of the
+/// step.
 fn a_fast_block_docks_if_its_way_leads_through_the_window<K: Kind>() {
     let (within, speed) = (0.05, 0.3);
     for start in 0..16 {
@@ -91,14 +93,15 @@ fn a_fast_block_docks_if_its_way_leads_through_the_window<K: Kind>() {
             open(&mut world);
             let mut dockings = Vec::new();
             for _ in 0..5 {
-                world.step(&mut dockings).expect("sound physics");
+                world.step(&mut dockings).expect("the physics is stable");
             }
             assert_eq!(dockings.len(), expected, "{late} {aside}");
         }
     }
 }
 
-/// Without contact and docking, its face swings through that of the plate, by 0.3 sides, for some 300 times.
+/// Without contact and docking, the face of the block swings through that of the plate about 300
+/// times, with an amplitude of 0.3 block lengths.
 fn a_block_swings_about_the_middle_of_a_magnet_without_gain_or_loss<K: Kind>() {
     for (pull, substeps) in [(0.004, 1), (0.016, 2), (0.016, 4)] {
         let mut scene = empty();
@@ -117,7 +120,7 @@ fn a_block_swings_about_the_middle_of_a_magnet_without_gain_or_loss<K: Kind>() {
                 highest = highest.max(state.position.z - 0.5);
             }
         }
-        // Down from 0.3 with the pull and four corners at a twentieth each.
+        // The block falls from 0.3 under the pull and four corner forces of a twentieth each.
         let quarter = (2.0 * 0.3 / (1.2 * pull)).sqrt();
         let expected = 8000.0 / (4.0 * quarter);
         assert!((highest / 0.3 - 1.0).abs() < 0.02, "{highest}");
@@ -128,8 +131,8 @@ fn a_block_swings_about_the_middle_of_a_magnet_without_gain_or_loss<K: Kind>() {
     }
 }
 
-/// It is nearer to the middle than a step moves it at the full force: a force that does not fall off throws it a hundredth of
-/// a side to and fro.
+/// The block is closer to the middle than one step at full force would move it. A force that did
+/// not fall off would move it to and fro by a hundredth of a block length.
 fn a_block_next_to_the_middle_of_a_magnet_stays_there<K: Kind>() {
     let (pull, off) = (0.02, at(1e-4, -5e-5, 2e-4));
     let mut scene = empty();
@@ -147,11 +150,11 @@ fn a_block_next_to_the_middle_of_a_magnet_stays_there<K: Kind>() {
     }
 }
 
-/// `check --physics` also states docking times of less than a tick.
+/// `check --physics` also reports docking times below one tick.
 #[test]
 fn a_docking_takes_as_long_as_a_constant_force_says() {
     const CASES: u32 = 32;
-    // The reach is a side.
+    // The reach is one block length.
     let within = 0.005;
     for force in [0.02, 2.0] {
         let mut scene = empty();

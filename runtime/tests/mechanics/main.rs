@@ -1,5 +1,5 @@
-//! How blocks move, collide, are pulled, dock and let go: against closed forms, conservation laws, finer steps and the
-//! other engine.
+//! Tests motion, collisions, attraction, docking and release of blocks. They are compared with
+//! closed forms, conservation laws, finer steps and the other engine.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 #[macro_use]
 #[path = "../scenes/mod.rs"]

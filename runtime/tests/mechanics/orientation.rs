@@ -1,4 +1,4 @@
-//! The 24 rotations are a group, and agree with matrices and quaternions.
+//! Checks that the 24 rotations form a group and agree with matrices and quaternions.
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stochc_control::Orientation;
@@ -58,12 +58,13 @@ proptest! {
         let docked = |turn| Orientation::docked(parent, parent_face, child_face, turn);
         let towards = parent.to_structure(parent_face);
         prop_assert_eq!(docked(turn).to_structure(child_face), towards.opposite());
-        // A quarter turn is one, in the positive sense about the parent's outward normal.
+        // Two successive turns differ by a quarter turn, positive about the parent's outward
+        // normal.
         let quarter = Orientation::turned(towards, 1);
         prop_assert_eq!(docked((turn + 1) % 4), quarter.after(docked(turn)));
         let angle = quaternion(quarter);
         prop_assert!((angle.scaled_axis() - normal(towards) * std::f64::consts::FRAC_PI_2).norm() < 1e-12);
-        // Seen from the parent, it does not matter how the parent sits.
+        // In the frame of the parent, the orientation of the parent does not matter.
         let plain = Orientation::docked(Orientation::IDENTITY, parent_face, child_face, turn);
         prop_assert_eq!(docked(turn), parent.after(plain));
     }

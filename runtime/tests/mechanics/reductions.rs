@@ -1,4 +1,4 @@
-//! What a reduction leaves out is left out, and nothing else is.
+//! Checks that each reduction leaves out what its name states, and nothing else.
 
 use crate::scenes::{
     Dice, Kind, at, attract, contact, empty, hemisphere, kicks, pass, reject, states,
@@ -26,7 +26,7 @@ fn reduced<K: Kind>(reduction: Reduction) -> Settings {
     }
 }
 
-/// A crowd over a magnet, agitated.
+/// Returns an agitated crowd above a magnet.
 fn crowd() -> (Scene, Vec<BodyState>) {
     let mut scene = empty();
     scene.agitation = kicks(0.01);
@@ -68,7 +68,7 @@ fn without_rotation_nothing_turns_whatever_pushes_it<K: Kind>() {
         assert!(end.orientation.angle_to(&start.orientation) < 8.0 * K::ROUNDING.max(1e-9));
         assert_ne!(end.velocity, start.velocity);
     }
-    // In the same scene in full, nearly every block has been turned.
+    // In the same scene without the reduction, nearly every block turns.
     let turned = end_of(&K::settings());
     assert!(turned.iter().filter(|b| b.spin.norm() > 1e-3).count() > 12);
 }
@@ -89,7 +89,7 @@ fn without_rotation_two_magnets_turn_no_block<K: Kind>() {
     }
 }
 
-/// Without rotation a contact feels the mass alone, wherever it is: v' = -e v along the normal.
+/// Without rotation the effective mass of a contact is the whole mass: v' = -e v along the normal.
 fn without_rotation_a_corner_yields_no_more_than_a_face<K: Kind>() {
     let mut scene = empty();
     scene.contact = contact(0.5, 0.0);
@@ -130,14 +130,14 @@ fn spheres_touch_at_one_side_whatever_their_orientation<K: Kind>() {
             pass(&mut world, 1);
             least = least.min((world.state(0).position - world.state(1).position).norm());
         }
-        // They are found to overlap at the beginning of a tick, after at most one tick in which they
-        // do: then they are back where they were before it.
+        // An overlap is found at the beginning of a tick, at most one tick after it began. The
+        // spheres then return to their previous positions.
         assert!(least < 1.0 && least > 1.0 - 2.0 * speed, "{least}");
         for (id, start) in start.iter().enumerate() {
             let end = world.state(id as u32);
-            // In 60 ticks each place has been rounded 60 times to 8 units; the line of centres is as
-            // far off, and what bounces back along it by twice as much. Friction turns that into
-            // spin with I = 1/6 and an arm of 1/2.
+            // In 60 ticks each position has been rounded 60 times to 8 units, and the line of
+            // centres has the same error. The rebound along it has twice that error. Friction turns
+            // the error into spin with I = 1/6 and an arm of 1/2.
             let off = speed * 2.0 * 60.0 * 8.0 * K::ROUNDING;
             assert!((end.velocity + start.velocity).norm() < off);
             assert!(end.spin.norm() < 3.0 * off);
@@ -145,7 +145,7 @@ fn spheres_touch_at_one_side_whatever_their_orientation<K: Kind>() {
     }
 }
 
-/// Frictionless balls exchange what they approach each other with along the line of centres.
+/// Frictionless balls exchange their velocities along the line of centres.
 fn spheres_that_collide_off_centre_push_along_their_centres<K: Kind>() {
     let mut scene = empty();
     let mut dice = Dice::new(6);
@@ -166,7 +166,7 @@ fn spheres_that_collide_off_centre_push_along_their_centres<K: Kind>() {
         for ((id, sign), start) in [(0, 1.0), (1, -1.0)].into_iter().zip(&start) {
             let end = world.state(id);
             let off = (end.velocity - start.velocity - sign * impulse * way).amax();
-            // Places are rounded to 4 units, and the normal with them.
+            // Positions, and with them the normal, are rounded to 4 units.
             assert!(off < 0.1 * 20.0 * K::ROUNDING, "{off:e}");
             assert!(end.spin.amax() < 6.0 * 0.1 * 20.0 * K::ROUNDING);
         }
@@ -193,7 +193,7 @@ fn without_friction_what_slides_keeps_its_speed<K: Kind>() {
     assert!((slippery.spin.z - block.spin.z).abs() < 0.1 * 8.0 * K::ROUNDING);
     assert!(
         slippery.velocity.z > -1e-4,
-        "the ground still holds: {:?}",
+        "friction still acts: {:?}",
         slippery.velocity
     );
     let rough = after(&K::settings());
@@ -210,8 +210,8 @@ fn without_block_contact_free_blocks_pass_but_anchored_ones_and_the_ground_hold<
         velocity: at(vx, 0.0, vz),
         ..BodyState::at_rest(at(x, 0.0, z))
     };
-    // One that is anchored in the first tick; two that meet; one that falls on the anchored one, one that
-    // falls on the ground.
+    // Block 0 is anchored in the first tick. Two blocks meet, one falls on block 0, and one falls
+    // on the ground.
     let blocks = [
         flying(0.0, 0.52, 0.0, 0.0),
         flying(-3.0, 5.0, 0.0625, 0.0),
@@ -223,13 +223,13 @@ fn without_block_contact_free_blocks_pass_but_anchored_ones_and_the_ground_hold<
     world.magnetize(middle_face());
     let mut dockings = Vec::new();
     for _ in 0..96 {
-        world.step(&mut dockings).expect("sound physics");
+        world.step(&mut dockings).expect("the physics is stable");
     }
     assert_eq!(dockings.len(), 1);
     assert!(world.anchored(0).is_some());
     for (id, way) in [(1, 1.0), (2, -1.0)] {
         let end = world.state(id);
-        // Powers of two: not a bit may differ.
+        // All values are powers of two, so the results are equal to the bit.
         assert_eq!(end.position, at(way * 3.0, 0.0, 5.0));
         assert_eq!(end.velocity, at(way * 0.0625, 0.0, 0.0));
     }

@@ -1,4 +1,4 @@
-//! What becomes of a block that is rejected, and of those that hang on one that docks.
+//! Tests rejected blocks, and groups attached to a block that docks.
 
 use crate::scenes::{SEED, at, dockings, in_steps, reject, viscous};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -14,7 +14,7 @@ in_every_world!(
     entries_count_from_when_a_block_is_expected,
 );
 
-/// Of the block that is planted first.
+/// East face of the block that is planted first.
 const EAST: BlockFace = BlockFace {
     body: Body::Free(1),
     face: Face::East,
@@ -44,7 +44,7 @@ fn an_impulse_moves_a_block_in_a_viscous_fluid_by_j_over_m_gamma_at_every_step<W
     }
 }
 
-/// Of three abreast the middle one gets all of the impulse, which the others follow.
+/// In a row of three, the middle block gets the whole impulse, and the others follow it.
 fn what_hangs_on_a_docked_block_leaves_in_one_piece_with_the_impulse<W: Arena>() {
     let impulse = 0.05;
     let places = [
@@ -69,7 +69,8 @@ fn what_hangs_on_a_docked_block_leaves_in_one_piece_with_the_impulse<W: Arena>()
     }
 }
 
-/// Two planted blocks, 1 and 2, the east face of the one and the south face of the other before one cell; block 0 waits far away.
+/// Returns two planted blocks, 1 and 2, with the east face of block 1 and the south face of block 2
+/// before the same cell. Block 0 waits far away.
 fn corner<W: Arena>() -> (W, BlockFace, BlockFace) {
     let places = [at(0.0, 9.0, 9.0), at(-5.0, 0.0, 5.0), at(0.0, 5.0, 5.0)];
     let mut world: W = in_steps(&reject(1e-6, 0.5), &places.map(BodyState::at_rest));
@@ -92,7 +93,7 @@ fn corner<W: Arena>() -> (W, BlockFace, BlockFace) {
     (world, east, south)
 }
 
-/// Block 0 comes into the reach of what lies before the cell east of the middle, and leaves.
+/// Moves block 0 into the reach of the faces before the cell east of the middle, and away again.
 fn visit(world: &mut impl Arena) {
     for place in [at(1.5, 0.0, 0.5), at(0.0, 9.0, 9.0)] {
         world.set_state(0, &BodyState::at_rest(place));
@@ -106,7 +107,7 @@ fn a_face_keeps_its_entries_while_a_stray_fills_its_cell<W: Arena>() {
     visit(&mut world);
     visit(&mut world);
     assert_eq!(world.entries(east), 2);
-    // Turned so that its face is nearer to that of the other block.
+    // The block is turned so that it docks at the face of the other block.
     let stray = BodyState {
         orientation: UnitQuaternion::from_scaled_axis(Vector3::z() * 0.04),
         ..BodyState::at_rest(at(1.03, -0.01, 0.5))
@@ -128,7 +129,7 @@ fn entries_count_from_when_a_block_is_expected<W: Arena>() {
     assert_eq!(world.entries(east), 0);
     visit(&mut world);
     assert_eq!(world.entries(east), 1);
-    // Who is there already comes in with the wait.
+    // A block that is already there counts as an entry when the wait begins.
     world.set_state(0, &BodyState::at_rest(at(1.5, 0.0, 0.5)));
     dockings(&mut world, 1);
     world.magnetize(east);

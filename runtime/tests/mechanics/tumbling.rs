@@ -1,4 +1,4 @@
-//! A cube that turns freely: its inertia is the same about all axes, so that its spin stays.
+//! Tests a cube that turns freely. Its inertia is equal about all axes, so its spin is constant.
 
 use crate::scenes::{Dice, Kind, at, attract, empty, pass};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -18,14 +18,14 @@ fn spinning(orientation: UnitQuaternion<f64>, spin: Vector3<f64>) -> BodyState {
     }
 }
 
-/// The angle between where a cube should be and where it is.
+/// Returns the angle between the expected and the actual orientation of a cube.
 fn astray(start: &BodyState, end: &BodyState, ticks: u64) -> f64 {
     let turn = UnitQuaternion::from_scaled_axis(start.spin * ticks as f64);
     (turn * start.orientation).angle_to(&end.orientation)
 }
 
-/// A body with three different moments of inertia flips over when it turns about nearly the middle
-/// one; here, nothing may happen about any axis.
+/// A body with three different moments of inertia flips over when it turns about its middle axis. A
+/// cube must not flip about any axis.
 fn no_axis_is_special<K: Kind>() {
     let ticks = 100_000;
     let mut dice = Dice::new(1);
@@ -49,8 +49,8 @@ fn no_axis_is_special<K: Kind>() {
     for (id, start) in blocks.iter().enumerate() {
         let end = world.state(id as u32);
         assert_eq!(end.spin, start.spin);
-        // The kernel turns a block when it is looked at: one rounding of the angle in each of the
-        // three components, and those of the start.
+        // The kernel updates an orientation when it is read. It rounds the three components of the
+        // angle once, and those of the start.
         let roundings = if K::REFERENCE {
             in_reference(ticks)
         } else {
@@ -61,18 +61,18 @@ fn no_axis_is_special<K: Kind>() {
     }
 }
 
-/// Rapier cuts a tick into four steps, and rounds four components in each, at worst always to the
-/// same side.
+/// Returns the error of Rapier. It divides a tick into four steps and rounds four components in
+/// each. In the worst case all errors have the same sign.
 fn in_reference(ticks: u64) -> f64 {
     16.0 * ticks as f64
 }
 
 const SPIN: f64 = 0.02;
 
-/// Near a magnet its orientation is asked for in every tick.
+/// Turns a cube near a magnet, which reads its orientation in every tick.
 fn watched<K: Kind>(ticks: u64) {
     let mut scene = empty();
-    // Without force, and never anchoring.
+    // The magnet has no force and never captures.
     scene.bond = attract(0.0, 0.0);
     let mut dice = Dice::new(2);
     let spin = (SPIN * dice.direction()).map(|x| f64::from(x as f32));
@@ -82,13 +82,13 @@ fn watched<K: Kind>(ticks: u64) {
     world.magnetize(BlockFace { body, face });
     let mut dockings = Vec::new();
     for _ in 0..ticks {
-        world.step(&mut dockings).expect("sound physics");
+        world.step(&mut dockings).expect("the physics is stable");
     }
     let end = world.state(0);
     assert_eq!(end.spin, start.spin);
-    // Four components are rounded in every tick, half a dozen times, by one unit at most: thrice what a
-    // random walk makes of that. And the turn of one tick, always the same, is off by up to four of its
-    // own units, always to the same side.
+    // Four components are rounded about six times per tick, by at most one unit. The limit is three
+    // times the random walk of these errors. The rotation of one tick is constant, and its error of
+    // up to four units always has the same sign.
     let roundings = if K::REFERENCE {
         in_reference(ticks)
     } else {
@@ -96,14 +96,15 @@ fn watched<K: Kind>(ticks: u64) {
     };
     let off = astray(&start, &end, ticks);
     assert!(off < roundings * K::ROUNDING, "{off:e}");
-    assert_eq!(world.active()[0].1, 1, "it has never been out of reach");
+    assert_eq!(world.active()[0].1, 1, "it entered the reach exactly once");
 }
 
 fn a_cube_that_is_watched_turns_as_one_that_is_not<K: Kind>() {
     watched::<K>(20_000);
 }
 
-/// The same for a million ticks: `cargo test --release -p stochc-runtime --test mechanics tumbling -- --ignored`.
+/// Runs a million ticks: `cargo test --release -p stochc-runtime --test mechanics tumbling --
+/// --ignored`.
 #[test]
 #[ignore = "takes a minute without optimization"]
 fn a_million_ticks_do_not_wear_an_orientation_out() {

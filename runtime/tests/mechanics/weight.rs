@@ -1,4 +1,4 @@
-//! Blocks with weight that fall on the ground and lie there, with rigid contacts.
+//! Tests blocks with weight that fall on the ground and come to rest, with rigid contacts.
 
 use crate::scenes::{Kind, at, contact, empty, hemisphere, states, world};
 use nalgebra::Vector3;
@@ -12,7 +12,7 @@ in_either_precision!(
     a_heavy_cube_slides_as_far_as_coulomb_says,
 );
 
-/// \[side / tick^2\]
+/// Acceleration of gravity. Unit: block lengths per square tick.
 const WEIGHT: f64 = 0.0025;
 
 const STEPS: [u32; 4] = [1, 2, 4, 32];
@@ -26,7 +26,7 @@ fn ground(restitution: f64, friction: f64) -> Scene {
     }
 }
 
-/// A cube that begins at a height over where it rests, so many ticks long.
+/// Returns the states of a cube over `ticks` ticks. It starts `height` above its position at rest.
 fn path<K: Kind>(
     scene: &Scene,
     substeps: u32,
@@ -41,20 +41,20 @@ fn path<K: Kind>(
     let mut world: K::World = world(scene, &K::with_substeps(substeps), &[block]);
     let mut dockings = Vec::new();
     let states = (0..ticks).map(|_| {
-        world.step(&mut dockings).expect("sound physics");
+        world.step(&mut dockings).expect("the physics is stable");
         states(&world)[0]
     });
     states.collect()
 }
 
-/// The highest places, over where it rests, between one landing and the next.
+/// Returns the maxima of the height above the position at rest.
 fn peaks(path: &[BodyState]) -> Vec<f64> {
     let heights: Vec<f64> = path.iter().map(|it| it.position.z - 0.5).collect();
     let is_peak = |it: &&[f64]| it[0] < it[1] && it[1] >= it[2];
     heights.windows(3).filter(is_peak).map(|it| it[1]).collect()
 }
 
-/// Where it is seen at whole ticks only, it is lower by up to g/8.
+/// A maximum can fall between two ticks, so it appears lower by up to g/8.
 fn an_elastic_cube_rises_as_high_as_it_fell<K: Kind>() {
     for substeps in STEPS {
         let path = path::<K>(&ground(1.0, 0.0), substeps, 20.0, Vector3::zeros(), 2000);
@@ -66,7 +66,8 @@ fn an_elastic_cube_rises_as_high_as_it_fell<K: Kind>() {
     }
 }
 
-/// It has fallen by up to the way of a step too far when it is turned round, of which it loses 1 - e^2.
+/// When the cube bounces, it may have fallen too far by up to one step. A part 1 - e^2 of that
+/// height is lost.
 fn an_inelastic_cube_rises_no_higher_than_it_should<K: Kind>() {
     for substeps in STEPS {
         let path = path::<K>(&ground(0.5, 0.0), substeps, 20.0, Vector3::zeros(), 220);

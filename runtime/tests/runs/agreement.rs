@@ -1,4 +1,5 @@
-//! Compares the distributions of `rigid` and `rapier`. `lab/bench/src/bin/agreement` has the full study.
+//! Compares the distributions of `rigid` and `rapier`. `lab/bench/src/bin/agreement` contains the
+//! full study.
 
 use std::ops::ControlFlow;
 
@@ -11,10 +12,11 @@ use stochc_ir::scene::Enclosure;
 use stochc_ir::table::PhaseId;
 use stochc_runtime::{Model, Settings, run};
 
-/// Ticks until a face of the plate has captured one of 40 blocks in a shell of 8 sides, where both models
-/// have stopped to change with the number of substeps.
+/// Returns the ticks until a face of the plate has captured one of 40 blocks. The shell has a
+/// radius of 8 block lengths. The results of both models no longer depend on the number of
+/// substeps.
 fn waits(model: Model, runs: u64) -> Vec<f64> {
-    let mut scene = built_in("hemisphere_2005").expect("built in");
+    let mut scene = built_in("hemisphere_2005").expect("a built-in scene");
     scene.free.count = 40;
     if let Some(Enclosure::Hemisphere { radius, .. }) = &mut scene.enclosure {
         *radius = 8.0 * scene.block.side;
@@ -28,14 +30,15 @@ fn waits(model: Model, runs: u64) -> Vec<f64> {
     let seed = model as u64;
     let wait = |number| {
         let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
-        let record = run(&tables, &scene, &settings, seed, number, &mut watch).expect("sound");
+        let record =
+            run(&tables, &scene, &settings, seed, number, &mut watch).expect("a valid scene");
         assert_eq!(record.outcome, Outcome::Completed);
         record.ticks as f64
     };
     (0..runs).map(wait).collect()
 }
 
-/// Chance exceeds these limits once in 1000 cases each.
+/// Chance exceeds each of these limits in one of 1,000 cases.
 #[test]
 fn the_wait_for_a_face_of_the_plate_has_one_distribution() {
     let [rigid, rapier] = [Model::Rigid, Model::Rapier].map(|model| waits(model, 200));
@@ -55,7 +58,7 @@ fn the_statistics_are_those_of_the_books() {
     assert!((kolmogorov_smirnov(&a, &b) - 0.031_377).abs() < 1e-6);
     assert_eq!(kolmogorov_smirnov(&a, &a), 1.0);
     assert!((mann_whitney(&a, &a) - 1.0).abs() < 1e-12);
-    // Without ties: 1, 2, 3 against 4, 5, 6, 7: z = 6 / sqrt(3 * 4 * 8 / 12).
+    // There are no ties: 1, 2, 3 against 4, 5, 6, 7 gives z = 6 / sqrt(3 * 4 * 8 / 12).
     let z = 6.0 / 8f64.sqrt();
     let p = libm::erfc(z / std::f64::consts::SQRT_2);
     assert!((mann_whitney(&numbers(1, 4), &numbers(4, 8)) - p).abs() < 1e-12);

@@ -1,5 +1,5 @@
-//! Tables, run in a world that captures in random order with random orientations, build what they
-//! say and when they say it.
+//! Runs tables in a world that captures in random order with random orientations. Checks that the
+//! blocks build the structure of the tables at the right times.
 
 use std::ops::ControlFlow;
 
@@ -21,7 +21,7 @@ fn go(_: u64, _: PhaseId) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// The record of a run without physics, and the world that it leaves.
+/// Returns the record of a run without physics, and its final world.
 fn shuffle(tables: &Tables, hop: Option<u32>, run: u64) -> (RunRecord, ShuffleWorld) {
     let mut world = ShuffleWorld::new(tables, 30, 5, run);
     let messages = hop.map(|hop| Messages { hop, loss: None });
@@ -33,12 +33,12 @@ fn shuffle(tables: &Tables, hop: Option<u32>, run: u64) -> (RunRecord, ShuffleWo
         (5, run),
         &mut go,
     );
-    (record.expect("nobody cancels"), world)
+    (record.expect("the run is not cancelled"), world)
 }
 
 fn bond(record: &RunRecord, child: RoleId) -> &BondRecord {
     let found = record.bonds.iter().find(|bond| bond.child == child);
-    found.expect("the role was given")
+    found.expect("the role was assigned")
 }
 
 const SNAKE: [Face; 8] = [
@@ -64,7 +64,7 @@ fn a_chain_grows_where_the_tables_say_however_its_blocks_are_turned() {
             assert_eq!(world.cells().get(&cell), Some(&bond.body));
         }
         assert_eq!(world.cells().len(), SNAKE.len());
-        // The one report climbs all but the seed's own step.
+        // The only report takes every step of the chain except the seed's own.
         assert_eq!(record.hops, SNAKE.len() as u64);
     }
 }
@@ -102,7 +102,7 @@ fn a_capture_that_waits_is_switched_on_when_the_one_before_it_has_docked() {
     let mut before = None;
     let rules = arms.iter().map(|&(face, arm)| {
         let when = before.replace(Condition::Docked(arm)).into_iter().collect();
-        let cell = middle.across(face).expect("next door");
+        let cell = middle.across(face).expect("a neighbouring cell");
         (when, magnetize(face, arm, cell))
     });
     draft.anchored(hub, phase, rules.collect());
@@ -120,7 +120,8 @@ fn a_capture_that_waits_is_switched_on_when_the_one_before_it_has_docked() {
     }
 }
 
-/// A and B capture two each; in a second phase A's are released, children first, and taken again.
+/// A and B capture two blocks each. In a second phase A's are released, children first, and
+/// captured again.
 fn release(hop: Option<u32>) -> (RunRecord, ShuffleWorld, [RoleId; 4]) {
     let mut draft = Draft::default();
     let (grow, shrink, again) = (draft.phase(1), draft.phase(1), draft.phase(1));
@@ -164,14 +165,18 @@ fn release(hop: Option<u32>) -> (RunRecord, ShuffleWorld, [RoleId; 4]) {
         (5, 3),
         &mut go,
     );
-    (record.expect("nobody cancels"), world, [a, b, c, d])
+    (
+        record.expect("the run is not cancelled"),
+        world,
+        [a, b, c, d],
+    )
 }
 
 #[test]
 fn a_release_is_asked_for_and_frees_children_first() {
     let (record, world, [_, b, c, d]) = release(Some(5));
     assert_eq!(record.outcome, Outcome::Completed);
-    // C's report over two hops; then C asks B, B asks A; D reports over one.
+    // C reports over two hops. Then C asks B, and B asks A. D reports over one hop.
     assert_eq!(record.hops, 2 + 1 + 1 + 1);
     assert_eq!(record.phase_ticks, [2 + 2 * 5, 2 * 5, 1 + 5]);
     let again = bond(&record, d);
@@ -195,8 +200,8 @@ fn without_a_price_messages_arrive_in_the_tick_they_are_sent_in() {
     assert_eq!(record.hops, 5);
 }
 
-/// Two towers of two on A and B; M captures N only after both are complete, and N's own child O
-/// also waits for news that can come before N is there.
+/// Returns a run with towers of two on A and B. M captures N only after both are complete. N's
+/// child O also waits for a message that can arrive before N has docked.
 fn news(hop: Option<u32>, run: u64) -> (RunRecord, [RoleId; 4]) {
     let mut draft = Draft::default();
     let phase = draft.phase(1);
@@ -238,23 +243,23 @@ fn news_crosses_the_plate_to_other_branches_and_waits_for_its_receiver() {
         let (record, [i, j, n, o]) = news(Some(7), run);
         assert_eq!(record.outcome, Outcome::Completed);
         let docked = |role| bond(&record, role).docked;
-        // Down I's tower to the plate; M is part of the plate.
+        // The message goes down I's tower to the plate. M is part of the plate.
         assert_eq!(bond(&record, n).magnetized, docked(i) + 2 * 7);
-        // At M, and from there up to N, which may come later.
+        // The message reaches M and continues to N, which may dock later.
         let at_n = |news: u64| (news + 2 * 7).max(docked(n)) + 7;
         assert_eq!(
             bond(&record, o).magnetized,
             at_n(docked(i)).max(at_n(docked(j)))
         );
-        // Two messages of two hops from each tower, two hops up to N, two for the report.
+        // Two messages of two hops from each tower, two hops up to N, and two hops for the report.
         assert_eq!(record.hops, 4 * 2 + 2 + 2);
     }
 }
 
 #[test]
 fn who_takes_a_role_over_knows_what_its_last_holder_was_told() {
-    // In the second phase X is released after C has docked, and taken again by B; the new X
-    // captures Y after C has docked, of which only the old X was told.
+    // In the second phase X is released after C has docked, and B captures a new X. The new X
+    // captures Y after C has docked. Only the old X received the message that C has docked.
     let mut draft = Draft::default();
     let (first, second) = (draft.phase(1), draft.phase(1));
     let [a, b, d] = [("A", 0), ("B", 1), ("D", 2)].map(|(name, x)| draft.seed(name, x, 0));
@@ -320,7 +325,8 @@ fn a_phase_begins_when_the_last_report_arrives_and_an_empty_one_ends_at_once() {
 
 #[test]
 fn no_block_docks_into_an_occupied_cell() {
-    // Towers beside the middle reach for the same cell above it; one of them waits for ever.
+    // The towers on both sides of the middle compete for the cell above it. One of them never
+    // docks.
     let mut draft = Draft::default();
     let phase = draft.phase(2);
     let [a, b] = [draft.seed("A", 0, 1), draft.seed("B", 2, 1)];
@@ -338,12 +344,15 @@ fn no_block_docks_into_an_occupied_cell() {
     assert_eq!(record.outcome, Outcome::TimedOut { phase, by });
     assert_eq!(record.ticks, 60);
     assert_eq!((record.bonds.len(), world.cells().len()), (3, 3));
-    // Its wait is the only one that was under way, since its own block docked.
+    // Its wait is the only one that has not ended. It began when its own block docked.
     let [wait] = &record.waiting[..] else {
         panic!("{:?}", record.waiting)
     };
     let parent = record.bonds.iter().find(|bond| bond.child == wait.parent);
-    assert_eq!(wait.magnetized, parent.expect("it has docked").docked);
+    assert_eq!(
+        wait.magnetized,
+        parent.expect("the block has docked").docked
+    );
     assert_eq!((wait.phase, wait.cell), (phase, Cell::new(1, 1, 1)));
     assert!(record.bonds.iter().all(|bond| bond.child != wait.child));
 }
@@ -352,8 +361,8 @@ fn no_block_docks_into_an_occupied_cell() {
 fn a_run_ends_at_its_limit_or_when_it_is_cancelled() {
     let (tables, _) = chain(&SNAKE);
     let mut world = ShuffleWorld::new(&tables, 3, 0, 0);
-    let record =
-        drive(&tables, None, &mut world, Some(40), (0, 0), &mut go).expect("nobody cancels");
+    let record = drive(&tables, None, &mut world, Some(40), (0, 0), &mut go)
+        .expect("the run is not cancelled");
     let (phase, by) = (PhaseId(0), Limit::MaxTicks);
     assert_eq!(record.outcome, Outcome::TimedOut { phase, by });
     assert_eq!((record.ticks, record.blocks_used), (40, 3));
@@ -371,7 +380,7 @@ fn a_run_ends_at_its_limit_or_when_it_is_cancelled() {
     assert!(world.orientation(Body::Seed(Cell::new(0, 0, 0))).is_some());
 }
 
-/// The same tables for hardware whose faces always attract.
+/// Returns the same tables for hardware whose faces always attract.
 fn passive(mut tables: Tables) -> Tables {
     tables.bond = BondKind::Reject;
     tables
@@ -385,15 +394,19 @@ fn a_block_that_docks_where_nobody_expects_it_is_rejected_at_once() {
     for run in 0..200 {
         let mut world = ShuffleWorld::new(&tables, 30, 5, run).with_strays(0.5);
         let record = drive(&tables, None, &mut world, Some(1000), (5, run), &mut go)
-            .expect("nobody cancels");
+            .expect("the run is not cancelled");
         assert_eq!(record.outcome, Outcome::Completed);
-        // What stands is what the tables say, and nothing else.
+        // The final structure is exactly that of the tables.
         assert_eq!(world.cells().len(), SNAKE.len());
         for (bond, &(role, cell)) in record.bonds.iter().zip(&roles[1..]) {
             assert_eq!((bond.child, bond.cell), (role, cell));
             assert_eq!(world.cells().get(&cell), Some(&bond.body));
         }
-        assert_eq!(record.hops, SNAKE.len() as u64, "nobody speaks of it");
+        assert_eq!(
+            record.hops,
+            SNAKE.len() as u64,
+            "rejections cause no messages"
+        );
         assert_eq!(record.unplanned_bonds.len() as u64, record.unplanned);
         for bond in &record.unplanned_bonds {
             let expected = record.bonds.iter().any(|planned| {
@@ -404,11 +417,11 @@ fn a_block_that_docks_where_nobody_expects_it_is_rejected_at_once() {
         }
         all += record.unplanned;
     }
-    // Half of the ticks, of which each run has eight at least, but for the first.
+    // Strays dock in half of the ticks, except in the first. Each run has at least eight ticks.
     assert!((500..1200).contains(&all), "{all}");
 }
 
-/// Two seeds, of which only the first ever captures.
+/// Returns tables with two seeds. Only the first seed ever captures.
 fn idle_seed() -> (Tables, [RoleId; 2]) {
     let mut draft = Draft::default();
     let phase = draft.phase(1);
@@ -426,8 +439,8 @@ fn a_seed_that_captures_nothing_gets_strays_as_well() {
     let mut by = [0, 0];
     for run in 0..200 {
         let mut world = ShuffleWorld::new(&tables, 30, 5, run).with_strays(1.0);
-        let record =
-            drive(&tables, None, &mut world, Some(1), (5, run), &mut go).expect("nobody cancels");
+        let record = drive(&tables, None, &mut world, Some(1), (5, run), &mut go)
+            .expect("the run is not cancelled");
         by[0] += record
             .unplanned_bonds
             .iter()
@@ -439,11 +452,11 @@ fn a_seed_that_captures_nothing_gets_strays_as_well() {
             .filter(|bond| bond.parent == q)
             .count();
     }
-    // One a tick, before anything else: the face of the other seed is expected to capture.
+    // The only stray of each run docks at the second seed. A docking at the first seed is expected.
     assert_eq!(by, [0, 200]);
 }
 
-/// Midway between the two.
+/// The free block is midway between the two seeds.
 fn a_seed_that_captures_nothing_attracts_as_well<W: Arena>() {
     let (tables, _) = idle_seed();
     let block = BodyState::at_rest(at(0.0, 0.0, 0.8));
@@ -467,13 +480,13 @@ fn a_seed_that_captures_nothing_attracts_as_well<W: Arena>() {
 fn a_stray_where_faces_are_switched_on_is_no_unplanned_bond() {
     let (tables, _) = chain(&SNAKE);
     let mut world = ShuffleWorld::new(&tables, 30, 5, 0).with_strays(0.5);
-    let record =
-        drive(&tables, None, &mut world, Some(1000), (5, 0), &mut go).expect("nobody cancels");
+    let record = drive(&tables, None, &mut world, Some(1000), (5, 0), &mut go)
+        .expect("the run is not cancelled");
     assert_eq!(record.outcome, Outcome::Completed);
     assert_eq!((record.unplanned, world.cells().len()), (0, SNAKE.len()));
 }
 
-/// A chain whose first blocks are attached by hand, and the roles of all.
+/// Returns a chain whose first blocks are pre-attached, and the roles of all blocks.
 fn planted(by_hand: usize) -> (Tables, Vec<(RoleId, Cell)>) {
     let mut draft = Draft::default();
     let (first, second) = (draft.phase(0), draft.phase(1));
@@ -505,7 +518,7 @@ fn what_is_attached_by_hand_is_there_at_tick_0() {
     controller.start(&mut world);
     assert_eq!(controller.phase(), Some(PhaseId(1)));
     assert_eq!((controller.phase_ticks(), world.tick()), (&[0][..], 0));
-    // The free blocks with the highest numbers, one after the other, and none is turned.
+    // The free blocks with the highest numbers are attached in order, and none is turned.
     let cells: Vec<_> = world
         .cells()
         .iter()
@@ -521,7 +534,11 @@ fn what_is_attached_by_hand_is_there_at_tick_0() {
         let (record, world) = shuffle(&tables, hop, 1);
         assert_eq!(record.outcome, Outcome::Completed);
         assert_eq!((record.phase_ticks[0], record.phase_ticks.len()), (0, 2));
-        assert_eq!(record.hops, SNAKE.len() as u64, "nobody reports it");
+        assert_eq!(
+            record.hops,
+            SNAKE.len() as u64,
+            "pre-attached blocks do not report"
+        );
         assert_eq!(world.cells().len(), SNAKE.len());
     }
 }
@@ -530,15 +547,15 @@ fn what_is_attached_by_hand_is_there_at_tick_0() {
 fn without_a_block_to_attach_the_run_fails() {
     let (tables, _) = planted(3);
     let mut world = ShuffleWorld::new(&tables, 2, 5, 1);
-    let record =
-        drive(&tables, None, &mut world, Some(1000), (5, 1), &mut go).expect("nobody cancels");
+    let record = drive(&tables, None, &mut world, Some(1000), (5, 1), &mut go)
+        .expect("the run is not cancelled");
     let reason = "no free block is left to pre-attach as T3".to_owned();
     let phase = PhaseId(0);
     assert_eq!(record.outcome, Outcome::Failed { phase, reason });
     assert_eq!((record.ticks, record.phase_ticks.len()), (0, 0));
 }
 
-/// A chain, built where transfers are lost.
+/// Returns the record of a chain that is built with lossy messages.
 fn lossy(hop: u32, loss: f64, run: u64) -> RunRecord {
     let (tables, _) = chain(&SNAKE);
     let mut world = ShuffleWorld::new(&tables, 30, 5, run);
@@ -552,7 +569,7 @@ fn lossy(hop: u32, loss: f64, run: u64) -> RunRecord {
         (5, run),
         &mut go,
     );
-    record.expect("nobody cancels")
+    record.expect("the run is not cancelled")
 }
 
 #[test]
@@ -567,15 +584,15 @@ fn lost_messages_are_sent_again_and_cost_hops_and_time() {
         ticks += record.ticks - SNAKE.len() as u64;
     }
     let sent = (runs * SNAKE.len() as u64) as f64;
-    // A transfer is made until it comes through, 1 / 0.7 times, and then until its acknowledgement
-    // does as well, 1 / 0.7^2 times in all, unless the phase ends before.
+    // A transfer is repeated until it arrives, 1 / 0.7 times on average, and until its
+    // acknowledgement arrives, 1 / 0.7^2 times in total, unless the phase ends earlier.
     let hops = hops as f64 / sent;
     assert!(
         (1.0 / 0.7..1.0 / 0.49).contains(&hops),
         "{hops} hops per hop"
     );
-    // It moves on when it has come through itself, after 1 / 0.7 - 1 more tries, each 2 hop + 1
-    // ticks after the one before.
+    // A message continues when it has arrived, after 1 / 0.7 - 1 repetitions on average.
+    // Repetitions are 2 hop + 1 ticks apart.
     let expected = sent * (3.0 + 7.0 * (1.0 / 0.7 - 1.0));
     let deviation = (expected - ticks as f64).abs() / expected;
     assert!(deviation < 0.05, "{ticks} ticks, {expected} expected");
@@ -587,7 +604,7 @@ fn a_message_that_always_gets_lost_ends_nothing() {
     let (phase, by) = (PhaseId(0), Limit::MaxTicks);
     assert_eq!(record.outcome, Outcome::TimedOut { phase, by });
     assert_eq!(record.bonds.len(), SNAKE.len());
-    assert_eq!(record.waiting, [], "only its message is under way");
+    assert_eq!(record.waiting, [], "only its message is in transit");
 }
 
 #[test]
@@ -607,7 +624,8 @@ fn a_dead_block_keeps_the_phase_from_ending() {
                 controller.kill(body);
             }
         }
-        // It has switched its own face on before it died, and does not feel who docks there.
+        // The block switched its face on before it died, and does not notice the block that docks
+        // there.
         assert_eq!(controller.phase(), Some(PhaseId(0)));
         assert_eq!(controller.structure().count(), struck + 1);
         assert_eq!(world.cells().len(), struck + 1);

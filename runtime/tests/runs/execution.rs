@@ -1,4 +1,4 @@
-//! Whole runs of the rigid-body model: they end, are reproducible, and fail in good order.
+//! Tests whole runs of the model `rigid`: they end, are reproducible, and report failures.
 
 use std::ops::ControlFlow;
 
@@ -15,7 +15,7 @@ use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, SceneError, World};
 use stochc_runtime::{Model, RunError, Settings, drive, run};
 
-/// A small enclosure with many blocks, where little time passes between captures.
+/// Returns a small enclosure with many blocks, in which captures follow each other quickly.
 fn crowd() -> Scene {
     let mut scene = paper();
     scene.free.count = 60;
@@ -25,10 +25,11 @@ fn crowd() -> Scene {
 
 fn record(tables: &Tables, scene: &Scene, settings: &Settings, number: u64) -> RunRecord {
     let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
-    run(tables, scene, settings, 9, number, &mut watch).expect("a sound scene")
+    run(tables, scene, settings, 9, number, &mut watch).expect("a valid scene")
 }
 
-/// A captures B, B captures C and lets it go in the next phase; B then captures D.
+/// Returns tables in which A captures B, and B captures C and releases it in the next phase. B then
+/// captures D.
 fn three_phases() -> Tables {
     let mut draft = Draft::default();
     let [grow, shrink, again] = [1, 1, 1].map(|reports| draft.phase(reports));
@@ -91,11 +92,11 @@ fn a_run_is_the_same_alone_in_sequence_and_on_any_thread() {
     });
 }
 
-/// Stopped at any tick, a run is the beginning of the whole one: its bonds are those that had docked, and
-/// its waits those that were under way.
+/// A run that is stopped at any tick is the beginning of the whole run. Its bonds are those that
+/// have docked, and its waits are those that have begun.
 #[test]
 fn waits_under_way_are_those_that_the_whole_run_ends() {
-    // Two towers side by side, so that two faces are on at once.
+    // Two towers next to each other, so that two faces are on at once.
     let mut draft = Draft::default();
     let phase = draft.phase(2);
     for (name, x) in [("A", 0), ("B", 2)] {
@@ -144,7 +145,8 @@ fn entries_of_a_wait_under_way_are_counted() {
     counted::<RigidWorld>(Model::Rigid);
 }
 
-/// A block over the face that is on, in its reach and too far to be anchored.
+/// Checks the entries of a block above a magnetized face. It is within reach but too far to be
+/// captured.
 fn counted<W: Arena>(model: Model) {
     let (tables, _) = chain(&[Face::Up]);
     let mut scene = empty();
@@ -152,10 +154,10 @@ fn counted<W: Arena>(model: Model) {
     let settings = Settings::new(model, 1);
     let near = [BodyState::at_rest(Vector3::new(0.0, 0.0, 0.8))];
     let mut world =
-        W::with_blocks(&scene, &tables.plate, &settings, 9, 0, &near).expect("a sound scene");
+        W::with_blocks(&scene, &tables.plate, &settings, 9, 0, &near).expect("a valid scene");
     let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
     let record = drive(&tables, None, &mut world, Some(1), (9, 0), &mut watch);
-    let waiting = record.expect("nobody cancels").waiting;
+    let waiting = record.expect("the run is not cancelled").waiting;
     assert_eq!((waiting.len(), waiting[0].entries), (1, 1), "{model:?}");
 }
 
@@ -165,7 +167,7 @@ fn releases_are_recorded() {
     let record = record(&tables, &scene, &Settings::new(Model::Rigid, 1), 0);
     let captured = |child| {
         let found = record.bonds.iter().find(|bond| bond.child == child);
-        found.expect("it was captured")
+        found.expect("the block was captured")
     };
     let (b, c) = (RoleId(1), RoleId(2));
     let (phase, tick, body) = (PhaseId(1), record.phase_ticks[0], captured(c).body);
@@ -195,7 +197,7 @@ fn a_captured_block_sits_on_the_lattice_and_a_released_one_starts_from_rest() {
     world.magnetize(BlockFace { body, face });
     let mut dockings = Vec::new();
     while dockings.is_empty() {
-        world.step(&mut dockings).expect("sound physics");
+        world.step(&mut dockings).expect("the physics is stable");
         assert!(world.tick() < 200, "it never docks");
     }
     let docking = dockings[0];
@@ -215,7 +217,7 @@ fn a_captured_block_sits_on_the_lattice_and_a_released_one_starts_from_rest() {
     world.switch_off(BlockFace { body, face });
     assert_eq!(world.anchored(0), None);
     pass(&mut world, 20);
-    // Nothing moves it; the engine parts it from the plate by its margin at most.
+    // No force acts on it. The engine separates it from the plate by at most its margin.
     assert!((world.state(0).position - seated.position).norm() < 0.05);
 }
 
@@ -234,9 +236,9 @@ fn of_two_blocks_the_closer_one_docks_and_no_block_docks_twice() {
         world.magnetize(site(x));
     }
     let mut dockings = Vec::new();
-    world.step(&mut dockings).expect("sound physics");
+    world.step(&mut dockings).expect("the physics is stable");
     let pairs: Vec<_> = dockings.iter().map(|d| (d.site, d.child)).collect();
-    // Blocks 0 and 1 are for face 0; block 2 is in reach of faces 1 and 2.
+    // Blocks 0 and 1 are near face 0. Block 2 is within reach of faces 1 and 2.
     assert_eq!(pairs, [(site(0), 1), (site(1), 2)]);
     pass(&mut world, 5);
 }
@@ -283,7 +285,9 @@ fn found_at_once<W: Arena>() {
         let mut state = world.state(1);
         spoil(&mut state);
         world.set_state(1, &state);
-        let fault = world.step(&mut Vec::new()).expect_err("it is spoilt");
+        let fault = world
+            .step(&mut Vec::new())
+            .expect_err("the state is invalid");
         assert_eq!(fault.body, 1);
     }
 }
@@ -346,14 +350,15 @@ fn blocks_start_evenly_spread_and_apart() {
             .fold(99.0, f64::min)
     };
     assert!((1..300).all(|i| apart(i) > 4.0));
-    // Half of a half ball lies below this height.
+    // Half of the volume of a hemisphere is below this height.
     let low = at.iter().filter(|p| p.z < 0.3473 * 25.0).count();
     assert!((120..180).contains(&low), "{low}");
 }
 
 #[test]
 fn only_dimensionless_groups_matter() {
-    // The same scene with blocks of 12 um: powers of two, so that not a bit may differ.
+    // The same scene with blocks of 12 um. All factors are powers of two, so results are equal to
+    // the bit.
     let (length, mass, time) = (2f64.powi(-14), 2f64.powi(-40), 2f64.powi(-9));
     let (speed, force) = (length / time, mass * length / (time * time));
     let mut small = crowd();

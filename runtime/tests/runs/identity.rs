@@ -1,4 +1,4 @@
-//! What a run must not depend on, to the bit.
+//! Checks that runs are equal to the bit, independently of threads, order and scale.
 
 use std::ops::ControlFlow;
 
@@ -19,7 +19,7 @@ in_either_precision!(
     a_world_that_was_looked_at_goes_on_as_one_that_was_not,
 );
 
-/// A small enclosure with many blocks, where little time passes between captures.
+/// Returns a small enclosure with many blocks, in which captures follow each other quickly.
 fn crowd() -> Scene {
     let mut scene = paper();
     scene.free.count = 40;
@@ -37,10 +37,11 @@ fn tower() -> Tables {
 
 fn record(scene: &Scene, settings: &Settings, number: u64) -> RunRecord {
     let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
-    run(&tower(), scene, settings, 9, number, &mut watch).expect("a sound scene")
+    run(&tower(), scene, settings, 9, number, &mut watch).expect("a valid scene")
 }
 
-/// The kernel in full, with substeps, without each of the terms, and with either kind of contact.
+/// Returns scenes and settings: the full kernel, substeps, each term left out, both kinds of
+/// contact.
 fn ways<K: Kind>() -> Vec<(Scene, Settings)> {
     let mut ways = vec![(crowd(), K::settings()), (crowd(), K::with_substeps(3))];
     for reduction in Reduction::ALL {
@@ -85,7 +86,7 @@ fn a_run_is_the_same_in_order_alone_and_on_any_thread<K: Kind>() {
     }
 }
 
-/// By powers of two, so that not a bit may differ.
+/// The factors are powers of two, so results are equal to the bit.
 fn length_mass_and_time_scale<K: Kind>() {
     let (length, mass, time) = (2f64.powi(-14), 2f64.powi(-40), 2f64.powi(-9));
     for (scene, settings) in ways::<K>() {
@@ -125,7 +126,7 @@ fn length_mass_and_time_scale<K: Kind>() {
     }
 }
 
-/// Blocks that collide in the open, without anything that keeps them together.
+/// Returns blocks that collide in the open, without an enclosure.
 fn cluster() -> Vec<BodyState> {
     let mut dice = Dice::new(1);
     let lattice = (0..27).map(|i| at(f64::from(i % 3), f64::from(i / 3 % 3), f64::from(i / 9)));
@@ -143,8 +144,8 @@ fn states(world: &impl Arena, count: u32) -> Vec<BodyState> {
     (0..count).map(|id| world.state(id)).collect()
 }
 
-/// Without an enclosure the grid reaches as far as the farthest block: a block that nobody meets changes
-/// the cells, and with them the order in which neighbours are found.
+/// Without an enclosure the grid extends to the farthest block. A distant block changes the cells
+/// of the grid, and with them the order in which neighbours are found.
 fn a_block_far_away_changes_nothing<K: Kind>() {
     let mut scene = empty();
     scene.contact = contact(0.3, 0.3);
@@ -174,7 +175,7 @@ fn a_block_far_away_changes_nothing<K: Kind>() {
     }
 }
 
-/// Looking must not bring an orientation up to date, which would round it once more.
+/// Reading a state must not update the orientation, because that would round it once more.
 fn a_world_that_was_looked_at_goes_on_as_one_that_was_not<K: Kind>() {
     let mut scene = empty();
     scene.contact = contact(0.3, 0.3);

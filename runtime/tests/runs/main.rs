@@ -1,4 +1,5 @@
-//! Event tables executed in each kind of world: control, recording, state, identity, and agreement between worlds.
+//! Tests the execution of event tables in each kind of world: control, recording, checkpoints,
+//! reproducibility, and agreement between worlds.
 #[macro_use]
 #[path = "../scenes/mod.rs"]
 mod scenes;

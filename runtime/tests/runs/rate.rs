@@ -1,4 +1,4 @@
-//! The world of rates: its waits are those of the law, and skipping time changes nothing.
+//! Tests the rate model: its waits follow the calibrated rates, and skipping ticks changes nothing.
 use std::ops::ControlFlow;
 
 use stochc_compiler::{Limits, check};
@@ -13,7 +13,7 @@ use stochc_runtime::world::rate::RateWorld;
 use stochc_runtime::world::{Fault, World};
 use stochc_runtime::{Model, RunError, Settings, drive, run};
 
-/// The tables and the scene of a program.
+/// Returns the tables and the scene of a program.
 fn compiled(text: &str) -> (Tables, Scene) {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
     let checked = check("program.sa", &mut reader, Limits::default());
@@ -22,7 +22,7 @@ fn compiled(text: &str) -> (Tables, Scene) {
         .into_iter()
         .next()
         .expect("it has a program");
-    let executable = program.into_executable().expect("nothing is wrong in it");
+    let executable = program.into_executable().expect("the program is valid");
     (executable.tables, executable.scene)
 }
 
@@ -61,14 +61,15 @@ fn records(text: &str, runs: u64) -> (Vec<RunRecord>, Rates) {
     };
     let mut watch = |_, _| ControlFlow::Continue(());
     let records = (0..runs).map(|number| {
-        let record = run(&tables, &scene, &settings, 7, number, &mut watch).expect("it runs");
+        let record =
+            run(&tables, &scene, &settings, 7, number, &mut watch).expect("the command starts");
         assert_eq!(record.outcome, Outcome::Completed);
         record
     });
     (records.collect(), rates)
 }
 
-/// The mean of a sample and the standard error of that.
+/// Returns the mean of a sample and the standard error of the mean.
 fn mean(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
@@ -76,7 +77,7 @@ fn mean(values: &[f64]) -> (f64, f64) {
     (mean, (squares / (count - 1.0) / count).sqrt())
 }
 
-/// A value of -4 to 4 standard errors is chance once in 16,000 times.
+/// Checks a mean within four standard errors. Chance exceeds this limit once in 16,000 times.
 fn agrees(values: &[f64], expected: f64) {
     let (mean, error) = mean(values);
     assert!(
@@ -101,7 +102,7 @@ fn a_single_wait_has_the_distribution_of_the_law() {
     seen.cold = true;
     let wait = rates.wait(&seen);
     let mut waits: Vec<f64> = records.iter().map(|record| record.ticks as f64).collect();
-    // A docking is told of at the end of its tick.
+    // A docking is reported at the end of its tick.
     agrees(&waits, wait.mean() + 0.5);
     waits.sort_by(f64::total_cmp);
     let count = waits.len() as f64;
@@ -109,19 +110,19 @@ fn a_single_wait_has_the_distribution_of_the_law() {
         let expected = wait.distribution(*ticks);
         (expected - (i as f64 + 0.5) / count).abs()
     });
-    // The test of Kolmogorov and Smirnov at a level of 1e-4, and the rounding to ticks.
+    // Kolmogorov-Smirnov test at a level of 1e-4, plus the rounding to ticks.
     let limit = 2.23 / count.sqrt() + wait.rate;
     let apart = apart.fold(0.0, f64::max);
     assert!(apart < limit, "{apart} {limit}");
     assert!(
         records.iter().all(|record| record.bonds[0].entries == 0),
-        "nobody entered anything"
+        "no block entered a reach"
     );
 }
 
 #[test]
 fn a_face_waits_longer_where_fewer_blocks_are_free() {
-    // Three of four blocks are gone when the last one is waited for.
+    // Three of the four blocks are captured when the wait for the last one begins.
     let text = "scene few from hemisphere { free 4 uniform }
         assembly four in few { seed plate 9 x 1 { A at (0, 0) B at (8, 0) }
         phase most { A.up ->> T[1..3] } phase last { B.up -> U } }";
@@ -146,8 +147,8 @@ fn a_face_waits_longer_where_fewer_blocks_are_free() {
 
 #[test]
 fn a_wait_goes_on_where_its_surroundings_change() {
-    // While the tower's top waits, the block beside it comes and changes the hazard: of the hazard that is used up until the
-    // capture, the mean is 1, however it was made up.
+    // While the top of the tower waits, a block docks next to it and changes the hazard. The mean
+    // of the cumulative hazard until the capture is 1, whatever its parts.
     let text = "assembly pair { seed plate 2 x 1 { A at (0, 0) B at (1, 0) } phase both { A.up -> C B.up -> D } }";
     let (records, rates) = records(text, 4000);
     let used = records.iter().flat_map(|record| {
@@ -168,7 +169,7 @@ fn a_wait_goes_on_where_its_surroundings_change() {
             |_| None,
         );
         after.cold = true;
-        // Of as many blocks as are free; the hazard is that of the beginning thinned by chance.
+        // The hazard at the beginning depends on the number of free blocks, thinned by chance.
         let before = rates.wait(&alone);
         after.free = 299.0 / 300.0;
         let then = rates.wait(&after);
@@ -180,7 +181,7 @@ fn a_wait_goes_on_where_its_surroundings_change() {
         ]
     });
     let used: Vec<f64> = used.collect();
-    // The first of two docks at half of the sum of both hazards.
+    // The first of two blocks docks at half of the sum of both hazards.
     let first: Vec<f64> = used.iter().step_by(2).copied().collect();
     agrees(&first, 0.5);
     let second: Vec<f64> = used.iter().skip(1).step_by(2).copied().collect();
@@ -189,7 +190,7 @@ fn a_wait_goes_on_where_its_surroundings_change() {
 
 #[test]
 fn a_block_two_cells_from_the_one_that_captures_changes_a_wait() {
-    // The tower's top waits while a block comes two cells from the block below it, or later.
+    // The top of the tower waits. A block docks two cells from the block below it, before or after.
     let text = "assembly near { seed plate 3 x 1 { A at (0, 0) B at (2, 0) }
         phase foot { A.up -> C } phase both { C.up -> E B.up -> D } }";
     let (records, rates) = records(text, 4000);
@@ -198,7 +199,7 @@ fn a_block_two_cells_from_the_one_that_captures_changes_a_wait() {
         let bond = |name: &str| {
             let mut bonds = record.bonds.iter();
             let named = bonds.find(|bond| tables.name(bond.child) == name);
-            named.expect("it docked")
+            named.expect("the block docked")
         };
         let (foot, top, near) = (bond("C"), bond("E"), bond("D"));
         let wait = |is_there: bool| {
@@ -263,7 +264,7 @@ fn a_block_that_is_let_go_before_a_face_opens_has_often_left() {
             .of(bond.cell, Face::Up, bond.cell)
             .expect("it is known");
         let expected = (nearby.after(since as f64)).map_or(0.0, |start| start.probability);
-        // Now and then another comes before it, or it comes later by chance.
+        // Sometimes another block docks first, or this block returns later.
         assert!(
             (back - expected).abs() < 4.0 * error + 0.05,
             "{hop}: {back}, not {expected}"
@@ -271,7 +272,7 @@ fn a_block_that_is_let_go_before_a_face_opens_has_often_left() {
     }
 }
 
-/// A world in which every tick is made.
+/// World that makes every tick instead of skipping.
 struct Patient<W>(W);
 
 impl<W> State for Patient<W> {}

@@ -1,4 +1,5 @@
-//! The world without physics does what a plain one does, which looks at all its blocks in every tick.
+//! Compares the world without physics with a simple implementation that visits all blocks in every
+//! tick.
 
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -23,7 +24,7 @@ struct Plain {
     count: u32,
     lattice: Lattice,
     strays: f64,
-    /// The blocks of the plate.
+    /// Blocks of the plate.
     seeds: BTreeSet<Cell>,
 }
 
@@ -181,7 +182,7 @@ proptest! {
     }
 }
 
-/// A program that builds towers of ten on a square plate and takes them down again.
+/// Program that builds towers of ten on a square plate and releases them again.
 struct Towers {
     tables: Tables,
     scene: Scene,
@@ -206,12 +207,12 @@ impl Towers {
         assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
         let program = checked.programs.remove(0);
         Towers {
-            tables: program.tables.expect("it is right"),
-            scene: program.scene.expect("it is right"),
+            tables: program.tables.expect("the program is valid"),
+            scene: program.scene.expect("the program is valid"),
         }
     }
 
-    /// The time of one run over the number of its events \[s\].
+    /// Returns the time of one run divided by the number of its events \[s\].
     #[allow(
         clippy::disallowed_methods,
         reason = "the test compares times of one process"
@@ -222,19 +223,20 @@ impl Towers {
         let start = Instant::now();
         let record = run(&self.tables, &self.scene, &settings, 1, 0, &mut go);
         let time = start.elapsed().as_secs_f64();
-        let record = record.expect("nobody cancels");
+        let record = record.expect("the run is not cancelled");
         assert_eq!(record.outcome, Outcome::Completed);
         time / (record.bonds.len() + record.releases.len()) as f64
     }
 }
 
-/// By the square of a program, an event of the large one would take 64 times as long as one of the small one. It takes two to
-/// ten times as long: the small one stays in the cache of one core, and a busy machine leaves little of the others to the large
-/// one.
+/// If the time were quadratic in the size, an event of the large program would take 64 times as
+/// long. It takes two to ten times as long: only the small program fits into the cache of one core,
+/// and a busy machine leaves little of the shared cache.
 #[test]
 fn an_event_takes_about_as_long_in_a_large_program_as_in_a_small_one() {
     let programs = [11, 88].map(Towers::on_a_plate_of);
-    // In turn, so that what else the machine does slows both, and the shortest of several, which it slows least.
+    // The programs alternate, so that other load slows both. The minimum of several runs is the
+    // least disturbed one.
     let [small, large] = (0..5).fold([f64::INFINITY; 2], |least, _| {
         std::array::from_fn(|i| least[i].min(programs[i].time_per_event()))
     });

@@ -1,4 +1,4 @@
-//! A run that goes on from what was kept of it is the one that never stopped, to the bit.
+//! Checks that a run resumed from a checkpoint equals the uninterrupted run to the bit.
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::Read;
@@ -18,21 +18,21 @@ use stochc_runtime::{
 
 const SEED: u64 = 11;
 
-/// The programs of an example.
+/// Returns the programs of an example.
 fn programs(text: &str) -> Vec<Executable> {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
     let checked = check("program.sa", &mut reader, Limits::default());
     let programs = checked.programs.into_iter();
     programs
-        .map(|program| program.into_executable().expect("nothing is wrong in it"))
+        .map(|program| program.into_executable().expect("the program is valid"))
         .collect()
 }
 
-/// Keeps the state of a run every so many ticks, and begins with one.
+/// Saves the state of a run every `every` ticks. It can start a run from a state.
 #[derive(Default)]
 struct Keeper {
     every: u64,
-    /// Where the run ends, as if it was killed.
+    /// Last tick of the run, after which it stops as if it was killed.
     last: Option<u64>,
     begins_with: Option<Vec<u8>>,
     tick: u64,
@@ -60,12 +60,12 @@ impl Watch for Keeper {
 
     fn keep(&mut self, save: &mut Save<'_>) {
         let mut bytes = Vec::new();
-        save(&mut StateWriter::new(&mut bytes)).expect("it can be kept");
+        save(&mut StateWriter::new(&mut bytes)).expect("a checkpoint");
         self.kept.push((self.tick, bytes));
     }
 }
 
-/// A digest of all places and events, tick by tick.
+/// Digest of all positions and events for each tick.
 #[derive(Default)]
 struct Digests(BTreeMap<u64, u64>);
 
@@ -94,7 +94,7 @@ impl Observer for Digests {
     }
 }
 
-/// Makes a run, with all places if the model has any.
+/// Makes a run. Observes all positions if the model has positions.
 fn made(
     of: &Executable,
     settings: &Settings,
@@ -110,26 +110,26 @@ fn made(
     Ok((record, digests))
 }
 
-/// Stops a run wherever its state is kept, and goes on; how many states there were.
+/// Resumes a run from each of its checkpoints. Returns the number of checkpoints.
 fn resumed_everywhere(of: &Executable, settings: &Settings, every: u64) -> usize {
     let mut straight = Keeper::default();
-    let (whole, digests) = made(of, settings, &mut straight).expect("it runs");
+    let (whole, digests) = made(of, settings, &mut straight).expect("the command starts");
     let mut keeper = Keeper {
         every,
         ..Keeper::default()
     };
-    let (kept, _) = made(of, settings, &mut keeper).expect("it runs");
-    assert_eq!(kept, whole, "{settings:?}: keeping its state changes a run");
+    let (kept, _) = made(of, settings, &mut keeper).expect("the command starts");
+    assert_eq!(kept, whole, "{settings:?}: checkpoints change a run");
     let states = keeper.kept.len();
     for (tick, state) in keeper.kept {
         let mut resumed = Keeper {
             begins_with: Some(state),
             ..Keeper::default()
         };
-        let (record, places) = made(of, settings, &mut resumed).expect("it goes on");
+        let (record, places) = made(of, settings, &mut resumed).expect("the run continues");
         let what = format!("{settings:?} from tick {tick}");
         assert!(record == whole, "{what}: {:?}", record.outcome);
-        assert!(places.0 == digests.0, "{what}: other places");
+        assert!(places.0 == digests.0, "{what}: other positions");
     }
     states
 }
@@ -252,7 +252,7 @@ fn what_is_no_state_is_refused() {
         made(&program, &rigid(), &mut keeper),
         Err(RunError::Cancelled)
     ));
-    let (_, state) = keeper.kept.pop().expect("it is kept at 200 ticks");
+    let (_, state) = keeper.kept.pop().expect("a checkpoint at tick 200");
     let mut longer = state.clone();
     longer[7] = 0x7f;
     for damaged in [&state[..state.len() / 2], &[], &longer] {

@@ -1,7 +1,7 @@
-//! Two samples: are they of one distribution?
+//! Statistical tests of whether two samples have the same distribution.
 use std::f64::consts::SQRT_2;
 
-/// A mean and the half-width of its 95 % confidence interval.
+/// Returns a mean and the half-width of its 95 % confidence interval.
 pub fn mean(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -10,7 +10,7 @@ pub fn mean(values: &[f64]) -> (f64, f64) {
     (mean, 1.96 * (variance / n).sqrt())
 }
 
-/// The greatest distance between the distributions of two samples.
+/// Returns the greatest distance between the empirical distributions of two samples.
 pub fn gap(a: &[f64], b: &[f64]) -> f64 {
     let (a, b) = (sorted(a), sorted(b));
     let below = |of: &[f64], x: f64| of.partition_point(|&y| y <= x) as f64 / of.len() as f64;
@@ -20,8 +20,8 @@ pub fn gap(a: &[f64], b: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Kolmogorov and Smirnov: how often chance alone makes a gap as great, for samples of one
-/// distribution (asymptotic, with Stephens' correction for finite samples).
+/// Returns the p-value of the Kolmogorov-Smirnov test for two samples (asymptotic, with Stephens'
+/// correction for finite samples).
 pub fn kolmogorov_smirnov(a: &[f64], b: &[f64]) -> f64 {
     let n = (a.len() * b.len()) as f64 / (a.len() + b.len()) as f64;
     let x = (n.sqrt() + 0.12 + 0.11 / n.sqrt()) * gap(a, b);
@@ -35,8 +35,7 @@ pub fn kolmogorov_smirnov(a: &[f64], b: &[f64]) -> f64 {
     (1..=100).map(term).sum::<f64>().clamp(0.0, 1.0)
 }
 
-/// Mann and Whitney: how often chance alone makes one sample so much greater than the other (normal
-/// approximation, with ties).
+/// Returns the p-value of the Mann-Whitney test for two samples (normal approximation, with ties).
 pub fn mann_whitney(a: &[f64], b: &[f64]) -> f64 {
     let (n, m) = (a.len() as f64, b.len() as f64);
     let mut all: Vec<(f64, bool)> = a.iter().map(|&x| (x, true)).collect();

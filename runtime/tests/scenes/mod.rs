@@ -1,4 +1,4 @@
-//! Scenes for tests, one term at a time, in block units: side 1 m, mass 1 kg, tick 1 s.
+//! Scenes for tests, one term at a time, in block units: block length 1 m, mass 1 kg, tick 1 s.
 #![allow(
     dead_code,
     unused_macros,
@@ -17,7 +17,7 @@ use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, Docking, World};
 use stochc_runtime::{Model, Precision, Settings};
 
-/// Blocks that do nothing but fly.
+/// Returns a scene without forces and contacts.
 pub fn empty() -> Scene {
     Scene {
         name: "test".to_owned(),
@@ -87,7 +87,7 @@ pub const ANCHOR: Anchor = Anchor {
     sampled: false,
 };
 
-/// Faces that always attract.
+/// Returns a scene whose faces always attract.
 pub fn reject(hold: f64, impulse: f64) -> Scene {
     Scene {
         bond: Some(Bond::Reject {
@@ -103,12 +103,12 @@ pub fn reject(hold: f64, impulse: f64) -> Scene {
     }
 }
 
-/// A viscosity at which a velocity decays at this rate.
+/// Returns the viscosity that makes a velocity decay at this rate.
 pub fn viscosity(rate: f64) -> f64 {
     rate / Fluid::friction(1.0, 1.0)
 }
 
-/// A fluid in which a velocity decays at this rate.
+/// Returns a fluid that makes a velocity decay at this rate.
 pub fn viscous(rate: f64) -> Option<Fluid> {
     Some(Fluid {
         density: None,
@@ -117,7 +117,8 @@ pub fn viscous(rate: f64) -> Option<Fluid> {
     })
 }
 
-/// The paper's hemisphere, in SI units, with the contact and kicks that it leaves open.
+/// Returns the paper's hemisphere in SI units. Contact and kicks, which the paper leaves open, are
+/// chosen here.
 pub fn paper() -> Scene {
     Scene {
         tick: 0.02,
@@ -159,10 +160,10 @@ pub fn paper() -> Scene {
 pub const PLATE: Plate = Plate { width: 3, depth: 3 };
 
 pub fn world<W: Arena>(scene: &Scene, settings: &Settings, blocks: &[BodyState]) -> W {
-    W::with_blocks(scene, &PLATE, settings, 1, 0, blocks).expect("a sound scene")
+    W::with_blocks(scene, &PLATE, settings, 1, 0, blocks).expect("a valid scene")
 }
 
-/// Makes a test of each world out of every function that is generic over worlds.
+/// Generates a test for each world from every function that is generic over worlds.
 macro_rules! in_every_world {
     ($($test:ident),* $(,)?) => {
         mod rapier {
@@ -174,7 +175,7 @@ macro_rules! in_every_world {
     };
 }
 
-/// A world with the settings that a user of it gets.
+/// A world with its default settings.
 pub trait Kind {
     type World: Arena;
     /// Half the distance from 1 to the next number.
@@ -234,7 +235,7 @@ impl Kind for Double {
     }
 }
 
-/// Makes a test of the reference and of the kernel in either precision out of every function that
+/// Generates tests of the reference and of the kernel in both precisions, from every function that
 /// is generic over [`Kind`].
 macro_rules! in_every_kind {
     ($($test:ident),* $(,)?) => {
@@ -245,7 +246,7 @@ macro_rules! in_every_kind {
     };
 }
 
-/// The same without the reference, for what it does not compute.
+/// Generates the same tests without the reference, for terms that it does not compute.
 macro_rules! in_either_precision {
     ($($test:ident),* $(,)?) => {
         mod single {
@@ -257,7 +258,7 @@ macro_rules! in_either_precision {
     };
 }
 
-/// In four steps a tick.
+/// Returns a world with four steps per tick.
 pub fn in_steps<W: Arena>(scene: &Scene, blocks: &[BodyState]) -> W {
     world(scene, &Settings::new(Model::Rapier, 4), blocks)
 }
@@ -283,31 +284,31 @@ pub fn at(x: f64, y: f64, z: f64) -> Vector3<f64> {
     Vector3::new(x, y, z)
 }
 
-/// Kinetic energy of a block.
+/// Returns the kinetic energy of a block.
 pub fn energy(block: &BodyState) -> f64 {
     0.5 * block.velocity.norm_squared() + block.spin.norm_squared() / 12.0
 }
 
-/// Lets ticks pass in which nothing docks.
+/// Makes ticks and checks that nothing docks.
 pub fn pass(world: &mut impl World, ticks: u64) {
     let mut dockings = Vec::new();
     for _ in 0..ticks {
-        world.step(&mut dockings).expect("sound physics");
+        world.step(&mut dockings).expect("the physics is stable");
     }
     assert_eq!(dockings, []);
 }
 
-/// Lets ticks pass; what docked.
+/// Makes ticks and returns the dockings.
 pub fn dockings(world: &mut impl World, ticks: u64) -> Vec<Docking> {
     let mut dockings = Vec::new();
     for _ in 0..ticks {
-        world.step(&mut dockings).expect("sound physics");
+        world.step(&mut dockings).expect("the physics is stable");
     }
     dockings
 }
 
-/// So many blocks in a ball, given by its middle and radius, that move and turn anyhow at this speed; no two centres are nearer than
-/// `apart`.
+/// Returns `count` blocks in a ball, given by its middle and radius, with random directions and
+/// this speed. No two centres are nearer than `apart`.
 pub fn gas(
     count: usize,
     seed: u64,
@@ -332,7 +333,7 @@ pub fn gas(
     blocks
 }
 
-/// Numbers in (0, 1) and directions for setting up tests, from a stream that no world uses.
+/// Random numbers in (0, 1) and directions for setting up tests, from a stream that no world uses.
 pub struct Dice(Draws, u64);
 
 impl Dice {
@@ -354,7 +355,7 @@ impl Dice {
         Vector3::from(direction(height, azimuth)).cast().normalize()
     }
 
-    /// Evenly spread over all rotations (Shoemake 1992).
+    /// Returns a rotation, uniformly distributed (Shoemake 1992).
     pub fn rotation(&mut self) -> UnitQuaternion<f64> {
         let (u, a, b) = (self.unit(), self.unit(), self.unit());
         let tau = std::f64::consts::TAU;

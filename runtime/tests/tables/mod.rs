@@ -5,7 +5,7 @@ use stochc_ir::{Cell, Face};
 
 type Rules = Vec<(Vec<Condition>, Action)>;
 
-/// Tables in the making, on a plate of 3 x 3.
+/// Builder of tables on a plate of 3 x 3.
 #[derive(Default)]
 pub struct Draft {
     roles: Vec<Role>,
@@ -38,7 +38,7 @@ impl Draft {
         PhaseId(self.phases.len() as u32 - 1)
     }
 
-    /// What a phase captures is attached by hand.
+    /// Marks the blocks of a phase as pre-attached.
     pub fn plant(&mut self, phase: PhaseId) {
         self.phases[phase.0 as usize].planted = true;
     }
@@ -47,12 +47,12 @@ impl Draft {
         self.phases[phase.0 as usize].timeout = Some(ticks);
     }
 
-    /// What `role` does from the start of `phase`.
+    /// Sets the rules of `role` at the start of `phase`.
     pub fn start(&mut self, role: RoleId, phase: PhaseId, rules: Rules) {
         self.duties.push((role, phase, Trigger::Start, rules));
     }
 
-    /// What `role` does once it is captured in `phase`.
+    /// Sets the rules of `role` once it is captured in `phase`.
     pub fn anchored(&mut self, role: RoleId, phase: PhaseId, rules: Rules) {
         self.duties.push((role, phase, Trigger::Anchored, rules));
     }
@@ -71,8 +71,8 @@ pub fn magnetize(face: Face, child: RoleId, cell: Cell) -> Action {
     Action::Magnetize { face, child, cell }
 }
 
-/// A chain from the seed at (1, 1): each block captures the next across the next face. With the
-/// roles of the chain, from the seed on, and their cells.
+/// Returns a chain from the seed at (1, 1). Each block captures the next one across the next face.
+/// Also returns the roles of the chain, from the seed on, and their cells.
 pub fn chain(faces: &[Face]) -> (Tables, Vec<(RoleId, Cell)>) {
     let mut draft = Draft::default();
     let phase = draft.phase(1);

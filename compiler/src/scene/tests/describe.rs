@@ -28,7 +28,7 @@ fn scene(text: &str) -> Scene {
         &mut diagnostics,
     );
     assert_eq!(diagnostics, [], "{text}");
-    scene.expect("nothing is wrong with it")
+    scene.expect("the program is valid")
 }
 
 fn texts(scene: &Scene) -> Vec<String> {
@@ -225,7 +225,7 @@ fn any_scene() -> impl Strategy<Value = Scene> {
                 contact: Some(contact),
                 bond: Some(bond),
                 messages: Some(messages),
-                ..built_in("hemisphere_2005").expect("it is built in")
+                ..built_in("hemisphere_2005").expect("a built-in scene")
             },
         )
 }

@@ -7,7 +7,7 @@ use stochc_ir::scene::{
 use crate::scene::built_in;
 
 fn hemisphere() -> Scene {
-    built_in("hemisphere_2005").expect("it is built in")
+    built_in("hemisphere_2005").expect("a built-in scene")
 }
 
 /// Returns the dimensionless numbers of a scene by symbol.

@@ -62,7 +62,7 @@ fn main() {
 /// What a replay would list of a complete run: nothing that is switched on is left without a block.
 fn events(checked: &Checked, record: &RunRecord) -> u64 {
     let tables = checked.programs[0].tables.as_ref();
-    let phases = &tables.expect("the program is right").phases;
+    let phases = &tables.expect("the program is valid").phases;
     let reports: u32 = phases.iter().map(|phase| phase.reports).sum();
     let of_blocks = 2 * record.bonds.len() + record.releases.len() + phases.len();
     of_blocks as u64 + record.hops + u64::from(reports)
@@ -71,15 +71,15 @@ fn events(checked: &Checked, record: &RunRecord) -> u64 {
 /// The shortest time of a run, and its record.
 fn measure(checked: &Checked, repeats: usize) -> (Duration, RunRecord) {
     let program = &checked.programs[0];
-    let tables = program.tables.as_ref().expect("the program is right");
-    let scene = program.scene.as_ref().expect("the program is right");
+    let tables = program.tables.as_ref().expect("the program is valid");
+    let scene = program.scene.as_ref().expect("the program is valid");
     let settings = Settings::new(Model::Shuffle, 1);
     let mut go = |_, _: PhaseId| ControlFlow::Continue(());
     let mut best: Option<(Duration, RunRecord)> = None;
     let began = Instant::now();
     for number in 0..repeats {
         let start = Instant::now();
-        let record = run(tables, scene, &settings, 1, 0, &mut go).expect("nobody cancels");
+        let record = run(tables, scene, &settings, 1, 0, &mut go).expect("the run is not cancelled");
         let time = start.elapsed();
         assert_eq!(record.outcome, Outcome::Completed);
         if best.as_ref().is_none_or(|(shortest, _)| time < *shortest) {

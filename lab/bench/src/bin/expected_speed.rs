@@ -36,7 +36,7 @@ fn main() {
 }
 
 fn scenes() -> Vec<(&'static str, Scene, u32)> {
-    let scene = built_in("hemisphere_2005").expect("it is built in");
+    let scene = built_in("hemisphere_2005").expect("a built-in scene");
     let kicks = |scene: &Scene, factor: f64| {
         let mut scene = scene.clone();
         let Some(Agitation::Kicks { speed }) = &mut scene.agitation else {

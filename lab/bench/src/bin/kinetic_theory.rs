@@ -25,7 +25,7 @@ const RUNS: u64 = 4;
 const NEAR: f64 = 1.5;
 
 fn main() {
-    let scene = built_in("hemisphere_2005").expect("it is built in");
+    let scene = built_in("hemisphere_2005").expect("a built-in scene");
     let side = scene.block.side;
     let (Some(Bond::Attract { pull, .. }), Some(Enclosure::Hemisphere { radius, .. })) =
         (&scene.bond, &scene.enclosure)

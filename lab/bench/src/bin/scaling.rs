@@ -67,11 +67,11 @@ fn report(what: &str, make: &dyn Fn(u32) -> Option<RigidWorld>) {
         let mut none = Vec::new();
         let ticks = (5_000_000 / u64::from(count)).clamp(10, 5000);
         for _ in 0..WARM_UP {
-            world.step(&mut none).expect("sound physics");
+            world.step(&mut none).expect("the physics is stable");
         }
         let start = Instant::now();
         for _ in 0..ticks {
-            world.step(&mut none).expect("sound physics");
+            world.step(&mut none).expect("the physics is stable");
         }
         let tick = start.elapsed().as_secs_f64() / ticks as f64;
         let each = f64::from(count);
@@ -93,7 +93,7 @@ fn report(what: &str, make: &dyn Fn(u32) -> Option<RigidWorld>) {
 
 /// A world with so many blocks, over a square plate of so many seeds along its side.
 fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
-    let mut scene: Scene = built_in("hemisphere_soft").expect("built in");
+    let mut scene: Scene = built_in("hemisphere_soft").expect("a built-in scene");
     scene.free.count = count;
     if let Some(Enclosure::Hemisphere { radius, .. }) = &mut scene.enclosure {
         let plate = f64::from(side) * scene.block.side;
@@ -108,7 +108,7 @@ fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
         depth: side,
     };
     let world = RigidWorld::new(&scene, &plate, &Settings::new(Model::Rigid, 1), 1, 0);
-    (side, world.expect("a sound scene"))
+    (side, world.expect("a valid scene"))
 }
 
 /// Upper faces of the plate, and where the blocks sit that they capture.

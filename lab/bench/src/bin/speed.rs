@@ -36,7 +36,7 @@ fn main() {
 
 #[expect(clippy::disallowed_methods, reason = "it measures time")]
 fn time<W: Arena>(scene: &str, count: u32, ticks: u32, settings: &Settings) -> (f64, f64) {
-    let mut scene = built_in(scene).expect("built in");
+    let mut scene = built_in(scene).expect("a built-in scene");
     let grow = (f64::from(count) / 300.0).cbrt();
     scene.free.count = count;
     if let Some(Enclosure::Hemisphere { radius, .. }) = &mut scene.enclosure {
@@ -46,11 +46,11 @@ fn time<W: Arena>(scene: &str, count: u32, ticks: u32, settings: &Settings) -> (
     let mut world = W::new(&scene, &plate, settings, 1, 0).expect("fits");
     let mut none = Vec::new();
     for _ in 0..ticks.min(500) {
-        world.step(&mut none).expect("sound");
+        world.step(&mut none).expect("a valid scene");
     }
     let start = std::time::Instant::now();
     for _ in 0..ticks {
-        world.step(&mut none).expect("sound");
+        world.step(&mut none).expect("a valid scene");
     }
     let ns = start.elapsed().as_secs_f64() * 1e9 / (f64::from(ticks) * f64::from(count));
     let squares = (0..count).map(|i| world.state(i).velocity.norm_squared());

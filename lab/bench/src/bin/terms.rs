@@ -25,7 +25,7 @@ fn main() {
     }
     let mut dockings = Vec::new();
     for _ in 0..ticks {
-        world.step(&mut dockings).expect("sound physics");
+        world.step(&mut dockings).expect("the physics is stable");
     }
     let states = (0..world.count()).map(|id| world.state(id));
     let numbers = states.flat_map(|state| {
@@ -41,7 +41,7 @@ fn main() {
 
 /// All terms that there are, less one.
 fn scene(without: &str) -> Scene {
-    let mut scene = built_in("hemisphere_soft").expect("built in");
+    let mut scene = built_in("hemisphere_soft").expect("a built-in scene");
     scene.free.arrangement = Arrangement::Uniform;
     scene.drag = Some(Drag { rate: 0.5 });
     scene.gravity = Some(0.1);

@@ -1,4 +1,4 @@
-//! Steps that are smaller than the last digit of a place.
+//! Tests steps that are smaller than the last digit of a position.
 use std::fmt::Write as _;
 
 use nalgebra::Vector3;
@@ -13,7 +13,8 @@ use crate::scenes::{Dice, PLATE, empty};
 const BLOCKS: usize = 400;
 const TICKS: u64 = 2000;
 
-/// Cubes about so many sides from the plate, turned at random, as fast as heat makes them, in block units.
+/// Returns cubes `far` block lengths from the plate with random orientations and thermal speeds, in
+/// block units.
 fn blocks(far: f64, [speed, spin]: [f64; 2]) -> Vec<BodyState> {
     let mut dice = Dice::new(1);
     let mut place = |_| {
@@ -28,11 +29,11 @@ fn blocks(far: f64, [speed, spin]: [f64; 2]) -> Vec<BodyState> {
     (0..BLOCKS).map(&mut place).collect()
 }
 
-/// What Brownian motion makes of 400 cubes of 10 um.
+/// Brownian motion of 400 cubes of 10 um.
 struct Brownian {
-    /// How far they get over what Einstein's relation says, both squared.
+    /// Mean squared displacement divided by Einstein's prediction.
     way: f64,
-    /// The same of how far they turn.
+    /// Mean squared rotation divided by its prediction.
     turn: f64,
 }
 
@@ -51,20 +52,20 @@ fn brownian<W: Arena>(tick: f64, far: f64, settings: &Settings) -> Brownian {
     let inertia = mass * side * side / 6.0;
     let fast = |inertia: f64| (3.0 * BOLTZMANN * temperature / inertia).sqrt() * tick;
     let blocks = blocks(far, [fast(mass) / side, fast(inertia)]);
-    let mut world = W::with_blocks(&scene, &PLATE, settings, 1, 0, &blocks).expect("sound");
+    let mut world = W::with_blocks(&scene, &PLATE, settings, 1, 0, &blocks).expect("a valid scene");
     let states =
         |world: &W| -> Vec<BodyState> { (0..world.count()).map(|id| world.state(id)).collect() };
     let mut none = Vec::new();
     let start = states(&world);
     for _ in 0..TICKS {
-        world.step(&mut none).expect("sound physics");
+        world.step(&mut none).expect("the physics is stable");
     }
     let end = states(&world);
     let mean_square = |of: fn(&BodyState, &BodyState) -> f64| {
         let squares = start.iter().zip(&end).map(|(a, b)| of(a, b).powi(2));
         squares.sum::<f64>() / BLOCKS as f64
     };
-    // Of a velocity with this friction that belongs to this inertia.
+    // Exact ratio for a velocity with this friction and inertia.
     let exact = |friction: f64, inertia: f64| {
         let rate = friction / inertia;
         6.0 * BOLTZMANN * temperature / friction * (time + ((-rate * time).exp() - 1.0) / rate)
@@ -77,7 +78,7 @@ fn brownian<W: Arena>(tick: f64, far: f64, settings: &Settings) -> Brownian {
     }
 }
 
-/// What a place keeps of a way that is smaller than its last digit, it keeps also where a group is carried.
+/// A position stores displacements below its last digit. This also holds for a moving group.
 #[test]
 fn a_bonded_pair_sinks_however_slowly() {
     let speed = 1e-5;
@@ -107,9 +108,9 @@ fn a_bonded_pair_sinks_however_slowly() {
     let blocks = [-0.5, 0.5].map(|x| BodyState::at_rest(Vector3::new(x, 0.0, 600.0)));
     let settings = Settings::new(Model::Rigid, 1);
     let mut world =
-        RigidWorld::with_blocks(&scene, &PLATE, &settings, 1, 0, &blocks).expect("sound");
+        RigidWorld::with_blocks(&scene, &PLATE, &settings, 1, 0, &blocks).expect("a valid scene");
     for _ in 0..3000 {
-        world.step(&mut Vec::new()).expect("sound physics");
+        world.step(&mut Vec::new()).expect("the physics is stable");
     }
     assert_eq!(world.groups(), [[0, 1]]);
     for id in 0..2 {
@@ -118,7 +119,7 @@ fn a_bonded_pair_sinks_however_slowly() {
     }
 }
 
-/// The tables; what is off in our own kernel.
+/// Writes the tables to the page. Returns the deviations of the kernel `rigid`.
 pub fn tables(page: &mut String) -> Vec<String> {
     let mut off = Vec::new();
     page.push_str(
@@ -140,7 +141,7 @@ diffusion over that of Einstein's relation, ± 4 %. In `rigid`, rounding errors 
     ] {
         let found = in_all(tick, far).map(|it| it.way);
         row(page, name, found);
-        // 1200 independent squares: 4.1 %, so three standard errors.
+        // 1,200 independent squares have a standard error of 4.1 %; the limit is three of these.
         if found[..2].iter().any(|part| (part - 1.0).abs() > 0.12) {
             off.push(format!("{name}: {found:?}"));
         }
@@ -166,7 +167,7 @@ stop rotation, and Rapier at ten times as much. `check --physics` and `simulate`
         if (found[1] - 1.0).abs() > 0.12 {
             off.push(format!("{name}: {found:?}"));
         }
-        // The same chance, so that nothing but digits makes them differ.
+        // Both runs draw the same random numbers, so only rounding makes them differ.
         let is_held = found[0] < 0.95 * found[1];
         if is_held != (tick < 1e-8) {
             off.push(format!("{name}: {found:?}, held by digits: {is_held}"));

@@ -1,7 +1,7 @@
-//! What becomes of scenes at the extremes, in either world of rigid blocks.
+//! Tests the outcomes of scenes at the extremes, in both worlds of rigid blocks.
 //!
-//! The page of the results is written anew with
-//! `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime --test mechanics extremes`.
+//! This command rewrites the page of the results: `STOCHC_WRITE_DOCS=1 cargo test -p stochc-runtime
+//! --test mechanics extremes`.
 mod digits;
 mod tanks;
 
@@ -67,7 +67,7 @@ calls fail in 68 minutes.
 three threads.
 ";
 
-/// What became of a scene.
+/// Outcome of a scene.
 #[derive(Clone, Debug, PartialEq)]
 enum Fate {
     Refused(String),
@@ -78,7 +78,7 @@ enum Fate {
     Stable {
         rms: f64,
     },
-    /// It went on, and should not have.
+    /// The run continued although its state was invalid.
     Unsound(String),
 }
 
@@ -93,7 +93,7 @@ impl std::fmt::Display for Fate {
     }
 }
 
-/// The paper's scene, smaller at the same density.
+/// Returns the paper's scene, smaller at the same density.
 fn base() -> Scene {
     let mut scene = paper();
     scene.free.count = 60;
@@ -143,7 +143,7 @@ fn fate<W: Arena>(
             let deepest = match scene.contact.as_ref().map(|contact| &contact.law) {
                 None => f64::INFINITY,
                 Some(ContactLaw::Rigid { .. }) => 1.0,
-                // As deep as a spring of that stiffness takes the fastest block.
+                // Depth to which a spring of this stiffness stops the fastest block.
                 Some(ContactLaw::Compliant { stiffness, .. }) => {
                     let frequency = (stiffness / scene.block.mass).sqrt() * scene.tick;
                     1.0 + fastest / frequency
@@ -171,7 +171,7 @@ fn fate<W: Arena>(
     Fate::Stable { rms }
 }
 
-/// The same speeds and forces in block units, at another scale.
+/// Returns the scene at another scale, with the same speeds and forces in block units.
 fn scaled(length: f64, mass: f64, time: f64) -> Scene {
     let mut scene = base();
     let (speed, force) = (length / time, mass * length / (time * time));
@@ -242,7 +242,7 @@ fn soft(stiffness: f64, damping: f64) -> Scene {
     })
 }
 
-/// `count` blocks that fill this part of the half ball.
+/// Returns a scene whose `count` blocks fill this share of the hemisphere.
 fn packed(count: u32, share: f64) -> Scene {
     with(|scene| {
         scene.free.count = count;
@@ -252,7 +252,7 @@ fn packed(count: u32, share: f64) -> Scene {
     })
 }
 
-/// All extremes that are a scene: what is changed, and the scene.
+/// Returns all extreme scenes with a description and a number of ticks.
 fn cases() -> Vec<(&'static str, Scene, u64)> {
     let t = 600;
     vec![
@@ -363,14 +363,14 @@ fn every_extreme_has_the_outcome_that_the_page_states() {
     crate::pages::assert_page(PAGE, &page);
 }
 
-/// Docks block after block on given faces, each of which is put right there.
+/// Docks blocks on the given faces, one after the other. Each block starts at the given position.
 fn build<W: Arena>(world: &mut W, sites: &[(BlockFace, Vector3<f64>)]) {
     let mut dockings = Vec::new();
     for (id, &(site, centre)) in sites.iter().enumerate() {
         world.magnetize(site);
         world.set_state(id as u32, &BodyState::at_rest(centre));
         for _ in 0..50 {
-            world.step(&mut dockings).expect("sound physics");
+            world.step(&mut dockings).expect("the physics is stable");
         }
         assert_eq!(dockings.len(), id + 1, "block {id} docks");
     }
@@ -391,7 +391,8 @@ fn a_block_released_under_another<W: Arena>() {
         face: Face::Up,
     };
     let seed = |x| Body::Seed(Cell::new(x, 1, 0));
-    // Two towers of one and two blocks; the second one's upper block holds a fourth, over the first.
+    // There are two towers, one and two blocks high. A fourth block hangs on the upper block of the
+    // second tower, above the first tower.
     let sites = [
         (up(seed(0)), Vector3::new(-1.0, 0.0, 0.51)),
         (up(seed(1)), Vector3::new(0.0, 0.0, 0.51)),
@@ -405,26 +406,26 @@ fn a_block_released_under_another<W: Arena>() {
         ),
     ];
     build(&mut world, &sites);
-    // Far from all others, so that everybody is looked up again while those are anchored.
+    // A block far from all others makes the grid look up all blocks again while those are anchored.
     world.set_state(4, &BodyState::at_rest(Vector3::new(3.0, 3.0, 5.0)));
-    world.step(&mut Vec::new()).expect("sound physics");
+    world.step(&mut Vec::new()).expect("the physics is stable");
     world.switch_off(sites[0].0);
     assert_eq!(world.anchored(0), None);
     for _ in 0..200 {
-        world.step(&mut Vec::new()).expect("sound physics");
+        world.step(&mut Vec::new()).expect("the physics is stable");
     }
-    // It fits exactly: nothing throws it out.
+    // The released block fits exactly, so nothing pushes it away.
     let state = world.state(0);
     assert!(state.velocity.norm() < 0.01, "{state:?}");
     assert!(
         (state.position - Vector3::new(-1.0, 0.0, 0.5)).norm() < 0.1,
         "{state:?}"
     );
-    // Nor does it leave through the block above, which it did not touch while both were anchored.
+    // It cannot leave through the block above, although the two did not touch while anchored.
     let velocity = Vector3::z() * 0.1;
     world.set_state(0, &BodyState { velocity, ..state });
     for _ in 0..5 {
-        world.step(&mut Vec::new()).expect("sound physics");
+        world.step(&mut Vec::new()).expect("the physics is stable");
         let height = world.state(0).position.z;
         assert!((0.4..0.65).contains(&height), "{height}");
     }
@@ -442,7 +443,7 @@ fn two_magnets_fight_for_one_block<W: Arena>() {
         (up(2), Vector3::new(1.0, 0.0, 0.51)),
     ];
     build(&mut world, &towers);
-    // Between them, both faces look at it from the same distance.
+    // The block is at the same distance from both faces.
     world.set_state(2, &BodyState::at_rest(Vector3::new(0.0, 0.0, 1.2)));
     world.magnetize(BlockFace {
         body: Body::Free(0),
@@ -454,14 +455,14 @@ fn two_magnets_fight_for_one_block<W: Arena>() {
     });
     let mut dockings = Vec::new();
     for _ in 0..2000 {
-        world.step(&mut dockings).expect("sound physics");
+        world.step(&mut dockings).expect("the physics is stable");
         let state = world.state(2);
         assert!(
             state.velocity.norm() < 1.0 && state.position.norm() < 3.0,
             "{state:?}"
         );
     }
-    // One of them may win, never both.
+    // At most one of the faces wins.
     assert!(dockings.len() <= 1);
 }
 
@@ -470,7 +471,8 @@ in_every_world!(
     two_magnets_fight_for_one_block
 );
 
-/// A hundred elastic blocks without agitation, for a hundred million block-steps: what their energy has become.
+/// Returns the ratio of the final to the initial energy of a hundred elastic blocks without
+/// agitation, after a hundred million block-steps.
 fn left_of_the_energy(substeps: u32) -> f64 {
     let (radius, count) = (17.0, 100);
     let scene = with(|scene| {
@@ -517,14 +519,14 @@ fn left_of_the_energy(substeps: u32) -> f64 {
 
 /// `cargo test --release -p stochc-runtime --test mechanics extremes -- --ignored --nocapture`.
 ///
-/// Collisions keep the energy to the last digits (`conservation.rs`); the shell, whose spring is taken in steps, adds a
-/// little where blocks collide in it.
+/// Collisions conserve the energy to the last digits (`conservation.rs`). The spring of the shell
+/// is integrated in steps and adds a little energy if blocks collide within it.
 #[test]
 #[ignore = "takes a minute without optimization"]
 fn in_a_hundred_million_block_steps_no_block_escapes_and_little_energy_is_gained() {
     for (substeps, most) in [(1, 1.5), (4, 1.05)] {
         let left = left_of_the_energy(substeps);
-        println!("{substeps} substeps: the energy is {left:.4} of what it was");
+        println!("{substeps} substeps: the energy is {left:.4} of its initial value");
         assert!((0.9..most).contains(&left), "{substeps}: {left}");
     }
 }

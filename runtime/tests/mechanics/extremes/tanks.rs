@@ -1,4 +1,4 @@
-//! The tanks at their extremes: fluids, magnets that always attract, and suction.
+//! Tests tanks at their extremes: fluids, magnets that always attract, and suction.
 use std::fmt::Write as _;
 
 use stochc_compiler::scene::built_in;
@@ -20,7 +20,7 @@ plate of 3 x 3 open, or cubes of 10 um in water.
 |---|---|---|
 ";
 
-/// Without a plate, or with one.
+/// Bottom of the tank.
 #[derive(Clone, Copy)]
 enum Ground {
     Bare,
@@ -28,7 +28,7 @@ enum Ground {
 }
 
 fn tank(change: impl FnOnce(&mut Scene)) -> (Ground, Scene) {
-    let mut scene = built_in("magnet_tank").expect("built in");
+    let mut scene = built_in("magnet_tank").expect("a built-in scene");
     scene.free.count = 6;
     change(&mut scene);
     (Ground::Bare, scene)
@@ -71,7 +71,7 @@ fn magnets(hold: f64, depth: f64) -> (Ground, Scene) {
 }
 
 fn suction(change: impl FnOnce(&mut Scene)) -> (Ground, Scene) {
-    let mut scene = built_in("suction_tank").expect("built in");
+    let mut scene = built_in("suction_tank").expect("a built-in scene");
     scene.free.count = 6;
     change(&mut scene);
     (Ground::Plate, scene)
@@ -85,7 +85,7 @@ fn pump(change: impl FnOnce(&mut stochc_ir::scene::Pump)) -> (Ground, Scene) {
     })
 }
 
-/// Cubes of 10 um in water.
+/// Returns a tank with cubes of 10 um in water.
 fn small(temperature: f64, tick: f64) -> (Ground, Scene) {
     tank(|scene| {
         scene.tick = tick;
@@ -183,7 +183,7 @@ fn fate_of<W: Arena>(ground: Ground, scene: &Scene) -> Fate {
     })
 }
 
-/// Writes the rows; what is unsound.
+/// Writes the rows to the page. Returns the scenes that reached an invalid state.
 pub fn table(page: &mut String) -> Vec<String> {
     page.push_str(HEAD);
     let mut unsound = Vec::new();

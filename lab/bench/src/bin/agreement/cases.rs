@@ -116,11 +116,11 @@ impl Cell {
         } else {
             W::new(&scene, &tables.plate, settings, seed, run)
         }
-        .expect("a sound scene");
+        .expect("a valid scene");
         let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
         let limit = settings.max_ticks;
         let record = drive(&tables, None, &mut world, limit, (seed, run), &mut watch)
-            .expect("nobody cancels it");
+            .expect("it is not cancelled");
         if let Outcome::Failed { .. } = &record.outcome {
             eprintln!("{} run {run}: {:?}", self.case.name, record.outcome);
         }
@@ -130,7 +130,7 @@ impl Cell {
 
 impl Case {
     fn scene(&self) -> Scene {
-        let mut scene = built_in("hemisphere_2005").expect("built in");
+        let mut scene = built_in("hemisphere_2005").expect("a built-in scene");
         scene.free.count = self.count;
         if let Some(Enclosure::Hemisphere { radius, .. }) = &mut scene.enclosure {
             *radius = self.radius * scene.block.side;
@@ -146,7 +146,7 @@ impl Case {
         let mut reader = |_: &str| Ok(text.clone().into_bytes());
         let checked = stochc_compiler::check("a.sa", &mut reader, Limits::default());
         let program = checked.programs.into_iter().next();
-        program.and_then(|p| p.tables).expect("a right program")
+        program.and_then(|p| p.tables).expect("the program is valid")
     }
 }
 
