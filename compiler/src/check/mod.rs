@@ -1,4 +1,5 @@
 //! The pipeline of a check and its results.
+pub(crate) mod assembly;
 pub(crate) mod checked;
 pub(crate) mod executable;
 pub(crate) mod fix;

@@ -1,54 +1,25 @@
 //! The stages of a check.
 use rustc_hash::FxHashMap;
-use stochc_estimate::Rates;
-use stochc_grammar::tree::{Assembly, Item, ItemKind, Tree};
+use stochc_grammar::tree::{Item, ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
-use stochc_ir::JamRisk;
 use stochc_ir::scene::scalars::{self, ScalarChange};
 use stochc_ir::scene::warnings::Stepping;
-use stochc_ir::scene::{BondKind, Scene};
 
-use crate::blocks::{capacity, liveness, unplanned_bonds, unused};
+use crate::blocks::unused;
+use crate::check::assembly::{AssemblyInput, Stage, compile_aggregate};
 use crate::check::checked::{Checked, Program};
 use crate::check::{short_timeout, trial};
-use crate::dependencies::{face_turns, graph, order};
 use crate::diagnostic::lint_levels::{FileLevels, LintLevels};
 use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, report};
-use crate::emit::lower;
 use crate::expand::{
-    Declarations, DeclaredItems, ExpansionBounds, Limits, duplicate, expand, expand_aggregate,
+    Declarations, DeclaredItems, ExpansionBounds, Limits, duplicate, expand_aggregate,
 };
 use crate::names::{Keep, Names};
-use crate::plan::ProgramPlan;
 use crate::scene::scene_check;
 use crate::scene::scenes::Scenes;
-use crate::shapes::{layout, shape};
 use crate::sources::load::{Loaded, load};
 use crate::sources::reader::Reader;
-use crate::{FileId, SourceLocation, Sources, reach, scene};
-
-/// A stage of a check, in order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Stage {
-    /// Reads and parses files.
-    Parse,
-    /// Expands patterns and loops.
-    Expand,
-    /// Checks names, phase by phase.
-    Names,
-    /// Computes the cells of blocks.
-    Layout,
-    /// Builds the dependency graph.
-    Graph,
-    /// Finds cycles and critical paths.
-    Order,
-    /// Checks access paths.
-    Reach,
-    /// Compares shapes and numbers of blocks.
-    Compare,
-    /// Writes the event tables.
-    Lower,
-}
+use crate::{FileId, SourceLocation, Sources, scene};
 
 /// Checks the file at `path` and its imports, and compiles its assemblies.
 pub fn check(path: &str, reader: &mut dyn Reader, limits: Limits) -> Checked {
@@ -379,8 +350,9 @@ fn programs(
             trial: (!about.is_trial).then_some(&trial),
             stepping: about.stepping,
             scene_location,
+            doubtful,
         };
-        let program = input.compile(scene, symbols, doubtful, diagnostics, done)?;
+        let program = input.compile(scene, symbols, diagnostics, done)?;
         if !about.is_trial && program.tables.is_some() {
             short_timeout::check(&program, diagnostics);
         }
@@ -411,50 +383,6 @@ fn attribute_by_place(diagnostic: &mut Diagnostic, tree: &Tree) {
     }
 }
 
-/// Checks an aggregate. Most stages have nothing to do.
-fn compile_aggregate(
-    mut plan: ProgramPlan,
-    scene: Option<Scene>,
-    wrong: bool,
-    (symbols, sources): (&Symbols, &Sources),
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Result<Program, Cancelled> {
-    if let Some(scene) = &scene {
-        capacity::check_aggregate(&plan, scene, diagnostics);
-        capacity::check_room(&plan, scene, diagnostics);
-    }
-    let doubtful = Default::default();
-    // Aggregates have no events and no seeds.
-    let never = Cancellation::NEVER;
-    let liveness = liveness::check(
-        &mut plan,
-        sources,
-        symbols,
-        &doubtful,
-        false,
-        never,
-        diagnostics,
-    )?;
-    let layout = layout::lay_out(&mut plan, &liveness, symbols, sources, never, diagnostics)?;
-    let graph = graph::build(&plan, &liveness, &layout, 1, never)?;
-    let order = order::sort(&plan, &graph, symbols, sources, never, diagnostics)?;
-    let is_right = !wrong && !diagnostics.iter().any(Diagnostic::is_error);
-    let tables = (scene.as_ref().filter(|_| is_right))
-        .map(|scene| lower::lower(&plan, &liveness, &layout, &graph, scene, symbols, never))
-        .transpose()?;
-    Ok(Program {
-        plan,
-        scene,
-        layout,
-        graph,
-        order,
-        tables,
-        stuck: None,
-        scene_warnings: Vec::new(),
-        jam_risks: Vec::new(),
-    })
-}
-
 /// Declarations of the files at top level.
 pub(crate) fn declarations<'a>(
     trees: impl Iterator<Item = (FileId, &'a Tree)>,
@@ -478,221 +406,4 @@ pub(crate) fn declarations<'a>(
         }
     }
     declarations
-}
-
-struct AssemblyInput<'a> {
-    declarations: &'a Declarations<'a>,
-    file: FileId,
-    assembly: &'a Assembly,
-    sources: &'a Sources,
-    bounds: ExpansionBounds<'a>,
-    /// Whether all files could be read. Otherwise names may be missing for that reason.
-    readable: bool,
-    /// Checks the files with a change. `None` inside such a check.
-    trial: Option<&'a reach::Trial<'a>>,
-    /// Model and time steps for the check of scenes. `None` if runs have no physics.
-    stepping: Option<Stepping>,
-    /// Place of the name of the scene.
-    scene_location: SourceLocation,
-}
-
-impl<'a> AssemblyInput<'a> {
-    fn compile(
-        &self,
-        scene: Option<Scene>,
-        symbols: &mut Symbols,
-        doubtful: &rustc_hash::FxHashSet<stochc_grammar::Symbol>,
-        diagnostics: &mut Vec<Diagnostic>,
-        done: &mut dyn FnMut(Stage),
-    ) -> Result<Program, Cancelled> {
-        let ExpansionBounds {
-            limits,
-            cancellation,
-        } = self.bounds;
-        let mut errors = Vec::new();
-        let (mut plan, shapes) = expand(
-            self.declarations,
-            (self.file, self.assembly),
-            self.sources,
-            symbols,
-            self.bounds,
-            &mut errors,
-        )?;
-        done(Stage::Expand);
-        // Errors that follow from an incomplete expansion would only confuse.
-        let cut_short = errors.iter().any(|diagnostic| {
-            matches!(
-                diagnostic.code,
-                Code::ExpansionLimit | Code::RecursivePattern | Code::TooDeep | Code::TooManyErrors
-            )
-        });
-        if cut_short {
-            plan.clear();
-        }
-        let mut names = Vec::new();
-        let is_passive =
-            (scene.as_ref()).is_some_and(|scene| BondKind::from_scene(scene).is_passive());
-        let liveness = liveness::check(
-            &mut plan,
-            self.sources,
-            symbols,
-            doubtful,
-            is_passive,
-            cancellation,
-            &mut names,
-        )?;
-        if !cut_short {
-            errors.append(&mut names);
-        }
-        done(Stage::Names);
-        // Errors that follow from an unreadable statement would only confuse.
-        let mut later = Vec::new();
-        let layout = layout::lay_out(
-            &mut plan,
-            &liveness,
-            symbols,
-            self.sources,
-            cancellation,
-            &mut later,
-        )?;
-        done(Stage::Layout);
-        let faces = (scene.as_ref()).map_or(1, |scene| {
-            BondKind::from_scene(scene).faces(scene.block.faces)
-        });
-        let graph = graph::build(&plan, &liveness, &layout, faces, cancellation)?;
-        done(Stage::Graph);
-        let order = order::sort(
-            &plan,
-            &graph,
-            symbols,
-            self.sources,
-            cancellation,
-            &mut later,
-        )?;
-        done(Stage::Order);
-        // Seeds, waits and phases may only seem to be unused if statements are missing.
-        if !self.readable || errors.iter().any(Diagnostic::is_error) {
-            errors.retain(Diagnostic::is_error);
-        }
-        let plate_in_doubt = (symbols.get("plate")).is_some_and(|word| doubtful.contains(&word));
-        if plate_in_doubt {
-            errors.retain(|diagnostic| diagnostic.code != Code::MissingPlate);
-        }
-        let wrong = |diagnostics: &[Diagnostic]| diagnostics.iter().any(Diagnostic::is_error);
-        let is_sound = !wrong(&errors) && !wrong(&later);
-        // Warnings about an incomplete program may be wrong.
-        let is_whole = is_sound && self.readable && plan.events.iter().all(|event| event.sound);
-        let has_choice = |order: &&order::Order| is_whole && !order.unneeded.is_empty();
-        let certain = order.as_ref().filter(has_choice);
-        let certain = certain.map(|order| face_turns::certain(&graph, &order.events));
-        let certain = certain.as_ref().unwrap_or(&graph);
-        if let (Some(order), true) = (&order, is_whole) {
-            let subject = reach::SoundProgram {
-                plan: &plan,
-                liveness: &liveness,
-                layout: &layout,
-                graph: &graph,
-                certain,
-                order,
-                assembly: self.assembly,
-                patterns: &self.declarations.declared.patterns,
-                file: self.file,
-                trial: self.trial,
-                has_passable_gaps: scene.as_ref().is_some_and(Rates::pass_gaps),
-                sources: self.sources,
-                symbols,
-                cancellation,
-            };
-            reach::check(subject, limits.search, &mut later)?;
-        }
-        done(Stage::Reach);
-        if let (Some(order), true, true) = (&order, is_whole, is_passive) {
-            unplanned_bonds::check(&plan, &layout, order, symbols, cancellation, &mut later)?;
-        }
-        let mut scene_warnings = Vec::new();
-        if is_sound {
-            shape::check(
-                &plan,
-                &layout,
-                (&shapes, self.declarations.names),
-                symbols,
-                cancellation,
-                &mut later,
-            )?;
-            if let Some(scene) = &scene {
-                let order = order.as_ref().filter(|_| is_whole);
-                let order = order.map(|order| (order, certain));
-                capacity::check(&plan, &layout, order, scene, cancellation, &mut later)?;
-                capacity::check_room(&plan, scene, &mut later);
-                // A scene with missing terms is not judged.
-                if let Some(stepping) = self.stepping.filter(|_| !wrong(&later)) {
-                    let layers = scene_check::layers(&plan, &layout);
-                    let location = self.scene_location;
-                    scene_warnings =
-                        scene_check::check(scene, layers, stepping, location, &mut later);
-                }
-            }
-        }
-        let jam_risks = jam_risks(&later);
-        // The missing blocks may use them.
-        if (later.iter()).any(|diagnostic| diagnostic.code == Code::ShapeMismatch) {
-            errors.retain(|diagnostic| {
-                !matches!(diagnostic.code, Code::UnusedSeed | Code::EmptyPhase)
-            });
-        }
-        done(Stage::Compare);
-        if self.readable && !cut_short {
-            errors.append(&mut later);
-        }
-        let mistakes = || {
-            errors
-                .iter()
-                .chain(diagnostics.iter())
-                .filter(|diagnostic| diagnostic.is_error())
-        };
-        let is_right = mistakes().next().is_none();
-        let is_stuck = mistakes()
-            .all(|diagnostic| matches!(diagnostic.code, Code::Cycle | Code::SealedCavity));
-        let lower = |scene| {
-            lower::lower(
-                &plan,
-                &liveness,
-                &layout,
-                &graph,
-                scene,
-                symbols,
-                cancellation,
-            )
-        };
-        let mut tables = (scene.as_ref().filter(|_| self.readable && is_stuck))
-            .map(lower)
-            .transpose()?;
-        let stuck = if is_right { None } else { tables.take() };
-        done(Stage::Lower);
-        diagnostics.append(&mut errors);
-        Ok(Program {
-            plan,
-            scene,
-            layout,
-            graph,
-            order,
-            tables,
-            stuck,
-            scene_warnings,
-            jam_risks,
-        })
-    }
-}
-
-/// Returns the reasons why blocks may jam. Allowed warnings count too.
-fn jam_risks(diagnostics: &[Diagnostic]) -> Vec<JamRisk> {
-    let of_code = |diagnostic: &Diagnostic| match diagnostic.code {
-        Code::TightApproach => Some(JamRisk::TightApproach),
-        Code::CrowdedCaptures => Some(JamRisk::CrowdedCaptures),
-        _ => None,
-    };
-    let mut risks: Vec<JamRisk> = diagnostics.iter().filter_map(of_code).collect();
-    risks.sort_unstable();
-    risks.dedup();
-    risks
 }

@@ -17,12 +17,12 @@ impl Diagnostic {
             file,
             span: error.span,
         };
-        let mut diagnostic = Diagnostic::of_kind(location, error, text);
+        let mut diagnostic = Diagnostic::from_kind(location, error, text);
         diagnostic.fix = diagnostic.fix.take().or_else(|| fix(location, error, text));
         diagnostic
     }
 
-    fn of_kind(location: SourceLocation, error: &SyntaxError, text: &str) -> Diagnostic {
+    fn from_kind(location: SourceLocation, error: &SyntaxError, text: &str) -> Diagnostic {
         match &error.kind {
             K::Unexpected {
                 found,
@@ -94,19 +94,7 @@ impl Diagnostic {
             )
             .label(location, "the statement begins here")
             .help("split it: the next statement can continue a chain from its last block"),
-            K::MissingReason => {
-                let code = text.get(location.span.start as usize..location.span.end as usize);
-                let code = spelt(code.unwrap_or_default());
-                let before = text.get(..location.span.start as usize).unwrap_or_default();
-                let is_deny = before.trim_end().ends_with("deny");
-                let verdict = if is_deny { "deny" } else { "allow" };
-                Diagnostic::new(
-                    Code::MissingReason,
-                    format!("`{verdict} {code}` needs a reason"),
-                )
-                .label(location, "the reason must follow this code")
-                .help(format!("write `{verdict} {code} \"it marks the corner\"`"))
-            }
+            K::MissingReason => missing_reason(location, text),
             K::DanglingDoc => {
                 Diagnostic::new(Code::DanglingDoc, "a `///` comment documents nothing")
                     .label(location, "no declaration or statement follows")
@@ -193,6 +181,19 @@ fn missing_brace(location: SourceLocation, what: &str, text: &str) -> Diagnostic
         1..=60 => diagnostic.help(format!("write `{} {{`", spelt(head))),
         _ => diagnostic.help("write `{`"),
     }
+}
+
+/// Returns the error of an `allow` or `deny` without its reason.
+fn missing_reason(location: SourceLocation, text: &str) -> Diagnostic {
+    let code = text.get(location.span.start as usize..location.span.end as usize);
+    let code = spelt(code.unwrap_or_default());
+    let before = text.get(..location.span.start as usize).unwrap_or_default();
+    let is_deny = before.trim_end().ends_with("deny");
+    let verdict = if is_deny { "deny" } else { "allow" };
+    let title = format!("`{verdict} {code}` needs a reason");
+    Diagnostic::new(Code::MissingReason, title)
+        .label(location, "the reason must follow this code")
+        .help(format!("write `{verdict} {code} \"it marks the corner\"`"))
 }
 
 /// Returns the error of a number that cannot be stored.

@@ -60,9 +60,15 @@ fn program(phases: &str) -> String {
     format!("{PLATE}    phase base {{ M.up -> A }}\n    {phases}\n}}\n")
 }
 
+fn assert_fixed(slips: &[(&str, &str)]) {
+    for (wrong, right) in slips {
+        assert_eq!(fixed(&program(wrong)), program(right), "{wrong}");
+    }
+}
+
 #[test]
 fn slips_in_a_phase_are_mended() {
-    for (wrong, right) in [
+    assert_fixed(&[
         ("phaze p { N.up -> B }", "phase p { N.up -> B }"),
         (
             "phase p { relese A }  phase q { N.up -> B }",
@@ -147,6 +153,12 @@ fn slips_in_a_phase_are_mended() {
             "/ note\n    phase p { N.up -> B }",
             "// note\n    phase p { N.up -> B }",
         ),
+    ]);
+}
+
+#[test]
+fn misspelt_names_and_unneeded_parts_are_mended() {
+    assert_fixed(&[
         (
             "phase p { N.up -> B\n    /// one\n    /// two\n    }",
             "phase p { N.up -> B\n    // one\n    // two\n    }",
@@ -204,9 +216,7 @@ fn slips_in_a_phase_are_mended() {
             "shape flat { layer 1 { ## } }  phase p { N.up -> B  yields falt }",
             "shape flat { layer 1 { ## } }  phase p { N.up -> B  yields flat }",
         ),
-    ] {
-        assert_eq!(fixed(&program(wrong)), program(right), "{wrong}");
-    }
+    ]);
 }
 
 /// Most editors show a line end, so the source after a comment looks like a part of the program.

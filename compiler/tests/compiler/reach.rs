@@ -770,6 +770,42 @@ fn written_out(checked: &Checked, added: &BTreeMap<String, String>) -> String {
     text
 }
 
+/// Returns the captures of one row or layer of the grid, with loops where it has several blocks.
+fn row_statement(
+    (x0, x1): (i32, i32),
+    (y0, y1): (i32, i32),
+    z: i32,
+    face: Face,
+    after: &str,
+) -> String {
+    let index = |counter: char, range: (i32, i32), by: i32| match (range.0 == range.1, by) {
+        (true, _) => (range.0 + by).to_string(),
+        (false, 0) => counter.to_string(),
+        (false, 1..) => format!("{counter} + {by}"),
+        (false, _) => format!("{counter} - {}", -by),
+    };
+    let step = Cell::new(0, 0, 5).across(face).unwrap();
+    let place = |by: Cell| {
+        let (x, y) = (index('x', (x0, x1), by.x), index('y', (y0, y1), by.y));
+        format!("B[{x}, {y}, {}]", z + by.z - 5)
+    };
+    let statement = format!(
+        "{}.{face} -> {}{after}",
+        place(Cell::new(0, 0, 5)),
+        place(step)
+    );
+    let statement = if y0 == y1 {
+        statement
+    } else {
+        format!("for y in {y0}..{y1} {{ {statement} }}")
+    };
+    if x0 == x1 {
+        statement
+    } else {
+        format!("for x in {x0}..{x1} {{ {statement} }}")
+    }
+}
+
 /// A program of loops, rows and patterns over a grid; a block is called by its cell.
 fn looped(choices: &[u32]) -> String {
     const EDGE: i32 = 3;
@@ -860,32 +896,7 @@ fn looped(choices: &[u32]) -> String {
                     .map(|cell| format!("B[{}, {}, {}]", cell.x, cell.y, cell.z)),
             );
             full.extend(&children);
-            let index = |counter: char, range: (i32, i32), by: i32| match (range.0 == range.1, by) {
-                (true, _) => (range.0 + by).to_string(),
-                (false, 0) => counter.to_string(),
-                (false, 1..) => format!("{counter} + {by}"),
-                (false, _) => format!("{counter} - {}", -by),
-            };
-            let step = Cell::new(0, 0, 5).across(face).unwrap();
-            let place = |by: Cell| {
-                let (x, y) = (index('x', (x0, x1), by.x), index('y', (y0, y1), by.y));
-                format!("B[{x}, {y}, {}]", z + by.z - 5)
-            };
-            let statement = format!(
-                "{}.{face} -> {}{after}",
-                place(Cell::new(0, 0, 5)),
-                place(step)
-            );
-            let statement = if y0 == y1 {
-                statement
-            } else {
-                format!("for y in {y0}..{y1} {{ {statement} }}")
-            };
-            let statement = if x0 == x1 {
-                statement
-            } else {
-                format!("for x in {x0}..{x1} {{ {statement} }}")
-            };
+            let statement = row_statement((x0, x1), (y0, y1), z, face, &after);
             let _ = writeln!(text, "        {statement}");
         }
         text.push_str("    }\n");

@@ -22,7 +22,6 @@ impl SummaryRow<'_> {
 
 /// Returns the results of each program, with the scene parameters of a sweep.
 pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> FilledTable<'a> {
-    let unit = comparison.time_unit;
     let mut table = TableDefinition::<SummaryRow<'a>>::new("summary", "a program of the ensemble");
     table.text(
         "program",
@@ -73,6 +72,16 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
     table
         .real("tick", "length of a tick", |row| row.summary.tick)
         .unit("s");
+    add_times(&mut table, comparison.time_unit);
+    let programs = manifest.programs.iter().zip(&comparison.programs);
+    let rows: Vec<_> = programs
+        .map(|(program, summary)| SummaryRow { program, summary })
+        .collect();
+    table.filled(&rows)
+}
+
+/// Adds the columns about the time to completion.
+fn add_times<'a>(table: &mut TableDefinition<'a, SummaryRow<'a>>, unit: &'static str) {
     table.text("unit", "unit of the times", move |_| unit);
     table
         .real(
@@ -118,11 +127,6 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
         .real("max", "the longest time", |row| row.time(|it| it.max))
         .unit(unit)
         .null(UNKNOWN);
-    let programs = manifest.programs.iter().zip(&comparison.programs);
-    let rows: Vec<_> = programs
-        .map(|(program, summary)| SummaryRow { program, summary })
-        .collect();
-    table.filled(&rows)
 }
 
 /// Returns a row for each point of a sweep, with a column for each axis.

@@ -85,37 +85,6 @@ impl FoundSchedule {
     }
 }
 
-/// Free positions of cubes of sizes two and one around the complete target.
-struct Spaces<'a> {
-    sites: &'a Sites<'a>,
-    wide: FreeSpace,
-    narrow: FreeSpace,
-}
-
-impl<'a> Spaces<'a> {
-    fn new(sites: &'a Sites<'a>) -> Spaces<'a> {
-        Spaces {
-            sites,
-            wide: FreeSpace::new(sites, 2),
-            narrow: FreeSpace::new(sites, 1),
-        }
-    }
-
-    /// Returns the disassembly for these keys and its dependencies.
-    fn ways(
-        &self,
-        keys: &[f32],
-        has_gaps: bool,
-        wanted: Cancellation<'_>,
-    ) -> Result<(Disassembly, Corridors), TargetError> {
-        let wide = self.wide.clone().with_gaps(has_gaps);
-        let spaces = [wide, self.narrow.clone()];
-        let disassembly = disassemble(self.sites, spaces, keys, wanted)?;
-        let corridors = Corridors::new(self.sites, &disassembly, wanted)?;
-        Ok((disassembly, corridors))
-    }
-}
-
 /// Access paths, and the best schedule with them.
 struct ScheduleCandidate {
     /// Keys of the disassembly order.
@@ -175,112 +144,168 @@ pub fn search(
     waits: &RateLaw<'_>,
     search: PlanSearch<'_>,
 ) -> Result<FoundSchedule, TargetError> {
-    let mut rng = ChaCha8Rng::seed_from_u64(search.seed);
-    let samples = Samples::new(sites.len(), runs(sites.len()), search.seed);
-    let spaces = Spaces::new(sites);
-    let candidate = |order: Vec<f32>,
-                     priorities: Priorities,
-                     has_gaps: bool,
-                     wanted: Cancellation<'_>|
-     -> Result<ScheduleCandidate, TargetError> {
-        let (disassembly, corridors) = spaces.ways(&order, has_gaps, wanted)?;
+    let mut searcher = Searcher {
+        sites,
+        hardware,
+        waits,
+        search,
+        samples: Samples::new(sites.len(), runs(sites.len()), search.seed),
+        wide: FreeSpace::new(sites, 2),
+        narrow: FreeSpace::new(sites, 1),
+        rng: ChaCha8Rng::seed_from_u64(search.seed),
+        rounds: 1,
+    };
+    let best = searcher.vary_orders()?;
+    let left = search.rounds.saturating_sub(searcher.rounds);
+    let share = (left / (best.len() as u64 + 1)).min(MAX_FIRST);
+    let mut found: Option<ScheduleCandidate> = None;
+    for first in best {
+        let most = searcher.rounds + share;
+        let best = searcher.reschedule(first, most);
+        found = match found {
+            Some(found) if found.value <= best.value => Some(found),
+            _ => Some(best),
+        };
+    }
+    let found = searcher.alternate(found.expect("at least one candidate"));
+    Ok(FoundSchedule {
+        disassembly: found.disassembly,
+        corridors: found.corridors,
+        schedule: found.scheduled.schedule,
+        rounds: searcher.rounds,
+    })
+}
+
+/// State of a search.
+struct Searcher<'a> {
+    sites: &'a Sites<'a>,
+    hardware: Hardware,
+    waits: &'a RateLaw<'a>,
+    search: PlanSearch<'a>,
+    samples: Samples,
+    /// Free positions of cubes of size two around the complete target.
+    wide: FreeSpace,
+    /// Free positions of cubes of size one around it.
+    narrow: FreeSpace,
+    rng: ChaCha8Rng,
+    /// Number of schedules tried.
+    rounds: u64,
+}
+
+impl Searcher<'_> {
+    /// Returns the schedule with these keys of the disassembly order and these priorities.
+    fn candidate(
+        &self,
+        order: Vec<f32>,
+        priorities: Priorities,
+        has_gaps: bool,
+        wanted: Cancellation<'_>,
+    ) -> Result<ScheduleCandidate, TargetError> {
+        let wide = self.wide.clone().with_gaps(has_gaps);
+        let spaces = [wide, self.narrow.clone()];
+        let disassembly = disassemble(self.sites, spaces, &order, wanted)?;
+        let corridors = Corridors::new(self.sites, &disassembly, wanted)?;
+        let (sites, hardware, waits) = (self.sites, self.hardware, self.waits);
         let job = SchedulingJob::new(sites, &disassembly, &corridors, hardware, waits);
         let schedule = job.schedule(&priorities, wanted)?;
         let waiting = job.waiting(&schedule);
         let scheduled = PrioritizedSchedule {
-            estimate: job.estimated(&samples, &schedule, &waiting),
+            estimate: job.estimated(&self.samples, &schedule, &waiting),
             priorities,
             schedule,
         };
         Ok(ScheduleCandidate {
-            value: search.value(&scheduled.estimate, &disassembly),
+            value: self.search.value(&scheduled.estimate, &disassembly),
             order,
             has_gaps,
             disassembly,
             corridors,
             scheduled,
         })
-    };
-    let even = Priorities::even(sites.len());
-    let mut order = vec![0.5; sites.len()];
-    let mut rounds = 1;
-    let first = candidate(
-        order.clone(),
-        even.clone(),
-        takes_gaps(waits, 1),
-        search.cancellation,
-    )?;
-    // The best with and without gaps. Schedules for both must be improved before they can be
-    // compared.
-    let mut best = vec![first];
-    let each = if waits.has_passable_gaps() { 2 } else { 1 };
-    let variants = each * VARIANTS;
-    while rounds < variants && rounds * 4 < search.rounds && !search.enough.is_cancelled() {
-        let kind = (rounds % each) as usize;
-        if kind == 0 {
-            order.fill_with(|| rng.random());
-        }
-        rounds += 1;
-        (search.tried)(rounds, best[0].scheduled.estimate.of(search.objective));
-        let has_gaps = takes_gaps(waits, rounds);
-        match candidate(order.clone(), even.clone(), has_gaps, search.enough) {
-            Ok(other) if best.len() == kind => best.push(other),
-            Ok(other) if other.value < best[kind].value => best[kind] = other,
-            Ok(_) => {}
-            Err(_) => break,
-        }
     }
-    // The better one comes last and gets the remaining time.
-    best.sort_by(|a, b| b.value.total_cmp(&a.value));
-    let left = search.rounds.saturating_sub(rounds);
-    let share = (left / (best.len() as u64 + 1)).min(MAX_FIRST);
-    let reschedule = |best: ScheduleCandidate, rounds: &mut u64, most: u64, rng: &mut _| {
-        let job = SchedulingJob::new(sites, &best.disassembly, &best.corridors, hardware, waits);
+
+    fn is_over(&self) -> bool {
+        self.rounds >= self.search.rounds || self.search.enough.is_cancelled()
+    }
+
+    fn report(&self, best: &ScheduleCandidate) {
+        let time = best.scheduled.estimate.of(self.search.objective);
+        (self.search.tried)(self.rounds, time);
+    }
+
+    /// Tries random disassembly orders. Returns the best schedule with and without gaps. The better
+    /// one comes last and gets the remaining time.
+    fn vary_orders(&mut self) -> Result<Vec<ScheduleCandidate>, TargetError> {
+        let PlanSearch {
+            rounds,
+            enough,
+            cancellation,
+            ..
+        } = self.search;
+        let even = Priorities::even(self.sites.len());
+        let mut order = vec![0.5; self.sites.len()];
+        let has_gaps = takes_gaps(self.waits, 1);
+        let first = self.candidate(order.clone(), even.clone(), has_gaps, cancellation)?;
+        // Schedules for both must be improved before they can be compared.
+        let mut best = vec![first];
+        let each = if self.waits.has_passable_gaps() { 2 } else { 1 };
+        let variants = each * VARIANTS;
+        while self.rounds < variants && self.rounds * 4 < rounds && !enough.is_cancelled() {
+            let kind = (self.rounds % each) as usize;
+            if kind == 0 {
+                order.fill_with(|| self.rng.random());
+            }
+            self.rounds += 1;
+            self.report(&best[0]);
+            let has_gaps = takes_gaps(self.waits, self.rounds);
+            match self.candidate(order.clone(), even.clone(), has_gaps, enough) {
+                Ok(other) if best.len() == kind => best.push(other),
+                Ok(other) if other.value < best[kind].value => best[kind] = other,
+                Ok(_) => {}
+                Err(_) => break,
+            }
+        }
+        best.sort_by(|a, b| b.value.total_cmp(&a.value));
+        Ok(best)
+    }
+
+    /// Improves the priorities of a schedule, up to round `most`.
+    fn reschedule(&mut self, best: ScheduleCandidate, most: u64) -> ScheduleCandidate {
         let search = PlanSearch {
-            rounds: most.min(search.rounds),
-            ..search
+            rounds: most.min(self.search.rounds),
+            ..self.search
         };
-        let (scheduled, made) = improved(&job, &samples, best.scheduled, *rounds, search, rng);
-        *rounds = made;
+        let (sites, hardware, waits) = (self.sites, self.hardware, self.waits);
+        let job = SchedulingJob::new(sites, &best.disassembly, &best.corridors, hardware, waits);
+        let (samples, rng) = (&self.samples, &mut self.rng);
+        let (scheduled, made) = improved(&job, samples, best.scheduled, self.rounds, search, rng);
+        self.rounds = made;
         ScheduleCandidate {
             value: search.value(&scheduled.estimate, &best.disassembly),
             scheduled,
             ..best
         }
-    };
-    let mut found: Option<ScheduleCandidate> = None;
-    for first in best {
-        let most = rounds + share;
-        let best = reschedule(first, &mut rounds, most, &mut rng);
-        found = match found {
-            Some(found) if found.value <= best.value => Some(found),
-            _ => Some(best),
-        };
     }
-    let mut found = found.expect("at least one candidate");
-    // Alternates between other access paths and other priorities.
-    while rounds < search.rounds && !search.enough.is_cancelled() {
-        let most = search.rounds.min(rounds + WAYS / sites.len() as u64);
-        while rounds < most && !search.enough.is_cancelled() {
-            rounds += 1;
-            (search.tried)(rounds, found.scheduled.estimate.of(search.objective));
-            let order = rearranged(&found, &mut rng);
-            let priorities = found.scheduled.priorities.clone();
-            match candidate(order, priorities, found.has_gaps, search.enough) {
-                Ok(other) if other.value <= found.value => found = other,
-                Ok(_) => {}
-                Err(_) => break,
+
+    /// Alternates between other access paths and other priorities.
+    fn alternate(&mut self, mut found: ScheduleCandidate) -> ScheduleCandidate {
+        while !self.is_over() {
+            let most = self.rounds + WAYS / self.sites.len() as u64;
+            while self.rounds < most && !self.is_over() {
+                self.rounds += 1;
+                self.report(&found);
+                let order = rearranged(&found, &mut self.rng);
+                let priorities = found.scheduled.priorities.clone();
+                match self.candidate(order, priorities, found.has_gaps, self.search.enough) {
+                    Ok(other) if other.value <= found.value => found = other,
+                    Ok(_) => {}
+                    Err(_) => break,
+                }
             }
+            found = self.reschedule(found, self.rounds + PRIORITIES);
         }
-        let most = rounds + PRIORITIES;
-        found = reschedule(found, &mut rounds, most, &mut rng);
+        found
     }
-    Ok(FoundSchedule {
-        disassembly: found.disassembly,
-        corridors: found.corridors,
-        schedule: found.scheduled.schedule,
-        rounds,
-    })
 }
 
 /// Returns keys for another disassembly order: a few random changes, or the order of captures with

@@ -136,6 +136,12 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         "whether the run ended during the wait: it would have been longer, by an unknown amount",
         |row| row.of.docked().is_none(),
     );
+    add_capture(&mut table);
+    table
+}
+
+/// Adds the columns about the captured block.
+fn add_capture<'a>(table: &mut TableDefinition<'a, RunRow<'a, BondRow<'a>>>) {
     table.integer(
         "entries",
         "times that a free block came into the reach of the pull, re-entries included",
@@ -177,5 +183,4 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         })
         .unit("ticks")
         .null("it had none, or the wait is censored");
-    table
 }

@@ -186,7 +186,6 @@ pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRec
             return Err(RunCancelled);
         }
     }
-    let late = total > 800;
     let released = Origin::Released {
         role: RoleId(1),
         tick: 7,
@@ -198,13 +197,34 @@ pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRec
         bonds: vec![bond(0, 0, Origin::Free), bond(1, waits[0], released)],
         ..RunRecord::without_bonds(run, Outcome::Completed, total)
     };
+    add_rare_events(&mut record);
+    match run {
+        3 => panic!("run 3 goes wrong"),
+        5 => {
+            record.phase_ticks.clear();
+            record.bonds.clear();
+            record.waiting.clear();
+            record.releases.clear();
+            record.outcome = Outcome::Failed {
+                phase: PhaseId(0),
+                reason: "block 7 left the world".into(),
+            };
+        }
+        _ => {}
+    }
+    Ok(record)
+}
+
+/// Adds releases, unplanned bonds and timeouts to some of the runs.
+fn add_rare_events(record: &mut RunRecord) {
+    let total = record.ticks;
     let (parent, child, body) = (RoleId(0), RoleId(1), record.bonds[0].body);
     if total.is_multiple_of(3) {
         record.releases.push(ReleaseRecord {
             phase: PhaseId(1),
             parent,
             child,
-            tick: waits[0],
+            tick: record.phase_ticks[0],
             body,
         });
     }
@@ -218,10 +238,10 @@ pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRec
             body,
         });
     }
-    if late {
+    if total > 800 {
         record.outcome = Outcome::TimedOut {
             phase: PhaseId(1),
-            by: match run % 2 {
+            by: match record.run % 2 {
                 0 => Limit::Timeout,
                 _ => Limit::MaxTicks,
             },
@@ -239,21 +259,6 @@ pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRec
             });
         }
     }
-    match run {
-        3 => panic!("run 3 goes wrong"),
-        5 => {
-            record.phase_ticks.clear();
-            record.bonds.clear();
-            record.waiting.clear();
-            record.releases.clear();
-            record.outcome = Outcome::Failed {
-                phase: PhaseId(0),
-                reason: "block 7 left the world".into(),
-            };
-        }
-        _ => {}
-    }
-    Ok(record)
 }
 
 /// Does the runs of an ensemble on so many threads.
