@@ -30,8 +30,8 @@ pub struct FixedFile {
 /// are not changed.
 ///
 /// # Errors
-/// If the file cannot be read. The error is the message of the system.
-pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Result<FixedFile, String> {
+/// If the file cannot be read.
+pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> io::Result<FixedFile> {
     let original = programs::read(path)?;
     let mut reader = DiskReader::new(path, Some(&original), further);
     let compiler::Fixed {

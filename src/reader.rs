@@ -1,4 +1,5 @@
 //! Reads programs and their imports from the disk for the compiler.
+use std::io;
 use std::path::PathBuf;
 
 use stochc_compiler::Reader;
@@ -26,7 +27,7 @@ impl<'a> DiskReader<'a> {
 }
 
 impl Reader for DiskReader<'_> {
-    fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
+    fn read(&mut self, path: &str) -> io::Result<Vec<u8>> {
         match self.text {
             Some(text) if path == self.program => Ok(text.to_vec()),
             _ if path == self.program => programs::read(path),

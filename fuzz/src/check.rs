@@ -16,7 +16,7 @@ const LIMITS: Limits = Limits {
 pub fn read(bytes: &[u8]) {
     let mut reader = |path: &str| match path {
         "fuzz.sa" => Ok(bytes.to_vec()),
-        _ => Err("there is only one file".to_owned()),
+        _ => Err(std::io::Error::other("there is only one file")),
     };
     let checked = check("fuzz.sa", &mut reader, LIMITS);
     let renderer = Renderer::new(false, 100);

@@ -144,7 +144,10 @@ pub fn folders(imports: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
 /// # Errors
 ///
 /// The message of the parser.
-pub fn parsed<T: std::str::FromStr<Err = String>>(what: &str, text: &str) -> Result<T, Failure> {
+pub fn parsed<T: std::str::FromStr<Err: std::fmt::Display>>(
+    what: &str,
+    text: &str,
+) -> Result<T, Failure> {
     (text.parse()).map_err(|reason| Failure::usage(format!("{what}: {reason}")))
 }
 

@@ -7,6 +7,7 @@ use stochc_experiments::fit::{
     Design, Emulator, Fit, FittedProgram, MeasuredTimes, Measurement, Observed, Posterior, Prior,
     Simulated, Unit,
 };
+use stochc_experiments::sweep::RangeError;
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
 use stochc_ir::scene::Scene;
@@ -78,8 +79,8 @@ pub fn of_scenes(mut priors: Vec<Prior>, measured: &[FitProgram]) -> Result<Vec<
     }
     for FitProgram { program, .. } in measured {
         let of_scene = |prior: Prior| prior.of_scene(&program.scene);
-        let known: Result<_, String> = priors.into_iter().map(of_scene).collect();
-        priors = known.map_err(|told| Failure::usage(format!("--vary: {told}")))?;
+        let known: Result<_, RangeError> = priors.into_iter().map(of_scene).collect();
+        priors = known.map_err(|error| Failure::usage(format!("--vary: {error}")))?;
     }
     Ok(priors)
 }
@@ -412,7 +413,7 @@ pub fn fitted_scenes(
     for FitProgram { program, .. } in measured {
         let mut entry = program.clone();
         let medians = setup.priors.iter().zip(&fit.numbers);
-        let varied: Result<_, String> = medians
+        let varied: Result<_, RangeError> = medians
             .map(|(prior, it)| prior.varied_to(it.median, &program.scene))
             .collect();
         entry.varied = varied.map_err(Failure::usage)?;
@@ -450,7 +451,7 @@ fn at_points(
         for point in &design.points {
             let mut entry = program.clone();
             let pairs = setup.priors.iter().zip(point);
-            let varied: Result<_, String> = pairs
+            let varied: Result<_, RangeError> = pairs
                 .map(|(prior, share)| prior.varied(*share, &program.scene))
                 .collect();
             entry.varied = varied.map_err(Failure::usage)?;

@@ -48,12 +48,21 @@ fn what_is_read_is_what_was_written() {
 #[test]
 fn another_file_is_told_from_a_damaged_one() {
     let read = |bytes: &[u8]| Executable::read_all(bytes).unwrap_err();
-    assert_eq!(read(b"assembly a { }"), ExecutableError::OtherFile);
-    assert_eq!(read(b"{\"format\":1}"), ExecutableError::OtherFile);
+    assert!(matches!(
+        read(b"assembly a { }"),
+        ExecutableError::OtherFile
+    ));
+    assert!(matches!(
+        read(b"{\"format\":1}"),
+        ExecutableError::OtherFile
+    ));
     let file = written(&executables("examples/line.sa"));
     let text = String::from_utf8(file).unwrap();
     let newer = text.replacen("\"format\":1", "\"format\":7", 1);
-    assert_eq!(read(newer.as_bytes()), ExecutableError::OtherFormat(7));
+    assert!(matches!(
+        read(newer.as_bytes()),
+        ExecutableError::OtherFormat(7)
+    ));
     let half = &text[..text.len() / 2];
     assert!(matches!(read(half.as_bytes()), ExecutableError::Damaged(_)));
     for (what, otherwise) in [
@@ -67,7 +76,10 @@ fn another_file_is_told_from_a_damaged_one() {
         assert_ne!(damaged, text, "{what}");
         let error = read(damaged.as_bytes());
         assert!(
-            matches!(error, ExecutableError::Damaged(_)),
+            matches!(
+                error,
+                ExecutableError::Damaged(_) | ExecutableError::Invalid(_)
+            ),
             "{what}: {error}"
         );
     }

@@ -38,10 +38,10 @@ struct Sample {
 struct SampleFolder<'a>(&'a [(&'static str, Vec<u8>)]);
 
 impl Reader for SampleFolder<'_> {
-    fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
+    fn read(&mut self, path: &str) -> std::io::Result<Vec<u8>> {
         let file = self.0.iter().find(|(name, _)| *name == path);
         file.map(|(_, text)| text.clone())
-            .ok_or("No such file or directory (os error 2)".to_owned())
+            .ok_or_else(|| std::io::Error::other("No such file or directory (os error 2)"))
     }
 
     fn outside(&mut self, path: &str) -> Option<String> {

@@ -19,7 +19,7 @@ fn checked(path: &str, text: &str, levels: &LintLevels) -> Checked {
         if asked == path {
             Ok(text.as_bytes().to_vec())
         } else {
-            Err("no such file".to_owned())
+            Err(std::io::Error::other("no such file"))
         }
     };
     check_with(path, &mut reader, Limits::default(), levels)
@@ -140,7 +140,7 @@ fn levels_fixes_and_reasons_are_in_the_report() {
     let mut levels = LintLevels::default();
     levels.set(Some(Code::UnusedSeed), Level::Deny);
     levels.set(Some(Code::RedundantAfter), Level::Allow);
-    let mut nothing = |_: &str| Err("no such file".to_owned());
+    let mut nothing = |_: &str| Err(std::io::Error::other("no such file"));
     let missing = check_with("none.sa", &mut nothing, Limits::default(), &levels);
     let missing = ("none.sa", missing);
     let mut report = report([("a.sa", checked("a.sa", text, &levels)), missing]);

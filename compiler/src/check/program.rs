@@ -244,7 +244,7 @@ impl About<'_> {
         if !fixes.iter().all(|fix| change.add(fix)) {
             return None;
         }
-        let mut unread = |_: &str| Err("it has not been read".to_owned());
+        let mut unread = |_: &str| Err(std::io::Error::other("it has not been read"));
         let mut reader = change.over(self.sources, &mut unread);
         let levels = LintLevels::default();
         let checked = check_all(

@@ -31,7 +31,7 @@ pub fn check_texts(
         let found = texts.iter().find(|(name, _)| *name == path);
         found
             .map(|(_, text)| text.as_bytes().to_vec())
-            .ok_or("it is not among the texts".to_owned())
+            .ok_or_else(|| std::io::Error::other("it is not among the texts"))
     };
     let root = texts.first().map_or("", |(name, _)| name);
     let limits = Limits::default();

@@ -129,7 +129,7 @@ struct ChangedReader<'r, 't> {
 }
 
 impl Reader for ChangedReader<'_, '_> {
-    fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
+    fn read(&mut self, path: &str) -> std::io::Result<Vec<u8>> {
         // Reading removes one byte-order mark.
         let bytes = |text: &str| ["\u{feff}", text].concat().into_bytes();
         let files = self.sources.files();
@@ -269,7 +269,7 @@ mod tests {
         ];
         let mut disk = |asked: &str| {
             let file = files.iter().find(|(name, _)| *name == asked);
-            (file.map(|(_, bytes)| bytes.to_vec())).ok_or_else(String::new)
+            (file.map(|(_, bytes)| bytes.to_vec())).ok_or(std::io::ErrorKind::NotFound.into())
         };
         let read = |name: &str, reader: &mut dyn Reader| {
             let mut sources = Sources::default();

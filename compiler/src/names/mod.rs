@@ -255,7 +255,7 @@ mod tests {
         let mut reader = |path: &str| {
             let file = files.iter().find(|(name, _)| *name == path);
             file.map(|(_, text)| text.as_bytes().to_vec())
-                .ok_or_else(|| "none".to_owned())
+                .ok_or(std::io::ErrorKind::NotFound.into())
         };
         let checked = check(files[0].0, &mut reader, Limits::default());
         let names = Names::new(&checked, Cancellation::NEVER).unwrap();

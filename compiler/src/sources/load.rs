@@ -177,7 +177,7 @@ impl Loader<'_> {
                 );
                 let diagnostic = match importer {
                     Some(location) => diagnostic
-                        .label(location, reason)
+                        .label(location, reason.to_string())
                         .help("write the path relative to the importing file"),
                     None => Diagnostic {
                         title: format!("{}: {reason}", diagnostic.title),

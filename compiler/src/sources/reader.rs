@@ -1,11 +1,16 @@
 //! Interface to read the sources of programs.
+use std::io;
 
 /// Reads files for the compiler, which itself does no I/O.
 pub trait Reader {
-    /// Returns the bytes of a file, or why they cannot be had, in the words of the system.
+    /// Returns the bytes of a file.
     ///
     /// `path` is the program's own path joined with that of the import, with `/` between folders.
-    fn read(&mut self, path: &str) -> Result<Vec<u8>, String>;
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read. Diagnostics contain the message.
+    fn read(&mut self, path: &str) -> io::Result<Vec<u8>>;
 
     /// Returns a unique name of a file that may have several paths, because of links or `..`.
     /// Returns `None` if the path is unique.
@@ -22,8 +27,8 @@ pub trait Reader {
     }
 }
 
-impl<F: FnMut(&str) -> Result<Vec<u8>, String>> Reader for F {
-    fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
+impl<F: FnMut(&str) -> io::Result<Vec<u8>>> Reader for F {
+    fn read(&mut self, path: &str) -> io::Result<Vec<u8>> {
         self(path)
     }
 }

@@ -112,7 +112,7 @@ const SMALL: Limits = Limits {
 fn run(bytes: &[u8], limits: Limits) -> Checked {
     let mut reader = |path: &str| match path {
         "bad.sa" => Ok(bytes.to_vec()),
-        _ => Err("there is only one file".to_owned()),
+        _ => Err(std::io::Error::other("there is only one file")),
     };
     let checked = check("bad.sa", &mut reader, limits);
     examine(&checked);
@@ -470,7 +470,7 @@ fn circles_of_imports_are_told_of_once() {
             *reads.entry(path.to_owned()).or_insert(0) += 1;
             let number: usize = path[..path.len() - 3]
                 .parse()
-                .map_err(|_| "no number".to_owned())?;
+                .map_err(|_| std::io::Error::other("no number"))?;
             let mut text = String::new();
             let next = if all {
                 0..count
@@ -502,7 +502,7 @@ fn files_that_import_themselves_under_new_names_come_to_an_end() {
         reads += 1;
         // As a system does that follows so many links in one path.
         if path.matches('/').count() > 40 {
-            return Err("too many levels of symbolic links".to_owned());
+            return Err(std::io::Error::other("too many levels of symbolic links"));
         }
         Ok(b"import \"l/a.sa\" import \"m/a.sa\" let n = 1".to_vec())
     };

@@ -309,13 +309,13 @@ fn text(program: &str) -> Checked {
 fn files(files: &[(&str, &str)], path: &str) -> Checked {
     let files: BTreeMap<&str, &str> = files.iter().copied().collect();
     let mut reader = |path: &str| {
-        let text = files.get(path).ok_or("no such file")?;
+        let text = files.get(path).ok_or(std::io::ErrorKind::NotFound)?;
         Ok(text.as_bytes().to_vec())
     };
     checked(path, &mut reader)
 }
 
-fn checked(path: &str, reader: &mut dyn FnMut(&str) -> Result<Vec<u8>, String>) -> Checked {
+fn checked(path: &str, reader: &mut dyn FnMut(&str) -> std::io::Result<Vec<u8>>) -> Checked {
     check(path, &mut |path: &str| reader(path), Limits::default())
 }
 

@@ -6,14 +6,14 @@ use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, TextChange};
 use stochc_compiler::{Checked, FileId, Fixed, Limits, LintLevels, check};
 
 /// Reads a text as `a.sa`, next to the files that the fixtures import.
-fn files(text: &str) -> impl FnMut(&str) -> Result<Vec<u8>, String> {
+fn files(text: &str) -> impl FnMut(&str) -> std::io::Result<Vec<u8>> {
     move |asked| match asked {
         "a.sa" => Ok(text.as_bytes().to_vec()),
         "towers.sa" => Ok(Vec::new()),
         "importing_tower.sa" => {
             Ok(include_bytes!("../../../tests/fixtures/importing_tower.sa").to_vec())
         }
-        _ => Err("no such file".to_owned()),
+        _ => Err(std::io::Error::other("no such file")),
     }
 }
 
@@ -363,7 +363,7 @@ fn checks(text: &str) -> (Checked, u32) {
         "a.sa" => Ok(text.as_bytes().to_vec()),
         _ => {
             checks += 1;
-            Err("no such file".to_owned())
+            Err(std::io::Error::other("no such file"))
         }
     };
     (check("a.sa", &mut reader, Limits::default()), checks)

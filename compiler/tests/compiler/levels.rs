@@ -7,7 +7,7 @@ use stochc_compiler::{Checked, Level, Limits, LintLevels, check_with};
 fn files(files: &[(&str, &str)], levels: &LintLevels) -> Checked {
     let files: BTreeMap<&str, &str> = files.iter().copied().collect();
     let mut reader = |path: &str| {
-        let text = files.get(path).ok_or("no such file")?;
+        let text = files.get(path).ok_or(std::io::ErrorKind::NotFound)?;
         Ok(text.as_bytes().to_vec())
     };
     check_with("a.sa", &mut reader, Limits::default(), levels)

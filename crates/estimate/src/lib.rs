@@ -33,7 +33,7 @@ pub use waits::first_guess::GUESS_ERROR;
 pub use waits::head_start::{HeadStart, HeadStarts, ReleaseNearby, relative};
 pub use waits::law::{Parameter, Parameters, Surroundings};
 pub use waits::lower_bound::{LowerBoundReason, LowerBoundReasons};
-pub use waits::rates::{Coverage, FORMAT, Rates, density_in};
+pub use waits::rates::{Coverage, FORMAT, Rates, UnreadableRates, density_in};
 pub use waits::times::{Times, quantile};
 pub use waits::wait::Wait;
 

@@ -51,7 +51,7 @@ fn guesses_are_as_far_off_as_is_said() {
         let measured = Rates::from_text(&text).unwrap();
         let guess = Rates::first_guess(&measured.scene).unwrap();
         assert!(guess.is_guess() && !measured.is_guess());
-        assert_eq!(Rates::from_text(&guess.to_text()).as_ref(), Ok(&guess));
+        assert_eq!(Rates::from_text(&guess.to_text()).unwrap(), guess);
         // The error is unknown for more distant scenes.
         let mut other = measured.scene.clone();
         other.drag = None;

@@ -21,9 +21,9 @@ pub use disk::File;
 ///
 /// # Errors
 ///
-/// A message, if the file is not a regular file or is larger than the language allows.
-pub fn read(path: &str) -> Result<Vec<u8>, String> {
-    read_file(Path::new(path), PROGRAM).map_err(|error| error.to_string())
+/// If the file is not a regular file or is larger than the language allows.
+pub fn read(path: &str) -> io::Result<Vec<u8>> {
+    read_file(Path::new(path), PROGRAM)
 }
 
 /// Returns the bytes of a regular file.

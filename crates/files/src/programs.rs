@@ -6,7 +6,8 @@ use std::io::{self, Read as _};
 use std::path::Path;
 use std::sync::OnceLock;
 
-use stochc_ir::Executable;
+use stochc_ir::{Executable, ExecutableError};
+use thiserror::Error;
 
 use super::bound::identity;
 use super::budget::{EXECUTABLE, PROGRAM};
@@ -17,8 +18,32 @@ pub const STDIN: &str = "-";
 /// Name of the standard input in messages.
 pub const STDIN_NAME: &str = "<stdin>";
 
-/// Message about an argument that names no program.
-pub type Unusable = String;
+/// Error of an argument that names no program.
+#[derive(Debug, Error)]
+pub enum Unusable {
+    /// A folder without programs.
+    #[error("`{0}` contains no program (`*.sa`)")]
+    NoProgram(String),
+    /// A file or folder that cannot be read.
+    #[error("cannot read {path}: {reason}")]
+    Unreadable {
+        /// Its path.
+        path: String,
+        /// Reason.
+        reason: String,
+    },
+}
+
+/// Error of a file of compiled programs.
+#[derive(Debug, Error)]
+pub enum UnusableExecutable {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// The file is invalid.
+    #[error(transparent)]
+    Invalid(#[from] ExecutableError),
+}
 
 /// Returns the programs named by arguments, each once: files, programs (`*.sa`) in folders and
 /// subfolders, and [`STDIN_NAME`] for [`STDIN`].
@@ -32,7 +57,7 @@ pub fn programs(arguments: &[String]) -> Vec<Result<String, Unusable>> {
             path => vec![Ok(path.to_owned())],
         };
         if found.is_empty() {
-            programs.push(Err(format!("`{argument}` contains no program (`*.sa`)")));
+            programs.push(Err(Unusable::NoProgram(argument.clone())));
         }
         programs.extend(found.into_iter().filter(|program| match program {
             Ok(program) => seen.insert(program.clone()),
@@ -112,7 +137,10 @@ impl FolderPrograms {
     }
 
     fn cannot_read(&mut self, path: &str, reason: impl Display) {
-        self.unusable.push(format!("cannot read {path}: {reason}"));
+        self.unusable.push(Unusable::Unreadable {
+            path: path.to_owned(),
+            reason: reason.to_string(),
+        });
     }
 
     /// Returns all results, with each file once.
@@ -132,20 +160,24 @@ impl FolderPrograms {
 ///
 /// # Errors
 ///
-/// A message of the system or of [`super::read`], and a file of compiled programs.
-pub fn read(program: &str) -> Result<Vec<u8>, String> {
-    static INPUT: OnceLock<Result<Vec<u8>, String>> = OnceLock::new();
-    let all =
-        || super::read_stream(std::io::stdin().lock(), PROGRAM).map_err(|error| error.to_string());
+/// The errors of [`super::read`], and a file of compiled programs.
+pub fn read(program: &str) -> io::Result<Vec<u8>> {
+    static INPUT: OnceLock<io::Result<Vec<u8>>> = OnceLock::new();
     let text = match program {
-        STDIN_NAME => INPUT.get_or_init(all).clone(),
-        file => super::read(file),
-    }?;
+        STDIN_NAME => {
+            let all = || super::read_stream(std::io::stdin().lock(), PROGRAM);
+            let input = INPUT.get_or_init(all).as_ref();
+            let again = |error: &io::Error| io::Error::new(error.kind(), error.to_string());
+            input.map_err(again)?.clone()
+        }
+        file => super::read(file)?,
+    };
     if Executable::is_file(&text) {
-        Err("it is already compiled; name its source file".to_owned())
-    } else {
-        Ok(text)
+        return Err(io::Error::other(
+            "it is already compiled; name its source file",
+        ));
     }
+    Ok(text)
 }
 
 /// Returns whether a file looks like compiled programs.
@@ -162,12 +194,11 @@ pub fn is_executable(file: &mut File) -> io::Result<bool> {
 }
 
 /// Returns the compiled programs of a file, or `None` if it does not look like one.
-pub fn executables(path: &str) -> Option<Result<Vec<Executable>, String>> {
+pub fn executables(path: &str) -> Option<Result<Vec<Executable>, UnusableExecutable>> {
     let mut file = super::open(Path::new(path)).ok()?;
     is_executable(file.as_plain()).ok()?.then(|| {
-        let bytes = super::read_file(Path::new(path), EXECUTABLE);
-        let bytes = bytes.map_err(|error| error.to_string())?;
-        Executable::read_all(&bytes).map_err(|error| error.to_string())
+        let bytes = super::read_file(Path::new(path), EXECUTABLE)?;
+        Ok(Executable::read_all(&bytes)?)
     })
 }
 

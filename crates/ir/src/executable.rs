@@ -1,14 +1,14 @@
 //! Compiled program as a value and as a file.
-use std::fmt;
 use std::io::{self, Write};
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
+use thiserror::Error;
 
-use crate::graph::EventGraph;
+use crate::graph::{EventGraph, InvalidGraph};
 use crate::json::strict::{StrictJsonError, strict_json};
-use crate::scene::Scene;
-use crate::table::Tables;
+use crate::scene::{InvalidScene, Scene};
+use crate::table::{InvalidTables, Tables};
 
 /// Version of the file format. No other version is read.
 pub const FORMAT: u32 = 1;
@@ -51,14 +51,34 @@ impl JamRisk {
 }
 
 /// Reason why a file is not an executable.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Debug, Error)]
 pub enum ExecutableError {
     /// The file has another kind.
+    #[error("it is no executable of stochc")]
     OtherFile,
     /// The file has another [`FORMAT`].
+    #[error("its format is {0}, and this is {FORMAT}; compile its program again")]
     OtherFormat(u32),
-    /// The file is corrupted, as described.
-    Damaged(String),
+    /// The file is not valid JSON of an executable.
+    #[error("it is damaged: {0}")]
+    Damaged(#[from] StrictJsonError),
+    /// A program of the file is invalid.
+    #[error("it is damaged: {0}")]
+    Invalid(#[from] InvalidExecutable),
+}
+
+/// Defect of a program from a file.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum InvalidExecutable {
+    /// In the scene.
+    #[error(transparent)]
+    Scene(#[from] InvalidScene),
+    /// In the event tables.
+    #[error(transparent)]
+    Tables(#[from] InvalidTables),
+    /// In the graph.
+    #[error(transparent)]
+    Graph(#[from] InvalidGraph),
 }
 
 #[derive(Deserialize)]
@@ -94,11 +114,11 @@ impl Executable {
     ///
     /// # Errors
     ///
-    /// A description of the defect.
-    pub fn validate(&self) -> Result<(), String> {
+    /// If a part of it is invalid.
+    pub fn validate(&self) -> Result<(), InvalidExecutable> {
         self.scene.validate()?;
         self.tables.validate_in(&self.scene)?;
-        self.graph.validate(&self.tables)
+        Ok(self.graph.validate(&self.tables)?)
     }
 
     /// Writes executables as a file.
@@ -133,7 +153,7 @@ impl Executable {
     pub fn read_all(bytes: &[u8]) -> Result<Vec<Executable>, ExecutableError> {
         let head: Head = serde_json::from_slice(bytes).map_err(|error| {
             if Executable::is_file(bytes) {
-                ExecutableError::Damaged(error.to_string())
+                StrictJsonError::Damaged(error).into()
             } else {
                 ExecutableError::OtherFile
             }
@@ -144,10 +164,9 @@ impl Executable {
         if head.format != FORMAT {
             return Err(ExecutableError::OtherFormat(head.format));
         }
-        let damaged = |error: StrictJsonError| ExecutableError::Damaged(error.to_string());
-        let file: StoredFile = strict_json(bytes).map_err(damaged)?;
+        let file: StoredFile = strict_json(bytes)?;
         for program in &file.programs {
-            program.validate().map_err(ExecutableError::Damaged)?;
+            program.validate()?;
         }
         Ok(file.programs)
     }
@@ -155,7 +174,7 @@ impl Executable {
 
 /// Returns the SHA-256 of a value as JSON, in hexadecimal.
 pub fn sha256(value: &impl Serialize) -> String {
-    use fmt::Write as _;
+    use std::fmt::Write as _;
 
     let mut digest = Digester(Sha256::new());
     serde_json::to_writer(&mut digest, value).expect("plain data can be serialized to a digest");
@@ -178,20 +197,3 @@ impl Write for Digester {
         Ok(())
     }
 }
-
-impl fmt::Display for ExecutableError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            ExecutableError::OtherFile => f.write_str("it is no executable of stochc"),
-            ExecutableError::OtherFormat(format) => {
-                write!(
-                    f,
-                    "its format is {format}, and this is {FORMAT}; compile its program again"
-                )
-            }
-            ExecutableError::Damaged(what) => write!(f, "it is damaged: {what}"),
-        }
-    }
-}
-
-impl std::error::Error for ExecutableError {}

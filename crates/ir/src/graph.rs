@@ -161,6 +161,26 @@ impl EventAction {
     }
 }
 
+/// Defect of a graph from a file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum InvalidGraph {
+    /// An event has an unknown phase, or a phase before that of the event before it.
+    #[error("event {0} is in no phase, or out of order")]
+    EventPhase(usize),
+    /// An event has an unknown role.
+    #[error("event {0} is of a block without a name")]
+    EventRole(usize),
+    /// An edge leads to an unknown event or to another phase.
+    #[error("an edge leads to no event of its phase")]
+    Edge,
+    /// Edges are not sorted.
+    #[error("the edges are not sorted")]
+    EdgeOrder,
+    /// The critical paths are not one per phase.
+    #[error("the chains are not those of the phases")]
+    Chains,
+}
+
 impl EventGraph {
     /// Builds a graph from edges in any order. Of edges with equal ends and reason, one is kept.
     pub fn new(
@@ -231,7 +251,7 @@ impl EventGraph {
     ///
     /// If an index is invalid, events are out of order, or an edge leads back or into another
     /// phase.
-    pub fn validate(&self, tables: &Tables) -> Result<(), String> {
+    pub fn validate(&self, tables: &Tables) -> Result<(), InvalidGraph> {
         let (phases, roles) = (tables.phases.len(), tables.roles.len());
         let known = |role: RoleId| (role.0 as usize) < roles;
         let mut last = PhaseId(0);
@@ -241,10 +261,10 @@ impl EventGraph {
                 EventAction::Release { child } => child,
             };
             if event.phase.0 as usize >= phases || event.phase < last {
-                return Err(format!("event {number} is in no phase, or out of order"));
+                return Err(InvalidGraph::EventPhase(number));
             }
             if !known(parent) || !known(event.action.child()) {
-                return Err(format!("event {number} is of a block without a name"));
+                return Err(InvalidGraph::EventRole(number));
             }
             last = event.phase;
         }
@@ -252,14 +272,14 @@ impl EventGraph {
         let phase = |id: EventId| self.event(id).phase;
         for edge in &self.edges {
             if !exists(edge.first) || !exists(edge.then) || phase(edge.first) != phase(edge.then) {
-                return Err("an edge leads to no event of its phase".to_owned());
+                return Err(InvalidGraph::Edge);
             }
         }
         if !self.edges.is_sorted_by_key(|edge| edge.then) {
-            return Err("the edges are not sorted".to_owned());
+            return Err(InvalidGraph::EdgeOrder);
         }
         if self.chains.len() != phases || !self.chains.iter().flatten().all(|&id| exists(id)) {
-            return Err("the chains are not those of the phases".to_owned());
+            return Err(InvalidGraph::Chains);
         }
         Ok(())
     }

@@ -19,7 +19,7 @@ pub use cells::cell::{Cell, offsets_within};
 pub use cells::cell_bounds::CellBounds;
 pub use cells::face::Face;
 pub use draw::Draw;
-pub use executable::{Executable, ExecutableError, FORMAT, JamRisk, sha256};
+pub use executable::{Executable, ExecutableError, FORMAT, InvalidExecutable, JamRisk, sha256};
 pub use json::strict::{StrictJsonError, strict_json};
 pub use json::value::Json;
 

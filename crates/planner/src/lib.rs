@@ -31,8 +31,8 @@ mod timing;
 
 pub use emit::{Naming, PLANNED_MARK, continuation, declaration, draft, program};
 pub use goal::{
-    Completion, ExistingStructure, Goal, LargerScene, NotCompleted, Planned, Repair, Unplanned,
-    untrue_claims,
+    Completion, ExistingStructure, Goal, LargerScene, NoGoal, NoRepair, NotCompleted, Planned,
+    Repair, Unplanned, untrue_claims,
 };
 pub use plan::baseline::Baseline;
 pub use plan::build_plan::{Alternative, BuildPlan, Plans, RaceTimes, plan};

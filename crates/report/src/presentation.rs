@@ -23,13 +23,16 @@ pub struct Presentation {
     pub labels: Vec<ProgramLabel>,
 }
 
-impl FromStr for ProgramLabel {
-    type Err = String;
+/// Error of a label in another form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("give NAME=TEXT, such as `tower=Tower of five`")]
+pub struct InvalidLabel;
 
-    fn from_str(label: &str) -> Result<ProgramLabel, String> {
-        let (name, text) = label
-            .split_once('=')
-            .ok_or("give NAME=TEXT, such as `tower=Tower of five`")?;
+impl FromStr for ProgramLabel {
+    type Err = InvalidLabel;
+
+    fn from_str(label: &str) -> Result<ProgramLabel, InvalidLabel> {
+        let (name, text) = label.split_once('=').ok_or(InvalidLabel)?;
         Ok(ProgramLabel {
             name: name.to_owned(),
             text: text.to_owned(),

@@ -75,20 +75,30 @@ impl std::fmt::Display for Interval {
     }
 }
 
-impl FromStr for Interval {
-    type Err = String;
+/// Error of an interval between checkpoints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum InvalidInterval {
+    /// The text has another form.
+    #[error("give a time (90s, 5m, 2h), ticks (20000ticks) or `never`")]
+    Form,
+    /// The interval is zero.
+    #[error("the interval must be at least one tick")]
+    Zero,
+}
 
-    fn from_str(text: &str) -> Result<Interval, String> {
-        let wrong = || "give a time (90s, 5m, 2h), ticks (20000ticks) or `never`".to_owned();
+impl FromStr for Interval {
+    type Err = InvalidInterval;
+
+    fn from_str(text: &str) -> Result<Interval, InvalidInterval> {
         if text == "never" {
             return Ok(Interval::Never);
         }
         match text.strip_suffix("ticks") {
             Some(ticks) => match ticks.trim_end().parse() {
-                Ok(0) => Err("the interval must be at least one tick".to_owned()),
-                parsed => parsed.map(Interval::Ticks).map_err(|_| wrong()),
+                Ok(0) => Err(InvalidInterval::Zero),
+                parsed => (parsed.map(Interval::Ticks)).map_err(|_| InvalidInterval::Form),
             },
-            None => duration(text).map(Interval::Time).map_err(|_| wrong()),
+            None => (duration(text).map(Interval::Time)).map_err(|_| InvalidInterval::Form),
         }
     }
 }

@@ -59,8 +59,8 @@ pub use folder::{
 };
 pub use journal::JournalError;
 pub use manifest::{
-    ChosenSetting, Compiled, EnsembleProgram, FORMAT, MAX_RUNS, Manifest, ManifestError, Source,
-    SweepAxes, Varied,
+    ChosenSetting, Compiled, EnsembleProgram, FORMAT, InvalidSetting, MAX_RUNS, Manifest,
+    ManifestError, Source, SweepAxes, Varied,
 };
 pub use parquet::{
     ColumnShape, ColumnValues, FilledTable, TableShape, each_row_group, table_metadata, tables,

@@ -8,6 +8,7 @@ mod scene;
 mod seed_plate;
 mod target;
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -330,13 +331,13 @@ fn search(
 }
 
 /// Returns the error that a target cannot be planned for this reason.
-fn refused(target: &str, reason: &str) -> Failure {
+fn refused(target: &str, reason: impl Display) -> Failure {
     Failure::error(Exit::InvalidProgram, format!("`{target}`: {reason}"))
 }
 
 /// Returns the error that a target cannot be built, with the options that help.
 fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Failure {
-    let mut failure = refused(options.target, &error.to_string());
+    let mut failure = refused(options.target, error);
     // Blocks of an existing structure cannot be left out.
     let stands =
         matches!(error, TargetError::Sealed(_)) && !matches!(options.extent, PlanScope::Whole);

@@ -39,7 +39,7 @@ pub fn completion(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Completi
             host.report_diagnostics(&checked);
             Failure::silent(verdict(&checked)).into()
         }
-        NotCompleted::Refused(reason) => refused(options.target, &reason).into(),
+        NotCompleted::Refused(reason) => refused(options.target, reason).into(),
         NotCompleted::Impossible(error) => NotPlanned::impossible(options, error),
     })
 }
@@ -94,13 +94,10 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
             "numbers of the scene were varied in these runs: name the scene to plan for with `--scene`",
         ));
     }
-    let goal = Goal::of_end(&text.checked, program, options.shape);
-    goal.and_then(|mut goal| {
-        goal.stand_on(&structure, &dead)?;
-        Ok(goal)
-    })
-    .map_err(|reason| refused(options.target, &reason))
-    .and_then(|goal| placed(goal, options, host))
+    let mut goal = Goal::of_end(&text.checked, program, options.shape)
+        .map_err(|error| refused(options.target, error))?;
+    (goal.stand_on(&structure, &dead)).map_err(|error| refused(options.target, error))?;
+    placed(goal, options, host)
 }
 
 /// Checks that a program can be planned.

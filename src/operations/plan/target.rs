@@ -106,7 +106,7 @@ fn program(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> 
             },
         });
     }
-    Goal::of_program(&checked, options.shape).map_err(|reason| refused(options.target, &reason))
+    Goal::of_program(&checked, options.shape).map_err(|error| refused(options.target, error))
 }
 
 /// Returns whether a file name has the extension of a program.

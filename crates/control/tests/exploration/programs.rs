@@ -21,10 +21,7 @@ pub fn tables(text: &str) -> Tables {
 
 /// Checks a file of the project. Names of files start at its root.
 pub fn checked(path: &str) -> Checked {
-    let mut reader = |path: &str| {
-        let text = std::fs::read(format!("{ROOT}/{path}"));
-        text.map_err(|error| error.to_string())
-    };
+    let mut reader = |path: &str| std::fs::read(format!("{ROOT}/{path}"));
     check(path, &mut reader, Limits::default())
 }
 

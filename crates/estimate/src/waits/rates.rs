@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Scene;
-use stochc_ir::{Cell, Face, strict_json};
+use stochc_ir::{Cell, Face, StrictJsonError, strict_json};
+use thiserror::Error;
 
 use crate::geometry::neighbourhood::Neighbourhood;
 use crate::geometry::rivals::Rivals;
@@ -193,14 +194,34 @@ impl Rates {
     ///
     /// # Errors
     ///
-    /// A description, if the file is invalid.
-    pub fn from_text(text: &str) -> Result<Rates, String> {
-        strict_json(text.as_bytes()).map_err(no_rates)
+    /// If the file is invalid.
+    pub fn from_text(text: &str) -> Result<Rates, UnreadableRates> {
+        Ok(strict_json(text.as_bytes())?)
     }
 }
 
-fn no_rates(error: impl std::fmt::Display) -> String {
-    format!("it is not a file of rates by `stochc calibrate`: {error}")
+/// Error of a file that does not contain valid rates.
+#[derive(Debug, Error)]
+#[error("it is not a file of rates by `stochc calibrate`: {0}")]
+pub struct UnreadableRates(#[from] StrictJsonError);
+
+/// Defect of rates from a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+enum InvalidRates {
+    #[error("its format is {0}, and this is {FORMAT}; calibrate again")]
+    Format(u32),
+    #[error("its number of parameters is wrong")]
+    Parameters,
+    #[error("the size of its covariance is wrong")]
+    Covariance,
+    #[error("a parameter is out of range")]
+    ParameterRange,
+    #[error("its profile is invalid")]
+    Profile,
+    #[error("its head starts are invalid")]
+    HeadStarts,
+    #[error("a number is not finite")]
+    NotFinite,
 }
 
 // `Stored` ensures that all numbers are finite.
@@ -223,9 +244,9 @@ struct Stored {
 }
 
 impl TryFrom<Stored> for Rates {
-    type Error = String;
+    type Error = InvalidRates;
 
-    fn try_from(stored: Stored) -> Result<Rates, String> {
+    fn try_from(stored: Stored) -> Result<Rates, InvalidRates> {
         let Stored {
             format,
             scene,
@@ -240,28 +261,26 @@ impl TryFrom<Stored> for Rates {
             coverage,
         } = stored;
         if format != FORMAT {
-            return Err(format!(
-                "its format is {format}, and this is {FORMAT}; calibrate again"
-            ));
+            return Err(InvalidRates::Format(format));
         }
         let parameters = <[f64; Parameters::COUNT]>::try_from(parameters)
-            .map_err(|_| "its number of parameters is wrong")?;
+            .map_err(|_| InvalidRates::Parameters)?;
         if covariance.len() != Parameters::COUNT * Parameters::COUNT {
-            return Err("the size of its covariance is wrong".to_owned());
+            return Err(InvalidRates::Covariance);
         }
         // Beyond e^30 waiting times are meaningless, and sums overflow.
         if (parameters.iter()).any(|value| !(-30.0..=30.0).contains(value)) {
-            return Err("a parameter is out of range".to_owned());
+            return Err(InvalidRates::ParameterRange);
         }
         let is_density = |value: &f64| (0.0..=1e6).contains(value);
         if profile.is_empty() || profile.len() > MAX_LAYERS || !profile.iter().all(is_density) {
-            return Err("its profile is invalid".to_owned());
+            return Err(InvalidRates::Profile);
         }
         let is_start = |start: &HeadStart| {
             (0.0..=1.0).contains(&start.probability) && (0.0..=1e9).contains(&start.ticks)
         };
         if head_starts.len() > MAX_HEAD_STARTS || !head_starts.iter().all(is_start) {
-            return Err("its head starts are invalid".to_owned());
+            return Err(InvalidRates::HeadStarts);
         }
         let others = [coverage.least_open, coverage.least_free];
         if covariance
@@ -269,7 +288,7 @@ impl TryFrom<Stored> for Rates {
             .chain(&others)
             .any(|value| !value.is_finite())
         {
-            return Err("a number is not finite".to_owned());
+            return Err(InvalidRates::NotFinite);
         }
         Ok(Rates {
             format: FORMAT,
@@ -334,7 +353,9 @@ mod tests {
     #[test]
     fn a_field_that_means_nothing_is_refused() {
         let text = BUILT_IN[0].replacen("\"seed\"", "\"sead\": 1, \"seed\"", 1);
-        let refused = Rates::from_text(&text).expect_err("it must be rejected");
+        let refused = Rates::from_text(&text)
+            .expect_err("it must be rejected")
+            .to_string();
         assert!(refused.contains("`sead`"), "{refused}");
     }
 }

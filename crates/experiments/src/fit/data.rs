@@ -37,7 +37,7 @@ pub enum DataError {
         /// Line in the file, from 1.
         line: u64,
         /// Reason.
-        reason: String,
+        reason: RowError,
     },
     /// A program has too few runs.
     #[error("`{0}` has fewer than two runs, or all took the same time; its spread is unknown")]
@@ -45,6 +45,29 @@ pub enum DataError {
     /// There are no rows.
     #[error("it contains no times")]
     Empty,
+}
+
+/// Defect of a row.
+#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+pub enum RowError {
+    /// The program of a summary has two rows.
+    #[error("`{0}` has a row already")]
+    Repeated(String),
+    /// A cell is no positive number up to the limit.
+    #[error("`{0}` is not a number above 0 and up to 1e15")]
+    Number(String),
+    /// A cell is no number of runs.
+    #[error("`{0}` is not a number of runs from 2")]
+    Runs(String),
+    /// A cell of the column `stopped` has another value.
+    #[error("`{0}` in `stopped` is neither `true` nor `false`")]
+    Stopped(String),
+    /// The row has too many or too few cells.
+    #[error("the number of cells differs from the number of columns")]
+    Cells,
+    /// The row is not valid text.
+    #[error("it is not valid text")]
+    Text,
 }
 
 /// Measured times of programs, from a table.
@@ -112,12 +135,12 @@ impl MeasuredTimes {
         for record in reader.records() {
             let record = record.map_err(|error| row(&error))?;
             let line = record.position().map_or(0, csv::Position::line);
-            let wrong = |reason: String| DataError::Row { line, reason };
+            let wrong = |reason: RowError| DataError::Row { line, reason };
             let program = original(record.get(0).unwrap_or_default()).to_owned();
             let is_new = known.insert(program.clone());
             match rows {
                 Rows::Programs if !is_new => {
-                    return Err(wrong(format!("`{program}` has a row already")));
+                    return Err(wrong(RowError::Repeated(program)));
                 }
                 Rows::Programs => programs.push((program, summary(&record).map_err(wrong)?)),
                 Rows::Runs { with_stopped } => {
@@ -163,24 +186,24 @@ fn columns(header: &StringRecord) -> Result<(Unit, Rows), DataError> {
     })
 }
 
-fn positive(record: &StringRecord, column: usize) -> Result<f64, String> {
+fn positive(record: &StringRecord, column: usize) -> Result<f64, RowError> {
     let text = record.get(column).unwrap_or_default();
     let value: Option<f64> = text.parse().ok();
     value
         .filter(|value| *value > 0.0 && *value <= MAX)
-        .ok_or_else(|| format!("`{text}` is not a number above 0 and up to 1e15"))
+        .ok_or_else(|| RowError::Number(text.to_owned()))
 }
 
-fn summary(record: &StringRecord) -> Result<Observed, String> {
+fn summary(record: &StringRecord) -> Result<Observed, RowError> {
     let n = positive(record, 1)?;
     if n.fract() != 0.0 || n < 2.0 {
-        return Err(format!("`{n}` is not a number of runs from 2"));
+        return Err(RowError::Runs(n.to_string()));
     }
     let (mean, sd) = (positive(record, 2)?, positive(record, 3)?);
     Ok(Observed::from_summary(n as usize, mean, sd))
 }
 
-fn run(record: &StringRecord, with_stopped: bool) -> Result<Observation, String> {
+fn run(record: &StringRecord, with_stopped: bool) -> Result<Observation, RowError> {
     let time = positive(record, 1)?;
     let word = if with_stopped {
         record.get(2).unwrap_or_default()
@@ -190,9 +213,7 @@ fn run(record: &StringRecord, with_stopped: bool) -> Result<Observation, String>
     match word.to_ascii_lowercase().as_str() {
         "true" | "yes" | "1" => Ok(Observation::censored(time)),
         "false" | "no" | "0" => Ok(Observation::completed(time)),
-        _ => Err(format!(
-            "`{word}` in `stopped` is neither `true` nor `false`"
-        )),
+        _ => Err(RowError::Stopped(word.to_owned())),
     }
 }
 
@@ -221,10 +242,8 @@ fn row(error: &csv::Error) -> DataError {
     DataError::Row {
         line: error.position().map_or(1, csv::Position::line),
         reason: match error.kind() {
-            csv::ErrorKind::UnequalLengths { .. } => {
-                "the number of cells differs from the number of columns".to_owned()
-            }
-            _ => "it is not valid text".to_owned(),
+            csv::ErrorKind::UnequalLengths { .. } => RowError::Cells,
+            _ => RowError::Text,
         },
     }
 }

@@ -1,7 +1,7 @@
 //! Priors: uniform between two values.
 use stochc_ir::scene::Scene;
 
-use crate::sweep::{common, digits, logarithmic, number, value, varied};
+use crate::sweep::{RangeError, common, digits, logarithmic, number, value, varied};
 use stochc_results::Varied;
 
 /// Scene parameter with its range.
@@ -29,26 +29,23 @@ impl Prior {
     ///
     /// # Errors
     ///
-    /// A message. Does not check whether a scene has the parameter.
-    pub fn parse(text: &str) -> Result<Prior, String> {
-        let wrong = "write NAME=FROM..TO, such as `bond.pull=2..12 N` or `free=50..500 log`";
-        let (name, range) = text.split_once('=').ok_or(wrong)?;
+    /// If the format or the range is wrong. Does not check whether a scene has the parameter.
+    pub fn parse(text: &str) -> Result<Prior, RangeError> {
+        let (name, range) = text.split_once('=').ok_or(RangeError::Prior)?;
         let (range, is_logarithmic) = logarithmic(range);
-        let (from, to) = range.split_once("..").ok_or(wrong)?;
+        let (from, to) = range.split_once("..").ok_or(RangeError::Prior)?;
         if name.trim().is_empty() || to.contains('/') && to.rsplit('/').next().is_some_and(is_count)
         {
-            return Err(wrong.to_owned());
+            return Err(RangeError::Prior);
         }
         let ends = [value(from)?, value(to)?];
         let unit = common(&ends)?;
         let [from, to] = ends.map(|(end, _)| end);
         if from >= to || !(from.is_finite() && to.is_finite()) {
-            return Err(format!(
-                "`{from}..{to}` is not a range; write the lower end first"
-            ));
+            return Err(RangeError::Empty { from, to });
         }
         if is_logarithmic && from <= 0.0 {
-            return Err("a range with `log` requires values above 0".to_owned());
+            return Err(RangeError::PriorWithLog);
         }
         Ok(Prior {
             of: name.trim().to_owned(),
@@ -64,18 +61,15 @@ impl Prior {
     ///
     /// # Errors
     ///
-    /// A message, if the scene lacks the parameter, an end is out of range, or an integer range is
+    /// If the scene lacks the parameter, an end is out of range, or an integer range is
     /// too short.
-    pub fn of_scene(self, scene: &Scene) -> Result<Prior, String> {
+    pub fn of_scene(self, scene: &Scene) -> Result<Prior, RangeError> {
         let number = number(scene, &self.of)?;
         for end in [self.from, self.to] {
             varied(number, end, &self.unit)?;
         }
         if number.is_whole() && self.to - self.from < MIN_SPAN {
-            return Err(format!(
-                "`{}` is a whole number, and a fit needs a range of five of them at least; `stochc sweep` tries a few",
-                self.of
-            ));
+            return Err(RangeError::ShortRange(self.of));
         }
         Ok(Prior {
             is_whole: number.is_whole(),
@@ -140,8 +134,8 @@ impl Prior {
     ///
     /// # Errors
     ///
-    /// A message, if the scene lacks the parameter or the value is invalid.
-    pub fn varied(&self, share: f64, scene: &Scene) -> Result<Varied, String> {
+    /// If the scene lacks the parameter or the value is invalid.
+    pub fn varied(&self, share: f64, scene: &Scene) -> Result<Varied, RangeError> {
         self.varied_to(self.value(share), scene)
     }
 
@@ -150,7 +144,7 @@ impl Prior {
     /// # Errors
     ///
     /// See [`Prior::varied`].
-    pub fn varied_to(&self, said: f64, scene: &Scene) -> Result<Varied, String> {
+    pub fn varied_to(&self, said: f64, scene: &Scene) -> Result<Varied, RangeError> {
         let number = number(scene, &self.of)?;
         let said = if number.is_whole() {
             said.round()
@@ -209,7 +203,7 @@ mod tests {
             "free=8..60.5",
             "free=50..53 log",
         ] {
-            let told = of(text).unwrap_err();
+            let told = of(text).unwrap_err().to_string();
             assert!(told.contains("whole number"), "{text}: {told}");
         }
         let pull = of("bond.pull=2..3 N").unwrap();
@@ -236,7 +230,8 @@ mod tests {
         let told = Prior::parse("frei=1..2")
             .unwrap()
             .varied(0.5, &scene)
-            .unwrap_err();
+            .unwrap_err()
+            .to_string();
         assert!(told.contains("free"), "{told}");
     }
 }

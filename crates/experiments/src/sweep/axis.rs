@@ -4,8 +4,7 @@ use stochc_ir::scene::units::WrittenQuantity;
 
 use stochc_results::{ChosenSetting, Varied};
 
-/// Largest number of values of an axis.
-const MAX: u32 = 400;
+use super::error::{MAX_VALUES, RangeError};
 
 /// A scene parameter or setting with the values of its axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,12 +33,12 @@ impl Axis {
     ///
     /// # Errors
     ///
-    /// A message about the format. The scene is not checked here.
-    pub fn parse(text: &str) -> Result<Axis, String> {
+    /// If the format is wrong. The scene is not checked here.
+    pub fn parse(text: &str) -> Result<Axis, RangeError> {
         let (name, values) = text
             .split_once('=')
             .filter(|(name, _)| !name.trim().is_empty())
-            .ok_or("write NAME=VALUES, such as `free=50..600/6` or `bond.pull=2,4,8 N`")?;
+            .ok_or(RangeError::Axis)?;
         let name = name.trim();
         if ChosenSetting::is_name(name) {
             let chosen = settings(name, values)?;
@@ -52,9 +51,7 @@ impl Axis {
         let (spaced, is_geometric) = logarithmic(values);
         let (values, unit) = match spaced.split_once("..") {
             Some((from, rest)) => range(from, rest, is_geometric)?,
-            None if is_geometric => {
-                return Err("`log` spaces a range: write `a..b/n log`".into());
-            }
+            None if is_geometric => return Err(RangeError::ListWithLog),
             None => list(spaced)?,
         };
         Ok(Axis {
@@ -76,37 +73,31 @@ impl Axis {
     ///
     /// # Errors
     ///
-    /// A message if a value is not allowed, is not whole for a whole parameter, or occurs twice.
-    pub fn values(&self, number: &SchemaNumber) -> Result<Vec<Varied>, String> {
+    /// If a value is not allowed, is not whole for a whole parameter, or occurs twice.
+    pub fn values(&self, number: &SchemaNumber) -> Result<Vec<Varied>, RangeError> {
         let mut out: Vec<Varied> = Vec::new();
         for said in self.said(number)? {
             let varied = varied(number, said, &self.unit)?;
             if out.iter().any(|other| other.value == varied.value) {
-                return Err(format!(
-                    "`{}` has the value {} twice; give fewer values",
-                    number.name(),
-                    varied.value()
-                ));
+                return Err(RangeError::ValueTwice {
+                    name: number.name(),
+                    value: varied.value(),
+                });
             }
             out.push(varied);
         }
         Ok(out)
     }
 
-    fn said(&self, number: &SchemaNumber) -> Result<Vec<f64>, String> {
+    fn said(&self, number: &SchemaNumber) -> Result<Vec<f64>, RangeError> {
         Ok(match self.values {
-            AxisValues::Settings(_) => {
-                return Err(format!(
-                    "`{}` is a setting, not a scene parameter",
-                    self.name
-                ));
-            }
+            AxisValues::Settings(_) => return Err(RangeError::Setting(self.name.clone())),
             AxisValues::List(ref values) => values.clone(),
             AxisValues::Even { from, to, n } => {
                 let values: Vec<f64> = (0..n).map(|i| even(from, to, n, i)).collect();
                 let broken = values.iter().find(|value| value.fract() != 0.0);
                 if let (true, Some(broken)) = (number.is_whole(), broken) {
-                    return Err(not_whole(number.name(), (from, to, n), *broken));
+                    return Err(not_whole(number.name(), from, to, n, *broken));
                 }
                 values
             }
@@ -129,12 +120,12 @@ impl Axis {
 }
 
 /// Reads the values of a setting. Each must occur once.
-fn settings(name: &str, values: &str) -> Result<Vec<ChosenSetting>, String> {
+fn settings(name: &str, values: &str) -> Result<Vec<ChosenSetting>, RangeError> {
     let mut chosen: Vec<ChosenSetting> = Vec::new();
     for value in values.split(',') {
         let value = ChosenSetting::new(name, value.trim())?;
         if chosen.contains(&value) {
-            return Err(format!("`{}` is given twice", value.text()));
+            return Err(RangeError::SettingTwice(value.text()));
         }
         chosen.push(value);
     }
@@ -154,15 +145,15 @@ pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
 ///
 /// # Errors
 ///
-/// A message if the value is not allowed.
-pub(crate) fn varied(number: &SchemaNumber, said: f64, unit: &str) -> Result<Varied, String> {
+/// If the value is not allowed.
+pub(crate) fn varied(number: &SchemaNumber, said: f64, unit: &str) -> Result<Varied, RangeError> {
     let given = format!("{said} {unit}");
     let mut quantity = WrittenQuantity::parse(&given)?.to_si();
     // Zero is equal in all units.
     if said == 0.0 && unit.is_empty() {
         quantity.1 = number.kind.dimension;
     }
-    let value = number.accept(quantity).map_err(|error| error.to_string())?;
+    let value = number.accept(quantity)?;
     Ok(Varied {
         of: number.name().to_owned(),
         value,
@@ -186,45 +177,47 @@ pub(crate) fn digits(value: f64, n: usize) -> f64 {
     rounded.unwrap_or(value)
 }
 
-/// Explains why evenly spaced values are not whole, and suggests a number of values.
-fn not_whole(name: &str, (from, to, n): (f64, f64, u32), broken: f64) -> String {
+/// Returns the error that evenly spaced values are not whole, and suggests a number of values.
+fn not_whole(name: &'static str, from: f64, to: f64, n: u32, broken: f64) -> RangeError {
     let whole = |n: &u32| (1..n - 1).all(|i| even(from, to, *n, i).fract() == 0.0);
     let ends = from.fract() == 0.0 && to.fract() == 0.0;
     let mut fitting: Vec<u32> = (2..=60).filter(|n| ends && whole(n)).collect();
     fitting.sort_by_key(|other| other.abs_diff(n));
     fitting.truncate(4);
     fitting.sort_unstable();
-    let way_out = match fitting[..] {
+    let help = match fitting[..] {
         [] => "give whole numbers as ends".to_owned(),
         _ => {
             let fitting: Vec<String> = fitting.iter().map(u32::to_string).collect();
             format!("{} values are all whole", fitting.join(", "))
         }
     };
-    format!(
-        "`{name}` is a whole number, and {n} values from {from} to {to} are not all: {} is one; \
-         {way_out}, `log` rounds, or give a list",
-        digits(broken, 6)
-    )
+    RangeError::NotWhole {
+        name,
+        n,
+        from,
+        to,
+        broken: digits(broken, 6),
+        help,
+    }
 }
 
 /// Reads `50..600/6`, split at its dots.
-fn range(from: &str, rest: &str, is_geometric: bool) -> Result<(AxisValues, String), String> {
+fn range(from: &str, rest: &str, is_geometric: bool) -> Result<(AxisValues, String), RangeError> {
     let count = rest.rsplit_once('/').and_then(|(to, n)| {
         let n = n.trim();
         let is_number = !n.is_empty() && n.chars().all(|c| c.is_ascii_digit());
         is_number.then_some((to, n))
     });
     let Some((to, n)) = count else {
-        return Err(format!(
-            "how many values from `{}` to `{}`? write `a..b/n`, such as `50..600/6`",
-            from.trim(),
-            rest.trim()
-        ));
+        return Err(RangeError::NoCount {
+            from: from.trim().to_owned(),
+            to: rest.trim().to_owned(),
+        });
     };
     let n = (n.parse().ok())
-        .filter(|n| (2..=MAX).contains(n))
-        .ok_or_else(|| format!("a range has 2 to {MAX} values, not {n}"))?;
+        .filter(|n| (2..=MAX_VALUES).contains(n))
+        .ok_or_else(|| RangeError::Count(n.to_owned()))?;
     let (first, last) = (value(from)?, value(to)?);
     let unit = common(&[first.clone(), last.clone()])?;
     let (from, to) = (first.0, last.0);
@@ -234,11 +227,11 @@ fn range(from: &str, rest: &str, is_geometric: bool) -> Result<(AxisValues, Stri
     if from > 0.0 && to > 0.0 {
         Ok((AxisValues::Geometric { from, to, n }, unit))
     } else {
-        Err("a range with `log` is of values above 0".into())
+        Err(RangeError::AxisWithLog)
     }
 }
 
-fn list(text: &str) -> Result<(AxisValues, String), String> {
+fn list(text: &str) -> Result<(AxisValues, String), RangeError> {
     let values: Vec<_> = text.split(',').map(value).collect::<Result<_, _>>()?;
     let unit = common(&values)?;
     let values = values.into_iter().map(|(number, _)| number);
@@ -246,19 +239,20 @@ fn list(text: &str) -> Result<(AxisValues, String), String> {
 }
 
 /// Splits a number from its unit.
-pub(crate) fn value(text: &str) -> Result<(f64, String), String> {
+pub(crate) fn value(text: &str) -> Result<(f64, String), RangeError> {
     let WrittenQuantity { value, unit, .. } = WrittenQuantity::parse(text)?;
     Ok((value, unit.to_owned()))
 }
 
 /// Returns the common unit: the unit of the last value also applies to values without a unit.
-pub(crate) fn common(values: &[(f64, String)]) -> Result<String, String> {
+pub(crate) fn common(values: &[(f64, String)]) -> Result<String, RangeError> {
     let unit = values.last().map_or("", |(_, unit)| unit);
     let other = values.iter().find(|(_, it)| !it.is_empty() && it != unit);
     match other {
-        Some((_, other)) => Err(format!(
-            "give all values one unit, not `{other}` and `{unit}`; the unit of the last value applies to all"
-        )),
+        Some((_, other)) => Err(RangeError::Units {
+            other: other.clone(),
+            last: unit.to_owned(),
+        }),
         None => Ok(unit.to_owned()),
     }
 }
@@ -271,17 +265,17 @@ mod tests {
     use super::*;
 
     /// Returns the values of an axis for the default scene, in its unit and in SI units.
-    fn values(text: &str) -> Result<(Vec<f64>, Vec<f64>), String> {
+    fn values(text: &str) -> Result<(Vec<f64>, Vec<f64>), RangeError> {
         let axis = Axis::parse(text)?;
         let scene = built_in("hemisphere").unwrap();
-        let scalar = find(&scene, &axis.name).map_err(|error| error.to_string())?;
+        let scalar = find(&scene, &axis.name)?;
         let values = axis.values(scalar)?;
         let said = values.iter().map(|varied| varied.said).collect();
         Ok((said, values.iter().map(|varied| varied.value).collect()))
     }
 
     fn told(text: &str) -> String {
-        values(text).unwrap_err()
+        values(text).unwrap_err().to_string()
     }
 
     #[test]
@@ -337,7 +331,7 @@ mod tests {
             ("substeps=1,2,1", "`substeps=1` is given twice"),
             ("precision=", "give one of"),
         ] {
-            let told = Axis::parse(text).unwrap_err();
+            let told = Axis::parse(text).unwrap_err().to_string();
             assert!(told.contains(reason), "{text}: {told}");
         }
     }

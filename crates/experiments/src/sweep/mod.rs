@@ -6,11 +6,13 @@
 //! `data.rs` writes them. `docs/guides/sweep.md` explains each figure.
 mod axis;
 mod data;
+mod error;
 mod outcome;
 mod points;
 
 pub use axis::Axis;
 pub(crate) use axis::{common, digits, logarithmic, value, varied};
+pub use error::{MAX_POINTS, RangeError};
 pub use outcome::{PointTally, Sweep, SweepPoint, SweepTally, SweptNumber, SweptValue};
 pub(crate) use points::number;
-pub use points::{MAX_POINTS, Point, points};
+pub use points::{Point, points};

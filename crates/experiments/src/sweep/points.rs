@@ -3,11 +3,9 @@ use stochc_ir::scene::Scene;
 use stochc_ir::scene::scalars::find;
 use stochc_ir::scene::schema::SchemaNumber;
 
-use super::Axis;
+use super::axis::Axis;
+use super::error::{MAX_POINTS, RangeError};
 use stochc_results::{ChosenSetting, Varied};
-
-/// Largest number of programs of a sweep.
-pub const MAX_POINTS: usize = 400;
 
 /// One value for each axis of a sweep.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,9 +34,9 @@ impl Point {
 ///
 /// # Errors
 ///
-/// A message if the scene does not have a parameter, a value is not allowed, or there are more than
+/// If the scene does not have a parameter, a value is not allowed, or there are more than
 /// [`MAX_POINTS`] points.
-pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Point>, String> {
+pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Point>, RangeError> {
     let mut all = vec![Point::default()];
     let mut seen: Vec<&str> = Vec::new();
     for axis in axes {
@@ -61,23 +59,21 @@ pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Point>, String> {
 }
 
 /// Rejects a repeated axis.
-fn first_time<'a>(seen: &mut Vec<&'a str>, name: &'a str) -> Result<(), String> {
+fn first_time<'a>(seen: &mut Vec<&'a str>, name: &'a str) -> Result<(), RangeError> {
     if seen.contains(&name) {
-        return Err(format!("`{name}` is swept twice"));
+        return Err(RangeError::AxisTwice(name.to_owned()));
     }
     seen.push(name);
     Ok(())
 }
 
 /// Rejects a product of numbers of points above the limit.
-fn few(points: usize, values: usize) -> Result<(), String> {
+fn few(points: usize, values: usize) -> Result<(), RangeError> {
     let count = points.saturating_mul(values);
     if count <= MAX_POINTS {
         Ok(())
     } else {
-        Err(format!(
-            "the sweep has {count} or more points, more than the limit of {MAX_POINTS}; give fewer values"
-        ))
+        Err(RangeError::Points(count))
     }
 }
 
@@ -85,12 +81,9 @@ fn few(points: usize, values: usize) -> Result<(), String> {
 ///
 /// # Errors
 ///
-/// A message with the available names.
-pub(crate) fn number(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, String> {
-    find(scene, name).map_err(|error| match error.has() {
-        [] => error.to_string(),
-        has => format!("{error} (it has {})", has.join(", ")),
-    })
+/// If the scene has no such parameter.
+pub(crate) fn number(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, RangeError> {
+    find(scene, name).map_err(|error| RangeError::Parameter { error })
 }
 
 #[cfg(test)]
@@ -99,7 +92,7 @@ mod tests {
 
     use super::*;
 
-    fn combined(axes: &[&str]) -> Result<Vec<String>, String> {
+    fn combined(axes: &[&str]) -> Result<Vec<String>, RangeError> {
         let axes: Vec<Axis> = axes.iter().map(|axis| Axis::parse(axis).unwrap()).collect();
         let points = points(&axes, &built_in("hemisphere").unwrap())?;
         let text = |point: Point| {
@@ -130,18 +123,24 @@ mod tests {
                 "free=60 substeps=2"
             ]
         );
-        let told = combined(&["model=rigid", "model=rate"]).unwrap_err();
+        let told = combined(&["model=rigid", "model=rate"])
+            .unwrap_err()
+            .to_string();
         assert_eq!(told, "`model` is swept twice");
     }
 
     #[test]
     fn too_many_points_and_names_twice_are_refused() {
         assert!(combined(&["free=1..400/400"]).is_ok());
-        let told = combined(&["free=1..400/400", "tick=1,2 ms"]).unwrap_err();
+        let told = combined(&["free=1..400/400", "tick=1,2 ms"])
+            .unwrap_err()
+            .to_string();
         assert!(told.contains("800 or more points"), "{told}");
-        let told = combined(&["agitation=1 m/s", "agitation.speed=2 m/s"]).unwrap_err();
+        let told = combined(&["agitation=1 m/s", "agitation.speed=2 m/s"])
+            .unwrap_err()
+            .to_string();
         assert_eq!(told, "`agitation.speed` is swept twice");
-        let told = combined(&["gravitty=1"]).unwrap_err();
+        let told = combined(&["gravitty=1"]).unwrap_err().to_string();
         assert!(told.contains("it has tick, block.side"), "{told}");
     }
 }

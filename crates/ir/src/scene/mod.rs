@@ -17,12 +17,14 @@ pub mod warnings;
 
 pub use bond::{Anchor, Bond, BondKind, Magnets, Measure, Pump, Reach};
 pub use medium::{Agitation, BOLTZMANN, Drag, Flow, Fluid, Jets, Stir, Strength, Turbulence};
-pub use substeps::{Substeps, takes_local_steps};
+pub use substeps::{InvalidSubsteps, Substeps, takes_local_steps};
 
 use serde::{Deserialize, Serialize};
 
 use crate::Cell;
 use crate::table::plate::Plate;
+
+use scalar_error::ScalarError;
 
 /// World of free blocks around a seed plate, or without one.
 ///
@@ -72,20 +74,29 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// A description of the defect.
-    pub fn validate(&self) -> Result<(), String> {
+    /// If a number is out of range.
+    pub fn validate(&self) -> Result<(), InvalidScene> {
         for scalar in scalars::scalars(self) {
             if let Some(value) = scalar.get(self) {
-                scalar.check(value).map_err(|error| error.to_string())?;
+                scalar.check(value)?;
             }
         }
         match &self.agitation {
-            Some(Agitation::Kicks { speed }) if speed.0 > speed.1 => {
-                Err("`agitation.speed.low` is more than the upper end".to_owned())
-            }
+            Some(Agitation::Kicks { speed }) if speed.0 > speed.1 => Err(InvalidScene::SpeedRange),
             _ => Ok(()),
         }
     }
+}
+
+/// Defect of a scene from a file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum InvalidScene {
+    /// A number is out of range.
+    #[error(transparent)]
+    Scalar(#[from] ScalarError),
+    /// The range of speeds of the random impulses is empty.
+    #[error("`agitation.speed.low` is more than the upper end")]
+    SpeedRange,
 }
 
 /// Block properties. All blocks are equal.

@@ -57,10 +57,19 @@ impl std::fmt::Display for Substeps {
     }
 }
 
-impl std::str::FromStr for Substeps {
-    type Err = String;
+/// Error of steps in another form or beyond the limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "say from 1 to {} steps a tick, such as `4`, or `1/8` for one away from magnetized faces and \
+     eight near them, which have to be a multiple",
+    Substeps::MAX
+)]
+pub struct InvalidSubsteps;
 
-    fn from_str(text: &str) -> Result<Substeps, String> {
+impl std::str::FromStr for Substeps {
+    type Err = InvalidSubsteps;
+
+    fn from_str(text: &str) -> Result<Substeps, InvalidSubsteps> {
         let number = |text: &str| text.trim().parse::<u32>().ok();
         let (away, near) = match text.split_once('/') {
             Some((away, near)) => (Some(number(away)), number(near)),
@@ -74,13 +83,8 @@ impl std::str::FromStr for Substeps {
             }),
             _ => None,
         };
-        read.filter(|steps| steps.are_sound()).ok_or_else(|| {
-            format!(
-                "say from 1 to {} steps a tick, such as `4`, or `1/8` for one away from magnetized faces and \
-                 eight near them, which have to be a multiple",
-                Substeps::MAX
-            )
-        })
+        read.filter(|steps| steps.are_sound())
+            .ok_or(InvalidSubsteps)
     }
 }
 

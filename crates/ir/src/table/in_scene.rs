@@ -1,35 +1,31 @@
 //! Consistency of tables and scene, both from a file.
-use super::{Action, Tables};
+use super::{Action, InvalidTables, Tables};
 use crate::scene::{BondKind, Scene};
-use stochc_text::counted;
 
 impl Tables {
     /// Validates tables from a file against a scene.
     ///
     /// # Errors
     ///
-    /// A description of the inconsistent field.
-    pub fn validate_in(&self, scene: &Scene) -> Result<(), String> {
+    /// If a field is inconsistent.
+    pub fn validate_in(&self, scene: &Scene) -> Result<(), InvalidTables> {
         let bond = BondKind::from_scene(scene);
         if self.bond != bond {
-            let (own, bond) = (self.bond.name(), bond.name());
-            return Err(format!(
-                "`tables.bond` is `{own}`, and the law of `scene.bond` is `{bond}`"
-            ));
+            return Err(InvalidTables::Bond {
+                tables: self.bond.name(),
+                scene: bond.name(),
+            });
         }
         let faces = bond.faces(scene.block.faces);
         if self.faces != faces {
-            let own = self.faces;
-            return Err(format!(
-                "`tables.faces` is {own}, which is {faces} by `scene.block.faces` and `scene.bond`"
-            ));
+            return Err(InvalidTables::SceneFaces {
+                tables: self.faces,
+                scene: faces,
+            });
         }
         let (needed, free) = (self.blocks_at_once(), u64::from(scene.free.count));
         if needed > free {
-            let needed = counted(needed as usize, "block");
-            return Err(format!(
-                "`scene.free.count` is {free}, and the structure needs {needed} at once"
-            ));
+            return Err(InvalidTables::FreeBlocks { free, needed });
         }
         Ok(())
     }

@@ -8,6 +8,7 @@
 //! block can see: its own faces, and messages. The runtime needs no other program.
 mod hardware;
 mod in_scene;
+mod invalid;
 pub(crate) mod plate;
 mod stored;
 
@@ -18,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::scene::BondKind;
 use crate::{Cell, Face};
 
+pub use crate::table::invalid::InvalidTables;
 pub use crate::table::plate::Plate;
 
 /// Name that blocks take in turn: an index into [`Tables::roles`].

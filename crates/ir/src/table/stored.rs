@@ -5,8 +5,8 @@ use serde::ser::SerializeStruct as _;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{
-    Action, Condition, Duty, LooseDuty, News, Phase, PhaseId, Plate, Role, RoleId, Rule, Tables,
-    Trigger,
+    Action, Condition, Duty, InvalidTables, LooseDuty, News, Phase, PhaseId, Plate, Role, RoleId,
+    Rule, Tables, Trigger,
 };
 use crate::Cell;
 use crate::scene::BondKind;
@@ -77,9 +77,9 @@ struct StoredRule {
 }
 
 impl TryFrom<StoredTables> for Tables {
-    type Error = String;
+    type Error = InvalidTables;
 
-    fn try_from(stored: StoredTables) -> Result<Tables, String> {
+    fn try_from(stored: StoredTables) -> Result<Tables, InvalidTables> {
         stored.validate()?;
         let duties = stored.duties.into_iter().map(|duty| -> LooseDuty {
             let rules = duty.rules.into_iter().map(|rule| (rule.when, rule.then));
@@ -101,30 +101,28 @@ impl TryFrom<StoredTables> for Tables {
 
 impl StoredTables {
     /// Validates all indices and numbers.
-    fn validate(&self) -> Result<(), String> {
+    fn validate(&self) -> Result<(), InvalidTables> {
         if !(1..=6).contains(&self.faces) {
-            return Err(format!("a block has no {} faces", self.faces));
+            return Err(InvalidTables::Faces(self.faces));
         }
         self.validate_plate()?;
         match self.aggregate {
             Some(size) if self.phases.len() as u64 + 1 != u64::from(size) => {
-                return Err(format!(
-                    "an aggregate of {size} blocks has a phase for each size"
-                ));
+                return Err(InvalidTables::AggregatePhases(size));
             }
             Some(_) if !self.duties.is_empty() || !self.roles.is_empty() => {
-                return Err("the blocks of an aggregate have nothing to do".to_owned());
+                return Err(InvalidTables::AggregateDuties);
             }
             _ => {}
         }
         let is_planted = |phase: &Phase| phase.planted;
         if self.phases.iter().skip(1).any(is_planted) {
-            return Err("only the first phase can be attached by hand".to_owned());
+            return Err(InvalidTables::LatePlanted);
         }
         self.validate_roles()?;
         let key = |duty: &StoredDuty| (duty.role, duty.phase, duty.trigger);
         if !self.duties.is_sorted_by(|a, b| key(a) < key(b)) {
-            return Err("the duties are not sorted, or one comes twice".to_owned());
+            return Err(InvalidTables::DutyOrder);
         }
         self.duties
             .iter()
@@ -132,47 +130,45 @@ impl StoredTables {
         self.validate_phases()
     }
 
-    fn validate_roles(&self) -> Result<(), String> {
+    fn validate_roles(&self) -> Result<(), InvalidTables> {
         let mut places = BTreeMap::new();
-        for (place, role) in self.roles.iter().enumerate() {
-            if let Some(other) = places.insert(&*role.name, place) {
-                return Err(format!(
-                    "`tables.roles[{place}].name` is that of `tables.roles[{other}]`"
-                ));
+        for (second, role) in self.roles.iter().enumerate() {
+            if let Some(first) = places.insert(&*role.name, second) {
+                return Err(InvalidTables::RoleName { first, second });
             }
         }
         Ok(())
     }
 
     /// Validates that phases can end, and only after their blocks have reported.
-    fn validate_phases(&self) -> Result<(), String> {
+    fn validate_phases(&self) -> Result<(), InvalidTables> {
         let mut reports = vec![0; self.phases.len()];
         for duty in &self.duties {
             let all = duty.rules.iter().filter(|rule| rule.then == Action::Report);
             reports[duty.phase.0 as usize] += all.count() as u64;
         }
-        for (place, (phase, made)) in self.phases.iter().zip(reports).enumerate() {
+        for (phase, (found, made)) in self.phases.iter().zip(reports).enumerate() {
             let Phase {
                 reports, timeout, ..
-            } = *phase;
+            } = *found;
             if u64::from(reports) != made {
-                return Err(format!(
-                    "`tables.phases[{place}].reports` is {reports}, and its blocks make {made}"
-                ));
+                return Err(InvalidTables::Reports {
+                    phase,
+                    expected: reports,
+                    made,
+                });
             }
             if timeout == Some(0) {
-                return Err(format!(
-                    "`tables.phases[{place}].timeout` is 0: it is at least 1, or null"
-                ));
+                return Err(InvalidTables::Timeout(phase));
             }
         }
         Ok(())
     }
 
-    fn validate_plate(&self) -> Result<(), String> {
+    fn validate_plate(&self) -> Result<(), InvalidTables> {
         let Plate { width, depth } = self.plate;
         if width.max(depth) > Plate::LONGEST {
-            return Err(format!("a plate of {width} x {depth} blocks is too large"));
+            return Err(InvalidTables::PlateSize { width, depth });
         }
         let seeds = self.roles.iter().filter_map(|role| role.seed);
         let count = seeds.clone().count();
@@ -182,21 +178,21 @@ impl StoredTables {
             .take(count)
             .any(|role| role.seed.is_none())
         {
-            return Err("seeds come first among the roles".to_owned());
+            return Err(InvalidTables::SeedOrder);
         }
         for Cell { x, y, z } in seeds {
             let within = |at: i32, size: u32| at >= 0 && (at as u32) < size;
             if z != 0 || !within(x, width) || !within(y, depth) {
-                return Err("a seed is not on the plate".to_owned());
+                return Err(InvalidTables::SeedCell);
             }
         }
         Ok(())
     }
 
-    fn validate_duty(&self, duty: &StoredDuty) -> Result<(), String> {
+    fn validate_duty(&self, duty: &StoredDuty) -> Result<(), InvalidTables> {
         self.known(duty.role)?;
         if duty.phase.0 as usize >= self.phases.len() {
-            return Err(format!("there is no phase {}", duty.phase.0));
+            return Err(InvalidTables::UnknownPhase(duty.phase.0));
         }
         for rule in &duty.rules {
             for when in &rule.when {
@@ -215,13 +211,11 @@ impl StoredTables {
                     self.known(child)?;
                     let place = child.0 as usize;
                     if self.roles[place].seed.is_some() {
-                        return Err(format!(
-                            "`tables.roles[{place}].seed` is a cell, and a block is captured in that role"
-                        ));
+                        return Err(InvalidTables::CapturedSeed(place));
                     }
                     let far = |at: i32| at.unsigned_abs() > FARTHEST as u32;
                     if far(cell.x) || far(cell.y) || far(cell.z) {
-                        return Err(format!("{cell} is too far away"));
+                        return Err(InvalidTables::FarCell(cell));
                     }
                 }
                 Action::SwitchOff { child, .. } => self.known(child)?,
@@ -235,15 +229,15 @@ impl StoredTables {
         Ok(())
     }
 
-    fn known(&self, role: RoleId) -> Result<(), String> {
+    fn known(&self, role: RoleId) -> Result<(), InvalidTables> {
         if (role.0 as usize) < self.roles.len() {
             Ok(())
         } else {
-            Err(format!("there is no role {}", role.0))
+            Err(InvalidTables::UnknownRole(role))
         }
     }
 
-    fn known_of(&self, news: News) -> Result<(), String> {
+    fn known_of(&self, news: News) -> Result<(), InvalidTables> {
         let (News::Anchored(role) | News::Released(role)) = news;
         self.known(role)
     }

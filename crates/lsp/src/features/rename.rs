@@ -134,7 +134,7 @@ fn stays_the_same(
     };
     let mut reader = |path: &str| match texts.get(path) {
         Some(text) => Ok(text.clone().into_bytes()),
-        None => Err("not read before".to_owned()),
+        None => Err(std::io::Error::other("not read before")),
     };
     let new = check_cancellable(&root.name, &mut reader, Limits::EDITOR, cancellation)?;
     let names = Names::new(&new, cancellation)?;

@@ -108,7 +108,7 @@ impl Documents {
     /// # Errors
     ///
     /// The errors of [`files::read`].
-    pub fn read(&self, path: &str, encoding: Encoding) -> Result<Vec<u8>, String> {
+    pub fn read(&self, path: &str, encoding: Encoding) -> std::io::Result<Vec<u8>> {
         if let Some(document) = self.get(path) {
             return Ok(document.program_text(encoding).into_bytes());
         }

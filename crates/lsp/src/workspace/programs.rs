@@ -198,7 +198,7 @@ struct ProgramReader<'a> {
 }
 
 impl Reader for ProgramReader<'_> {
-    fn read(&mut self, path: &str) -> Result<Vec<u8>, String> {
+    fn read(&mut self, path: &str) -> std::io::Result<Vec<u8>> {
         self.reads.read(path, self.documents, self.encoding)
     }
 

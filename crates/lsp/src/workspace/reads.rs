@@ -35,7 +35,7 @@ impl Reads {
         path: &str,
         documents: &Documents,
         encoding: Encoding,
-    ) -> Result<Vec<u8>, String> {
+    ) -> std::io::Result<Vec<u8>> {
         self.all().insert(path.to_owned(), ReadState::Pending);
         let text = documents.read(path, encoding);
         self.all().insert(path.to_owned(), state(&text));
@@ -64,7 +64,7 @@ impl Reads {
     }
 }
 
-fn state(text: &Result<Vec<u8>, String>) -> ReadState {
+fn state(text: &std::io::Result<Vec<u8>>) -> ReadState {
     match text {
         Ok(bytes) => {
             let mut hasher = DefaultHasher::new();

@@ -2,6 +2,7 @@
 mod completion;
 mod larger_scene;
 mod loose_parts;
+mod no_goal;
 mod repair;
 mod scenes;
 
@@ -27,7 +28,8 @@ use stochc_ir::table::Plate;
 pub use completion::untrue_claims;
 pub use completion::{Completion, NotCompleted};
 pub use larger_scene::LargerScene;
-pub use repair::{ExistingStructure, Repair};
+pub use no_goal::NoGoal;
+pub use repair::{ExistingStructure, NoRepair, Repair};
 use scenes::WrittenScenes;
 use stochc_compiler::check_text;
 
@@ -156,8 +158,8 @@ impl Goal {
     /// the one claimed last.
     ///
     /// # Errors
-    /// If there is no such shape. The error is a message for the user.
-    pub fn of_program(checked: &Checked, name: Option<&str>) -> Result<Goal, String> {
+    /// If there is no such shape.
+    pub fn of_program(checked: &Checked, name: Option<&str>) -> Result<Goal, NoGoal> {
         let symbols = &checked.symbols;
         let claims = |plan: &ProgramPlan| -> Vec<&str> {
             let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
@@ -195,11 +197,10 @@ impl Goal {
         let last_claimed = all_claimed.last();
         let (wanted, claiming) = match (name, &known[..]) {
             (Some(name), _) => (name, claiming(name)),
-            (None, []) => return Err("it declares no shape".to_owned()),
+            (None, []) => return Err(NoGoal::NoShape),
             (None, [only]) => (*only, claiming(only)),
             (None, _) => {
-                let (program, name) = last_claimed
-                    .ok_or_else(|| format!("it declares {}: name one with `--shape`", listed()))?;
+                let (program, name) = last_claimed.ok_or_else(|| NoGoal::Ambiguous(listed()))?;
                 let seen = declared.seen_from(&program.plan, name);
                 let is_local = seen.is_some_and(|it| it.is_local);
                 (
@@ -217,8 +218,11 @@ impl Goal {
             || (declared.all().iter()).find(|it| symbols.word(it.shape.name.symbol) == wanted);
         let found = of_claim.or_else(first);
         let found = found.ok_or_else(|| match known.len() {
-            0 => format!("it declares no shape `{wanted}`, nor any other"),
-            _ => format!("it declares no shape `{wanted}`, but {}", listed()),
+            0 => NoGoal::NoSuchShape(wanted.to_owned()),
+            _ => NoGoal::OtherShapes {
+                name: wanted.to_owned(),
+                others: listed(),
+            },
         })?;
         let only = || programs().next().filter(|_| programs().count() == 1);
         Goal::of_shape(checked, found, claiming.or_else(only))
@@ -229,18 +233,18 @@ impl Goal {
         checked: &Checked,
         declared: &DeclaredShape<'_>,
         assembly: Option<&Program>,
-    ) -> Result<Goal, String> {
+    ) -> Result<Goal, NoGoal> {
         let DeclaredShape {
             file, item, shape, ..
         } = declared;
         let mut diagnostics: Vec<Diagnostic> = Vec::new();
         let cells = shape_cells(shape, *file, &mut diagnostics);
         let cells = cells.ok_or_else(|| match diagnostics.first() {
-            Some(diagnostic) => match diagnostic.labels.first() {
+            Some(diagnostic) => NoGoal::Wrong(match diagnostic.labels.first() {
                 Some(label) => format!("{}: {}", diagnostic.message(), label.text),
                 None => diagnostic.message(),
-            },
-            None => "the shape cannot be read as cells".to_owned(),
+            }),
+            None => NoGoal::NoCells,
         })?;
         let symbols = &checked.symbols;
         Ok(Goal {

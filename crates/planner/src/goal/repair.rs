@@ -7,10 +7,11 @@ use stochc_compiler::{Checked, DeclaredShapes, Program};
 use stochc_ir::record::RunRecord;
 use stochc_ir::table::{RoleId, Tables};
 use stochc_ir::{Cell, Face};
+use thiserror::Error;
 
-use super::Goal;
 use super::completion::existing;
 use super::scenes::WrittenScenes;
+use super::{Goal, NoGoal};
 
 /// The structure at the end of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +37,32 @@ pub struct Repair {
     pub existing: Vec<ExistingBlock>,
     /// Blocks to release.
     pub released: Vec<ExistingBlock>,
+}
+
+/// Error of planning the rest of a structure.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum NoRepair {
+    /// A block has to be released, and no message reaches it.
+    #[error(
+        "`{wrong}` does not belong to the shape, and cannot be released with `{name}`: `{dead}` is dead, and no message comes through it"
+    )]
+    Unreachable {
+        /// Block outside of the shape.
+        wrong: String,
+        /// Block attached to it.
+        name: String,
+        /// Dead block before them.
+        dead: String,
+    },
+    /// The structure is complete.
+    #[error("nothing is missing")]
+    Complete,
+    /// The structure is complete, except that one block has to be released.
+    #[error("nothing is missing, but one block must be released")]
+    OneTooMany,
+    /// The structure is complete, except that several blocks must be released.
+    #[error("nothing is missing, but {0} blocks must be released")]
+    TooMany(usize),
 }
 
 impl ExistingStructure {
@@ -93,8 +120,8 @@ impl ExistingStructure {
     /// because dead blocks pass on no messages.
     ///
     /// # Errors
-    /// If a block to release is dead or has a dead ancestor. The error is a message for the user.
-    pub fn repair(&self, wanted: &[Cell], dead: &BTreeSet<&str>) -> Result<Repair, String> {
+    /// If a block to release is dead or has a dead ancestor.
+    pub fn repair(&self, wanted: &[Cell], dead: &BTreeSet<&str>) -> Result<Repair, NoRepair> {
         let wanted: BTreeSet<Cell> = wanted.iter().copied().collect();
         let mut repair = Repair::default();
         for (name, block) in &self.blocks {
@@ -110,9 +137,11 @@ impl ExistingStructure {
                 (None, _) => repair.existing.push(existing),
                 (Some(_), None) => repair.released.push(existing),
                 (Some((wrong, _)), Some((cut, _))) => {
-                    return Err(format!(
-                        "`{wrong}` does not belong to the shape, and cannot be released with `{name}`: `{cut}` is dead, and no message comes through it"
-                    ));
+                    return Err(NoRepair::Unreachable {
+                        wrong: (*wrong).to_owned(),
+                        name: name.clone(),
+                        dead: (*cut).to_owned(),
+                    });
                 }
             }
         }
@@ -136,12 +165,12 @@ impl Goal {
     /// last, or the cells of its captures.
     ///
     /// # Errors
-    /// If there is no such shape. The error is a message for the user.
+    /// If there is no such shape.
     pub fn of_end(
         checked: &Checked,
         program: &Program,
         shape: Option<&str>,
-    ) -> Result<Goal, String> {
+    ) -> Result<Goal, NoGoal> {
         let plan = &program.plan;
         let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
         let claimed = claims.last().map(|&(name, _)| checked.symbols.word(name));
@@ -169,19 +198,19 @@ impl Goal {
     /// Sets the existing structure of the goal. See [`ExistingStructure::repair`].
     ///
     /// # Errors
-    /// If nothing is missing, or a block cannot be released. The error is a message for the user.
+    /// If nothing is missing, or a block cannot be released.
     pub fn stand_on(
         &mut self,
         structure: &ExistingStructure,
         dead: &BTreeSet<&str>,
-    ) -> Result<(), String> {
+    ) -> Result<(), NoRepair> {
         let repair = structure.repair(&self.cells, dead)?;
         let full: BTreeSet<Cell> = repair.existing.iter().map(|block| block.cell).collect();
         if self.cells.iter().all(|cell| full.contains(cell)) {
             return Err(match repair.released.len() {
-                0 => "nothing is missing".to_owned(),
-                1 => "nothing is missing, but one block must be released".to_owned(),
-                count => format!("nothing is missing, but {count} blocks must be released"),
+                0 => NoRepair::Complete,
+                1 => NoRepair::OneTooMany,
+                count => NoRepair::TooMany(count),
             });
         }
         self.repair = repair;

@@ -9,8 +9,10 @@ use stochc_estimate::Rates;
 use stochc_ir::Cell;
 use stochc_ir::Executable;
 use stochc_ir::record::{Outcome, RunRecord};
-use stochc_planner::{Completion, ExistingStructure, Goal, NotCompleted, Planned, Unplanned};
-use stochc_planner::{PlanSearch, TargetError};
+use stochc_planner::{
+    Completion, ExistingStructure, Goal, NoRepair, NotCompleted, PlanSearch, Planned, TargetError,
+    Unplanned,
+};
 use stochc_runtime::{Model, Settings};
 
 use crate::random::grown;
@@ -330,7 +332,10 @@ fn what_does_not_belong_to_the_shape_is_let_go_with_what_hangs_on_it() {
 
     // Nothing can be let go that has a dead block between it and the plate.
     let dead = BTreeSet::from(["M[2]"]);
-    let reason = structure.repair(&wall.cells, &dead).unwrap_err();
+    let reason = structure
+        .repair(&wall.cells, &dead)
+        .unwrap_err()
+        .to_string();
     assert!(reason.contains("`M[2]` is dead"), "{reason}");
 
     wall.stand_on(&structure, &BTreeSet::new()).unwrap();
@@ -367,7 +372,7 @@ assembly comb {
     }
     let (mut goal, structure) = left(text, 1_000_000);
     let there = goal.stand_on(&structure, &BTreeSet::new());
-    assert_eq!(there, Err("nothing is missing".to_owned()));
+    assert_eq!(there, Err(NoRepair::Complete));
 }
 
 /// What stands and can hold nothing does not help.
@@ -409,7 +414,7 @@ proptest! {
         let dead: BTreeSet<&str> = if names.is_empty() { BTreeSet::new() } else { dead.iter().map(|index| *index.get(&names)).collect() };
         let there = goal.stand_on(&structure, &dead);
         if record.outcome == Outcome::Completed {
-            prop_assert_eq!(there, Err("nothing is missing".to_owned()));
+            prop_assert_eq!(there, Err(NoRepair::Complete));
             return Ok(());
         }
         there.unwrap();

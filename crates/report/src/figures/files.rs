@@ -15,14 +15,19 @@ pub enum FigureFormat {
     Pdf,
 }
 
-impl FromStr for FigureFormat {
-    type Err = String;
+/// Error of an unknown file format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("give `svg` or `pdf`")]
+pub struct UnknownFormat;
 
-    fn from_str(text: &str) -> Result<FigureFormat, String> {
+impl FromStr for FigureFormat {
+    type Err = UnknownFormat;
+
+    fn from_str(text: &str) -> Result<FigureFormat, UnknownFormat> {
         match text {
             "svg" => Ok(FigureFormat::Svg),
             "pdf" => Ok(FigureFormat::Pdf),
-            _ => Err("give `svg` or `pdf`".to_owned()),
+            _ => Err(UnknownFormat),
         }
     }
 }

@@ -57,10 +57,21 @@ impl Display for Medium {
     }
 }
 
-impl FromStr for Medium {
-    type Err = String;
+/// Error of a medium.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum InvalidMedium {
+    /// The text has another form.
+    #[error("give `screen`, or a width in print such as `89mm`")]
+    Form,
+    /// The width is beyond the limits.
+    #[error("give a width from {}mm to {}mm", Medium::WIDTHS.0, Medium::WIDTHS.1)]
+    Width,
+}
 
-    fn from_str(text: &str) -> Result<Medium, String> {
+impl FromStr for Medium {
+    type Err = InvalidMedium;
+
+    fn from_str(text: &str) -> Result<Medium, InvalidMedium> {
         if text == "screen" {
             return Ok(Medium::Screen);
         }
@@ -69,8 +80,8 @@ impl FromStr for Medium {
         let width: Option<f64> = width.and_then(|width| width.parse().ok());
         match width {
             Some(width) if (least..=most).contains(&width) => Ok(Medium::Print(width)),
-            Some(_) => Err(format!("give a width from {least}mm to {most}mm")),
-            None => Err("give `screen`, or a width in print such as `89mm`".to_owned()),
+            Some(_) => Err(InvalidMedium::Width),
+            None => Err(InvalidMedium::Form),
         }
     }
 }

@@ -236,15 +236,23 @@ pub(crate) fn first_line(file: &mut impl BufRead) -> io::Result<Vec<u8>> {
     Ok(line)
 }
 
-/// Returns the run of a line, or the reason why it is invalid.
-pub(crate) fn run(line: &[u8], validator: &RecordValidator<'_>) -> Result<Finished, String> {
-    let damaged = || "is damaged".to_owned();
+/// Defect of a line of a journal.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum InvalidLine {
+    #[error("is damaged")]
+    Damaged,
+    #[error("is not possible: {0}")]
+    Impossible(String),
+}
+
+/// Returns the run of a line.
+pub(crate) fn run(line: &[u8], validator: &RecordValidator<'_>) -> Result<Finished, InvalidLine> {
     if checksum::check(line) != LineIntegrity::Sound {
-        return Err(damaged());
+        return Err(InvalidLine::Damaged);
     }
-    let finished: Finished = serde_json::from_slice(line).map_err(|_| damaged())?;
+    let finished: Finished = serde_json::from_slice(line).map_err(|_| InvalidLine::Damaged)?;
     match validator.inconsistency(finished.program, &finished.record) {
-        Some(reason) => Err(format!("is not possible: {reason}")),
+        Some(reason) => Err(InvalidLine::Impossible(reason)),
         None => Ok(finished),
     }
 }

@@ -1,6 +1,8 @@
 //! Settings that a sweep has chosen: `--vary substeps=1,2,4`.
 use serde::{Deserialize, Serialize};
+use stochc_ir::scene::InvalidSubsteps;
 use stochc_runtime::{Model, Precision, Reduction, Settings, Substeps};
+use thiserror::Error;
 
 /// Settings that a sweep may vary, as options of `simulate`.
 const NAMES: [&str; 5] = [
@@ -16,6 +18,33 @@ const NOTHING: &str = "none";
 
 /// Largest number of solver iterations per step.
 const MAX_ITERATIONS: u32 = 1000;
+
+/// Error of choosing a setting.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum InvalidSetting {
+    /// A sweep cannot vary a setting of this name.
+    #[error("a sweep has no setting `{0}`")]
+    Name(String),
+    /// The steps are invalid.
+    #[error("`{choice}`: {reason}")]
+    Substeps {
+        /// Name and value.
+        choice: String,
+        /// Reason.
+        reason: InvalidSubsteps,
+    },
+    /// The number of solver iterations is invalid.
+    #[error("`{0}`: give a number from 1 to {MAX_ITERATIONS}")]
+    Iterations(String),
+    /// The setting has no value of this name.
+    #[error("`{choice}`: give one of {names}")]
+    Value {
+        /// Name and value.
+        choice: String,
+        /// Names of all values.
+        names: String,
+    },
+}
 
 /// Setting that a sweep has selected for a point.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -35,8 +64,8 @@ impl ChosenSetting {
     /// Chooses a value for a setting.
     ///
     /// # Errors
-    /// Why the setting cannot have the value, in words.
-    pub fn new(of: &str, value: &str) -> Result<ChosenSetting, String> {
+    /// If the setting cannot have the value.
+    pub fn new(of: &str, value: &str) -> Result<ChosenSetting, InvalidSetting> {
         let chosen = ChosenSetting {
             of: of.to_owned(),
             value: value.to_owned(),
@@ -93,39 +122,42 @@ impl ChosenSetting {
     /// Changes settings to the chosen value.
     ///
     /// # Errors
-    /// Why the setting cannot have the value, in words.
-    pub(super) fn apply(&self, settings: &mut Settings) -> Result<(), String> {
+    /// If the setting cannot have the value.
+    pub(super) fn apply(&self, settings: &mut Settings) -> Result<(), InvalidSetting> {
         match &*self.of {
             "model" => settings.model = self.named(&Model::ALL, Model::name)?,
             "substeps" => {
-                let steps: Substeps = (self.value.parse())
-                    .map_err(|reason| format!("`{}`: {reason}", self.text()))?;
+                let steps: Substeps =
+                    (self.value.parse()).map_err(|reason| InvalidSetting::Substeps {
+                        choice: self.text(),
+                        reason,
+                    })?;
                 (settings.substeps, settings.away) = (steps.near, steps.away);
             }
             "solver-iterations" => {
                 let iterations = self.value.parse().ok();
                 let iterations = iterations.filter(|it| (1..=MAX_ITERATIONS).contains(it));
-                settings.solver_iterations = Some(iterations.ok_or_else(|| {
-                    format!(
-                        "`{}`: give a number from 1 to {MAX_ITERATIONS}",
-                        self.text()
-                    )
-                })?);
+                let iterations =
+                    iterations.ok_or_else(|| InvalidSetting::Iterations(self.text()))?;
+                settings.solver_iterations = Some(iterations);
             }
             "precision" => settings.precision = self.named(&Precision::ALL, Precision::name)?,
             "without" if self.value == NOTHING => settings.reduction = None,
             "without" => settings.reduction = Some(self.named(&Reduction::ALL, Reduction::name)?),
-            other => return Err(format!("a sweep has no setting `{other}`")),
+            other => return Err(InvalidSetting::Name(other.to_owned())),
         }
         Ok(())
     }
 
     /// Returns the value by its name.
-    fn named<T: Copy>(&self, all: &[T], name: fn(T) -> &'static str) -> Result<T, String> {
+    fn named<T: Copy>(&self, all: &[T], name: fn(T) -> &'static str) -> Result<T, InvalidSetting> {
         let found = all.iter().find(|&&it| name(it) == self.value);
         found.copied().ok_or_else(|| {
             let names: Vec<String> = all.iter().map(|&it| format!("`{}`", name(it))).collect();
-            format!("`{}`: give one of {}", self.text(), names.join(", "))
+            InvalidSetting::Value {
+                choice: self.text(),
+                names: names.join(", "),
+            }
         })
     }
 }
@@ -171,7 +203,7 @@ mod tests {
             ("without", "gravity", "`rotation`"),
             ("threads", "2", "no setting `threads`"),
         ] {
-            let told = ChosenSetting::new(of, value).unwrap_err();
+            let told = ChosenSetting::new(of, value).unwrap_err().to_string();
             assert!(told.contains(reason), "{told}");
         }
     }

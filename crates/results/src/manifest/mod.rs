@@ -15,7 +15,7 @@ use stochc_ir::table::{Phase, PhaseId, Role, RoleId, Tables};
 use stochc_ir::{Executable, JamRisk, sha256};
 use stochc_runtime::{Model, Settings};
 
-pub use chosen::ChosenSetting;
+pub use chosen::{ChosenSetting, InvalidSetting};
 pub use error::ManifestError;
 
 use super::build::this_build;

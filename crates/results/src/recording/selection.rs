@@ -1,6 +1,8 @@
 //! Selection of runs to record.
 use std::str::FromStr;
 
+use thiserror::Error;
+
 /// Selection of runs by number: `17`, `0..4` (both ends included), `0,5,10..12` or `all`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Selection {
@@ -31,14 +33,27 @@ impl Selection {
     }
 }
 
-impl FromStr for Selection {
-    type Err = String;
+/// Error of selecting runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum InvalidSelection {
+    /// The text has another form.
+    #[error("give runs as `17`, `0..4`, `0,5,10..12` or `all`")]
+    Form,
+    /// A range is empty.
+    #[error("`{first}..{last}` ends before it begins")]
+    Empty {
+        /// First run.
+        first: u64,
+        /// Last run.
+        last: u64,
+    },
+}
 
-    fn from_str(text: &str) -> Result<Selection, String> {
-        let number = |text: &str| {
-            let number = text.trim().parse::<u64>();
-            number.map_err(|_| "give runs as `17`, `0..4`, `0,5,10..12` or `all`".to_owned())
-        };
+impl FromStr for Selection {
+    type Err = InvalidSelection;
+
+    fn from_str(text: &str) -> Result<Selection, InvalidSelection> {
+        let number = |text: &str| text.trim().parse().map_err(|_| InvalidSelection::Form);
         if text == "all" {
             return Ok(Selection::All);
         }
@@ -49,7 +64,7 @@ impl FromStr for Selection {
                 if first <= last {
                     Ok((first, last))
                 } else {
-                    Err(format!("`{first}..{last}` ends before it begins"))
+                    Err(InvalidSelection::Empty { first, last })
                 }
             }
         });

@@ -5,7 +5,7 @@ mod written;
 
 pub use meant::{UNITS, converted, unit_meant};
 pub use scale::Scale;
-pub use written::WrittenQuantity;
+pub use written::{InvalidQuantity, WrittenQuantity};
 
 /// Powers of kilogram, metre, second, ampere, kelvin and tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

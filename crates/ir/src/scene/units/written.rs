@@ -12,15 +12,31 @@ pub struct WrittenQuantity<'a> {
     factors: Vec<(&'a str, i8)>,
 }
 
+/// Error of a single value.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum InvalidQuantity {
+    /// It does not begin with a number, or something else follows.
+    #[error("`{0}` is no value; write a number and its unit, such as `4.5 N`")]
+    NoValue(String),
+    /// Its unit is unknown.
+    #[error("`{unit}` is not a unit; {help}")]
+    NoUnit {
+        /// The word after the number.
+        unit: String,
+        /// Suggestion.
+        help: String,
+    },
+}
+
 impl<'a> WrittenQuantity<'a> {
     /// Parses a text that consists of one value.
     ///
     /// # Errors
     ///
-    /// A message, if it is invalid.
-    pub fn parse(text: &'a str) -> Result<WrittenQuantity<'a>, String> {
+    /// If it is invalid.
+    pub fn parse(text: &'a str) -> Result<WrittenQuantity<'a>, InvalidQuantity> {
         let text = text.trim();
-        let none = || format!("`{text}` is no value; write a number and its unit, such as `4.5 N`");
+        let none = || InvalidQuantity::NoValue(text.to_owned());
         let (number, behind) = text.split_at(number(text));
         let value: f64 = number.parse().map_err(|_| none())?;
         let start = behind.trim_start_matches(BLANK);
@@ -39,7 +55,8 @@ impl<'a> WrittenQuantity<'a> {
             let converted = converted(&[value], word, &[]).map(|text| format!("write `{text}`"));
             let meant = || unit_meant(word, &[]).map(|meant| meant.help());
             let help = converted.or_else(meant).unwrap_or_else(|| UNITS.to_owned());
-            return Err(format!("`{word}` is not a unit; {help}"));
+            let unit = word.to_owned();
+            return Err(InvalidQuantity::NoUnit { unit, help });
         }
         Ok(WrittenQuantity {
             value,
@@ -183,10 +200,10 @@ mod tests {
             "1\n2",
             "∞",
         ] {
-            let told = WrittenQuantity::parse(text).unwrap_err();
+            let told = WrittenQuantity::parse(text).unwrap_err().to_string();
             assert!(told.contains("is no value"), "{text}: {told}");
         }
-        let told = |text| WrittenQuantity::parse(text).unwrap_err();
+        let told = |text| WrittenQuantity::parse(text).unwrap_err().to_string();
         assert_eq!(
             told("3 newton"),
             "`newton` is not a unit; did you mean `N`?"

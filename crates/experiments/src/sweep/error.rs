@@ -1,0 +1,129 @@
+//! Errors of ranges and values of scene parameters and settings.
+use stochc_ir::scene::scalars::ScalarError;
+use stochc_ir::scene::units::InvalidQuantity;
+use stochc_results::InvalidSetting;
+use thiserror::Error;
+
+/// Largest number of values of an axis.
+pub(super) const MAX_VALUES: u32 = 400;
+
+/// Largest number of programs of a sweep.
+pub const MAX_POINTS: usize = 400;
+
+/// Error of an axis or a prior.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RangeError {
+    /// An axis has another form.
+    #[error("write NAME=VALUES, such as `free=50..600/6` or `bond.pull=2,4,8 N`")]
+    Axis,
+    /// A prior has another form.
+    #[error("write NAME=FROM..TO, such as `bond.pull=2..12 N` or `free=50..500 log`")]
+    Prior,
+    /// `log` follows a list.
+    #[error("`log` spaces a range: write `a..b/n log`")]
+    ListWithLog,
+    /// A range with `log` includes 0 or less.
+    #[error("a range with `log` is of values above 0")]
+    AxisWithLog,
+    /// A prior with `log` includes 0 or less.
+    #[error("a range with `log` requires values above 0")]
+    PriorWithLog,
+    /// A prior ends before it begins.
+    #[error("`{from}..{to}` is not a range; write the lower end first")]
+    Empty {
+        /// Lower end.
+        from: f64,
+        /// Upper end.
+        to: f64,
+    },
+    /// A range has no number of values.
+    #[error("how many values from `{from}` to `{to}`? write `a..b/n`, such as `50..600/6`")]
+    NoCount {
+        /// First value.
+        from: String,
+        /// Last value.
+        to: String,
+    },
+    /// A range has too few or too many values.
+    #[error("a range has 2 to {MAX_VALUES} values, not {0}")]
+    Count(String),
+    /// Values have different units.
+    #[error(
+        "give all values one unit, not `{other}` and `{last}`; the unit of the last value applies to all"
+    )]
+    Units {
+        /// Unit of another value.
+        other: String,
+        /// Unit of the last value.
+        last: String,
+    },
+    /// A setting has a value twice.
+    #[error("`{0}` is given twice")]
+    SettingTwice(String),
+    /// A scene parameter has a value twice.
+    #[error("`{name}` has the value {value} twice; give fewer values")]
+    ValueTwice {
+        /// Name of the parameter.
+        name: &'static str,
+        /// The value with its unit.
+        value: String,
+    },
+    /// Two axes have the same name.
+    #[error("`{0}` is swept twice")]
+    AxisTwice(String),
+    /// A setting is no scene parameter.
+    #[error("`{0}` is a setting, not a scene parameter")]
+    Setting(String),
+    /// Evenly spaced values of an integer parameter are not integers.
+    #[error(
+        "`{name}` is a whole number, and {n} values from {from} to {to} are not all: {broken} is one; \
+         {help}, `log` rounds, or give a list"
+    )]
+    NotWhole {
+        /// Name of the parameter.
+        name: &'static str,
+        /// Number of values.
+        n: u32,
+        /// First value.
+        from: f64,
+        /// Last value.
+        to: f64,
+        /// A value that is not an integer.
+        broken: f64,
+        /// Suggestion.
+        help: String,
+    },
+    /// The range of an integer parameter is too short for a fit.
+    #[error(
+        "`{0}` is a whole number, and a fit needs a range of five of them at least; `stochc sweep` tries a few"
+    )]
+    ShortRange(String),
+    /// A sweep has too many points.
+    #[error(
+        "the sweep has {0} or more points, more than the limit of {MAX_POINTS}; give fewer values"
+    )]
+    Points(usize),
+    /// The scene has no such parameter.
+    #[error("{error}{}", listed(error.has()))]
+    Parameter {
+        /// Reason.
+        error: ScalarError,
+    },
+    /// The scene parameter cannot have the value.
+    #[error(transparent)]
+    Value(#[from] ScalarError),
+    /// The value is no quantity.
+    #[error(transparent)]
+    Quantity(#[from] InvalidQuantity),
+    /// The setting cannot have the value.
+    #[error(transparent)]
+    Choice(#[from] InvalidSetting),
+}
+
+/// Returns the parameters of a scene, in parentheses.
+fn listed(has: &[&str]) -> String {
+    match has {
+        [] => String::new(),
+        has => format!(" (it has {})", has.join(", ")),
+    }
+}
