@@ -1,4 +1,4 @@
-//! What is said of a release that sets a block adrift, and that it helps.
+//! Tests the help for a release that sets a block adrift: it is reported and it works.
 use stochc_compiler::Checked;
 use stochc_compiler::diagnostic::{Code, Diagnostic};
 
@@ -21,7 +21,7 @@ fn the_help_says_what_can_be_released_and_when() {
             "release `B` too, in this phase",
             "phase p { M.up -> A } phase q { A.up -> B release A, B }",
         ),
-        // A name is released once in a phase: here it is that of an earlier block.
+        // A phase releases a name once. Here it releases an earlier block of that name.
         (
             "phase p { M.up -> A.up -> B } phase q { release B A.north -> B release A }",
             "release `A` in a later phase, together with the new `B`: this phase releases an earlier `B`",

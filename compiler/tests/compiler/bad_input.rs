@@ -1,4 +1,4 @@
-//! Whatever bytes it is given, the compiler ends, in little time, with findings that can be shown.
+//! Checks that the compiler ends quickly for any input, with diagnostics that can be rendered.
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -18,7 +18,7 @@ const EXAMPLES: [&str; 8] = [
     include_str!("../../../tests/findings/scene.sa"),
 ];
 
-/// Words and signs of the language, right and wrong ones, to make texts of.
+/// Keywords and characters of the language, valid and invalid, for generating texts.
 const TOKENS: [&str; 79] = [
     "assembly",
     "aggregate",
@@ -101,7 +101,7 @@ const TOKENS: [&str; 79] = [
     "\u{202e}",
 ];
 
-/// Small enough that a wrong program is quick, large enough that its limits are seldom met.
+/// Limits that are small enough for quick tests, and large enough to be reached seldom.
 const SMALL: Limits = Limits {
     events: 20_000,
     steps: 100_000,
@@ -119,7 +119,7 @@ fn run(bytes: &[u8], limits: Limits) -> Checked {
     checked
 }
 
-/// What has to hold of every outcome.
+/// Checks the properties that every outcome must have.
 fn examine(checked: &Checked) {
     let renderer = Renderer::new(false, 100);
     for diagnostic in &checked.diagnostics {
@@ -160,14 +160,14 @@ fn codes(checked: &Checked) -> Vec<Code> {
     codes
 }
 
-/// A program of one phase.
+/// Returns a program of one phase.
 fn program(phase: &str) -> String {
     format!(
         "assembly a {{ seed plate 3 x 3 {{ A at (0, 0) B at (2, 2) }}\nphase p {{\n{phase}\n}} }}\n"
     )
 }
 
-/// One way to spoil a text.
+/// A way to corrupt a text.
 #[derive(Clone, Debug)]
 enum Slip {
     Delete(Index, usize),
@@ -335,7 +335,7 @@ fn nesting_has_a_bound_and_the_stack_none_to_fear() {
     );
 }
 
-/// A hundred terms are ordinary; what is beyond the bound is told of.
+/// A sum of a hundred terms is compiled. A sum beyond the limit is reported.
 #[test]
 fn long_sums_are_worked_out() {
     let sum = format!("let n = 1{}\nA.up ->> T[1..n]", "+1".repeat(500));
@@ -390,7 +390,7 @@ fn programs_that_multiply_stop_at_the_limit() {
             .count();
         assert!(errors <= most, "{text}: {:#?}", checked.diagnostics);
     }
-    // A range that is worked out and not used counts as well.
+    // An evaluated range counts even if it is not used.
     let text = program("for i in 1..1000000 { A[1..19999].up -> B }");
     run(text.as_bytes(), SMALL);
 }
@@ -432,7 +432,7 @@ fn mistakes_in_loops_are_told_a_bounded_number_of_times() {
     );
 }
 
-/// What an expression takes to work out counts, not only the statement that it stands in.
+/// The evaluation of an expression counts, in addition to its statement.
 #[test]
 fn long_expressions_in_loops_meet_the_limit() {
     let sum = vec!["1"; 800].join(" + ");
@@ -500,7 +500,7 @@ fn files_that_import_themselves_under_new_names_come_to_an_end() {
     let mut reads = 0;
     let mut reader = |path: &str| {
         reads += 1;
-        // As a system does that follows so many links in one path.
+        // Operating systems stop after this number of links in a path.
         if path.matches('/').count() > 40 {
             return Err(std::io::Error::other("too many levels of symbolic links"));
         }
@@ -563,7 +563,7 @@ fn unusual_characters_are_told_of_visibly() {
         let title = &checked.diagnostics[0].title;
         assert!(title.contains(shown), "{title}");
     }
-    // They may stand in comments, and are shown without effect.
+    // Comments may contain these characters. They are rendered visibly.
     let hidden = program("A.up -> T // \u{1b}[2J \u{202e} \u{9b} \u{7}\nC.up -> D");
     let checked = run(hidden.as_bytes(), SMALL);
     let shown = Renderer::new(false, 100).render(&checked.diagnostics[0], &checked.sources);
@@ -589,7 +589,7 @@ fn encodings_other_than_utf_8_are_told_of() {
         let checked = run(&bytes, SMALL);
         assert!(checked.has_errors());
     }
-    // A mark of the byte order is no part of the text.
+    // A byte order mark is not part of the text.
     let checked = run(&[b"\xef\xbb\xbf", good.as_bytes()].concat(), SMALL);
     assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
     let checked = run(b"\xef\xbb\xbf\xff", SMALL);
@@ -673,7 +673,7 @@ fn numbers_at_the_edges_do_not_wrap() {
             checked.diagnostics
         );
     }
-    // Its remainder is 0, though its quotient has no 64 bits.
+    // The remainder is 0, but the quotient does not fit into 64 bits.
     let least = plate("3 x 3", "(-9223372036854775807 - 1) % -1, 0");
     assert_eq!(codes(&run(least.as_bytes(), SMALL)), []);
     let edge = program("A.up ->> T[2147483646..2147483647].up ->> T[-2147483648..-2147483647]");
@@ -692,13 +692,13 @@ fn numbers_at_the_edges_do_not_wrap() {
 fn what_grows_with_the_program_grows_in_proportion() {
     const MANY: usize = 100_000;
     let many = |one: &dyn Fn(usize) -> String| (0..MANY).map(one).collect::<String>();
-    // A circle of events, and a line of them.
+    // A cycle of events, and a chain of events.
     let circle = many(&|i| format!("X{i}.up -> X{}\n", (i + 1) % MANY));
     let checked = run(program(&circle).as_bytes(), Limits::default());
     assert!(checked.has_errors());
     let circle = many(&|i| format!("A.up -> X{i} after X{}\n", (i + 1) % MANY));
     run(program(&circle).as_bytes(), Limits::default());
-    // One cell, one block, one name, by all.
+    // All statements use the same cell, block or name.
     run(
         program(&many(&|i| format!("A.up -> X{i}\n"))).as_bytes(),
         Limits::default(),
@@ -713,13 +713,13 @@ fn what_grows_with_the_program_grows_in_proportion() {
     );
     let row = format!("A.up ->> T[1..{MANY}] B.up -> E after T[1..{MANY}]");
     run(program(&row).as_bytes(), Limits::default());
-    // Phases, claims, declarations.
+    // Phases, claims and declarations.
     let phases = many(&|i| format!("phase p{i} {{ }}\n"));
     run(
         format!("assembly a {{ seed plate 1 x 1 {{ A at (0, 0) }} {phases} }}").as_bytes(),
         Limits::default(),
     );
-    // Names that nobody has declared, beside as many that are: not each of them is held against each.
+    // Many undeclared names next to many declared ones: not every pair may be compared.
     let patterns = many(&|i| format!("pattern q{i}(b) {{ b.up -> C }}\n"));
     let instances = program(&many(&|i| format!("r{i}(A)\n")));
     run((patterns + &instances).as_bytes(), Limits::default());
@@ -779,7 +779,7 @@ fn what_grows_with_the_program_grows_in_proportion() {
     );
 }
 
-/// Files of a hundred megabytes: right, in one line, and garbage.
+/// Files of a hundred megabytes: a valid one, one with a single line, and garbage.
 #[test]
 #[ignore = "takes minutes and 8 GB without optimization; run it by hand in release mode"]
 fn files_of_a_hundred_megabytes_are_answered() {

@@ -9,7 +9,7 @@ use crate::{checked, checked_within, with_code};
 const VAST: &str = "scene w from hemisphere { free 10000000 uniform \
     enclosure hemisphere { radius 1e7 m wall 250 N/m } }\n";
 
-/// Chimneys whose lid may come before their core, in loops.
+/// Returns chimneys whose lid may dock before their core, written as loops.
 fn chimneys(edge: usize) -> String {
     let last = edge - 1;
     let plate = 4 * edge;
@@ -27,7 +27,7 @@ fn chimneys(edge: usize) -> String {
     )
 }
 
-/// The same, each in statements of its own.
+/// Returns the same chimneys as separate statements.
 fn written_out(count: usize) -> String {
     let (mut seeds, mut phase) = (String::new(), String::new());
     for i in 0..count {
@@ -76,7 +76,7 @@ fn an_after_that_helps_all_rounds_of_a_loop_comes_first() {
 
 #[test]
 fn a_statement_that_stands_alone_is_not_told_to() {
-    // More than are tried.
+    // This is more than the number of tried fixes.
     let checked = checked(&written_out(100));
     let sealed = with_code(&checked, Code::SealedCavity);
     assert_eq!(sealed.len(), 100);
@@ -87,7 +87,7 @@ fn a_statement_that_stands_alone_is_not_told_to() {
     }
 }
 
-/// A pit. Phases capture and release a block at its bottom.
+/// Returns a pit. Phases capture and release a block at its bottom.
 fn pit(depth: usize, phases: usize) -> String {
     format!(
         "{VAST}assembly a in w {{ seed plate 3 x 3 {{
@@ -104,7 +104,8 @@ fn measuring_gaps_counts_as_search() {
         search: 10,
         ..Limits::default()
     };
-    // 10 for each of 8 x 500 captures: the gap of one phase is measured, and not those of 200.
+    // Each of the 8 x 500 captures counts 10. The gap of one phase is measured, the gaps of 200
+    // phases are not.
     let few = checked_within(&pit(500, 2), limits);
     assert_eq!(with_code(&few, Code::ReachUndecided).len(), 0);
     assert_eq!(with_code(&few, Code::TightApproach).len(), 1);
@@ -136,7 +137,7 @@ fn a_plate_has_to_lie_inside_the_enclosure() {
         ));
         with_code(&checked, Code::OutsideEnclosure).len()
     };
-    // Blocks of 20 cm: a plate of 7 has its corners at 0.99 m, one of 8 at 1.13 m.
+    // Blocks have 20 cm. A plate of 7 has its corners at 0.99 m, a plate of 8 at 1.13 m.
     for enclosure in ["hemisphere", "sphere"] {
         assert_eq!(outside(enclosure, 7), 0, "{enclosure}");
         assert_eq!(outside(enclosure, 8), 1, "{enclosure}");
@@ -144,7 +145,8 @@ fn a_plate_has_to_lie_inside_the_enclosure() {
     }
 }
 
-/// Checks what docs/reference/language.md claims about empty ranges, `allow`, patterns, shapes and free blocks.
+/// Checks claims of docs/reference/language.md about empty ranges, `allow`, patterns, shapes and
+/// free blocks.
 #[test]
 fn sentences_of_the_reference_hold() {
     let program = |text: &str| {

@@ -1,9 +1,10 @@
-//! Checks that nobody waits for.
+//! Tests the cancellation of checks.
 use std::cell::Cell;
 
 use stochc_compiler::{Cancellation, Cancelled, Limits, check_cancellable};
 
-/// Checks a text until it has been asked `most` times whether that is still wanted; how often it was asked.
+/// Checks a text and cancels after `most` queries. Returns the number of queries, and the number of
+/// events or the cancellation.
 fn asked(text: &str, most: u64) -> (u64, Result<usize, Cancelled>) {
     let count = Cell::new(0);
     let ask = || {
@@ -24,7 +25,7 @@ fn assembly(plate: &str, body: &str) -> String {
     format!("assembly a in magnet_tank {{\n    seed plate {plate} }}\n{body}\n}}\n")
 }
 
-/// Programs in which each stage has something to do.
+/// Returns programs that together exercise every stage.
 fn programs() -> Vec<String> {
     let row = |n| {
         assembly(
@@ -32,7 +33,7 @@ fn programs() -> Vec<String> {
             &format!("phase p {{ M.up ->> T[1..{n}] }}"),
         )
     };
-    // A room that is closed from above, so that ways are searched for, and a remedy is tried.
+    // A room that is closed from above, so that access paths are searched and a fix is tried.
     let room = assembly(
         "5 x 5 { for i in 0..4 { for j in 0..4 { S[i, j] at (i, j) } }",
         "phase p { for i in 0..4 { for j in 0..4 { S[i, j].up -> A[i, j] } }
@@ -48,7 +49,7 @@ fn a_check_is_asked_once_per_event_in_every_stage() {
     let row = &programs()[0];
     let (count, events) = asked(row, u64::MAX);
     assert_eq!(events, Ok(300));
-    // Written out, followed, placed, sorted, lowered.
+    // Five stages: expansion, names, cells, order, tables.
     assert!(count > 300 * 5, "{count}");
 }
 
@@ -60,7 +61,7 @@ fn a_check_ends_wherever_it_is_cancelled() {
         for most in (0..all).step_by((all / 100).max(1) as usize) {
             let (count, result) = asked(&text, most);
             assert_eq!(result, Err(Cancelled), "after {most} of {all}: {text}");
-            // What is given up on the way out asks once more at each level.
+            // Each level of the call stack queries once more before it returns.
             assert!(count <= most + 10, "{count} after {most}: {text}");
         }
         assert_eq!(asked(&text, all).1, result);

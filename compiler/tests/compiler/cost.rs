@@ -1,4 +1,4 @@
-//! What the compiler says of how long a program takes.
+//! Tests estimates of completion times.
 use stochc_compiler::Program;
 use stochc_compiler::diagnostic::Code;
 use stochc_estimate::{Cost, Interaction, Rates};
@@ -96,7 +96,8 @@ fn of_captures_side_by_side_the_last_counts() {
         "assembly a { seed plate 21 x 21 { A at (0, 0) B at (20, 0) C at (0, 20) D at (20, 20) } \
          phase p { A.up -> E B.up -> F C.up -> G D.up -> H } }",
     );
-    // The last of four exponential waits takes 1 + 1/2 + 1/3 + 1/4 of one; docking times make it less.
+    // The last of four exponential waits takes 1 + 1/2 + 1/3 + 1/4 of one. Docking times reduce
+    // this.
     assert!(four > 1.5 * alone && four < 2.09 * alone, "{four} {alone}");
 }
 
@@ -148,7 +149,7 @@ fn a_phase_that_comes_to_its_timeout_is_not_complete() {
     let complete = often.draws.iter().filter(|draw| draw.is_complete).count();
     assert!(complete > often.draws.len() / 2 && complete < often.draws.len());
     assert!(often.draws.iter().all(|draw| draw.ticks <= 1000.0));
-    // A timeout ends the slow ones and changes nothing of the others.
+    // A timeout stops slow runs and does not change the others.
     let (total, patient) = (often.total.unwrap(), cost(1_000_000).total.unwrap());
     for (with, without) in [(total.p10, patient.p10), (total.median, patient.median)] {
         let [with, without] = [with, without].map(Option::unwrap);
@@ -156,7 +157,7 @@ fn a_phase_that_comes_to_its_timeout_is_not_complete() {
     }
     assert_eq!((total.mean, total.p90), (None, None));
     assert!(patient.mean.is_some() && patient.p90.is_some());
-    // Not one in ten gets there.
+    // Fewer than one run in ten completes.
     assert_eq!((seldom.total, seldom.phases[0].times), (None, None));
 }
 
@@ -171,7 +172,7 @@ fn what_a_sum_leaves_out_is_known() {
     };
     assert_eq!(interaction(&beside("3")), Interaction::Apart);
     assert_eq!(interaction(&beside("2")), Interaction::Racing);
-    // One column after the other: nothing is open beside what waits.
+    // One column follows the other, so no second face is open next to a waiting one.
     let serial = "assembly a { seed plate 9 x 1 { A at (1, 0) B at (2, 0) }
         phase p { A.up ->> S[1..3] } phase q { B.up ->> T[1..3] } }";
     assert_eq!(interaction(serial), Interaction::Apart);
@@ -191,7 +192,8 @@ fn a_capture_decides_the_time_until_a_timeout_as_well() {
     assert!((share - 1.0).abs() < 1e-9, "{share}");
 }
 
-/// Two towers of three: reports from the top of the last one, news over the plate to its foot, and requests to be let go.
+/// Tests two towers of three. The last one's top reports. A message crosses the plate to its foot,
+/// and requests release blocks.
 #[test]
 fn messages_take_time_by_hops() {
     let mean = |messages: &str, body: &str| {
@@ -216,14 +218,15 @@ fn messages_take_time_by_hops() {
     ] {
         let none = mean("", body);
         assert_eq!(mean("messages { hop 0 ticks }", body), none);
-        // As many as the sums of chains are off by chance are no hop.
+        // A random deviation of the sums stays below one hop.
         let off = mean("messages { hop 10000 ticks }", body) - none;
         assert!(
             (off / 10000.0 - hops).abs() < 0.05,
             "{body}: {off}, not {hops}"
         );
-        // Half of all hops are made again, after 2 h + 1 ticks: once on average, with a standard deviation of 0.94 of such a
-        // hop. Where branches end beside each other, the later report counts (`tests/estimate.rs` has runs of such programs).
+        // Half of all hops are repeated after 2 h + 1 ticks, once on average, with a standard
+        // deviation of 0.94 of such a hop. If adjacent branches end together, the later report
+        // counts. `tests/estimate.rs` runs such programs.
         let lost = (mean("messages { hop 10000 ticks loss 50% }", body) - none) / 30001.0;
         let chance = 4.0 * 0.94 * (hops / 4000_f64).sqrt();
         let is_alone = [tower, gone].contains(&body);
@@ -232,7 +235,7 @@ fn messages_take_time_by_hops() {
     }
 }
 
-/// Jams void an estimate, also where they are allowed: physics takes longer.
+/// Jams make an estimate a lower bound, even if they are allowed.
 #[test]
 fn a_program_that_may_jam_has_a_lower_bound() {
     let reasons = |text: &str| {
@@ -250,7 +253,7 @@ fn a_program_that_may_jam_has_a_lower_bound() {
     let square = "assembly a { seed plate 2 x 2 { A at (0, 0) B at (1, 0) C at (0, 1) }
         phase p { A.up -> D  B.up -> E  C.up -> F } }";
     assert_eq!(reasons(square), serde_json::json!(["crowded-captures"]));
-    // Five towers of two blocks in each row.
+    // Each row has five towers of two blocks.
     let towers = |rows: u32| {
         let last = rows - 1;
         format!(
@@ -284,7 +287,7 @@ fn a_timeout_that_ends_most_runs_is_warned_of() {
         };
         assert_eq!(warning.code, Code::ShortTimeout);
         assert!(warning.title.starts_with("phase `last` would time out in "));
-        // The help holds.
+        // The proposed timeout resolves the warning.
         let help = warning.help.as_deref().expect("it says what to write");
         let timeout = help.split('`').nth(1).expect("it is quoted");
         assert!(

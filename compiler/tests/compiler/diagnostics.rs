@@ -1,15 +1,15 @@
-//! Every page of `stochc explain` shows what it speaks of.
+//! Checks the examples on every page of `stochc explain`.
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use stochc_compiler::diagnostic::{Code, Diagnostic, TextChange};
 use stochc_compiler::{Checked, FileId, Limits, check};
 
-/// Pages without a wrong program, and why.
+/// Pages without an invalid program, with the reason.
 const WITHOUT: [(Code, &str); 11] = [
     (Code::NotUtf8, "a page is UTF-8 itself"),
     (Code::FileTooLarge, "4 GiB are too many for a test as well"),
-    (Code::TooDeep, "a hundred braces on a page help nobody"),
+    (Code::TooDeep, "a hundred braces do not fit on a page"),
     (Code::StatementTooLong, "a statement of 4 MiB"),
     (Code::TooManyErrors, "a hundred errors"),
     (Code::TooManyWarnings, "a thousand warnings"),
@@ -18,9 +18,9 @@ const WITHOUT: [(Code, &str); 11] = [
         Code::InternalError,
         "the compiler is not known to make this mistake",
     ),
-    (Code::ImportMissing, "a fence has no files beside it"),
+    (Code::ImportMissing, "the example has only one file"),
     (Code::ImportOutside, "a fence has no folder"),
-    (Code::ImportCycle, "a fence has no files beside it"),
+    (Code::ImportCycle, "the example has only one file"),
 ];
 
 #[test]
@@ -62,7 +62,7 @@ fn every_right_program_of_a_page_has_no_finding() {
             "the page of `{code}`"
         );
         if let Some(program) = program {
-            // A small program is a crowded one; a narrow gap is not what the page is about.
+            // Small programs are crowded, and a narrow gap is not the topic of the page.
             let mut codes = codes(&text(program));
             let of_space = [Code::TightApproach, Code::CrowdedCaptures];
             codes.retain(|&found| !of_space.contains(&found) || code == found);
@@ -190,7 +190,7 @@ fn misplaced_seeds_are_misplaced_and_nothing_worse() {
         phase p { M.up -> N }
     }";
     assert!(codes(&text(release_first)).contains(&Code::Misplaced));
-    // A block that is attached by hand may stand between seeds, and does not change who they are.
+    // A pre-attached block may be between seeds and does not change which blocks are seeds.
     let captured_twice = "assembly a {
         seed plate 2 x 1 { M at (0, 0)  M.up -> X  N at (1, 0) }
         phase p { X.up -> N }
@@ -269,7 +269,7 @@ fn an_after_that_one_round_needs_is_not_redundant_in_another() {
             }}"
         )))
     };
-    // Nobody uses the seed of the second round there.
+    // The second round does not use its seed there.
     assert_eq!(program("1..2"), []);
     assert_eq!(program("1..1"), [Code::UnusedSeed, Code::RedundantAfter]);
 }
@@ -287,7 +287,7 @@ fn degrees_reach_a_right_angle() {
     assert_eq!(scene("90.001"), [Code::WrongValue]);
 }
 
-/// The program behind a line of a page, such as `Wrong:`.
+/// Returns the program after a line of a page, such as `Wrong:`.
 fn fence<'a>(page: &'a str, title: &str) -> Option<&'a str> {
     let (_, rest) = page.split_once(&format!("\n{title}\n\n```sa\n"))?;
     rest.split_once("```").map(|(program, _)| program)
@@ -305,7 +305,7 @@ fn text(program: &str) -> Checked {
     files(&[("page.sa", program)], "page.sa")
 }
 
-/// Checks one of several files that exist in memory only.
+/// Checks one of several files that exist only in memory.
 fn files(files: &[(&str, &str)], path: &str) -> Checked {
     let files: BTreeMap<&str, &str> = files.iter().copied().collect();
     let mut reader = |path: &str| {
@@ -426,7 +426,7 @@ fn a_statement_that_is_wrong_many_times_does_not_hide_another() {
     );
 }
 
-/// The message on the one thing that is wrong in a program with a seed M, and its help and labels.
+/// Returns the title, help and labels of the only diagnostic of a program with a seed M.
 fn only(declarations: &str, phase: &str) -> (String, String, Vec<String>) {
     let text = text(&format!(
         "{declarations} assembly a {{ seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) }}
@@ -450,13 +450,13 @@ const ARM: &str = "pattern arm(base, side) { base.side -> T }";
 
 /// Mistakes with names and arguments: patterns and numbers, and a phase with one mistake.
 const NAMES_AND_ARGUMENTS: [(&str, &str); 24] = [
-    // Swapped arguments. A part in parentheses moves as a whole.
+    // Swapped arguments. An argument in parentheses moves as a whole.
     (TOWER, "tower(3, M)  N.up -> A"),
     (TOWER, "tower((1 + 0) * 3, M)  N.up -> A"),
     (TOWER, "tower(-(1 - 4), M)  N.up -> A"),
     (TOWER, "tower(3 * (0 + 1), M)  N.up -> A"),
     (TOWER, "tower((((3))), M)  N.up -> A"),
-    // One of them is right by chance, or used by another pattern, or there are three.
+    // One argument happens to be valid, or another pattern uses it, or there are three arguments.
     (
         "pattern tower(base, spare) { base.up -> T }",
         "tower(3, M)  N.up -> A",
@@ -466,7 +466,7 @@ const NAMES_AND_ARGUMENTS: [(&str, &str); 24] = [
         "outer(M, 3)  N.up -> A",
     ),
     (LONG_ARM, "arm(2, M, up)  N.up -> A"),
-    // Arguments of the wrong kind. A name without a meaning is misspelt.
+    // Arguments of the wrong kind. An unknown name is misspelt.
     (TOWER, "tower(M, N)"),
     (TOWER, "tower(up, 3) M.up -> A N.up -> B"),
     (
@@ -487,7 +487,8 @@ const NAMES_AND_ARGUMENTS: [(&str, &str); 24] = [
         TOWER,
         "for i in 1..1 { tower(M, 2) as t[i] tower(N, 2) as t[3] }  t[2].T[1].east -> X",
     ),
-    // Names that a pattern does not see: a block, a block of the pattern around it, a counter, an instance.
+    // Names that a pattern cannot use: a block, a block of the outer pattern, a counter, an
+    // instance.
     (
         "pattern arm(base, n) { base.up -> T[n]  M.up -> V }",
         "arm(N, 2) as x",
@@ -505,7 +506,7 @@ const NAMES_AND_ARGUMENTS: [(&str, &str); 24] = [
         "pattern tower(base, height) { base.up ->> T[1..height] } pattern on(b) { b.up -> U  x.T[1].east -> V }",
         "tower(M, 2) as x  on(N)",
     ),
-    // A name inside of an instance does not mean a block outside of it.
+    // A name in an instance does not refer to a block outside of it.
     (TOWER, "tower(M, 2) as x  x.N.up -> A"),
 ];
 
@@ -538,7 +539,7 @@ fn parameters_that_are_used_in_two_ways_or_not_at_all_take_anything() {
     }
     let both = "pattern both(x) { x.up ->> T[1..x] }";
     assert_eq!(codes(&program(both, "both(M)")), [Code::WrongKind]);
-    // A counter or a number of the pattern is no parameter.
+    // A counter or a local number is not a parameter.
     let hidden = "pattern hidden(x, y) { x.up -> A for y in 1..1 { A.up -> B[y] } let x = 1 B[x].up -> C y.up -> D }";
     assert_eq!(
         codes(&program(hidden, "M.up -> N M.up -> N")),
@@ -598,7 +599,7 @@ fn a_scene_may_take_the_place_of_the_built_in_one() {
     assert_eq!(codes(&text(program)), [Code::UnknownScene]);
 }
 
-/// Helps that are changes without a fix: the old text and the new one, which the help names.
+/// Changes in helps that are not fixes: the old and the new source. The help names the new source.
 const FOLLOWED: [(Code, &str, &str); 11] = [
     (
         Code::NumberTooLarge,
@@ -629,7 +630,7 @@ const FOLLOWED: [(Code, &str, &str); 11] = [
     (Code::ShortTimeout, "300 ticks", "3700 ticks"),
 ];
 
-/// Codes whose help is not a change of the text, with the reason.
+/// Codes whose help is not a change of the source, with the reason.
 const ADVICE: [(Code, &str); 25] = [
     (Code::WrongKind, "either of two things may be renamed"),
     (Code::WrongArguments, "the argument is not known"),
@@ -667,13 +668,13 @@ const ADVICE: [(Code, &str); 25] = [
     (Code::StokesDrag, "the density of the fluid is not known"),
 ];
 
-/// A text with the change of one of its diagnostics.
+/// Returns a text with the change of one of its diagnostics.
 fn followed(checked: &Checked, diagnostic: &Diagnostic) -> Option<String> {
     let text = &checked.sources.files()[0].text;
     let mut change = TextChange::new(FileId(0), text);
     let fix = diagnostic.fix.as_ref()?;
     assert!(change.add(fix), "{fix:?}");
-    // Every block that is open needs its brace.
+    // Every unclosed block needs its own brace.
     let others = checked.diagnostics.iter().filter(|it| *it != diagnostic);
     let others = others.filter(|it| it.code == Code::UnclosedBrace && it.code == diagnostic.code);
     others.filter_map(|it| it.fix.as_ref()).for_each(|fix| {
@@ -682,7 +683,7 @@ fn followed(checked: &Checked, diagnostic: &Diagnostic) -> Option<String> {
     Some(change.text())
 }
 
-/// Asserts that the change of each diagnostic of a text removes it, and breaks nothing that could be read.
+/// Checks that the change of each diagnostic resolves it and breaks no valid part of the program.
 fn assert_changes_hold(program: &str) {
     let checked = text(program);
     for diagnostic in &checked.diagnostics {
@@ -690,7 +691,7 @@ fn assert_changes_hold(program: &str) {
             continue;
         };
         let after = text(&changed);
-        // Another slip of the same line may come to light.
+        // Another mistake of the same line may appear.
         let count = |checked: &Checked| {
             let alike = checked.diagnostics.iter();
             let alike = alike.filter(|it| it.code == diagnostic.code);
@@ -714,7 +715,8 @@ fn assert_changes_hold(program: &str) {
     }
 }
 
-/// Every code has a page, and the help of its wrong program is tried: by its fix, or as `FOLLOWED` says.
+/// Checks that every code has a page, and applies the help of its invalid program: the fix or the
+/// change in `FOLLOWED`.
 #[test]
 #[allow(
     clippy::disallowed_methods,
@@ -737,7 +739,7 @@ fn a_help_that_is_a_change_holds() {
         }
         if let Some((_, old, new)) = by_hand {
             let help = diagnostic.help.as_deref().unwrap();
-            // The length of a row follows from its shape.
+            // The shape determines the length of a row.
             let is_new = |word: &&str| !program.contains(word) && !word.starts_with("T[");
             let words = new.split_whitespace().filter(is_new);
             words.for_each(|word| assert!(help.contains(word), "{code}: `{word}` in `{help}`"));
@@ -752,7 +754,8 @@ fn a_help_that_is_a_change_holds() {
     }
 }
 
-/// The help and the text with its change, for the one diagnostic of a phase of a program with the seeds M and N.
+/// Returns the help and the changed source for the only diagnostic of a phase with the seeds M and
+/// N.
 fn help_tried(phase: &str) -> (String, String) {
     let program = |phase: &str| {
         format!(
@@ -769,20 +772,20 @@ fn help_tried(phase: &str) -> (String, String) {
     (diagnostic.help.clone().unwrap_or_default(), changed)
 }
 
-/// Phases with one mistake, for which the help is a change of the text or an advice.
+/// Phases with one mistake whose help is a change of the source or advice.
 const HELPED: [&str; 11] = [
-    // A seed cannot be captured: the block gets a name that is free.
+    // A seed cannot be captured. The block gets a free name.
     "M.up -> N",
     "M.up -> A N.up -> A A.up -> A_2",
     "M.up -> A for i in 1..2 { N.up -> B }",
-    // Rounds that take one cell are a row. Other loops are not.
+    // Rounds that fill the same cell are rewritten as a row. Other loops are not.
     "N.up -> A for i in 1..3 { M.up -> L[i] }",
     "N.up -> A for i in 1..3 { M.up -> L[2 * i] }",
-    // The `after` of a chain belongs to its first capture.
+    // The `after` of a chain applies to its first capture.
     "N.up -> X M.up -> C.up -> D after C",
     "N.up -> X M.up -> A after A",
     "M.up -> A after B  N.up -> B after A",
-    // A timeout belongs to a phase.
+    // A timeout is part of a phase.
     "N.up -> X M.up -> A timeout 50 s",
     "N.up -> X M.up -> A timeout 60s",
     "N.up -> X M.up -> A timeout 2500 ticks",
@@ -832,7 +835,7 @@ fn distances_are_told_with_the_digits_that_differ() {
     assert!(metres(reached) > metres(limit), "{label}");
 }
 
-/// The title names it, and the help closes it where the indentation ends.
+/// The title names the block, and the help closes it at the end of the indentation.
 #[test]
 fn a_block_that_is_not_closed_is_named() {
     let program = "assembly one {

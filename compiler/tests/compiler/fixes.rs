@@ -1,4 +1,4 @@
-//! Fixes: each does what it says and nothing else.
+//! Checks that each fix makes exactly the change that it announces.
 mod syntax_hints;
 
 use proptest::prelude::*;
@@ -21,7 +21,7 @@ fn checked(text: &str) -> Checked {
     check("a.sa", &mut files(text), Limits::default())
 }
 
-/// The text with all safe changes.
+/// Returns the text with all safe changes.
 fn mend(text: &str) -> Fixed {
     let mut reader = files(text);
     stochc_compiler::fix(
@@ -55,7 +55,7 @@ fn comments(text: &str) -> Vec<&str> {
 
 const PLATE: &str = "assembly a {\n    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }\n";
 
-/// A program with its phases.
+/// Returns a program with these phases.
 fn program(phases: &str) -> String {
     format!("{PLATE}    phase base {{ M.up -> A }}\n    {phases}\n}}\n")
 }
@@ -299,20 +299,20 @@ fn slips_outside_of_phases_are_mended() {
 #[test]
 fn what_is_not_certain_is_left_alone() {
     for text in [
-        // Another block may be meant.
+        // The name of another block may be intended.
         program("phase p { N.up -> top }  phase q { tip.up -> B }"),
         program("phase p { N.up -> T[1] }  phase q { T[2].up -> B }"),
         program("phase p { N.up -> towar.up -> tower }  phase q { towr.up -> B }"),
         program("phase p { N.left -> B }"),
-        // Something may have been forgotten.
+        // A part may be missing.
         program("phase p { N.up -> B.up }"),
         program("phase p { N -> B }"),
         program("phase p { N.up -> B  } }"),
         program("phase p { N.up -> B }  phase q { /* later */ }").replace("/* later */", "// later\n"),
         program("phase p { N.up -> B }  phase q { for i in 2..1 { } }"),
-        // A doc would belong to something else.
+        // The documentation would belong to another statement.
         program("phase p { N.up -> B }  /// later\n    phase q { }"),
-        // The same text is needed in another round, or names several blocks.
+        // Another round needs the same source, or the source names several blocks.
         program("for i in 1..2 { phase p[i] { N.up -> B[i] after X  release X } }"),
         program("for i in 1..2 { phase p[i] { M.up -> Z[i] N.up -> B[i] after Z[1] } }"),
         "assembly a { seed plate 3 x 1 { for i in 0..2 { M[i] at (i, 0) } } phase p { M[0].up -> A } }".to_owned(),
@@ -325,12 +325,12 @@ fn what_is_not_certain_is_left_alone() {
 #[test]
 fn a_fix_that_brings_something_new_is_only_offered() {
     for (wrong, code) in [
-        // The comment that might be meant would leave `wall` without its value.
+        // If this became a comment, `wall` would have no value.
         (
             "scene s from hemisphere { enclosure hemisphere { radius 5m  wall N/m } }",
             Code::Syntax,
         ),
-        // With the fixed word, a cycle appears.
+        // With the corrected keyword, a cycle appears.
         (
             "asembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A after B  A.up -> B }\n}\n",
             Code::Syntax,
@@ -356,7 +356,7 @@ fn warnings_that_could_not_be_looked_for_do_not_count() {
     assert_eq!(fixed(&wrong), right);
 }
 
-/// How often a program is checked; it imports a file that is not there.
+/// Returns the result and the number of checks of a program that imports a missing file.
 fn checks(text: &str) -> (Checked, u32) {
     let mut checks = 0;
     let mut reader = |asked: &str| match asked {
@@ -386,11 +386,11 @@ fn many_fixes_are_tried_together() {
         assert_eq!(safe(&checked), count);
         assert!(checks <= 1 + 64, "{checks} checks of {count} fixes");
     }
-    // One of them does not help: it is found by halves.
+    // One fix does not help. Bisection finds it.
     let bad = "asembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A  Q.up -> B }\n}\n";
     let (checked, _) = self::checks(&format!("{import}{}{bad}", lets(98)));
     assert_eq!(safe(&checked), 98);
-    // Nothing is tried again and again in a text of any size.
+    // The number of attempts does not depend on the size of the text.
     let long = "// much\n".repeat(100_000);
     let (checked, checks) = self::checks(&format!("{import}{}{long}", lets(99)));
     assert_eq!(safe(&checked), 99);
@@ -436,11 +436,12 @@ fn every_fixture_and_page_is_only_bettered() {
     assert!(fixes > 15, "{fixes}");
 }
 
-/// A change takes its finding away and, if it is safe, brings no error and keeps all comments.
+/// Checks that a change resolves its diagnostic. A safe change causes no error and keeps all
+/// comments.
 fn one_change(text: &str, before: &Checked, diagnostic: &Diagnostic, fix: &Fix) {
     let mut change = TextChange::new(FileId(0), text);
     assert!(change.add(fix), "{fix:?}");
-    // Each open block needs its own brace: one alone closes the inner block.
+    // Each unclosed block needs its own brace. A single brace closes the inner block.
     if diagnostic.code == Code::UnclosedBrace {
         let open = before.diagnostics.iter();
         let open = open.filter(|it| it.code == diagnostic.code && *it != diagnostic);
@@ -457,7 +458,8 @@ fn one_change(text: &str, before: &Checked, diagnostic: &Diagnostic, fix: &Fix) 
     if !fix.safe {
         return;
     }
-    // A text with several errors of syntax is read only in part, and more of it with one less.
+    // The parser reads only parts of a text with several syntax errors. Fixing one error reveals
+    // more.
     let partly_read = diagnostic.code == Code::Syntax && before.diagnostics.len() > 1;
     for diagnostic in &after.diagnostics {
         let known = old.contains(&(diagnostic.code, diagnostic.title.clone()));
@@ -474,7 +476,7 @@ fn one_change(text: &str, before: &Checked, diagnostic: &Diagnostic, fix: &Fix) 
     }
 }
 
-/// A letter of a word is lost, doubled, or swapped with the next.
+/// Removes or doubles a letter of a word, or swaps it with the next one.
 fn misspelt(text: &str, at: usize, how: u8) -> Option<String> {
     let letter = |at: usize| text.as_bytes().get(at).is_some_and(u8::is_ascii_alphabetic);
     if !letter(at) || !letter(at + 1) {
@@ -527,7 +529,7 @@ proptest! {
     }
 }
 
-/// A program with more warnings than are reported can be run, and all of them can be fixed.
+/// A program with more warnings than the limit can be run, and all warnings can be fixed.
 #[test]
 fn more_warnings_than_are_told_refuse_nothing() {
     let rest = ", A".repeat(1_500);
@@ -548,7 +550,7 @@ fn more_warnings_than_are_told_refuse_nothing() {
     assert!(told.iter().any(|it| it.code == Code::UnknownName));
 }
 
-/// `after release A` may be meant, but not for the release of A itself.
+/// `after release A` may be intended, but not for the release of A itself.
 #[test]
 fn a_release_is_not_told_to_wait_for_itself() {
     let help = |event: &str| {

@@ -23,7 +23,8 @@ fn reported(text: &str) -> Vec<String> {
     checked.diagnostics.iter().map(name).collect()
 }
 
-/// A program with an unused seed and an empty phase, and statements in five places.
+/// Returns a program with an unused seed and an empty phase. The arguments are inserted in five
+/// places.
 fn program([file, assembly, plate, phase, other]: [&str; 5]) -> String {
     format!(
         "{file}
@@ -52,7 +53,7 @@ fn a_statement_reaches_over_the_block_around_it() {
         places[place] = phase;
         assert_eq!(reported(&program(places)), ["unused-seed"], "{place}");
     }
-    // Elsewhere it finds nothing to allow.
+    // In other places it has nothing to allow.
     let elsewhere = [no, no, phase, no, seed];
     assert_eq!(
         reported(&program(elsewhere)),
@@ -72,7 +73,7 @@ fn the_innermost_statement_counts() {
         reported(&program([seed, allow, "", deny, ""])),
         ["EMPTY-PHASE", "unused-allow"]
     );
-    // In one block the last one does.
+    // Within one block the last statement applies.
     let twice = format!("{seed} {allow} {deny}");
     assert_eq!(
         reported(&program([&twice, "", "", "", ""])),
@@ -80,7 +81,7 @@ fn the_innermost_statement_counts() {
     );
 }
 
-/// The source right after a block is not in it.
+/// The source right after a block is outside of the block.
 #[test]
 fn a_statement_does_not_reach_over_the_end_of_its_block() {
     let text = "assembly a { seed plate 2 x 1 { for i in 0..0 { allow unused-seed \"x\" M at (0, 0) }N at (1, 0) } \
@@ -126,7 +127,7 @@ fn an_outdated_allow_can_be_allowed_itself() {
 #[test]
 fn an_allow_in_doubt_is_not_held_against_its_author() {
     let allow = "allow redundant-after \"x\"";
-    // The pattern may be grown by another file, and the error may hide the warning.
+    // Another file may use the pattern, and the error may hide the warning.
     let pattern = format!(
         "pattern _t(b) {{ {allow} b.up -> T }}
         assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A }} }}"
@@ -215,17 +216,17 @@ fn what_nobody_uses_is_told_of() {
         assert_eq!(reported(&format!("{kept} {program}")), [""; 0], "{kept}");
         let allowed = format!("allow {code} \"later\" {declared} {program}");
         assert_eq!(reported(&allowed), [""; 0], "{allowed}");
-        // A file without a program is there for others.
+        // A file without a program is meant for import.
         assert_eq!(reported(declared), [""; 0]);
     }
-    // In each kind of block.
+    // The warning occurs in each kind of block.
     let local = "assembly a {
         let a = 1 pattern t(b) { let i = 1 b.up -> T } shape s { layer 1..2 { # } }
         seed plate 1 x 1 { let b = 1 M at (0, 0) }
         phase p { let c = 1 for i in 1..1 { let d = 1 t(M) } M.up -> A } }";
     let codes = reported(local);
     let of = |code: &str| codes.iter().filter(|told| *told == code).count();
-    // First it has an error. After the fix:
+    // First there is an error. The warnings appear after the fix.
     assert_eq!((of("unused-let"), codes.len()), (0, 1), "{codes:?}");
     let codes = reported(&local.replace("M.up -> A", ""));
     let of = |code: &str| codes.iter().filter(|told| *told == code).count();
@@ -270,7 +271,8 @@ fn no_warning_follows_from_an_error() {
             "assembly a {{ seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) }} phase p {{ M.up -> A }} {phases} }}"
         ))
     };
-    // The seed is misspelt, and so is the capture that an `after` waits for; the phase has a statement.
+    // A misspelt seed or a misspelt capture in an `after` causes no warnings. The phase has a
+    // statement.
     assert_eq!(program("phase q { n.up -> B }"), ["UNKNOWN-NAME"]);
     assert_eq!(
         program("phase q { N.up -> A  A.up -> B after A }"),

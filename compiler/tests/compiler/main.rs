@@ -1,4 +1,4 @@
-//! The compiler from outside: programs as texts, their diagnostics, fixes and proofs.
+//! Tests the compiler through its interface: sources, diagnostics, fixes and proofs.
 #![allow(
     clippy::disallowed_methods,
     reason = "the tests read programs from the disk"

@@ -1,4 +1,4 @@
-//! What names refer to, held against what programs are written out to.
+//! Compares the definitions of names with the expanded programs.
 use std::cell::Cell;
 use std::fmt::Write as _;
 
@@ -13,19 +13,20 @@ const NEVER: Cancellation<'static> = Cancellation::NEVER;
 
 fn checked(text: &str) -> Checked {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
-    // Without trying the fixes of what is not used.
+    // `check_observed` does not try fixes of unused definitions, which saves time.
     let (limits, levels) = (Limits::default(), LintLevels::default());
     check_observed("a.sa", &mut reader, limits, &levels, &mut |_| {})
 }
 
-/// Words that stand for numbers, for whatever is outside and inside of each other.
+/// Names of numbers. Using few names makes definitions hide each other.
 const WORDS: [&str; 3] = ["n", "m", "T"];
 
-/// Turns a list of numbers into a program in which few words stand for many things; most are right.
+/// Turns a list of numbers into a program that uses few names for many things. Most programs are
+/// valid.
 struct Generator {
     choices: std::vec::IntoIter<u32>,
     text: String,
-    /// The words that stand for a number here, as far as this goes.
+    /// Names that stand for a number at this point.
     known: Vec<&'static str>,
     patterns: Vec<String>,
 }
@@ -42,7 +43,7 @@ impl Generator {
         self.text.push(' ');
     }
 
-    /// A number from 1 on.
+    /// Writes a number from 1 on, or an expression.
     fn number(&mut self) -> String {
         let count = self.known.len();
         if count == 0 || self.choose(3) == 0 {
@@ -71,7 +72,7 @@ impl Generator {
             self.declare();
         }
         let (high, wide) = (self.number(), self.number());
-        // A parameter may have the name of a block.
+        // A parameter may have the same name as a block.
         let block = if count == "T" { "U" } else { "T" };
         self.write(&format!("let h = {high} base.side ->> {block}[1..h]"));
         if self.choose(2) == 0 {
@@ -156,7 +157,7 @@ fn program(choices: Vec<u32>) -> String {
     generator.text
 }
 
-/// All that a program does, without its names.
+/// Describes everything that a program does, without its names.
 fn structure(checked: &Checked) -> String {
     let mut shown = String::new();
     for program in &checked.programs {
@@ -172,7 +173,7 @@ fn structure(checked: &Checked) -> String {
     shown
 }
 
-/// A text in which a thing has another name.
+/// Renames a definition and its uses in a text.
 fn renamed(text: &str, names: &Names, definition: Definition, name: &str) -> String {
     let mut renamed = String::new();
     let mut done = 0;
@@ -185,7 +186,7 @@ fn renamed(text: &str, names: &Names, definition: Definition, name: &str) -> Str
     renamed + &text[done..]
 }
 
-/// Runs a test with many programs that have no errors.
+/// Runs a test for many programs without errors.
 fn for_programs(test: impl Fn(&str, &Checked, &Names) -> Result<usize, TestCaseError>) {
     let config = ProptestConfig {
         cases: 200,
@@ -222,7 +223,7 @@ fn a_thing_can_have_any_name_and_nothing_else_changes() {
         definitions.dedup();
         let count = definitions.len();
         for definition in definitions {
-            // What is built in has no other name.
+            // Built-in things cannot be renamed.
             if !names.occurrences_of(definition).any(|name| name.declares) {
                 continue;
             }
@@ -239,7 +240,7 @@ fn a_thing_can_have_any_name_and_nothing_else_changes() {
 fn a_name_of_blocks_is_written_out_to_blocks_of_that_thing() {
     for_programs(|text, checked, names| {
         let mut count = 0;
-        // The word of the blocks and what the resolver says of it: one block is one thing.
+        // Each block belongs to exactly one definition, whose name is the stem of the block's name.
         let mut definitions = std::collections::BTreeMap::new();
         for name in names.all() {
             let kind = names.kind(name.definition);
@@ -260,7 +261,7 @@ fn a_name_of_blocks_is_written_out_to_blocks_of_that_thing() {
                             prop_assert_eq!(*known, name.definition, "{} of {}", block, text);
                             count += 1;
                         }
-                        // It stands for the block that is given for it.
+                        // A parameter stands for the block of its argument.
                         NameKind::Parameter => count += 1,
                         kind => prop_assert!(false, "{kind:?} `{word}` stands for {block}: {text}"),
                     }

@@ -1,4 +1,4 @@
-//! Random programs that are right by construction.
+//! Random programs that are valid by construction.
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use stochc_compiler::diagnostic::Code;
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
 
-/// A program, and what it builds.
+/// A program and the structure that it builds.
 #[derive(Clone, Debug)]
 pub struct Declared {
     pub text: String,
@@ -31,27 +31,28 @@ struct Generator {
     text: String,
 }
 
-/// When names, cells and faces are used again.
+/// Times at which names, cells and faces are reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reuse {
-    /// Names in a later phase; cells and faces at once.
+    /// Names are reused in a later phase, cells and faces in the same phase.
     Later,
-    /// All of them at once, as often as can be: branches move, a block takes the name or the place of one
-    /// that goes in the same phase, and some come and go within it.
+    /// Everything is reused in the same phase, as often as possible. Branches move, blocks take the
+    /// name or cell of a released block, and some blocks are captured and released within the
+    /// phase.
     AtOnce,
 }
 
-/// What has been written of a phase.
+/// State of a phase while it is written.
 struct Stage {
-    /// The blocks at its beginning.
+    /// Blocks at the start of the phase.
     start: BTreeMap<String, Block>,
-    /// Events so far, as `after` can name them; only earlier ones, so that no circle arises.
+    /// Events so far, which `after` can name. Using only earlier events avoids cycles.
     events: Vec<String>,
     captured: BTreeSet<String>,
     released: BTreeSet<String>,
-    /// Those that have captured. The name of a block that was there may not be given again.
+    /// Blocks that have captured. If such a block existed at the start, its name may not be reused.
     busy: BTreeSet<String>,
-    /// The cells of the captures.
+    /// Cells of the captures.
     filled: BTreeSet<Cell>,
 }
 
@@ -118,7 +119,7 @@ impl Generator {
         self.text.push_str("    }\n");
     }
 
-    /// The blocks that can be let go: those on which nothing hangs, or no more.
+    /// Returns the blocks that can be released: those without children.
     fn leaves(&self, stage: &Stage) -> Vec<String> {
         (self.blocks.iter())
             .filter(|(name, block)| block.parent.is_some() && !stage.released.contains(*name))
@@ -149,7 +150,7 @@ impl Generator {
         stage.released.insert(name);
     }
 
-    /// A face through which a block can capture.
+    /// Returns a face through which a block can capture.
     fn free_face(&mut self, stage: &Stage, parent: &str) -> Option<Face> {
         let block = &self.blocks[parent];
         let faces: Vec<Face> = Face::ALL
@@ -191,8 +192,8 @@ impl Generator {
         self.blocks.insert(name, Block { cell, parent, face });
     }
 
-    /// Lets a block go with all that hangs on it, and captures as much of it again, perhaps elsewhere;
-    /// whether there was one.
+    /// Releases a block with its branch and captures a branch of the same size, perhaps elsewhere.
+    /// Returns whether there was such a block.
     fn move_branch(&mut self, stage: &mut Stage) -> bool {
         let is_idle = |name: &String| {
             stage.start.contains_key(name)
@@ -230,7 +231,7 @@ impl Generator {
         true
     }
 
-    /// A block and all that hangs on it, each behind its parent.
+    /// Returns a block and its branch, each block after its parent.
     fn branch(&self, root: &str) -> Vec<String> {
         let mut branch = vec![root.to_owned()];
         let mut next = 0;
@@ -255,18 +256,18 @@ impl Generator {
 }
 
 impl Stage {
-    /// Whether another block can take a name that is free, or becomes free, in this phase.
+    /// Returns whether another block can take a name that is free, or becomes free, in this phase.
     fn can_be_taken(&self, name: &str) -> bool {
         self.start.contains_key(name) && !self.captured.contains(name) && !self.busy.contains(name)
     }
 }
 
-/// The program that a list of choices leads to, for blocks that magnetize `faces` faces at a time.
+/// Returns the program for a list of choices, for blocks that magnetize `faces` faces at a time.
 pub fn declare(choices: Vec<u32>, faces: u8) -> Declared {
     declare_with(Reuse::Later, choices, faces)
 }
 
-/// The same, with names, cells and faces used again so soon.
+/// Returns such a program with names, cells and faces reused at this time.
 pub fn declare_with(reuse: Reuse, choices: Vec<u32>, faces: u8) -> Declared {
     let mut generator = Generator {
         choices: choices.into_iter(),
@@ -319,20 +320,20 @@ pub fn declare_with(reuse: Reuse, choices: Vec<u32>, faces: u8) -> Declared {
 }
 
 impl Declared {
-    /// Its event tables.
+    /// Returns the event tables.
     ///
     /// # Panics
-    /// If the compiler finds anything wrong.
+    /// Panics if the compiler reports an error.
     pub fn tables(&self) -> Tables {
-        // What chance can wall in still keeps to the protocol, in a world that knows no walls.
+        // Random programs may enclose cells. Their tables are still valid in a world without walls.
         let program = self.program();
         program.tables.or(program.stuck).unwrap()
     }
 
-    /// It as the compiler understands it.
+    /// Returns the compiled program.
     ///
     /// # Panics
-    /// If the compiler finds anything wrong.
+    /// Panics if the compiler reports an error.
     pub fn program(&self) -> Program {
         let mut reader = |_: &str| Ok(self.text.clone().into_bytes());
         let mut checked = stochc_compiler::check("random.sa", &mut reader, Default::default());

@@ -1,4 +1,4 @@
-//! The proof that every cell stays within reach, against a search through every order of events.
+//! Compares the proof that every cell stays reachable with a search through all orders of events.
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ use stochc_ir::{Cell, Face};
 
 use crate::{checked, checked_within};
 
-/// Cells of the box for random programs.
+/// Box of cells for random programs.
 #[derive(Clone, Copy)]
 struct Room {
     edge: i32,
@@ -22,14 +22,14 @@ struct Room {
     phases: usize,
 }
 
-/// Small enough for a search through every order.
+/// Box that is small enough for a search through all orders.
 const SMALL: Room = Room {
     edge: 3,
     height: 3,
     captures: 4,
     phases: 2,
 };
-/// Large enough for caves.
+/// Box that is large enough for caves.
 const LARGE: Room = Room {
     edge: 6,
     height: 4,
@@ -37,7 +37,7 @@ const LARGE: Room = Room {
     phases: 4,
 };
 
-/// The same program for blocks that magnetize several faces at a time.
+/// Returns the same program for blocks that magnetize several faces at a time.
 fn with_faces(text: &str, faces: u8) -> String {
     let scene = format!(
         "scene s from hemisphere {{ block cube {{ side 20cm mass 1kg faces {faces} }} }}\n"
@@ -45,10 +45,10 @@ fn with_faces(text: &str, faces: u8) -> String {
     scene + &text.replacen("assembly random {", "assembly random in s {", 1)
 }
 
-/// Whether a cell closes in one of the two in the middle.
+/// Returns whether a cell is part of the wall around the middle.
 fn is_wall(room: Room, cell: Cell) -> bool {
     if room.edge != 3 {
-        // A box inside the box.
+        // The walls form a box inside the box.
         let border = |at: i32, far: i32| at == 1 || at == far;
         return border(cell.x, room.edge - 2)
             || border(cell.y, room.edge - 2)
@@ -58,7 +58,7 @@ fn is_wall(room: Room, cell: Cell) -> bool {
     sides == 1 && cell.z < room.height || sides == 0 && cell.z == room.height
 }
 
-/// A program in a box of 3 x 3 x 3 cells; each number is one choice.
+/// Returns a program in a box of cells. Each number is one choice.
 fn program(choices: &[u32], room: Room, releases: bool) -> String {
     let mut choices = choices.iter();
     let mut choose = |most: usize| {
@@ -122,7 +122,7 @@ fn program(choices: &[u32], room: Room, releases: bool) -> String {
                     }
                 }
             }
-            // Walls first, so that they close now and then.
+            // Often the walls are built first, so that some of them close.
             if choose(4) > 0 && open.iter().any(|&(.., cell)| is_wall(room, cell)) {
                 open.retain(|&(.., cell)| is_wall(room, cell));
             }
@@ -143,7 +143,7 @@ fn program(choices: &[u32], room: Room, releases: bool) -> String {
     text
 }
 
-/// Whether a block can come from outside to a cell.
+/// Returns whether a block can reach a cell from outside.
 fn is_open(room: Room, target: Cell, full: &BTreeMap<Cell, EventId>) -> bool {
     let mut found = BTreeSet::from([target]);
     let mut open = vec![target];
@@ -166,7 +166,7 @@ fn is_open(room: Room, target: Cell, full: &BTreeMap<Cell, EventId>) -> bool {
 
 /// Outcome of a phase over all orders.
 struct Orders {
-    /// Whether one comes to a stand before everything has happened.
+    /// Whether at least one order stops before all events have happened.
     can_get_stuck: bool,
     /// Events that happen in at least one order.
     reached: BTreeSet<EventId>,
@@ -236,7 +236,8 @@ fn orders(
     }
 }
 
-/// The verdict of the search for every phase, as if those before had ended.
+/// Returns the result of the search for all phases. Each phase starts as if the previous phases had
+/// completed.
 fn all_orders(program: &Program) -> Orders {
     let mut full: BTreeMap<Cell, EventId> = BTreeMap::new();
     let mut result = Orders {
@@ -263,7 +264,7 @@ fn can_get_stuck(program: &Program) -> bool {
     all_orders(program).can_get_stuck
 }
 
-/// An event and all that it waits for.
+/// Returns an event and all events that it waits for.
 fn all_before(program: &Program, id: EventId) -> BTreeSet<EventId> {
     let mut found = BTreeSet::from([id]);
     let mut open = vec![id];
@@ -281,7 +282,8 @@ fn is_never(diagnostic: &Diagnostic) -> bool {
     diagnostic.title.ends_with(" can never be reached")
 }
 
-/// Every capture with its phase and the cells that are full in its worst case, word by word.
+/// Returns every capture with its phase and the cells that are full in its worst case, directly
+/// from the definition.
 fn worst_cases(program: &Program) -> Vec<(usize, EventId, BTreeMap<Cell, EventId>)> {
     let mut full: BTreeMap<Cell, EventId> = BTreeMap::new();
     let mut cases = Vec::new();
@@ -311,19 +313,20 @@ fn worst_cases(program: &Program) -> Vec<(usize, EventId, BTreeMap<Cell, EventId
     cases
 }
 
-/// Whether a capture without a way out in its worst case exists.
+/// Returns whether a capture has no access path in its worst case.
 fn has_sealed_capture(room: Room, program: &Program) -> bool {
     worst_cases(program)
         .into_iter()
         .any(|(_, id, worst)| !is_open(room, program.layout.cells[id.0 as usize].unwrap(), &worst))
 }
 
-/// The cells of a cube of two.
+/// Returns the cells of a cube of two.
 fn cube(low: Cell) -> impl Iterator<Item = Cell> {
     (0..8).map(move |i| Cell::new(low.x + (i & 1), low.y + (i >> 1 & 1), low.z + (i >> 2)))
 }
 
-/// Whether a cube of two cells can bring a block to a cell, or next to it for a gap along `way` on free ground.
+/// Returns whether a cube of two cells can bring a block to a cell, or next to it for a gap along
+/// `way` on free ground.
 fn is_wide(room: Room, target: Cell, way: Face, full: &BTreeMap<Cell, EventId>) -> bool {
     let aside = || {
         let faces = Face::ALL.into_iter();
@@ -387,7 +390,7 @@ fn diagnostic_event(program: &Program, diagnostic: &Diagnostic) -> u32 {
         .unwrap() as u32
 }
 
-/// The text after a fix.
+/// Returns the text after a fix.
 fn after_fix(text: &str, diagnostic: &Diagnostic) -> Option<String> {
     Some(changed(text, diagnostic.fix.as_ref()?))
 }
@@ -416,7 +419,7 @@ proptest! {
         prop_assert_eq!(verdict, can_get_stuck(&checked.programs[0]), "{}", text);
     }
 
-    /// Any capture of a block may be the one that leaves a face for it.
+    /// Any capture of a block may leave a face free for the cell.
     #[test]
     fn choices_of_faces_change_nothing_of_that(
         choices in prop::collection::vec(any::<u32>(), 10..120),
@@ -437,7 +440,7 @@ proptest! {
         choices in prop::collection::vec(any::<u32>(), 200..500),
     ) {
         let text = program(&choices, LARGE, false);
-        // Enough for the verdicts; remedies are for the other tests.
+        // The limit suffices for the verdicts. Other tests check the fixes.
         let limits = Limits { search: 500_000, ..Limits::default() };
         let checked = checked_within(&text, limits);
         prop_assert!(others(&checked).is_empty(), "{text}\n{:#?}", others(&checked));
@@ -496,7 +499,7 @@ proptest! {
             reported.insert(id);
             let is_reached = reached.contains(&id);
             prop_assert!(!is_never(diagnostic) || !is_reached, "{text}\n{}", diagnostic.title);
-            // With choices it may be left open.
+            // If faces are chosen, the verdict may be open.
             let is_open = releases || (faces > 1 && diagnostic.title.contains(" may become "));
             prop_assert!(is_open || is_never(diagnostic) || is_reached, "{text}\n{}", diagnostic.title);
         }
@@ -531,7 +534,7 @@ proptest! {
         faces in 1u8..=3,
     ) {
         let mut text = with_faces(&program(&choices, SMALL, false), faces);
-        // Each fix helps its own capture; the others follow, one at a time.
+        // Each fix resolves its own capture. The others follow one at a time.
         for _ in 0..20 {
             let now = checked(&text);
             prop_assert!(others(&now).is_empty(), "{text}\n{:#?}", others(&now));
@@ -543,15 +546,15 @@ proptest! {
             prop_assert!(sealed(&then).len() < sealed(&now).len(), "{text}\n{better}");
             text = better;
         }
-        // Blocks of the expanded program switch on one face at a time.
+        // The expanded program has blocks with one face at a time.
         if faces == 1 {
             apply_remedies(&text);
         }
     }
 }
 
-/// Follows the order that a finding shows: whether each event can happen in its turn, and the cell is closed at the end.
-/// `None`: it shows none, or only the start.
+/// Follows the order of a diagnostic. Returns whether each event can happen in its turn and the
+/// cell is closed at the end. Returns `None` if the diagnostic shows no order or only its start.
 fn follow(checked: &Checked, diagnostic: &Diagnostic) -> Option<bool> {
     let program = &checked.programs[0];
     let plan = &program.plan;
@@ -561,7 +564,7 @@ fn follow(checked: &Checked, diagnostic: &Diagnostic) -> Option<bool> {
     let mut phases = plan.phases.iter();
     let phase = phases.find(|phase| phase.events.contains(&target))?;
     let cell = |id: EventId| program.layout.cells[id.0 as usize].unwrap();
-    // There are no releases.
+    // The program has no releases.
     let mut full: BTreeMap<Cell, EventId> = (0..phase.events.start)
         .map(|id| (cell(EventId(id)), EventId(id)))
         .collect();
@@ -584,8 +587,8 @@ fn follow(checked: &Checked, diagnostic: &Diagnostic) -> Option<bool> {
     Some(!is_open(SMALL, cell(EventId(target)), &full))
 }
 
-/// Numbers of remedies of a program: changes of the source, remedies to be written by hand,
-/// diagnostics without a remedy, and merged diagnostics with different remedies.
+/// Numbers of fixes of a program: changes of the source, advice to be written by hand, diagnostics
+/// without a fix, and merged diagnostics with different fixes.
 #[derive(Debug, Default)]
 struct Remedies {
     changes: usize,
@@ -595,8 +598,8 @@ struct Remedies {
     never: usize,
 }
 
-/// Applies every proposed remedy: the error is gone, and no other one appears. With a part of it left
-/// out, the finding stays.
+/// Applies every proposed fix and checks that the error disappears and no other error appears. If a
+/// part of a fix is left out, the diagnostic must stay.
 fn apply_remedies(text: &str) -> Remedies {
     let now = checked(text);
     let mut remedies = Remedies::default();
@@ -613,7 +616,7 @@ fn apply_remedies(text: &str) -> Remedies {
             );
             for (i, edit) in fix.edits.iter().enumerate() {
                 let at = edit.text.rfind(" after ").or_else(|| edit.text.rfind(", "));
-                // The rest of a chain on its own line does not wait.
+                // The rest of a chain on a separate line does not wait.
                 let Some(at) = at.filter(|_| !edit.text.contains('\n')) else {
                     continue;
                 };
@@ -659,7 +662,7 @@ fn apply_remedies(text: &str) -> Remedies {
                 );
             }
         } else if diagnostic.others.count > 0 && help.starts_with("write `") {
-            // Each capture of the statement has a remedy of its own.
+            // Each capture of the statement has its own fix.
             remedies.several += 1;
         } else {
             remedies.none += 1;
@@ -675,7 +678,7 @@ fn changed(text: &str, fix: &Fix) -> String {
     change.text()
 }
 
-/// Whether all events of a diagnostic are gone and no new diagnostics appear.
+/// Returns whether all events of a diagnostic are resolved and no new diagnostics appear.
 ///
 /// Diagnostics of one place are merged, so each event needs its own place here.
 fn is_resolved(before: &Checked, after: &Checked, diagnostic: &Diagnostic) -> bool {
@@ -708,7 +711,8 @@ fn checked_plain(text: &str) -> BTreeSet<u32> {
     sealed(&checked).iter().map(of).collect()
 }
 
-/// The event of a finding by the name in its title, where one place of the text stands for many.
+/// Returns the event that the title of a diagnostic names. One place of the source can stand for
+/// many events.
 fn diagnostic_named(checked: &Checked, diagnostic: &Diagnostic) -> u32 {
     let plan = &checked.programs[0].plan;
     let name = diagnostic.title.split('`').nth(1).unwrap();
@@ -716,7 +720,8 @@ fn diagnostic_named(checked: &Checked, diagnostic: &Diagnostic) -> u32 {
     plan.events.iter().position(is_it).unwrap() as u32
 }
 
-/// A program without loops and patterns, event by event, with more orders: the waiting event and the block.
+/// Returns a program event by event, without loops and patterns. `added` maps waiting events to the
+/// events that they additionally wait for.
 fn written_out(checked: &Checked, added: &BTreeMap<String, String>) -> String {
     let plan = &checked.programs[0].plan;
     let (width, depth) = (plan.plate.width, plan.plate.depth);
@@ -770,7 +775,7 @@ fn written_out(checked: &Checked, added: &BTreeMap<String, String>) -> String {
     text
 }
 
-/// Returns the captures of one row or layer of the grid, with loops where it has several blocks.
+/// Returns the captures of one row or layer of the grid, with loops if it has several blocks.
 fn row_statement(
     (x0, x1): (i32, i32),
     (y0, y1): (i32, i32),
@@ -806,7 +811,7 @@ fn row_statement(
     }
 }
 
-/// A program of loops, rows and patterns over a grid; a block is called by its cell.
+/// Returns a program of loops, rows and patterns over a grid. The name of a block is its cell.
 fn looped(choices: &[u32]) -> String {
     const EDGE: i32 = 3;
     let mut choices = choices.iter();
@@ -831,7 +836,7 @@ fn looped(choices: &[u32]) -> String {
                 count => format!(" after {}", names[choose(count)]),
             };
             let z = choose(3) as i32;
-            // All of the grid now and then, mostly one place.
+            // Sometimes the whole grid, usually one place.
             let mut corner = || match choose(if z == 0 { 2 } else { 5 }) {
                 0 => (0, EDGE - 1),
                 1 if z > 0 => {
@@ -843,7 +848,7 @@ fn looped(choices: &[u32]) -> String {
             let ((x0, x1), (y0, y1)) = (corner(), corner());
             let face = match z {
                 0 => Face::Up,
-                // To the sides, where lids lie.
+                // Sideways, to build lids.
                 _ if choose(3) > 0 => Face::SIDES[choose(4)],
                 _ => Face::Up,
             };
@@ -860,7 +865,7 @@ fn looped(choices: &[u32]) -> String {
                     && (1..=3).contains(&cell.z)
             };
             let is_there = |cell: &Cell| full.contains(cell) && !caps.contains(cell);
-            // The middle is mostly left to lids.
+            // The middle is usually left to lids.
             let is_middle = |cell: &Cell| (cell.x, cell.y) == (1, 1) && cell.z > 0;
             if face == Face::Up && parents.iter().any(is_middle) && choose(8) > 0 {
                 continue;
@@ -905,7 +910,8 @@ fn looped(choices: &[u32]) -> String {
     text
 }
 
-/// Choices of faces must occur with cavities: orders, `never`, and open cases.
+/// Checks that random programs with choices of faces have cavities: shown orders, `never`, and open
+/// cases.
 #[test]
 fn many_random_programs_with_choices_have_cavities() {
     let mut draws = 1u64;
@@ -935,7 +941,7 @@ fn many_random_programs_with_choices_have_cavities() {
     );
 }
 
-/// The generator has to make cavities, or the properties above say nothing.
+/// Checks that the generator makes cavities. Otherwise the properties above would be trivial.
 #[test]
 fn many_random_programs_have_cavities() {
     let mut draws = 1u64;
@@ -968,7 +974,7 @@ fn many_random_programs_have_cavities() {
     assert!(counts[2] > 40 && counts[3] > 20, "{counts:?}");
 }
 
-/// The same for loops and patterns: remedies of all kinds have to come up.
+/// Checks that looped programs have cavities, and that all kinds of fixes occur.
 #[test]
 fn many_looped_programs_have_cavities() {
     let mut draws = 1u64;
@@ -998,7 +1004,7 @@ fn many_looped_programs_have_cavities() {
     assert!(all.changes > 30 && all.written_out > 10, "{all:?}");
 }
 
-/// A hall with a tower inside that touches no wall; the door is as high as the wall.
+/// Returns a hall with a separate tower inside. The door is as high as the wall.
 fn hall(edge: i32, door: bool, inner_first: bool) -> String {
     let last = edge - 1;
     let middle = edge / 2;
@@ -1057,7 +1063,8 @@ fn halls_are_open_by_their_doors_alone() {
     }
 }
 
-/// A hall in one phase: a roof that waits for its walls, pillars inside that need not, and lamps that wait for the roof.
+/// Hall in one phase: a roof that waits for its walls, pillars that do not wait, and lamps that
+/// wait for the roof.
 const LAMPS: &str = "\
 assembly hall {
     seed plate 7 x 7 {
@@ -1086,7 +1093,7 @@ fn in_a_roofed_hall_never_is_said_of_what_hangs_from_the_roof_alone() {
         .collect();
     let lamps = (1..=8).map(|i| format!("H[{i}]"));
     assert!(never.into_iter().eq(lamps), "{:#?}", sealed(&checked));
-    // The blocks of the pillars come in as long as the roof is not there.
+    // The blocks of the pillars can enter until the roof is closed.
     let mut pillars = sealed(&checked);
     pillars.retain(|diagnostic| !is_never(diagnostic));
     assert_eq!(sealed_captures(&pillars), 75);
@@ -1094,7 +1101,8 @@ fn in_a_roofed_hall_never_is_said_of_what_hangs_from_the_roof_alone() {
         assert!(diagnostic.title.ends_with("can become unreachable"));
     }
     let first = sealed(&checked)[0];
-    // Each capture of the statement has its own remedy. The first one is shown, without a change for all.
+    // Each capture of the statement has its own fix. The first one is shown, without a change for
+    // all.
     assert_eq!(first.fix, None);
     let (late, wait) = ("R[0, i].up ->> W[0, i, 1..5]", "after T[i, i, 1]");
     let remedy = format!("write `{late} {wait}`\n");
@@ -1134,7 +1142,8 @@ assembly well {
     assert_eq!(codes, [Code::CrowdedCaptures, Code::TightApproach]);
 }
 
-/// The titles of findings about captures side by side, of an assembly on a plate of 3 x 3 with blocks named by their places.
+/// Returns the titles of diagnostics about simultaneous captures, for an assembly on a plate of 3 x
+/// 3. The names of the seeds are their positions.
 fn crowded(phase: &str) -> Vec<String> {
     let mut seeds = String::new();
     for (x, y) in (0..3).flat_map(|x| (0..3).map(move |y| (x, y))) {
@@ -1159,10 +1168,10 @@ fn three_of_a_square_at_the_same_time_are_told_of() {
         crowded(&grow(&corner)),
         ["the blocks for `A[0, 0]`, `A[1, 0]` and `A[0, 1]` may jam each other"]
     );
-    // Without the cell that would be the lowest of its square.
+    // The same without the cell that would be the lowest of its square.
     let other = foot(1, 0) + &foot(0, 1) + &foot(1, 1);
     assert_eq!(crowded(&grow(&other)).len(), 1);
-    // A row, a diagonal and two are none.
+    // A row, a diagonal and two captures cause no warning.
     for few in [
         foot(0, 0) + &foot(1, 0) + &foot(2, 0),
         foot(0, 0) + &foot(1, 1) + &foot(2, 2),
@@ -1179,7 +1188,7 @@ fn three_of_a_square_at_the_same_time_are_told_of() {
     assert_eq!(crowded(&phases), [""; 0]);
 }
 
-/// Two wells whose walls are written out one by one, with a core each from one loop.
+/// Two wells with separately written walls. One loop captures the core of each.
 #[test]
 fn rounds_of_a_loop_that_need_different_cures_are_told_each() {
     let wells = |count: i32| {
@@ -1219,7 +1228,7 @@ fn rounds_of_a_loop_that_need_different_cures_are_told_each() {
         remedy(2)
     );
     assert!(four.contains(&reported), "{four}");
-    // The reported remedy helps.
+    // The reported fix works.
     let resolved = |text: String, k: i32| {
         let wall = format!("M[{}, 1].up -> E[{k}]", 4 * k + 2);
         text.replace(&wall, &format!("{wall} after CORE[{k}]"))
@@ -1227,7 +1236,8 @@ fn rounds_of_a_loop_that_need_different_cures_are_told_each() {
     assert!(sealed(&checked(&(0..2).fold(wells(2), resolved))).is_empty());
 }
 
-/// The core and one wall come from the same statement: an `after` there would be a circle.
+/// Grid whose core and one wall are captured by the same statement. An `after` there would be a
+/// cycle.
 const GRID: &str = "\
 assembly grid {
     seed plate 3 x 3 { for x in 0..2 { for y in 0..2 { M[x, y] at (x, y) } } }
@@ -1301,7 +1311,7 @@ assembly wells {
     apply_remedies(text);
 }
 
-/// Two pockets, each closed by the block that has to come before the other one's core.
+/// Two pockets. Each is closed by the block that has to dock before the core of the other one.
 #[test]
 fn two_that_close_each_other_in_are_no_never() {
     let pocket = |x: i32| {
@@ -1342,7 +1352,8 @@ fn two_that_close_each_other_in_are_no_never() {
     );
 }
 
-/// The middle of a beam has no wide path. A block that is handed over needs none, if it is captured at once.
+/// The middle of a beam has no wide path. A block that is handed over needs none if it is captured
+/// at once.
 #[test]
 fn what_is_handed_over_stays_where_it_is() {
     let codes = |hand_over: &str| {
@@ -1369,7 +1380,7 @@ fn what_is_handed_over_stays_where_it_is() {
         codes("T[2].up -> Z   release X after Z   U[2].west -> Y after Z"),
         none
     );
-    // Another block may have come between.
+    // Another block may have moved in between.
     assert_eq!(
         codes("T[2].up -> Z   release X   U[2].west -> Y after Z"),
         ["tight-approach"]
@@ -1381,7 +1392,7 @@ fn what_is_handed_over_stays_where_it_is() {
     assert_eq!(codes("release X   U[2].west -> Y   U[2].up -> Z"), none);
 }
 
-/// Only in scenes with such rates, and only along the normal of the face.
+/// The rule applies only to scenes with such rates, and only along the normal of the face.
 #[test]
 fn gaps_between_a_face_and_a_block_ahead_are_passed_in_the_default_scene() {
     let codes = |scene: &str, walls: &str, capture: &str| {
@@ -1404,12 +1415,12 @@ fn gaps_between_a_face_and_a_block_ahead_are_passed_in_the_default_scene() {
     assert_eq!(codes("hemisphere", "", close), none);
     assert_eq!(codes("hemisphere_soft", "", close), tight);
     assert_eq!(codes("hemisphere_2005", "", close), tight);
-    // On a floor, or next to a wall.
+    // The gap is on a floor, or next to a wall.
     assert_eq!(codes("hemisphere", "M.up -> F", close), tight);
     let wall = "N.up ->> V[1..2]";
     assert_eq!(codes("hemisphere", wall, close), tight);
     assert_eq!(codes("hemisphere", "N.up -> V[1]", close), none);
-    // Across the face's normal.
+    // The gap is perpendicular to the normal of the face.
     assert_eq!(codes("hemisphere", "", "M.up -> X"), tight);
     assert_eq!(codes("hemisphere", wall, "M.up -> X"), tight);
 }

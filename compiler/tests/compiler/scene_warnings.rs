@@ -11,7 +11,7 @@ fn checked(text: &str, levels: &LintLevels) -> Checked {
     check_with("a.sa", &mut reader, Limits::default(), levels)
 }
 
-/// The scene of the first assembly of a text.
+/// Returns the scene of the first assembly of a text.
 fn scene(text: &str) -> Scene {
     let mut checked = checked(text, &LintLevels::default());
     checked
@@ -21,7 +21,8 @@ fn scene(text: &str) -> Scene {
         .expect("the program is valid")
 }
 
-/// Clauses of a scene that is based on the default one, and what its assembly says.
+/// Returns a program with a scene, based on the default one with these clauses, and the body of its
+/// assembly.
 fn program(clauses: &str, body: &str) -> String {
     format!(
         "scene s from hemisphere {{ {clauses} }}
@@ -29,13 +30,14 @@ fn program(clauses: &str, body: &str) -> String {
     )
 }
 
-/// The codes of the warnings.
+/// Returns the codes of the warnings.
 fn codes(text: &str) -> Vec<Code> {
     let checked = checked(text, &LintLevels::default());
     checked.diagnostics.iter().map(|it| it.code).collect()
 }
 
-/// Cubes of 1.5 cm and 3.4 g in a fluid, and an assembly of this many layers.
+/// Returns a program with cubes of 1.5 cm and 3.4 g in a fluid, and an assembly of this many
+/// layers.
 fn lab(density: &str, speed: &str, layers: u32) -> String {
     format!(
         "scene lab {{
@@ -56,10 +58,10 @@ fn blocks_that_stay_away_from_the_structure_are_warned_of() {
     for (text, expected) in [
         (lab("1.02 g/cm^3", "2 cm/s", 1), &buoyant[..]),
         (lab("1.0074 g/cm^3", "2 cm/s", 1), &[]),
-        // The density counts at the structure, not where blocks settle.
+        // The density at the structure matters, not the density at the settled blocks.
         (lab("1.02 g/cm^3", "2 cm/s", 16), &buoyant),
         (lab("0.99 g/cm^3", "2 cm/s", 16), &buoyant),
-        // Blocks on the floor reach the first layer.
+        // Blocks on the floor can reach the first layer.
         (lab("0.99 g/cm^3", "2 cm/s", 1), &[]),
         (lab("1.0075 g/cm^3", "30 cm/s", 16), &[]),
     ] {
@@ -111,7 +113,7 @@ fn contacts_and_walls_that_give_way_are_warned_of() {
             &soft[..],
         ),
         ("enclosure hemisphere { radius 5m  wall 100 N/m }", &[]),
-        // m g / (k a) is 9.8, and 0.09.
+        // m g / (k a) is 9.8 and 0.09.
         (
             "gravity 9.81 m/s^2  agitation kicks { speed 0 .. 4 m/s }
              contact { stiffness 5 N/m  damping 1 N s/m  friction 0.5 }",
@@ -129,7 +131,7 @@ fn contacts_and_walls_that_give_way_are_warned_of() {
             .collect();
         assert_eq!(found, expected, "{clauses}");
     }
-    // Eddies press blocks out of the shell, at 0.1 m/s by their inertia and at 1 m/s by their drag.
+    // Eddies press blocks into the shell: at 0.1 m/s by inertia, at 1 m/s by drag.
     let mut tank = built_in("suction_tank").expect("a built-in scene");
     let symbols = |scene: &Scene| -> Vec<&'static str> {
         let all = scene_warnings(scene, Stepping::DEFAULT, None).into_iter();
@@ -169,7 +171,7 @@ fn fast_blocks_in_a_fluid_without_a_density_are_warned_of() {
 
 #[test]
 fn the_reynolds_number_is_that_of_the_expected_speed() {
-    // 10 at a = 20 cm, m = 1 kg: m v / (a² η).
+    // m v / (a² η) is 10 at a = 20 cm and m = 1 kg.
     let with = |viscosity: f64| {
         let clauses = format!("fluid {{ viscosity {viscosity} mPa s }}");
         let scene = scene(&program(&clauses, ""));
@@ -198,7 +200,7 @@ fn levels_hold_for_warnings_of_scenes() {
         "allow no-agitation \"nothing needs to move\"",
     );
     assert_eq!(codes(&allowed), []);
-    // Runs without physics have no such warnings, and the `allow` is not unused.
+    // Runs without physics have no such warnings, and the `allow` does not count as unused.
     let without = LintLevels::default().for_runs(None);
     assert!(checked(&allowed, &without).diagnostics.is_empty());
     let spare = program("", "allow no-agitation \"it moves\"");
@@ -231,7 +233,7 @@ fn steps_that_turn_by_less_than_a_digit_are_warned_of() {
         let all = scene_warnings(&scene, stepping, None);
         all.iter().any(|warning| warning.symbol == "ω τ")
     };
-    // A cube of 10 um turns by some 27 rad/s in water.
+    // In water a cube of 10 um turns by about 27 rad/s.
     assert!(!is_told(1e-7, Stepping::DEFAULT));
     assert!(is_told(1e-9, Stepping::DEFAULT));
     assert!(!is_told(1e-9, double));
@@ -268,7 +270,7 @@ fn what_is_advised_resolves_all_and_keeps_the_steps_near_faces() {
     }
 }
 
-/// Their examples capture in the first layer.
+/// The examples of these tanks capture in the first layer.
 #[test]
 fn built_in_tanks_are_not_warned_of() {
     for name in ["hemisphere", "magnet_tank", "jet_tank", "suction_tank"] {

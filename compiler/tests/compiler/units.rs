@@ -1,4 +1,4 @@
-//! Units of the laboratory, units on the wrong line, and zeros, in scenes.
+//! Tests laboratory units, units on the wrong line, and zeros in scenes.
 use stochc_ir::scene::Scene;
 
 use crate::checked;
@@ -14,7 +14,7 @@ fn scene(clauses: &str) -> Scene {
     scene.unwrap_or_else(|| panic!("{clauses}: {:?}", checked.diagnostics))
 }
 
-/// Applies the change that each finding offers to a scene with these clauses.
+/// Applies the change of each diagnostic to a scene with these clauses.
 fn fixed(base: &str, clauses: &str) -> String {
     let mut text = text(base, clauses);
     let checked = checked(&text);

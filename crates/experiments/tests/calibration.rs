@@ -1,4 +1,4 @@
-//! Runs whose rates are known give them back.
+//! Checks that a calibration recovers the known rates of simulated runs.
 use std::ops::ControlFlow;
 
 use stochc_compiler::scene::built_in;
@@ -23,7 +23,7 @@ fn tables(text: &str) -> Tables {
         .tables
 }
 
-/// What is found from runs by rates that differ from the usual ones.
+/// Calibrates rates from runs with rates that differ from the default ones.
 fn found(scene: &Scene, truth: &Rates, runs: u64) -> Rates {
     let settings = Settings {
         rates: vec![truth.clone()],
@@ -50,7 +50,7 @@ fn the_parameters_of_the_law_are_found_again() {
     let mut truth = Rates::built_in(&scene)
         .expect("the files are shipped")
         .clone();
-    // Away from what the prior holds for usual.
+    // The true parameters differ from the centre of the prior.
     let off = [
         0.7, 0.2, 0.0, -0.2, 0.2, 0.2, -0.2, 0.4, -0.3, -0.9, 0.2, -0.4, 1.2, 0.1, 0.2, 0.2, -0.3,
     ];
@@ -62,7 +62,7 @@ fn the_parameters_of_the_law_are_found_again() {
         let error = rates.covariance[i * (Parameters::COUNT + 1)].sqrt();
         let (value, expected) = (rates.parameters.0[i], truth.parameters.0[i]);
         assert!(error < 0.3, "{}: ± {error}", parameter.name);
-        // Ticks are whole, and the law's times are not: that is some thousandths of a docking time.
+        // Ticks are whole numbers, which shifts times by some thousandths of a docking time.
         let allowed = 4.0 * error + 0.02;
         assert!(
             (value - expected).abs() < allowed,
@@ -70,7 +70,7 @@ fn the_parameters_of_the_law_are_found_again() {
             parameter.name
         );
     }
-    // What follows from them is known better than they are.
+    // Waiting times are known more precisely than the parameters.
     let (x, y) = (rates.parameters.0[0], truth.parameters.0[0]);
     assert!((x - y).abs() < 0.25, "{x} {y}");
     let same = rates

@@ -1,8 +1,8 @@
-//! Formatting changes only the layout, and formatting twice changes nothing.
+//! Checks that formatting changes only the layout, and that formatting twice changes nothing.
 use proptest::prelude::*;
 use stochc_grammar::{FormatError, Symbols, format, parse, print};
 
-/// Stands in every comment that is put in, and nowhere else; a number follows it.
+/// Character that occurs in every inserted comment and nowhere else. A number follows it.
 const MARK: char = '\u{a4}';
 
 /// Surroundings of a line.
@@ -13,7 +13,7 @@ enum Within {
     Shape,
 }
 
-/// Draws one of several choices, again and again, from a handful of random bytes.
+/// Draws choices from a few random bytes, which are reused cyclically.
 struct Dice<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -27,7 +27,7 @@ impl Dice<'_> {
         choices[usize::from(byte.copied().unwrap_or(0)) % choices.len()]
     }
 
-    /// Space and comments, which can stand between two tokens.
+    /// Returns space and comments that can be between two tokens.
     fn trivia(&mut self) -> String {
         let kinds = [
             "",
@@ -46,7 +46,7 @@ impl Dice<'_> {
         self.numbered(&kinds)
     }
 
-    /// The same, with an end of a line in it.
+    /// Returns space and comments with a line break.
     fn line_end(&mut self) -> String {
         let kinds = [
             "\n",
@@ -79,7 +79,7 @@ impl Dice<'_> {
     }
 }
 
-/// The same program, written as carelessly as can be.
+/// Returns the same program with irregular layout.
 fn scrawl(canonical: &str, dice: &mut Dice<'_>) -> String {
     let mut out = String::new();
     let mut within = Vec::new();
@@ -277,7 +277,7 @@ proptest! {
     }
 }
 
-/// Source and formatted source.
+/// Checks that a source is formatted as expected.
 fn becomes(text: &str, expected: &str) {
     let formatted = format(text).unwrap();
     assert_eq!(formatted, expected);

@@ -1,4 +1,4 @@
-//! The grammar from outside: parsing, printing and formatting.
+//! Tests the grammar through its interface: parsing, printing and formatting.
 mod format;
 mod round_trip;
 mod trees;

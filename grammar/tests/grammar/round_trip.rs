@@ -1,4 +1,4 @@
-//! Printing a tree and parsing it again gives the same tree.
+//! Checks that a printed tree parses to the same tree.
 use proptest::prelude::*;
 use stochc_grammar::{Symbols, SyntaxErrorKind, accepts, parse, print};
 

@@ -10,21 +10,21 @@ use stochc_grammar::tree::{
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::Face;
 
-/// Names that look like words of the language, units or signs, and are none.
+/// Names that look like keywords, units or operators but are ordinary names.
 const NAMES: [&str; 14] = [
     "E", "T", "tower", "_", "_b2", "x", "m", "s", "after_", "iffor", "upward", "a9", "allow",
     "deny",
 ];
 
-/// Codes of findings, some of which are names or words of the language.
+/// Diagnostic codes. Some of them are also names or keywords.
 const CODES: [&str; 6] = ["unused-seed", "a-b2-c_d", "tower", "at", "up", "shape-9"];
 
-/// Words of a scene may be words of the language, and units where no value stands before them.
+/// Words of scenes. They may be keywords, and units if no value precedes them.
 const WORDS: [&str; 10] = [
     "block", "faces", "phase", "up", "m", "s", "Pa", "kg", "x", "after",
 ];
 
-/// The words of all random trees, so that a strategy need not carry them along.
+/// Returns the words of all random trees, so that strategies need not pass them along.
 pub fn symbols() -> Symbols {
     let mut symbols = Symbols::new();
     for word in NAMES.into_iter().chain(WORDS).chain(CODES) {
@@ -67,7 +67,7 @@ fn expr() -> impl Strategy<Value = Expr> {
     leaf.prop_recursive(5, 24, 2, move |inner| {
         prop_oneof![
             inner.clone().prop_map(move |inner| kind(match inner.kind {
-                // A sign before a number is part of the number.
+                // A minus before a number is part of the number.
                 ExprKind::Int(value) => ExprKind::Int(-value),
                 _ => ExprKind::Negate(Box::new(inner)),
             })),
@@ -89,7 +89,7 @@ fn entry() -> impl Strategy<Value = Subscript> {
     ]
 }
 
-/// A place without a face.
+/// Generates a place without a face.
 fn block() -> impl Strategy<Value = Place> {
     let index = prop::option::weighted(0.3, prop::collection::vec(entry(), 1..3));
     let segment = (name(), index).prop_map(|(name, index)| Segment {
@@ -136,7 +136,7 @@ fn argument() -> impl Strategy<Value = Argument> {
     ]
 }
 
-/// With prefixes and without.
+/// Units with and without prefixes.
 const UNITS: [&str; 26] = [
     "m", "mm", "µm", "um", "s", "ms", "min", "kg", "g", "N", "mPa", "L", "rev", "tick", "ticks",
     "%", "deg", "kHz", "GW", "nJ", "V", "cm", "h", "mbar", "cP", "rpm",
@@ -145,7 +145,7 @@ const UNITS: [&str; 26] = [
 fn quantity() -> impl Strategy<Value = Quantity> {
     let value = prop_oneof![
         -1e3f64..1e3,
-        any::<f64>().prop_filter("is no number", |value| value.is_finite()),
+        any::<f64>().prop_filter("not a finite number", |value| value.is_finite()),
         (-5i32..500).prop_map(f64::from),
     ];
     let factor = (select(&UNITS[..]), -99i8..=99).prop_map(|(symbol, power)| UnitFactor {
@@ -177,7 +177,7 @@ fn terms() -> impl Strategy<Value = Vec<Term>> {
     prop::collection::vec(term, 0..8).prop_map(readable)
 }
 
-/// Puts a word before each block, and before what would belong to the value in front of it.
+/// Inserts a word before each block, and before each term that would belong to the preceding value.
 fn readable(terms: Vec<Term>) -> Vec<Term> {
     let mut out: Vec<Term> = Vec::new();
     for term in terms {
@@ -198,7 +198,7 @@ fn readable(terms: Vec<Term>) -> Vec<Term> {
     out
 }
 
-/// The grammar wants a word or value before a brace.
+/// Returns whether a block may follow: the grammar requires a word or value before a brace.
 fn ends_in_word(terms: &[Term]) -> bool {
     !matches!(terms.last(), None | Some(Term::Block(..)))
 }
@@ -240,7 +240,7 @@ fn level() -> BoxedStrategy<Item> {
     }))
 }
 
-/// A loop over some items, in themselves or not.
+/// Generates a loop over some items, nested or not.
 fn repeated(inner: BoxedStrategy<Item>) -> BoxedStrategy<Item> {
     inner
         .prop_recursive(3, 12, 3, |inner| {
@@ -266,7 +266,7 @@ fn chain(after: impl Strategy<Value = Vec<EventReference>>) -> impl Strategy<Val
         .prop_map(|(head, links, after)| ItemKind::Chain(Chain { head, links, after }))
 }
 
-/// What stands in a pattern.
+/// Generates a statement of a pattern.
 fn growth() -> BoxedStrategy<Item> {
     let release = (prop::collection::vec(block(), 1..3), after())
         .prop_map(|(places, after)| ItemKind::Release(Release { places, after }));
@@ -326,7 +326,7 @@ fn assembly() -> BoxedStrategy<Item> {
     let seat = item(
         (block(), range()).prop_map(|(place, at)| ItemKind::Seat(Box::new(Seat { place, at }))),
     );
-    // What is attached by hand waits for nothing.
+    // A pre-attached block waits for nothing.
     let by_hand = item(chain(Just(Vec::new())));
     let part = prop_oneof![3 => seat, 1 => by_hand, 1 => let_(), 1 => level()];
     let seats = prop::collection::vec(repeated(part.boxed()), 0..4);
@@ -360,7 +360,7 @@ fn assembly() -> BoxedStrategy<Item> {
     )
 }
 
-/// A whole file.
+/// Generates a whole file.
 pub fn tree() -> impl Strategy<Value = Tree> {
     let scene = item((name(), prop::option::of(name()), terms()).prop_map(
         |(name, base, terms)| ItemKind::Scene(Box::new(SceneDeclaration { name, base, terms })),

@@ -1,15 +1,15 @@
-//! Reading a text window by window gives what reading it whole would give.
+//! Checks that reading a text in windows gives the same result as reading it whole.
 use stochc_grammar::tree::{Item, ItemKind, Term, Tree};
 use stochc_grammar::{MAX_STATEMENT, Parsed, Symbols, SyntaxErrorKind, accepts, parse};
 
-/// Larger than the largest first window.
+/// Size that exceeds the largest first window.
 const LARGE: usize = 80_000;
 
 fn read(text: &str) -> Parsed {
     parse(text, &mut Symbols::new())
 }
 
-/// The statements of the only phase of the only assembly.
+/// Returns the statements of the only phase of the only assembly.
 fn statements(tree: &Tree) -> &[Item] {
     let [ref assembly] = tree.items[..] else {
         panic!("{} items", tree.items.len());
@@ -26,14 +26,14 @@ fn statements(tree: &Tree) -> &[Item] {
     &phase.body
 }
 
-/// A phase of many equal statements, in one file and each in a small file of its own.
+/// Compares a phase of many equal statements with small files of one statement each.
 fn repeats(statement: &str, size: usize) {
     let head = "assembly a { phase p {";
     let alone = read(&format!("{head}{statement}}} }}"));
     assert_eq!(alone.errors, [], "{statement}");
     let alone = statements(&alone.tree);
     let count = size / statement.len() + 2;
-    // Shifting the text shifts every cut through every byte of the statement.
+    // Shifting the text moves the window borders through every byte of the statement.
     let step = (statement.len() / 16).max(1);
     for shift in (0..statement.len()).step_by(step) {
         let text = format!(
@@ -118,7 +118,7 @@ fn one_line_of_megabytes_is_read() {
     }
 }
 
-/// Errors in a long line are found where they are, and called by their name.
+/// Errors in a long line have the right position and message.
 #[test]
 fn errors_in_a_line_of_megabytes_are_told_as_in_a_short_one() {
     for size in [10_usize, 10_000, 2_000_000] {
@@ -186,7 +186,7 @@ fn scenes_and_shapes_larger_than_a_window_are_read_whole() {
                 .all(|row| row.cells == [true, false, true, false])
         );
     }
-    // A row of a megabyte is one row.
+    // A row of a megabyte is a single row.
     let text = format!("shape s {{ layer 1 {{ {} \n # }} }}", "#.".repeat(500_000));
     let parsed = read(&text);
     assert_eq!(parsed.errors, []);
@@ -197,7 +197,7 @@ fn scenes_and_shapes_larger_than_a_window_are_read_whole() {
     assert_eq!(shape.layers[0].rows[0].cells.len(), 1_000_000);
 }
 
-/// Many small scenes and shapes: what is read behind the end of a block is read again.
+/// Reads many small scenes and shapes. The text after the end of a block is read again.
 #[test]
 fn blocks_of_all_kinds_in_turn_are_read_whole() {
     let text = "scene s from t { tick 20 ms x { y } }\nshape s at (1, -2) { layer 1 { # } }\n\
@@ -213,7 +213,7 @@ fn blocks_of_all_kinds_in_turn_are_read_whole() {
     }
 }
 
-/// Each kind of error, but for those of limits, which the grammar alone does not know.
+/// Each kind of error, except exceeded limits, which are not part of the grammar.
 #[test]
 fn an_error_is_of_the_grammar_if_that_refuses_the_text() {
     let texts = [
@@ -255,7 +255,7 @@ fn an_error_is_of_the_grammar_if_that_refuses_the_text() {
     assert!(kinds.len() >= 10, "{}", kinds.len());
 }
 
-/// One wrong byte far behind the first window: both readers see it, or neither does.
+/// One wrong byte is far beyond the first window. Both readers report it, or neither does.
 #[test]
 fn the_verdict_is_that_of_the_whole_grammar() {
     let good =
@@ -287,7 +287,7 @@ fn the_verdict_is_that_of_the_whole_grammar() {
 
 #[test]
 fn a_range_of_values_goes_on_behind_a_window() {
-    // A value as long as the first window, and its `..` at the end of a line.
+    // A value is as long as the first window, and its `..` is at the end of a line.
     for length in 200..300 {
         let zeros = "0".repeat(length);
         let text = format!("scene s {{ speed 0.{zeros}1 ..\n 4 m/s }}");
@@ -296,7 +296,7 @@ fn a_range_of_values_goes_on_behind_a_window() {
     }
 }
 
-/// Which clause a block belongs to is not the grammar's to say; the compiler tells of it.
+/// The grammar does not check which clause a block belongs to. The compiler does.
 #[test]
 fn a_block_of_a_scene_without_a_word_is_read() {
     for text in [

@@ -94,7 +94,7 @@ fn what_is_absent_is_told_down_to_the_fields() {
             "bond",
             "messages"
         ],
-        "nothing is said of the fields of a clause that is absent itself"
+        "fields of an absent clause are not listed"
     );
 }
 
@@ -256,7 +256,7 @@ proptest! {
         let read = scene(&text);
         let [a, b] = [&read, &declared].map(|it| serde_json::to_value(it).unwrap());
         prop_assert!(is_same(&a, &b), "{}\n{:?}", text, declared);
-        // And then to the bit.
+        // A second round trip is exact to the bit.
         let again = format!("scene s {{\n{}\n}}\n", texts(&read).join("\n"));
         prop_assert_eq!(&again, &text);
         prop_assert_eq!(scene(&again), read);

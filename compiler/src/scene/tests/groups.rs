@@ -39,10 +39,11 @@ fn compliant(stiffness: f64, damping: f64) -> Option<Contact> {
 
 #[test]
 fn the_groups_of_the_default_scene() {
-    // In sides, blocks and ticks: n = 300 / (2/3 π 25^3) = 0.0091673; a cross-section of
-    // (12 + 4.5 π) / 4 = 6.5343, so that ℓ = 1 / (√2 n 6.5343) = 11.804. At v the mean speed is
-    // 0.92132 v: 0.078052 v meetings a tick, each for v^2 / 3, and 0.92132 v / 4 * 3 / 50 = 0.013820 v
-    // landings, each for 2 v^2 / 3: in all 0.035230 v^3, which is j^2 = 0.044^2 / 3 at v = 0.26360.
+    // In block lengths, blocks and ticks: n = 300 / (2/3 π 25^3) = 0.0091673. The cross-section is
+    // (12 + 4.5 π) / 4 = 6.5343, so ℓ = 1 / (√2 n 6.5343) = 11.804. The mean speed is 0.92132 v.
+    // There are 0.078052 v collisions per tick, each for v^2 / 3, and 0.92132 v / 4 * 3 / 50 =
+    // 0.013820 v landings, each for 2 v^2 / 3. The sum 0.035230 v^3 equals j^2 = 0.044^2 / 3 at v =
+    // 0.26360.
     are(
         &values(&hemisphere()),
         &[
@@ -54,7 +55,7 @@ fn the_groups_of_the_default_scene() {
             ("N a³ / V", 0.0091673),
             ("ℓ / a", 11.804),
             ("ν τ", 0.020574),
-            // v over √(25 /s²), in sides.
+            // v over √(25 /s²), in block lengths.
             ("v √(m/k) / a, shell", 2.6360),
         ],
     );
@@ -69,8 +70,8 @@ fn a_compliant_contact_has_groups_of_its_own() {
         contact: compliant(400.0, 8.0),
         ..hemisphere()
     };
-    // k τ² / m = 0.16, c τ / m = 0.16, ratio 0.2, of a pair 0.28284: 1 - ratio^2 = 0.92 and
-    // acos(0.28284) = 1.28404, so that e = exp(-2 0.28284 1.28404 / √0.92) = 0.46898.
+    // k τ² / m = 0.16, c τ / m = 0.16, ratio 0.2, for a pair 0.28284. With 1 - ratio^2 = 0.92 and
+    // acos(0.28284) = 1.28404, e = exp(-2 0.28284 1.28404 / √0.92) = 0.46898.
     are(
         &values(&scene)[5..9],
         &[
@@ -120,7 +121,7 @@ fn with_drag_alone_the_speed_is_that_of_the_stationary_variance() {
     let symbols: Vec<_> = values(&scene).iter().map(|it| it.0).collect();
     assert!(!symbols.contains(&"ν τ"), "nothing collides: {symbols:?}");
 
-    // Collisions take some more, the more the weaker the drag.
+    // Collisions take additional energy, more if the drag is weaker.
     scene.contact = hemisphere().contact;
     let both = speed(&scene);
     assert_eq!(both.from, SpeedFrom::Collisions);
@@ -234,9 +235,10 @@ fn where_drag_rules_a_step_is_as_long_as_the_motion_in_it() {
             .find(|it| it.symbol == symbol)
             .unwrap_or_else(|| panic!("{symbol}"))
     };
-    // A velocity is forgotten in m / f = 8 us, f = 6 π 1e-3 0.660678 1e-5 = 1.24534e-7 N s/m. In 10 s the pull of
-    // 20 fN moves a block by F τ / f = 1.606 um at its terminal speed, and the shell closes k τ / f =
-    // 0.803 of a distance; heat moves it by √(6 D τ), D = k T / f = 3.2484e-14 m²/s.
+    // A velocity decays in m / f = 8 us, with f = 6 π 1e-3 0.660678 1e-5 = 1.24534e-7 N s/m. In 10
+    // s the pull of 20 fN moves a block by F τ / f = 1.606 um at its terminal speed. The shell
+    // closes k τ / f = 0.803 of a distance. Heat moves a block by √(6 D τ), with D = k T / f =
+    // 3.2484e-14 m²/s.
     let values = [
         ("φ F τ² / (m d)", 1.60599, 2.0),
         ("φ k τ² / m, shell", 0.802995, 1.0),
@@ -247,10 +249,10 @@ fn where_drag_rules_a_step_is_as_long_as_the_motion_in_it() {
         assert!(close(group.value, value), "{group:?}");
         assert!((group.limit.unwrap().most / most - 1.0).abs() < 1e-4);
     }
-    // 663, 615 and 695 ticks at 1, 4 and 16 steps a tick: docs/concepts/physical-model.md.
+    // 663, 615 and 695 ticks at 1, 4 and 16 steps per tick: docs/concepts/physical-model.md.
     assert!(groups(&scene).iter().all(|group| !group.is_exceeded(1)));
-    // Twice the tick takes twice as long, in simulations: at its terminal speed a block goes twice as far; at four
-    // times the tick heat alone moves it too far, by √4.
+    // In simulations, twice the tick takes twice as long: at its terminal speed a block moves twice
+    // as far. At four times the tick heat alone moves it too far, by √4.
     let mut long = microns();
     long.tick = 20.0;
     let needed = |scene: &Scene, symbol: &str| {
@@ -265,7 +267,8 @@ fn where_drag_rules_a_step_is_as_long_as_the_motion_in_it() {
     assert_eq!(needed(&long, "v τ / a"), Some(1));
     long.tick = 40.0;
     assert_eq!(needed(&long, "v τ / a"), Some(2));
-    // Without drag the pull would fling the block: F τ² / m = 1.9 m, and K² were needed.
+    // Without drag the pull would accelerate the block by F τ² / m = 1.9 m, and K² steps would be
+    // needed.
     let mut free = microns();
     free.fluid = None;
     free.agitation = None;
@@ -362,7 +365,8 @@ fn sinking_is_held_against_what_stirs() {
     kicked.contact = bounce(1.0);
     let height = 0.53989_f64.powi(2) / 3.0 / 2.0;
     assert!(close(Settling::from_scene(&kicked).unwrap().height, height));
-    // Inelastic landings take most of it: 0.221403 v² + 0.797885 * 0.004 v = 0.044² / 9 in sides a tick.
+    // Inelastic landings take most of the energy: 0.221403 v² + 0.797885 * 0.004 v = 0.044² / 9, in
+    // block lengths per tick.
     kicked.contact = bounce(0.0);
     let vertical: f64 = 0.0247851;
     let height = (vertical * 10.0).powi(2) / 2.0;
@@ -374,7 +378,7 @@ fn sinking_is_held_against_what_stirs() {
     kicked.contact = None;
     assert_eq!(Settling::from_scene(&kicked), None, "there is no floor");
 
-    // Eddies against the terminal speed of 10 g in a wake: ρ a² w² / 2 = m' g.
+    // Eddies compared with the terminal speed of 10 g in a wake: ρ a² w² / 2 = m' g.
     let mut tank = built_in("suction_tank").unwrap();
     tank.fluid = Some(Fluid {
         density: Some(1000.0),
@@ -389,18 +393,18 @@ fn sinking_is_held_against_what_stirs() {
     let settling = Settling::from_scene(&tank).unwrap();
     let sinking = (0.01 * 9.81 / 5.0_f64).sqrt();
     assert!(close(settling.speeds.unwrap(), sinking / 0.1));
-    // An eddy of 16 cm lasts 1.6 s, and is left after 0.16 m / √(0.1² + 0.14007²) m/s.
+    // An eddy of 16 cm lasts 1.6 s. A block leaves it after 0.16 m / √(0.1² + 0.14007²) m/s.
     let through = 0.16 / 0.1_f64.hypot(sinking);
     let by_hand = 0.01 / (1.0 / 1.6 + 1.0 / through) / sinking;
     assert!(close(settling.height, by_hand), "{settling:?} {by_hand}");
-    // Of a normal distribution 16.1 % are farther than 1.40071 standard deviations from the mean.
+    // In a normal distribution 16.1 % exceed the mean by more than 1.40071 standard deviations.
     assert!((settling.lifted - 0.1613).abs() < 1e-4, "{settling:?}");
     assert!(close(settling.above(by_hand), settling.lifted / 1f64.exp()));
     assert!(
         close(settling.mean(), settling.lifted * by_hand),
         "the others lie on the floor"
     );
-    // Without eddies in the vertical, nothing lifts them.
+    // Without vertical eddies, nothing lifts the blocks.
     let Some(Agitation::Turbulence(turbulence)) = &mut tank.agitation else {
         panic!("eddies stir it");
     };
@@ -420,7 +424,7 @@ fn a_sphere_is_a_gas_as_a_hemisphere_is() {
     };
     let told = speed(&in_ball);
     assert_eq!(told.from, SpeedFrom::Collisions);
-    // Half of the density and no floor: j^2 = 0.078052 / 2 / 3 v^3.
+    // Half of the density and no floor give j^2 = 0.078052 / 2 / 3 v^3.
     let exact = (0.044_f64.powi(2) / 3.0 / (0.078052 / 6.0)).cbrt();
     assert!(
         (told.rms.unwrap() / (exact * 10.0) - 1.0).abs() < 1e-3,
@@ -487,7 +491,7 @@ fn heat_and_eddies_give_blocks_their_speed() {
     let mut tank = built_in("magnet_tank").unwrap();
     let told = speed(&tank);
     assert_eq!(told.from, SpeedFrom::Eddies);
-    // 3 % of a ring's 8.5 cm at 0.455 turns a second, in three directions.
+    // 3 % of the speed of a ring of 8.5 cm at 0.455 turns per second, in three directions.
     let exact = 0.03 * 0.085 * 0.455 * std::f64::consts::TAU * 3f64.sqrt();
     assert!((told.rms.unwrap() / exact - 1.0).abs() < 1e-12);
     let Some(Agitation::Turbulence(turbulence)) = &mut tank.agitation else {
@@ -507,7 +511,8 @@ fn heat_and_eddies_give_blocks_their_speed() {
     let friction = Fluid::friction(0.06, 0.1);
     let short = BOLTZMANN * 300.0 / friction * tank.tick / 0.01;
     assert!((value(&tank, "D τ / a²") / short - 1.0).abs() < 1e-12);
-    // A tick far shorter than the drag needs: all of the heat; one far longer: what diffusion makes of it.
+    // If the tick is far shorter than the decay time, the speed is thermal. If it is far longer,
+    // diffusion determines the speed.
     assert_eq!(speed(&tank).from, SpeedFrom::Heat);
     let thermal = 3.0 * BOLTZMANN * 300.0 / tank.block.mass;
     assert!((speed(&tank).rms.unwrap().powi(2) / thermal - 1.0).abs() < 1e-3);

@@ -183,7 +183,7 @@ fn names_and_ranges_are_those_of_the_language() {
             let kept = text.tree.clone();
             for value in PROBES {
                 if text.write(name, value).is_none() {
-                    // Only what the text leaves to a default.
+                    // Only parameters with a default may be missing in the source.
                     assert!(
                         DEFAULTS.contains(&name),
                         "`{name}` leads nowhere in text {number}"
@@ -195,7 +195,7 @@ fn names_and_ranges_are_those_of_the_language() {
                 let taken = scalar.set(&mut set, value);
                 match read {
                     None if name == "agitation.speed" => {
-                        // The reader keeps the lower end, the table its share.
+                        // The reader keeps the lower end, the table its share of the upper end.
                         assert!(value < 0.1, "{value}");
                     }
                     None => assert!(taken.is_err(), "{name} = {value} is refused in a scene"),
@@ -237,7 +237,7 @@ fn a_range_is_swept_by_its_upper_end() {
     };
     assert_eq!(speed(&[("agitation.speed", 0.8)], 0), (0.2, 0.8));
     assert_eq!(speed(&[("agitation", 0.3)], 1), (0.3, 0.3), "one value");
-    // In whatever order they are given.
+    // The order of the changes does not matter.
     let both = [("agitation.speed.low", 0.6), ("agitation.speed", 0.8)];
     assert_eq!(speed(&both, 0), (0.6, 0.8));
     let told = with(scene(0), &[("agitation.speed.low", 0.5)]).unwrap_err();
@@ -316,7 +316,7 @@ fn a_changed_scene_is_compiled_like_one_that_was_written() {
     };
     let timeout = |changes: &[(&str, f64)]| {
         let checked = checked(changes);
-        // Such steps and timeouts are warned of.
+        // Such steps and timeouts cause warnings.
         assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
         checked.programs[0].tables.as_ref().unwrap().phases[0].timeout
     };

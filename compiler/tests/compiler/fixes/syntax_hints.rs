@@ -1,4 +1,4 @@
-//! Random slips: `--fix` never makes a program worse, and leaves nothing that it could fix.
+//! Random mistakes: checks that `--fix` never makes a program worse and applies every safe fix.
 use std::collections::BTreeMap;
 
 use proptest::prelude::*;
@@ -9,10 +9,10 @@ use stochc_compiler::diagnostic::Code;
 use super::{checked, mend};
 use crate::random::declare;
 
-/// Slips that are tried, the same ones every time.
+/// Number of mistakes. They are the same in every run.
 const SLIPS: u32 = 20_000;
 
-/// The first and last byte of every word, number and sign outside of comments.
+/// Returns the first and last byte of every word, number and character outside of comments.
 fn tokens(text: &str) -> Vec<(usize, usize)> {
     let bytes = text.as_bytes();
     let is_word = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
@@ -40,7 +40,7 @@ fn tokens(text: &str) -> Vec<(usize, usize)> {
     tokens
 }
 
-/// A slip of one token.
+/// A mistake in one token.
 #[derive(Clone, Copy, Debug)]
 enum Slip {
     Deleted,
@@ -49,7 +49,7 @@ enum Slip {
     Misspelt { letter: usize, how: u8 },
 }
 
-/// A text with a slip of one token.
+/// Returns a text with a mistake in one token.
 fn slipped(text: &str, token: usize, slip: Slip) -> String {
     let tokens = tokens(text);
     let (start, end) = tokens[token];
@@ -80,7 +80,7 @@ fn slipped(text: &str, token: usize, slip: Slip) -> String {
     }
 }
 
-/// All programs of the examples and the fixtures, and those of the pages that are right.
+/// Returns all programs of the examples and fixtures, and the valid programs of the pages.
 fn programs() -> Vec<String> {
     let mut programs: Vec<String> = ["examples", "tests/fixtures", "tests/verification"]
         .map(|folder| format!("../{folder}"))
@@ -90,7 +90,7 @@ fn programs() -> Vec<String> {
         .filter(|path| path.extension().is_some_and(|extension| extension == "sa"))
         .map(|path| std::fs::read_to_string(path).unwrap())
         .collect();
-    // The folder has them in any order.
+    // The order of a directory is not defined.
     programs.sort();
     let pages = Code::ALL.iter().filter_map(|code| {
         let (_, right) = code.page().split_once("Right:\n\n```sa\n")?;
@@ -100,7 +100,7 @@ fn programs() -> Vec<String> {
     programs
 }
 
-/// How often each code stands for an error.
+/// Counts the errors of each code.
 fn errors(checked: &Checked) -> BTreeMap<Code, usize> {
     let mut errors = BTreeMap::new();
     for diagnostic in checked.diagnostics.iter().filter(|it| it.is_error()) {
@@ -109,7 +109,7 @@ fn errors(checked: &Checked) -> BTreeMap<Code, usize> {
     errors
 }
 
-/// Whether `--fix` has changed anything in a text.
+/// Checks that `--fix` makes a text no worse. Returns whether it has changed the text.
 fn only_betters(wrong: &str) -> Result<bool, TestCaseError> {
     let once = mend(wrong);
     let left = checked(&once.text);
@@ -177,12 +177,12 @@ fn any_slip_is_mended_or_left_alone() {
     if let Err(error) = outcome {
         panic!("{error}");
     }
-    // Most slips leave more than one thing to be meant; but not all.
+    // Most mistakes are ambiguous, but some are not.
     println!("{} of {SLIPS} slips are fixed", mended.get());
     assert!(mended.get() > SLIPS / 50);
 }
 
-/// The places of a brace in a text, comments left out.
+/// Returns the positions of a brace in a text, outside of comments.
 fn braces(text: &str, brace: &str) -> Vec<usize> {
     let starts = tokens(text).into_iter().map(|(start, _)| start);
     starts
@@ -209,7 +209,7 @@ fn a_forgotten_opening_brace_is_all_that_is_told_and_mended() {
             let line = &right[right[..at].rfind(['\n', '{', '}']).map_or(0, |at| at + 1)..];
             let head = line.split_whitespace().next().unwrap_or_default();
             let follows = right[at + 1..].trim_start();
-            // An empty block has no hint, and a scene in one line has words in its head.
+            // An empty block has no hint, and the header of a one-line scene contains words.
             let is_plain = !follows.starts_with('}') && !follows.starts_with("//");
             let is_scene_line =
                 head == "scene" && !right[at + 1..].trim_start_matches(' ').starts_with('\n');

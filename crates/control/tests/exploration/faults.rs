@@ -1,4 +1,4 @@
-//! Which faults the protocol survives, and what becomes of it under the others.
+//! Tests which faults the protocol survives, and the consequences of the others.
 use std::cell::Cell;
 use std::collections::BTreeSet;
 
@@ -30,7 +30,7 @@ fn programs() -> Vec<Tables> {
     programs
 }
 
-/// Programs for which all orders are not too many.
+/// Returns programs that are small enough to explore all orders.
 fn small() -> Vec<Tables> {
     let mut programs = tables_of("examples/five_tower_reconfigured.sa");
     programs.extend(tables_of("tests/fixtures/tower.sa"));
@@ -41,7 +41,7 @@ fn with(tables: &Tables, faults: Faults) -> ExplorationReport {
     explore_as(tables, |all| all.faults = faults)
 }
 
-/// Explores, and takes a hang for an end like any other.
+/// Explores a program and counts a hang as a regular end.
 fn with_hangs(tables: &Tables, faults: Faults) -> ExplorationReport {
     explore_as(tables, |all| {
         all.faults = faults;
@@ -85,7 +85,8 @@ fn where_nothing_is_sent_again_a_lost_message_is_a_hang_and_nothing_worse() {
 #[test]
 fn a_dead_block_is_a_hang_and_nothing_worse() {
     let dead = Faults { dead: 1, ..NONE };
-    // Where blocks die all orders are tried: too many for the others, which are tried by chance.
+    // If blocks can die, all orders are explored. That is too much for the larger programs, which
+    // use random orders.
     for tables in small() {
         let report = with_hangs(&tables, dead);
         assert_eq!(
@@ -125,7 +126,7 @@ fn a_block_that_dies_when_its_work_is_done_is_survived() {
         tables("assembly one { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }");
     let dead = Faults { dead: 1, ..NONE };
     let report = with_hangs(&tables, dead);
-    // A reports in the moment of its capture; from then on it may die.
+    // A reports at its capture and may die afterwards.
     assert_eq!(
         (report.verdict, report.hangs),
         (ExplorationVerdict::Holds, 0)
@@ -135,7 +136,7 @@ fn a_block_that_dies_when_its_work_is_done_is_survived() {
 #[test]
 fn a_stray_that_can_be_shaken_off_is_survived() {
     let stray = Faults { strays: 1, ..NONE };
-    // As long as the stray is still to come all orders are tried: too many for the others.
+    // All orders are explored until the stray docks. That is too much for the larger programs.
     for tables in small() {
         let report = with(&tables, stray);
         assert_eq!(
@@ -196,7 +197,7 @@ fn a_block_that_is_mistaken_about_how_it_sits_builds_something_else() {
     let violation = with_hangs(tower, mistaken).violation().cloned().unwrap();
     assert_eq!(violation.property, Property::Structure);
     insta::assert_snapshot!(violation);
-    // Who captures nothing has no use for it.
+    // A block that captures nothing does not use its orientation.
     let one = tables("assembly one { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }");
     assert_eq!(with(&one, mistaken).verdict, ExplorationVerdict::Holds);
 }
@@ -223,7 +224,7 @@ proptest! {
     }
 }
 
-/// With losses as well, the reduction finds what the full exploration finds.
+/// With lost messages, the reduction still reaches the same results as the full exploration.
 #[test]
 fn fewer_orders_find_the_same_with_losses() {
     let compared = Cell::new(0);

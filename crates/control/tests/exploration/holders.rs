@@ -1,4 +1,4 @@
-//! What hangs on what is a matter of blocks, not of their names.
+//! Checks that the attachment of blocks depends on the blocks, not on their names.
 use stochc_compiler::check;
 use stochc_compiler::diagnostic::Code;
 use stochc_control::explore::ExplorationVerdict;
@@ -18,10 +18,10 @@ fn program(phase: &str) -> String {
 #[test]
 fn a_block_is_not_let_go_because_another_one_of_its_name_is() {
     for phase in [
-        // The first B goes, and the second one hangs on the block that goes as well.
+        // The first B is released. The second B hangs on a block that is also released.
         "release B  A.east -> B  release A",
         "release B  N.up -> X.up -> B  release C, X",
-        // The block that takes the place of a released one stays.
+        // The block that replaces a released one stays.
         "release B  A.up -> D  release A",
     ] {
         let text = program(phase);

@@ -1,4 +1,4 @@
-//! Event tables in every order of events.
+//! Tests event tables in every order of events.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 mod faults;
 mod holders;

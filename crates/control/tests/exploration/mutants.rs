@@ -1,4 +1,4 @@
-//! Tables with a mistake are found out.
+//! Checks that mistakes in tables are detected.
 use std::collections::BTreeMap;
 
 use stochc_control::explore::Property;
@@ -45,7 +45,7 @@ fn what_is_found_is_told_in_the_programs_own_names() {
     let [original] = &tables_of("examples/five_tower.sa")[..] else {
         panic!("one assembly");
     };
-    // F reports as soon as it is anchored, although it still captures J.
+    // F reports as soon as it is anchored, although it still has to capture J.
     let mut rash = duties(original);
     let f = rash
         .iter_mut()

@@ -1,4 +1,4 @@
-//! Tables with one mistake.
+//! Generates tables with one mistake.
 use stochc_control::explore::{
     Exploration, ExplorationBounds, ExplorationReport, Faults, ProgramGoals,
 };
@@ -24,7 +24,7 @@ pub fn assemble(tables: &Tables, duties: Vec<LooseDuty>) -> Tables {
     )
 }
 
-/// Explores tables that are meant to do what others do, in full and reduced.
+/// Explores mutated tables with the goals of the original, in full and reduced.
 pub fn explore_twice(mutant: &Tables, original: &Tables) -> [ExplorationReport; 2] {
     let (expected, bounds) = (ProgramGoals::new(original), ExplorationBounds::default());
     let faults = Faults::default();

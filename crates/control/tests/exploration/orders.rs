@@ -1,4 +1,4 @@
-//! Right programs hold in every order, and fewer orders are enough to know.
+//! Checks that valid programs complete in every order, and that the reduced exploration suffices.
 use std::cell::Cell;
 
 use proptest::prelude::*;
@@ -43,13 +43,13 @@ fn all_orders_of_the_five_towers_are_tried() {
     let reduced = explore(tables);
     assert_eq!(full.verdict, ExplorationVerdict::Holds);
     assert_eq!(reduced.verdict, ExplorationVerdict::Holds);
-    // Four towers, each in one of five states (waiting for either block, a report with two hops to
-    // make, one, none), then one that passes through five such states, and the end.
+    // Four towers have five states each: waiting for either block, a report with two or one hop
+    // left, and no report. Then one tower passes through five such states, and the run ends.
     assert_eq!(full.states, 5_u64.pow(4) + 5 + 1);
     assert!(reduced.states < 30, "{}", reduced.states);
 }
 
-/// The table of docs/validation/proofs-executed.md.
+/// Prints the table of docs/validation/proofs-executed.md.
 #[test]
 fn states_and_transitions_with_and_without_the_reduction() {
     let mut programs = Vec::new();
@@ -99,7 +99,7 @@ fn twenty_captures_at_once_are_no_matter() {
     let reduced = explore(&tables);
     assert_eq!(reduced.verdict, ExplorationVerdict::Holds);
     assert_eq!(reduced.transitions, 20 * 2 + 1);
-    // All 3^20 states are too many.
+    // The limit excludes a search through all 3^20 states.
     let bounds = ExplorationBounds {
         states: 10_000,
         ..ExplorationBounds::default()
@@ -190,7 +190,7 @@ proptest! {
     }
 }
 
-/// Small programs in full: the reduction finds the same, and the same hangs.
+/// Small programs in full: the reduction reaches the same result and the same hangs.
 #[test]
 fn fewer_orders_find_the_same() {
     let [full_states, reduced_states, compared] = [(); 3].map(|()| Cell::new(0));

@@ -1,10 +1,10 @@
-//! Hardware whose faces always attract, and blocks that are attached by hand.
+//! Tests hardware whose faces always attract, and pre-attached blocks.
 use stochc_control::explore::{ExplorationVerdict, Faults, Property};
 use stochc_ir::scene::BondKind;
 
 use crate::programs::{BUSY, explore, explore_as, tables, tables_of};
 
-/// Programs with releases, names that are given again, and messages.
+/// Returns programs with releases, reused names and messages.
 fn passive() -> Vec<stochc_ir::table::Tables> {
     let mut all = vec![tables(BUSY)];
     for path in [
@@ -41,7 +41,7 @@ fn one_that_cannot_be_undone_is_found() {
                 ..Faults::default()
             }
         });
-        let violation = report.violation().expect("a block sticks where it docks");
+        let violation = report.violation().expect("a stray that cannot be released");
         assert_eq!(violation.property, Property::Unplanned, "{violation}");
         assert!(
             violation.what.starts_with("an unplanned bond on "),
@@ -55,7 +55,7 @@ fn what_is_attached_by_hand_is_there_before_anything_happens() {
     for tables in tables_of("tests/fixtures/attached.sa") {
         assert!(tables.phases[0].planted);
         assert_eq!(explore(&tables).verdict, ExplorationVerdict::Holds);
-        // The first thing that can happen is the first capture of the first ordinary phase.
+        // The first possible event is the first capture of the first ordinary phase.
         let mut early = tables.clone();
         early.phases[1].reports = 0;
         let violation = explore(&early).violation().cloned().expect("ends early");

@@ -1,4 +1,4 @@
-//! Cells to which a block can or cannot come.
+//! Tests cells that blocks can or cannot reach.
 use std::collections::BTreeSet;
 
 use proptest::prelude::*;
@@ -8,7 +8,7 @@ use stochc_ir::{Cell, Face};
 use crate::programs::{explore, explore_as, fixed_cases, tables};
 use crate::random::declare;
 
-/// Three towers in a row; the middle one is two blocks high only if its foot is there in time.
+/// Three towers in a row. The middle one reaches two blocks only if its foot docks in time.
 const WELL: &str = "
 assembly well {
     seed plate 3 x 3 {
@@ -21,7 +21,7 @@ assembly well {
     }
 }";
 
-/// A way of free cells out to where there are no blocks.
+/// Returns whether a path of free cells leads from a cell to the outside.
 fn can_come(occupied: &BTreeSet<Cell>, cell: Cell) -> bool {
     let outside =
         |cell: Cell| !(-1..=3).contains(&cell.x) || !(-1..=3).contains(&cell.y) || cell.z > 4;
@@ -89,13 +89,14 @@ fn an_order_that_keeps_the_way_open_holds() {
     assert!(explored[0].states * 10 < explored[1].states, "{explored:?}");
 }
 
-/// Blocks that shy away from corners: a cell beside two blocks is closed.
+/// Returns whether a block that avoids corners can enter a cell: a cell next to two blocks is
+/// closed.
 fn can_fit(occupied: &BTreeSet<Cell>, cell: Cell) -> bool {
     let beside = |face: &Face| (cell.across(*face)).is_some_and(|next| occupied.contains(&next));
     Face::ALL.iter().filter(|face| beside(face)).count() < 2
 }
 
-/// Where ways close, fewer orders find the same hangs.
+/// If cells can become unreachable, the reduced exploration reaches the same hangs.
 #[test]
 fn fewer_orders_find_the_same_closed_cells() {
     let [hangs, full_states, reduced_states] = [(); 3].map(|()| std::cell::Cell::new(0));

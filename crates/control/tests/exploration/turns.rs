@@ -1,4 +1,5 @@
-//! Blocks that magnetize several faces at a time: order, chains and tables against a simulation by rounds.
+//! Tests blocks that magnetize several faces at a time. Compares order, chains and tables with a
+//! simulation in rounds.
 use std::fmt::Write as _;
 
 use proptest::prelude::*;
@@ -9,10 +10,11 @@ use stochc_control::explore::ExplorationVerdict;
 
 use crate::programs::explore;
 
-/// The faces through which a block on the plate can capture.
+/// Faces through which a block on the plate can capture.
 const FACES: [&str; 5] = ["up", "north", "east", "south", "west"];
 
-/// One block that captures through five faces in some order; capture i waits for `afters[i]`.
+/// Returns a program with one block that captures through five faces in some order. Capture i waits
+/// for `afters[i]`.
 fn program(faces: u8, order: &[usize], afters: &[Vec<usize>]) -> String {
     let mut text = format!(
         "scene s from hemisphere {{ block cube {{ side 20cm mass 1kg faces {faces} }} }}\n\
@@ -36,9 +38,10 @@ fn checked(text: &str) -> Checked {
     check("star.sa", &mut reader, Default::default())
 }
 
-/// Rounds after which everything has docked, if in each all dock that may; `None`: never.
+/// Returns the number of rounds until everything has docked, if every possible docking happens in
+/// each round. Returns `None` if that never happens.
 ///
-/// A capture may begin when fewer than `faces` of those before it are still to come.
+/// A capture may begin when fewer than `faces` of the captures before it are unfinished.
 fn rounds(faces: usize, afters: &[Vec<usize>]) -> Option<usize> {
     let mut docked = vec![false; afters.len()];
     for round in 0.. {
@@ -98,8 +101,8 @@ proptest! {
 
 #[test]
 fn a_capture_waits_for_any_of_those_before_it() {
-    // Two faces: the third capture begins with the first docking, whichever it is, and so does the fourth with
-    // the next. Its own `after` is no circle, because the first capture may come last.
+    // The third capture begins after any first docking, and the fourth after the next one. The
+    // `after` of the fourth is not a cycle, because the first capture may dock last.
     let afters = [vec![3], vec![], vec![], vec![]];
     let text = program(2, &[0, 1, 2, 3], &afters);
     let checked = checked(&text);

@@ -1,6 +1,6 @@
 //! Compares the proofs of `check` for small programs with their tables, executed in every order.
 //!
-//! Write the page of the results with `STOCHC_WRITE_DOCS=1 cargo test --workspace --test exploration`.
+//! `STOCHC_WRITE_DOCS=1 cargo test --workspace --test exploration` writes the page of the results.
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -79,7 +79,8 @@ impl Case {
     }
 }
 
-/// Whether a chain of empty cells leads from outside to a cell: all of them, one by one.
+/// Returns whether a chain of empty cells leads from outside to a cell, by visiting the cells one
+/// by one.
 fn is_open(full: &BTreeSet<Cell>, target: Cell) -> bool {
     let bound = |axis: fn(&Cell) -> i32| {
         let values = || full.iter().chain([&target]).map(axis);
@@ -165,7 +166,7 @@ fn proof_and_execution_agree_on_every_program() {
     crate::pages::assert_part(PAGE, MARKS, &page);
 }
 
-/// An execution that could not fail would prove nothing.
+/// Checks that the execution can fail. Otherwise its success would prove nothing.
 #[test]
 fn execution_without_walls_does_not_see_what_the_check_sees() {
     let sealed: Vec<Case> = (cases().into_iter())
@@ -186,12 +187,12 @@ fn execution_without_walls_does_not_see_what_the_check_sees() {
             ExplorationBounds::default(),
             Faults::default(),
         );
-        // Only the protocol: it does its part, and cannot know that no block will come.
+        // Without walls only the protocol is tested. It cannot detect that a block cannot arrive.
         assert!(exploration.run().holds(), "{}", case.name);
     }
 }
 
-/// A random program of a few captures in a box of 3 x 3 cells, walls first.
+/// Returns a random program with few captures in a box of 3 x 3 cells, walls first.
 fn random(draw: &mut dyn FnMut(usize) -> usize) -> String {
     let mut text = "assembly random {\n seed plate 3 x 3 {\n".to_owned();
     let mut blocks: Vec<(String, Cell)> = Vec::new();
@@ -200,7 +201,8 @@ fn random(draw: &mut dyn FnMut(usize) -> usize) -> String {
         blocks.push((format!("S{x}{y}"), Cell::new(x, y, 0)));
     }
     text.push_str(" }\n");
-    // Some walls stand already, so that few blocks are left to come in any order; at times nearly all.
+    // Some walls already exist, so few blocks remain to dock in any order. Sometimes nearly all
+    // walls exist.
     let walls = [3, 7, 8][draw(3)];
     let mut phase = |begin: &str, count: usize, middle: bool| {
         let _ = writeln!(text, " phase {begin} {{");
@@ -244,7 +246,8 @@ fn random(draw: &mut dyn FnMut(usize) -> usize) -> String {
     text
 }
 
-/// A capture is reported as never reachable exactly if its block docks in no order of the tables.
+/// Checks that a capture is reported as unreachable exactly if its block docks in no order of the
+/// tables.
 #[test]
 fn never_means_in_no_order() {
     let mut draws = 1u64;
@@ -271,7 +274,7 @@ fn never_means_in_no_order() {
         let program = &checked.programs[0];
         let tables = program.stuck.as_ref().unwrap();
         let expected = ProgramGoals::new(tables);
-        // Every cell that is full in some order: all of them are visited, and asked for the next one.
+        // Collects every cell that is full in some order. Each such cell is queried as a target.
         let seen = RefCell::new(BTreeSet::new());
         let reach = |full: &BTreeSet<Cell>, target: Cell| {
             seen.borrow_mut().extend(full.iter().copied());

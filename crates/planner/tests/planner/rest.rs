@@ -361,7 +361,7 @@ assembly comb {
     // Until the first tower is there, and the second is not.
     let parts = (1000..40_000).step_by(500).map(|ticks| left(text, ticks));
     let mut first = parts.filter(|(_, there)| there.names().any(|name| name == "A[4]"));
-    let (mut goal, structure) = first.next().expect("the first tower comes");
+    let (mut goal, structure) = first.next().expect("the first tower is built");
     goal.stand_on(&structure, &BTreeSet::from(["A[2]"]))
         .unwrap();
     let planned = tried(&goal, 10).unwrap();
@@ -381,7 +381,7 @@ fn no_cell_that_is_full_is_named_as_a_way_out() {
     let text = "assembly line { seed plate 3 x 3 { M at (1, 1) } phase p { M.up ->> T[1..8] } }\n";
     let parts = (500..40_000).step_by(500).map(|ticks| left(text, ticks));
     let mut first = parts.filter(|(_, there)| there.names().any(|name| name == "T[5]"));
-    let (mut goal, structure) = first.next().expect("the fifth block comes");
+    let (mut goal, structure) = first.next().expect("the fifth block docks");
     goal.stand_on(&structure, &BTreeSet::from(["T[2]"]))
         .unwrap();
     let Err(Unplanned::Refused(TargetError::Loose(parts))) = tried(&goal, 10) else {

@@ -1,4 +1,4 @@
-//! Figures on screens and in print: nothing is cut or hidden, and every axis says what it shows.
+//! Checks figures for screens and print: nothing is cut or hidden, and every axis has a label.
 use std::sync::Arc;
 
 use stochc_experiments::Time;
@@ -29,7 +29,7 @@ fn figures_for(medium: Medium, formats: &[FigureFormat]) -> Figures {
     }
 }
 
-/// Names that are longer than there is room for.
+/// Returns an input with names that are longer than the available space.
 fn long_names(mut input: Input) -> Input {
     let program = &mut input.manifest.programs[0];
     program.name = format!("{} and more", "a rather long name of a program ".repeat(3));
@@ -54,7 +54,7 @@ fn nothing_is_cut_or_hidden_at_any_width() {
     }
 }
 
-/// The page is the same, whatever the files beside it are like, but for their names.
+/// The format of the files affects only their names in the page.
 #[test]
 fn a_page_is_for_a_screen_whatever_is_printed() {
     let on_screen = drawn(&[five(0.2)], &Figures::default());
@@ -88,7 +88,7 @@ fn every_figure_can_be_pdf() {
     assert_eq!(pages, 4);
 }
 
-/// A sweep over a number and others, whose times follow a power of the first.
+/// Returns a sweep over several parameters whose times follow a power of the first one.
 fn swept_over(numbers: &[(&str, &[f64])], power: f64) -> Sweep {
     let mut all: Vec<Vec<f64>> = vec![Vec::new()];
     for (_, values) in numbers {
@@ -149,7 +149,8 @@ fn maps_of_two_numbers_find_room() {
     }
 }
 
-/// What follows a power of a number is a line: both axes are logarithmic where both span more than a factor of ten.
+/// A power law is drawn as a line: both axes are logarithmic if both span more than a factor of
+/// ten.
 #[test]
 fn powers_are_drawn_as_lines() {
     let axes = |sweep: &Sweep, medium| -> Vec<bool> {

@@ -1,4 +1,4 @@
-//! Names that would be more than names.
+//! Tests names that contain markup, formulas or control characters.
 use std::sync::Arc;
 
 use stochc_files::address::address;
@@ -52,7 +52,7 @@ fn hostile_names_are_shown_as_text() {
             text.contains(bad)
         };
         assert!(!invisible(&report.page), "{name:?}");
-        // The only instruction to the browser is the policy; nothing leads elsewhere by itself.
+        // The only instruction to the browser is the policy. Nothing loads or redirects by itself.
         let instructions = document
             .descendants()
             .filter_map(|node| node.attribute("http-equiv"));
@@ -72,7 +72,7 @@ fn hostile_names_are_shown_as_text() {
                 );
             }
         }
-        // All of it can still be read.
+        // The whole name is still readable.
         let visible = document.descendants().filter_map(|node| node.text());
         let visible: String = visible.collect();
         let plain = name.split(['\u{202e}', '\u{1b}']).next().unwrap();
@@ -97,7 +97,7 @@ fn addresses_stay_what_they_are() {
     assert_eq!(address("javascript:x"), "javascript%3Ax");
 }
 
-/// A journal that somebody has edited says impossible things; a page can still be drawn.
+/// An edited journal contains impossible values. The page is still drawn.
 #[test]
 fn impossible_records_are_no_reason_to_stop() {
     let mut input = five(0.2);
@@ -126,7 +126,7 @@ fn impossible_records_are_no_reason_to_stop() {
     input.finished = finished.into();
     for sources in [true, false] {
         if !sources {
-            // As of a program that was compiled elsewhere.
+            // The program was compiled elsewhere.
             input.manifest.programs[0].sources.clear();
         }
         let report = report_of(std::slice::from_ref(&input));
@@ -144,7 +144,7 @@ fn impossible_records_are_no_reason_to_stop() {
     }
 }
 
-/// What a spreadsheet would compute is text.
+/// Formulas for a spreadsheet are written as text.
 #[test]
 fn no_cell_of_the_data_is_a_formula() {
     for name in ["=1+1", "@sum(a)", "+a", "-a"] {

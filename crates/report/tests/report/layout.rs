@@ -1,4 +1,4 @@
-//! Whether a figure is laid out well: nothing is cut or hidden, and every axis says what it shows.
+//! Checks the layout of a figure: nothing is cut or hidden, and every axis has a label.
 use roxmltree::{Document, Node};
 use stochc_report::figures::Medium;
 use ttf_parser::Face;
@@ -10,7 +10,8 @@ pub const MEDIA: [Medium; 4] = [
     Medium::Print(183.0),
 ];
 
-/// Left, top, right and bottom of a text, in units of its drawing, by the widths of Helvetica.
+/// Returns left, top, right and bottom of a text in units of its drawing, using the widths of
+/// Helvetica.
 fn bounds(node: Node, face: &Face) -> [f64; 4] {
     const HEIGHT: f64 = 12.0;
     let text = node.text().unwrap_or_default();
@@ -27,7 +28,7 @@ fn bounds(node: Node, face: &Face) -> [f64; 4] {
         Some("end") => x - width,
         Some(other) => panic!("{other}"),
     };
-    // From the line on which it stands to the top of a capital letter.
+    // The height is that of a capital letter above the baseline.
     [left, y - 0.72 * HEIGHT, left + width, y]
 }
 
@@ -40,7 +41,7 @@ fn texts<'a>(document: &'a Document) -> impl Iterator<Item = Node<'a, 'a>> {
     nodes.filter(|node| node.tag_name().name() == "text")
 }
 
-/// What is wrong with a figure, in words.
+/// Returns descriptions of the faults of a figure.
 fn faults(svg: &str, medium: Medium, face: &Face) -> Vec<String> {
     let document = Document::parse(svg).unwrap();
     let root = document.root_element();
@@ -66,7 +67,7 @@ fn faults(svg: &str, medium: Medium, face: &Face) -> Vec<String> {
             found.push(format!("`{}` is cut", words(node)));
         }
     }
-    // Names beside marks lie where they cover least, and have a rim.
+    // Labels of marks are placed where they cover least, and have a rim.
     let fixed: Vec<_> = all
         .iter()
         .filter(|(node, _)| !classes(node).contains("halo"))
@@ -105,7 +106,7 @@ fn faults(svg: &str, medium: Medium, face: &Face) -> Vec<String> {
     found
 }
 
-/// Complains of what is wrong with a figure.
+/// Panics if a figure has a fault.
 pub fn check(what: &str, svg: &str, medium: Medium) {
     let font = include_bytes!("../../fonts/LiberationSans-Regular.ttf");
     let face = Face::parse(font, 0).unwrap();

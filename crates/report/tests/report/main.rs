@@ -1,4 +1,4 @@
-//! Reports of small ensembles: their numbers, their figures, and hostile input.
+//! Tests reports of small ensembles: numbers, figures and hostile input.
 #![allow(
     clippy::disallowed_methods,
     reason = "the tests read programs from the disk"

@@ -1,4 +1,4 @@
-//! The page as a reader gets it.
+//! Tests the page as a reader sees it.
 use std::collections::HashSet;
 
 use stochc_report::ensemble_report::{Figures, ReportError, ReportLocation, report};
@@ -6,8 +6,8 @@ use stochc_report::ensemble_report::{Figures, ReportError, ReportLocation, repor
 use crate::reading::parsed;
 use crate::sample::{five, report_of};
 
-/// The text of a page: without its style, its pictures and the program, each paragraph and row on
-/// a line of its own.
+/// Returns the text of a page without its style, pictures and program. Each paragraph and row is
+/// one line.
 fn text(page: &str) -> String {
     let document = parsed(page);
     let mut out = String::new();
@@ -46,7 +46,7 @@ fn text(page: &str) -> String {
     out
 }
 
-/// Page and figures of five runs, one of them stopped.
+/// Compares the page and figures of five runs, one of them stopped, with snapshots.
 #[test]
 fn a_small_ensemble_makes_this_page() {
     let report = report_of(&[five(0.2)]);
@@ -94,7 +94,7 @@ fn every_picture_is_well_formed_and_told_in_words() {
         for number in ["NaN", "inf"] {
             assert!(!content.contains(number), "{name}: {number}");
         }
-        // What it is labelled by is there.
+        // The labelling elements exist.
         let labels = root.attribute("aria-labelledby").unwrap().split(' ');
         for label in labels {
             assert!(
@@ -103,7 +103,7 @@ fn every_picture_is_well_formed_and_told_in_words() {
             );
         }
     }
-    // The curves and the means, two of the sweep, and three for each of the two.
+    // The curves and the means, two pictures of the sweep, and three for each of the two programs.
     assert_eq!(
         pictures,
         4 + 2 * 3,
@@ -166,7 +166,7 @@ fn the_page_is_whole_and_loads_nothing() {
                 assert!(ids.contains(label), "{label}");
             }
         }
-        // Whoever cannot see a picture has its title and a table.
+        // Each picture has a title and a table for readers who cannot see it.
         if name == "figure" {
             assert!(
                 node.descendants()
@@ -176,7 +176,7 @@ fn the_page_is_whole_and_loads_nothing() {
     }
 }
 
-/// Where a run can be watched, what is told of it leads to the ticks.
+/// If a run has a replay, sentences about it link to its ticks.
 #[test]
 fn sentences_link_to_their_ticks() {
     let input = five(0.2);
@@ -233,7 +233,7 @@ fn sentences_link_to_their_ticks() {
     assert!(sentences >= 3, "{sentences}");
 }
 
-/// Of five runs, how many are neither complete nor stopped at each mark of the axis.
+/// Each mark of the axis lists the number of runs that are neither complete nor stopped.
 #[test]
 fn curves_tell_how_many_runs_are_at_risk() {
     let input = five(0.2);
@@ -253,7 +253,7 @@ fn curves_tell_how_many_runs_are_at_risk() {
     let shown: Vec<usize> = (texts[at + 1..].iter())
         .map_while(|text| text.parse().ok())
         .collect();
-    // The marks of the axis come first.
+    // The labels of the axis come first.
     let marks: Vec<f64> = (texts.iter())
         .map_while(|text| text.replace(',', "").parse().ok())
         .collect();

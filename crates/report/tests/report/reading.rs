@@ -1,9 +1,9 @@
-//! Tables and pages as they are read again.
+//! Readers of tables and pages.
 use std::collections::BTreeMap;
 
 use roxmltree::{Document, ParsingOptions};
 
-/// The rows of a table by the names of its columns; no field of it has a comma.
+/// Returns the rows of a table by column name. Fields must not contain commas.
 pub fn fields(text: &str) -> Vec<BTreeMap<String, String>> {
     let mut lines = text.split_terminator("\r\n");
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();
@@ -18,7 +18,7 @@ pub fn fields(text: &str) -> Vec<BTreeMap<String, String>> {
     lines.map(row).collect()
 }
 
-/// A page or a picture that is well-formed.
+/// Parses a well-formed page or picture.
 pub fn parsed(text: &str) -> Document<'_> {
     let options = ParsingOptions {
         allow_dtd: true,

@@ -1,4 +1,4 @@
-//! Trades from runs that were made up: numbers, order, text and picture.
+//! Tests trade-offs of artificial runs: numbers, order, text and picture.
 use stochc_experiments::trade::{Convergence, Trade};
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
@@ -7,13 +7,13 @@ use stochc_report::tables::trade_to_text;
 use stochc_results::{ChosenSetting, EnsembleProgram, Finished, Manifest, Records};
 use stochc_runtime::Settings;
 
-/// Ticks after which runs are stopped, which takes longer than any.
+/// Ticks after which runs are stopped. Only very slow runs reach this limit.
 const LIMIT: u64 = 10_000;
 
-/// Settings, the mean time of each program, and the CPU time of a run.
+/// Settings, mean time of each program, and CPU time per run.
 const SETTINGS: [(&str, [u64; 2], f64); 7] = [
     ("substeps=1", [1040, 2080], 1.0),
-    // As a share, the first program's interval is the wider one.
+    // Relative to its mean, the first program has the wider interval.
     ("substeps=2", [1000, 2001], 2.0),
     ("substeps=4", [1001, 2000], 4.0),
     ("substeps=8", [1000, 2000], 8.0),
@@ -22,7 +22,7 @@ const SETTINGS: [(&str, [u64; 2], f64); 7] = [
     ("model=rate", [1100, 2200], 0.001),
 ];
 
-/// Makes up a run around a mean. Runs of one number have little in common.
+/// Returns an artificial run around a mean. Runs with the same number are almost uncorrelated.
 fn finished(program: usize, number: u64, mean: u64, cpu: f64, limit: u64) -> Finished {
     let turn = [1, 2, 4][mean as usize / 1000 - 1];
     let ticks = mean - 10 + number * turn % 21;
@@ -45,7 +45,7 @@ fn trade() -> Trade {
     trade_within([LIMIT; 2])
 }
 
-/// A trade that stops runs of each program after so many ticks.
+/// Returns a trade-off that stops runs of each program at these limits.
 fn trade_within(limits: [u64; 2]) -> Trade {
     let mut reader = |_: &str| {
         let text = "assembly a { seed plate 3 x 3 { M at (1, 1) }\nphase p { M.up -> A } }";
@@ -59,7 +59,7 @@ fn trade_within(limits: [u64; 2]) -> Trade {
     let (mut programs, mut runs) = (Vec::new(), Vec::new());
     for (place, name) in ["one", "two"].into_iter().enumerate() {
         let mut program = EnsembleProgram::new(name, Vec::new(), executable.clone());
-        // Programs that are the same have the same runs.
+        // Equal programs would have equal runs.
         program.scene.free.count += place as u32;
         for (settings, means, cpu) in SETTINGS {
             let chosen = settings.split(' ').map(|it| it.split_once('=').unwrap());
@@ -89,7 +89,7 @@ fn every_candidate_is_held_against_the_finest() {
     let close = &trade.candidates[1];
     let [first, second] = [0, 1].map(|program| close.programs[program].bias);
     assert_eq!(close.worst, second, "the first is not off at all");
-    // But the first has the wider interval.
+    // The first program has the wider interval.
     assert_eq!(close.bound, first.and_then(|bias| bias.bound()));
     assert_eq!(trade.candidates[0].cost_ratio, Some(1.0 / 8.0));
     let reversed: Vec<bool> = trade
@@ -103,7 +103,7 @@ fn every_candidate_is_held_against_the_finest() {
         .iter()
         .map(|candidate| candidate.front)
         .collect();
-    // The reversed one is out of the question.
+    // The reversed setting is excluded.
     assert_eq!(front, [true, true, false, true, false, false, true]);
     assert!(
         trade.candidates[4]
@@ -121,7 +121,7 @@ fn wrong_conclusions_are_told_with_and_without_colour() {
     let red = |line: &&str| line.starts_with("\u{1b}[31m");
     let coloured = trade_to_text(&trade, 100, true);
     let lines: Vec<&str> = coloured.lines().filter(red).collect();
-    // Once in each of the two blocks of columns of each program, and once in the ranking.
+    // Each program has two blocks of columns with one line each, and the ranking has one line.
     assert_eq!(lines.len(), 5, "{coloured}");
     assert!(lines.iter().all(|line| line.contains("no-rotation")));
     let advice = &trade.advice;
@@ -157,11 +157,11 @@ fn the_picture_marks_what_is_reversed() {
     let marks = ["s0", "s1", "s2", "s3", "hot", "reference"];
     let counts = marks.map(|class| of(&format!("mark {class}")));
     assert_eq!(counts, [3, 0, 1, 1, 1, 1]);
-    // A bar for each of them but the reference, which has no bias.
+    // Each of them has a bar, except the reference, which has no bias.
     assert_eq!(of("s0"), 3);
 }
 
-/// Of runs that the limit of ticks has stopped nobody knows how long they would have taken.
+/// The completion times of runs that were stopped at the limit are not known.
 #[test]
 fn times_that_are_not_known_are_not_called_accurate() {
     const SHORT: u64 = 1005;
@@ -177,7 +177,7 @@ fn times_that_are_not_known_are_not_called_accurate() {
     assert_eq!(close.programs[1].bias.unwrap().horizon, None);
 }
 
-/// That a sample is cut draws a bias towards 0 from either side, so that it bounds nothing.
+/// A truncated sample biases the difference towards 0, so it is not a bound.
 #[test]
 fn a_bias_of_times_up_to_a_horizon_is_no_bound() {
     let trade = trade_within([1005, LIMIT]);
@@ -188,7 +188,7 @@ fn a_bias_of_times_up_to_a_horizon_is_no_bound() {
     };
     let slow = of("rigid 1");
     assert!(slow.contains("≥ 1005") && !slow.contains("≥ 0"), "{slow}");
-    // Without a stopped run of its own: the reference's are.
+    // The candidate has no stopped run, but the reference has one.
     assert!(of("rate").contains(" * "), "{text}");
     let text = text.replace("\n  ", " ");
     assert!(text.contains("Biases with * are no bounds"), "{text}");

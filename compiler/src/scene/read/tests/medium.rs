@@ -28,7 +28,7 @@ fn a_stirred_tank_is_read_in_units_of_the_laboratory() {
     let Flow::Stir(stir) = &flow else {
         panic!("it is stirred");
     };
-    // The paper's power at its lowest rate.
+    // The paper's power at its lowest stirring rate.
     assert!((stir.power().unwrap() - 0.193).abs() < 5e-4);
     let Some(Agitation::Turbulence(turbulence)) = &scene.agitation else {
         panic!("it is turbulent");
@@ -48,7 +48,7 @@ fn a_tick_behind_another_term_is_no_unit_of_it() {
             }
         }
     }
-    // As a unit it is still one.
+    // After a number, `tick` is still a unit.
     let (_, found) = scene("agitation kicks { speed 0.1 m/tick }");
     assert_eq!(found.len(), 1, "{found:?}");
 }

@@ -132,7 +132,7 @@ fn copies_are_built_where_they_are() {
     let file = file.transform(0, 1, &[], &[&[]]).group(1, &[], &[2, 4]);
     let file = file.transform(2, 3, &[], &[&[("_t", "0 0 1")]]);
     let file = file.shape(3, &[0]);
-    // In the group: upright and 5 up. The group lies down to the south, 3 to the east.
+    // In the group the bar is upright and 5 up. The group lies down to the south, 3 to the east.
     let file = file.transform(4, 5, &[], &[&[("_r", "40"), ("_t", "3 0 0")]]);
     let file = file.group(5, &[], &[6]);
     let file = file.transform(6, 7, &[], &[&[("_t", "0 0 5")]]);
