@@ -1,8 +1,8 @@
-//! Event tables and a scene to runs.
+//! Simulates event tables in a scene.
 //!
-//! [`run()`] is the whole of it: a pure function from tables, scene, settings, seed and number of
-//! the run to a [record](stochc_ir::record::RunRecord). Inside, a [`Controller`](control::Controller) runs
-//! the tables and a [`World`](world::World) moves the blocks; neither knows the other's business.
+//! [`run()`] is a pure function from tables, scene, settings, seed and run number to a
+//! [record](stochc_ir::record::RunRecord). A [`Controller`](control::Controller) executes the
+//! tables, and a [`World`](world::World) moves the blocks. They are independent of each other.
 //!
 //! ```
 //! use std::ops::ControlFlow;

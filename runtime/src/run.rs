@@ -1,4 +1,4 @@
-//! One run, from the first tick to its record.
+//! Simulates one run, from the first tick to its record.
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::scene::{Messages, Scene};
 use stochc_ir::table::Tables;

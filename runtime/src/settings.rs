@@ -99,7 +99,7 @@ pub enum Reduction {
 }
 
 impl Model {
-    /// All models, the default first.
+    /// All models. The default comes first.
     pub const ALL: [Model; 4] = [Model::Rigid, Model::Rapier, Model::Rate, Model::Shuffle];
 
     /// Returns whether blocks have positions.

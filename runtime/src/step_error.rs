@@ -24,11 +24,11 @@ const PATIENCE: u32 = 100_000;
 pub struct StepError {
     /// Measured quantity.
     pub figure: &'static str,
-    /// Its unit. Empty if it is dimensionless.
+    /// Unit of the quantity. Empty if it is dimensionless.
     pub unit: &'static str,
     /// Steps per tick that such blocks take.
     pub steps: u32,
-    /// Value at these steps.
+    /// Value with the chosen steps.
     pub taken: f64,
     /// Value at steps 64 times shorter.
     pub resolved: f64,

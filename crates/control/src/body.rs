@@ -9,7 +9,7 @@ pub enum Body {
     ///
     /// [`Orientation::IDENTITY`]: crate::Orientation::IDENTITY
     Seed(Cell),
-    /// Block that was free at the start, by its number from 0.
+    /// A block that was free at the start, by its number from 0.
     Free(u32),
 }
 
@@ -25,7 +25,7 @@ pub struct BlockFace {
 /// Capture of a free block by a magnetized face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Docking {
-    /// Face that captured.
+    /// Face that captured the block.
     pub site: BlockFace,
     /// Captured block.
     pub child: u32,

@@ -25,9 +25,9 @@ struct Channel {
     next: u32,
     /// Messages without acknowledgement, by number.
     kept: BTreeMap<u32, Message>,
-    /// The receiver has accepted all numbers below this one ...
+    /// All message numbers below this one have been accepted by the receiver.
     taken_below: u32,
-    /// ... and these.
+    /// Accepted message numbers that are not below `taken_below`.
     taken: BTreeSet<u32>,
 }
 

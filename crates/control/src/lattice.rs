@@ -22,9 +22,9 @@ pub struct Lattice {
 /// Place of an anchored block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LatticePose {
-    /// Its cell.
+    /// Cell of the block.
     pub cell: Cell,
-    /// Its orientation.
+    /// Orientation of the block.
     pub orientation: Orientation,
 }
 
@@ -39,7 +39,8 @@ impl Lattice {
         &self.active
     }
 
-    /// Returns the place of an anchored block, or `None` if it is not anchored.
+    /// Returns the cell and orientation of an anchored block. Returns `None` if the block is not
+    /// anchored.
     pub fn place(&self, body: Body) -> Option<LatticePose> {
         match body {
             Body::Seed(cell) => Some(LatticePose {

@@ -129,7 +129,7 @@ const fn facing(own: Face, structure: Face) -> Orientation {
     }
 }
 
-/// For each orientation, by east and north, the structure's faces of its own faces.
+/// For each orientation, by east and north, the structure's face that each own face points to.
 static TO_STRUCTURE: [[[Face; 6]; 6]; 6] = {
     let mut of = [[Face::ALL; 6]; 6];
     let mut i = 0;
@@ -151,7 +151,8 @@ static TO_STRUCTURE: [[[Face; 6]; 6]; 6] = {
     of
 };
 
-/// For each orientation, by east and north, its own faces of the structure's faces.
+/// For each orientation, by east and north, the own face that points to each of the structure's
+/// faces.
 static TO_OWN: [[[Face; 6]; 6]; 6] = {
     let mut of = [[Face::ALL; 6]; 6];
     let mut i = 0;

@@ -16,7 +16,7 @@ use stochc_results::EnsembleProgram;
 /// Identity of a capture in a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CaptureKey {
-    /// Phase.
+    /// Phase of the capture.
     pub phase: PhaseId,
     /// Role of the capturing block.
     pub parent: RoleId,
@@ -24,7 +24,7 @@ pub struct CaptureKey {
     pub child: RoleId,
     /// Face of the capturing block, in the structure's frame.
     pub face: Face,
-    /// Number of equal captures before it in the phase.
+    /// Number of earlier captures with the same blocks in the phase.
     pub repetition: u32,
 }
 
@@ -72,7 +72,7 @@ pub struct Waits {
     pub entry_rate: Option<f64>,
     /// Number of captures of blocks that had never been captured.
     pub free: usize,
-    /// Numbers of captures of released blocks, by their last role.
+    /// Numbers of captured blocks that had been released before, by their last role.
     pub released: Vec<(RoleId, usize)>,
 }
 
@@ -127,7 +127,7 @@ impl CaptureTally {
     }
 }
 
-/// Returns the 10th and 90th percentile of waiting times, some of which may be censored.
+/// Returns the 10th and 90th percentile of waiting times. Waiting times may be censored.
 fn spread(waits: &[Observation]) -> Option<(f64, f64)> {
     if waits.iter().all(|wait| wait.is_completed()) {
         let ended: Vec<f64> = waits.iter().map(|wait| wait.time).collect();
@@ -142,7 +142,7 @@ fn spread(waits: &[Observation]) -> Option<(f64, f64)> {
 pub struct WaitsTally(BTreeMap<CaptureKey, CaptureTally>);
 
 impl WaitsTally {
-    /// Adds a run.
+    /// Adds the captures of a run.
     pub fn add(&mut self, record: &RunRecord) {
         if matches!(record.outcome, Outcome::Failed { .. }) {
             return;
@@ -177,11 +177,11 @@ pub struct CaptureSummary {
     pub phase_number: u32,
     /// Role of the capturing block.
     pub parent: String,
-    /// Its face, in the structure's frame.
+    /// Capturing face, in the structure's frame.
     pub face: Face,
     /// Role of the captured block.
     pub child: String,
-    /// Number of equal captures before it in the phase.
+    /// Number of earlier captures with the same blocks in the phase.
     pub repetition: u32,
     /// Waiting time from magnetizing to capture, right-censored at the end of the run.
     pub wait: Time,
@@ -191,7 +191,8 @@ pub struct CaptureSummary {
     pub docking: Option<f64>,
     /// Entries per tick of waiting, over all waiting times. `None` without waiting.
     pub entry_rate: Option<f64>,
-    /// Numbers of captured blocks by their former role, sorted by role. All others were free.
+    /// Numbers of captured blocks by their former role, sorted by role. All other captured blocks
+    /// were free.
     pub released: Vec<(String, usize)>,
 }
 

@@ -132,7 +132,7 @@ mod tests {
         }
     }
 
-    /// The interval covers the mean with about the stated probability.
+    /// Checks that the interval covers the mean with about the stated probability.
     #[test]
     fn intervals_hold_the_mean_in_19_of_20() {
         let ensembles = 400;

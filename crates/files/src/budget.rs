@@ -11,7 +11,7 @@ const GIB: u64 = 1 << 30;
 pub struct ReadBudget {
     /// Limit \[bytes\]; files must be smaller.
     pub bytes: u64,
-    /// Whether it is JSON, which cannot contain holes.
+    /// Whether the file is JSON, which cannot contain holes.
     pub is_json: bool,
 }
 

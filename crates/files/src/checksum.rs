@@ -106,7 +106,7 @@ pub enum LineIntegrity {
 
 /// Start of the checksum field, the last of its object.
 const FIELD: &[u8] = b",\"crc\":\"";
-/// `,"crc":"01234567"}`
+/// Length of the field `,"crc":"01234567"}`.
 const LENGTH: usize = FIELD.len() + 8 + 2;
 
 /// Appends the field `crc` to a JSON object: the hexadecimal checksum of everything before it.

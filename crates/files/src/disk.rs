@@ -45,7 +45,7 @@ pub enum CallDecision {
     Proceed,
     /// The call fails.
     Fail(io::Error),
-    /// This number of bytes is written, and then the call fails.
+    /// This number of bytes is written, then the call fails.
     Torn(usize, io::Error),
     /// The call succeeds without effect.
     Pretend,

@@ -22,7 +22,7 @@ pub struct EventGraph {
     edges: Vec<Edge>,
 }
 
-/// Capture or release.
+/// A capture or release, with its phase and cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GraphEvent {
     /// Phase of the event.
@@ -42,7 +42,7 @@ pub enum EventAction {
     Capture {
         /// Role of the capturing block.
         parent: RoleId,
-        /// Its face, in the structure's frame.
+        /// Capturing face, in the structure's frame.
         face: Face,
         /// Role of the captured block.
         child: RoleId,
@@ -61,9 +61,10 @@ pub struct Edge {
     pub first: EventId,
     /// The waiting event.
     pub then: EventId,
-    /// Reason.
+    /// Reason of the dependency.
     pub why: Dependency,
-    /// Whether some order avoids it, because another capture of the same block comes earlier.
+    /// Whether some order does not need the dependency, because another capture of the same block
+    /// comes earlier.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub unneeded: bool,
 }
@@ -79,7 +80,7 @@ pub enum Dependency {
     Face {
         /// Number of the block's captures that must be complete.
         needed: u8,
-        /// Number of candidates.
+        /// Number of candidate events.
         of: u8,
     },
     /// The program states `after`.
@@ -93,7 +94,7 @@ pub enum Dependency {
 }
 
 impl Dependency {
-    /// Returns whether other events can take its place.
+    /// Returns whether other events can satisfy the same dependency.
     pub fn is_choice(self) -> bool {
         matches!(self, Dependency::Face { needed, of } if needed < of)
     }
@@ -112,7 +113,7 @@ impl Dependency {
 }
 
 impl EventAction {
-    /// For a capture the block that captures; for a release the released block.
+    /// Returns the capturing block of a capture, or the released block of a release.
     pub fn actor(self) -> RoleId {
         match self {
             EventAction::Capture { parent: actor, .. } | EventAction::Release { child: actor } => {
@@ -135,7 +136,7 @@ impl EventAction {
         child
     }
 
-    /// Returns whether it is a capture.
+    /// Returns whether the event is a capture.
     pub fn is_capture(self) -> bool {
         matches!(self, EventAction::Capture { .. })
     }

@@ -9,7 +9,7 @@ use crate::{Cell, Face};
 pub struct RunRecord {
     /// Number of the run in its ensemble, from 0.
     pub run: u64,
-    /// Outcome.
+    /// Outcome of the run.
     pub outcome: Outcome,
     /// Duration of the run \[ticks\].
     pub ticks: u64,
@@ -26,8 +26,8 @@ pub struct RunRecord {
     pub unplanned: u64,
     /// Captures in order.
     pub bonds: Vec<BondRecord>,
-    /// Waiting times in progress at the end, by their start: open faces that captured nothing. They
-    /// are right-censored.
+    /// Faces that were open at the end, by the start of their waiting times. These times are
+    /// right-censored.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub waiting: Vec<WaitRecord>,
     /// Releases in order.
@@ -110,14 +110,14 @@ impl Limit {
     }
 }
 
-/// Capture.
+/// Record of a capture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BondRecord {
     /// Phase of the capture.
     pub phase: PhaseId,
     /// Role of the capturing block.
     pub parent: RoleId,
-    /// Its face, in the structure's frame.
+    /// Capturing face, in the structure's frame.
     pub face: Face,
     /// Role of the captured block.
     pub child: RoleId,
@@ -144,7 +144,7 @@ pub struct WaitRecord {
     pub phase: PhaseId,
     /// Role of the block with the open face.
     pub parent: RoleId,
-    /// Its face, in the structure's frame.
+    /// Open face, in the structure's frame.
     pub face: Face,
     /// Role of the expected block.
     pub child: RoleId,
@@ -157,7 +157,7 @@ pub struct WaitRecord {
     pub entries: u32,
 }
 
-/// Release.
+/// Record of a release.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ReleaseRecord {
     /// Phase of the release.
@@ -179,7 +179,7 @@ pub struct UnplannedRecord {
     pub phase: PhaseId,
     /// Role of the capturing block.
     pub parent: RoleId,
-    /// Its face, in the structure's frame.
+    /// Capturing face, in the structure's frame.
     pub face: Face,
     /// Tick of the capture.
     pub tick: u64,
@@ -190,13 +190,13 @@ pub struct UnplannedRecord {
 /// Origin of a captured block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// It had never been captured.
+    /// The block had never been captured.
     Free,
-    /// It was part of the structure before.
+    /// The block was part of the structure before.
     Released {
-        /// Its last role.
+        /// Last role of the block.
         role: RoleId,
-        /// Tick of its release.
+        /// Tick of the block's release.
         tick: u64,
     },
 }

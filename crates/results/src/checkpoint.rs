@@ -47,18 +47,19 @@ const MIN: Duration = Duration::from_secs(10);
 /// Interval of checkpoints of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interval {
-    /// This time after the last checkpoint, or a hundred times the duration of writing it.
+    /// Writes a checkpoint this time after the last one. Waits longer if writing takes more than a
+    /// hundredth of this time.
     ///
     /// Checkpoints never affect results, so the clock may decide: a kill costs only time.
     Time(Duration),
-    /// This number of ticks, at any cost.
+    /// Writes a checkpoint every this number of ticks, at any cost.
     Ticks(u64),
-    /// No checkpoints.
+    /// Writes no checkpoints.
     Never,
 }
 
 impl Interval {
-    /// Default: five minutes.
+    /// Default interval: five minutes.
     pub const DEFAULT: Interval = Interval::Time(Duration::from_secs(300));
 }
 
@@ -119,7 +120,7 @@ struct CheckpointHeader {
 
 /// Content of a checkpoint file.
 enum CheckpointFile {
-    /// Valid state of this ensemble by this build: its tick, and its range in the file.
+    /// Valid state of this ensemble and build: its tick, and its range in the file.
     Sound(u64, [u64; 2]),
     /// Valid state of something else, with a description.
     Foreign(&'static str),
@@ -130,7 +131,7 @@ enum CheckpointFile {
 /// Checkpoints of an ensemble.
 #[derive(Debug)]
 pub struct Checkpoints {
-    /// Results folder.
+    /// Path of the results folder.
     path: PathBuf,
     ensemble: String,
     build: String,
@@ -310,7 +311,7 @@ impl Checkpoints {
 pub(crate) struct RunCheckpoints<'a> {
     all: &'a Checkpoints,
     key: RunKey,
-    /// Last reported tick.
+    /// Tick of the last report.
     tick: Cell<u64>,
     calls: Cell<u32>,
     /// Time and tick of the start or of the last checkpoint.
@@ -384,8 +385,7 @@ impl RunCheckpoints<'_> {
         }
     }
 
-    /// Discards a checkpoint from which the run could not be resumed. Returns whether there was
-    /// one.
+    /// Discards a checkpoint that does not allow resuming the run. Returns whether there was one.
     pub fn begins_anew(&self) -> bool {
         if !self.has_begun.replace(false) {
             return false;

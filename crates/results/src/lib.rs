@@ -1,7 +1,8 @@
-//! Makes many runs of one or more programs, and keeps them in a folder that survives interruptions.
+//! Makes many runs of one or more programs, and stores them in a folder that survives
+//! interruptions.
 //!
-//! [`Manifest`] lists everything that the results depend on. [`Folder`] controls who writes where.
-//! [`run`] makes the missing runs.
+//! [`Manifest`] lists everything that the results depend on. [`Folder`] ensures that only one
+//! process writes to a results folder. [`run`] makes the missing runs.
 //!
 //! ```
 //! use std::num::NonZeroUsize;

@@ -8,7 +8,8 @@ const MAX: usize = 5_000;
 pub struct Suggestion {
     /// Known word.
     pub word: String,
-    /// Whether it is unambiguous: one or two letters differ, and no other word is as close.
+    /// Whether the suggestion is unambiguous: one or two letters differ, and no other word is as
+    /// close.
     pub clear: bool,
 }
 

@@ -37,12 +37,12 @@ pub fn visible(text: &str) -> String {
     spelled_out(text, is_invisible)
 }
 
-/// Like [`visible`], but keeps line ends and tabs.
+/// Returns the text like [`visible`], but keeps line ends and tabs.
 pub fn visible_lines(text: &str) -> String {
     spelled_out(text, |c| is_invisible(c) && !matches!(c, '\n' | '\t'))
 }
 
-/// [`visible`] text as it may stand anywhere in XML or HTML, in attributes too.
+/// Returns the [`visible`] text, escaped for any place in XML or HTML, including attributes.
 pub fn escaped(text: &str) -> String {
     let text = visible(text).replace('&', "&amp;").replace('<', "&lt;");
     text.replace('>', "&gt;")

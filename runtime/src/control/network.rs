@@ -13,7 +13,7 @@ use stochc_ir::scene::Messages;
 use crate::counter_rng::{Draws, Stream, unit};
 use crate::observe::{Log, ObservedEvent};
 
-/// Messages in transit.
+/// Messages in transit between blocks.
 #[derive(Debug)]
 pub(super) struct Network {
     /// Duration of a hop \[ticks\].
@@ -34,7 +34,7 @@ pub(super) struct Network {
 struct Transfer {
     /// Tick of arrival or of resending.
     due: u64,
-    /// Number of transfers sent before this one.
+    /// Number of earlier transfers.
     order: u64,
     from: Body,
     to: Body,

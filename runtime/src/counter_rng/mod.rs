@@ -31,7 +31,7 @@ pub enum Stream {
     Eddy = 4,
     /// Brownian motion: two blocks of words for each block of the scene and step of the model.
     Heat = 5,
-    /// Model `rate`: its n-th draw is step n.
+    /// Draws of the model `rate`. Its n-th draw is step n.
     Rate = 6,
     /// Statistics: the weight of a run in each bootstrap sample.
     Resample = 7,

@@ -86,7 +86,7 @@ pub enum ObservedEvent {
     Captured {
         /// The number of the block.
         body: u32,
-        /// Its new parent.
+        /// New parent of the block.
         on: Body,
         /// Face of the parent.
         face: Face,
@@ -99,9 +99,9 @@ pub enum ObservedEvent {
     Unplanned {
         /// The number of the block.
         body: u32,
-        /// Block that captured it.
+        /// Capturing block.
         on: Body,
-        /// Face that captured it.
+        /// Capturing face.
         face: Face,
         /// Role of the block that captured it.
         by: RoleId,
@@ -127,21 +127,21 @@ pub enum ObservedEvent {
         body: u32,
         /// Former role of the block.
         role: RoleId,
-        /// Role that released it.
+        /// Role of the block that released it.
         by: RoleId,
     },
     /// A message is sent to a neighbour. Resent messages count again.
     Sent {
-        /// Sender.
+        /// Sender of the message.
         from: Body,
-        /// Receiver.
+        /// Receiver of the message.
         to: Body,
         /// Content of the message.
         said: MessageContent,
     },
     /// The plate counts a report.
     Reported {
-        /// Role that reported.
+        /// Role that sent the report.
         by: RoleId,
     },
 }

@@ -14,9 +14,9 @@ use crate::world::{Body, FreeBond};
 /// Event with its tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimedEvent {
-    /// Tick.
+    /// Tick of the event.
     pub tick: u64,
-    /// Event.
+    /// The event.
     pub event: ObservedEvent,
 }
 

@@ -19,7 +19,7 @@ pub enum SceneError {
     TooStiff {
         /// Description of the spring.
         what: &'static str,
-        /// Number of substeps that resolves it.
+        /// Number of substeps that resolves the motion.
         substeps: u64,
     },
     /// The scene has not been calibrated.

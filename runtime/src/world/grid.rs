@@ -54,7 +54,7 @@ pub(super) struct ChunkedGrid<T> {
     default: T,
 }
 
-/// Cube of cells.
+/// A cube of cells.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct CellChunk {
     /// Index of its first cell, or [`ABSENT`].

@@ -27,9 +27,9 @@ pub(crate) struct WorldParameters {
 /// Elastic shell about a point above the centre of the plate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shell {
-    /// Distance from its centre beyond which blocks are pushed back \[block lengths\].
+    /// Distance from the shell's centre at which blocks are pushed back \[block lengths\].
     pub radius: f64,
-    /// Height of its centre \[block lengths\].
+    /// Height of the shell's centre \[block lengths\].
     pub height: f64,
     /// Acceleration per depth \[1 / tick^2\].
     pub stiffness: f64,
@@ -81,7 +81,7 @@ pub(crate) enum MeanFlow {
     },
 }
 
-/// Random velocity field.
+/// A random velocity field.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Eddies {
     /// Rms speed in each horizontal direction \[block lengths / tick\].

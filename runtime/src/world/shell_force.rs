@@ -8,7 +8,7 @@ use super::real::Real;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShellForce<R> {
     pub radius: R,
-    /// Height of its centre.
+    /// Height of the shell's centre.
     pub height: R,
     /// Acceleration per depth.
     pub stiffness: R,

@@ -18,7 +18,7 @@ const ENTRY: usize = 40;
 struct Visit<'t> {
     state: ProgramState<'t>,
     todo: Vec<Transition>,
-    /// Transition being tried.
+    /// Transition that is being tried.
     tried: Option<Transition>,
 }
 

@@ -7,9 +7,9 @@ use crate::{BlockFace, Body, Message};
 /// Effects of a transition other than the change of the state.
 #[derive(Debug, Default)]
 pub(super) struct Effects {
-    /// Violated properties.
+    /// Violated properties, with the mistakes.
     pub faults: Vec<(Property, Mistake)>,
-    /// Releases: the former parent and the released block.
+    /// Releases, as pairs of the former parent and the released block.
     pub released: Vec<(RoleId, RoleId)>,
     /// Faces that were switched on.
     pub opened: Vec<BlockFace>,

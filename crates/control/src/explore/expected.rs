@@ -9,7 +9,7 @@ use crate::Reporter;
 /// Goals of each phase of a program, and the structure at its end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramGoals {
-    /// Goals by phase.
+    /// Goals of each phase.
     pub(super) phases: Vec<PhaseGoal>,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct PhaseGoal {
 pub struct Meant {
     /// Phase of the event.
     pub phase: PhaseId,
-    /// The event.
+    /// The expected event.
     pub event: News,
     /// Cell of the captured block, for captures.
     pub cell: Option<Cell>,

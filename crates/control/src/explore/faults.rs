@@ -1,4 +1,4 @@
-//! Hardware faults.
+//! Hardware faults that an exploration injects.
 use std::collections::BTreeSet;
 
 use stochc_ir::table::{RoleId, Tables};

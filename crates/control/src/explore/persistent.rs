@@ -62,19 +62,19 @@ pub(super) struct PersistentSets<'t> {
     context: ExplorationContext<'t>,
     /// Number of evaluated rules and copied blocks, for the work limit.
     pub work: u64,
-    /// Captors by phase.
+    /// Captors of each phase.
     captors: Vec<Rc<PhaseCaptors>>,
 }
 
 /// Footprint of a transition.
 struct Footprint {
-    /// Cell that it fills.
+    /// Cell that the transition fills.
     cell: Option<Cell>,
-    /// Captures and releases that it causes.
+    /// Captures and releases that the transition causes.
     events: Vec<News>,
-    /// Blocks that it releases, and their parents.
+    /// Blocks that the transition releases, and their parents.
     released: RoleSet,
-    /// All blocks that it may touch.
+    /// All blocks that the transition may touch.
     touched: RoleSet,
 }
 

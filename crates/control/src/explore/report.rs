@@ -17,7 +17,7 @@ pub struct ExplorationReport {
     pub hangs: u64,
     /// Number of steps, evaluated rules and copied blocks.
     pub work: u64,
-    /// Verdict.
+    /// Verdict of the exploration.
     pub verdict: ExplorationVerdict,
 }
 
@@ -37,18 +37,18 @@ pub enum ExplorationVerdict {
 /// Limit that ended an exploration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExceededBound {
-    /// [`ExplorationBounds::states`](super::ExplorationBounds).
+    /// The limit [`ExplorationBounds::states`](super::ExplorationBounds).
     States,
-    /// [`ExplorationBounds::memory`](super::ExplorationBounds).
+    /// The limit [`ExplorationBounds::memory`](super::ExplorationBounds).
     Memory,
-    /// [`ExplorationBounds::work`](super::ExplorationBounds).
+    /// The limit [`ExplorationBounds::work`](super::ExplorationBounds).
     Work,
 }
 
 /// Violated property, with a trace.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Violation {
-    /// The property.
+    /// Violated property.
     pub property: Property,
     /// Phase of the violation.
     pub phase: PhaseId,

@@ -1,4 +1,4 @@
-//! Possible next events.
+//! Transitions: the possible next events of a state.
 use stochc_ir::table::RoleId;
 
 use crate::{BlockFace, Body, Message};
@@ -14,20 +14,20 @@ pub(super) struct InTransit {
     pub number: Ignored<u32>,
     /// Number of losses of the message or its acknowledgement.
     pub lost: u8,
-    /// Whether the receiver has accepted it without the sender's knowledge.
+    /// Whether the receiver has accepted the message without the sender's knowledge.
     pub is_taken: bool,
-    /// Whether it was lost and is waiting to be resent.
+    /// Whether the message was lost and is waiting to be resent.
     pub is_waiting: bool,
 }
 
 /// Transition in an order of events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Transition {
-    /// A hop completes.
+    /// The message completes a hop.
     Arrive(InTransit),
     /// A message is lost.
     Lose(InTransit),
-    /// A hop completes, but its acknowledgement is lost.
+    /// The message completes a hop, but its acknowledgement is lost.
     LoseAnswer(InTransit),
     /// A message is resent.
     SendAgain(InTransit),

@@ -22,23 +22,24 @@ pub struct StructureBlock<M = ()> {
     pub(super) role: RoleId,
     pub(super) orientation: Orientation,
     pub(super) is_dead: bool,
-    /// Whether it has begun a duty, observed or sent something in this phase.
+    /// Whether the block has begun a duty, observed or sent something in this phase.
     pub(super) is_changed: bool,
     trigger: Trigger,
-    /// Rules of its duty. Empty without a duty.
+    /// Rules of the current duty. Empty without a duty.
     rules: RuleRange,
-    /// All rules before this one have fired or are not ready after the latest observation.
+    /// Index of the next rule to test. All earlier rules have fired or are not ready after the
+    /// latest observation.
     next: u32,
     /// Bit set of fired rules among the first 64 of the duty.
     fired: u64,
-    /// Block that captured it, or [`BlockSlot::NONE`] for a seed.
+    /// Parent of the block, or [`BlockSlot::NONE`] for a seed.
     pub(super) parent: BlockSlot,
     pub(super) path: Path,
-    /// Number of hops between it and its parent that were sent and not received.
+    /// Number of messages in transit between the block and its parent.
     pub(super) unreceived: u32,
-    /// Children by role.
+    /// Children of the block by role.
     children: InlineVec<(RoleId, BlockSlot)>,
-    /// Open faces, sorted.
+    /// Open faces of the block, sorted.
     open: InlineVec<ActiveFace<M>>,
     /// Observations in this phase, sorted.
     seen: SmallVec<[Condition; 2]>,
@@ -53,7 +54,7 @@ pub struct StructureBlock<M = ()> {
 /// E. W. Myers, An applicative random-access stack (1983).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Path {
-    /// Number of blocks between it and the plate.
+    /// Number of blocks between this block and the plate.
     pub depth: u32,
     /// An ancestor. [`BlockSlot::NONE`] if unknown, or on the plate.
     pub jump: BlockSlot,
@@ -91,12 +92,12 @@ struct ColdState {
     waiting: Vec<Message>,
 }
 
-/// Open face.
+/// An open face of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct ActiveFace<M = ()> {
     /// The face in the block's own frame.
     pub own: Face,
-    /// The same face in the structure's frame.
+    /// Open face in the structure's frame.
     pub face: Face,
     /// Role of the expected block.
     pub child: RoleId,
@@ -295,23 +296,23 @@ impl<M: Copy> StructureBlock<M> {
 }
 
 impl<M> StructureBlock<M> {
-    /// Returns the block.
+    /// Returns the physical block.
     pub fn body(&self) -> Body {
         self.body
     }
 
-    /// Returns its role.
+    /// Returns the role of the block.
     pub fn role(&self) -> RoleId {
         self.role
     }
 
-    /// Returns the orientation that it assumes.
+    /// Returns the orientation that the block assumes. It may be wrong after a fault.
     pub fn orientation(&self) -> Orientation {
         self.orientation
     }
 
-    /// Returns whether it has failed. A failed block does not act, does not forward messages and
-    /// loses its state.
+    /// Returns whether the block has failed. A failed block does not act, does not forward messages
+    /// and loses its state.
     pub(crate) fn is_dead(&self) -> bool {
         self.is_dead
     }
@@ -336,12 +337,12 @@ impl<M> StructureBlock<M> {
         self.cold.as_ref().map_or(&[], |cold| &cold.waiting)
     }
 
-    /// Returns the trigger of its duty.
+    /// Returns the trigger of the block's duty.
     pub fn trigger(&self) -> Trigger {
         self.trigger
     }
 
-    /// Returns whether a rule of its duty has fired.
+    /// Returns whether a rule of the block's duty has fired.
     #[inline]
     pub(crate) fn has_fired(&self, rule: usize) -> bool {
         let word = match rule / 64 {

@@ -56,9 +56,9 @@ pub trait Environment {
 /// Messages in transit to and from a block that is being released.
 #[derive(Clone, Debug, Default)]
 pub struct Recalled {
-    /// Messages to it.
+    /// Messages to the released block.
     pub to: Vec<Message>,
-    /// Messages from it.
+    /// Messages from the released block.
     pub from: Vec<Message>,
 }
 

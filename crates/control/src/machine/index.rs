@@ -88,7 +88,7 @@ impl Captors {
 struct FirstDuty {
     /// Phase and trigger. `None` if the role has no duty.
     when: Option<(PhaseId, Trigger)>,
-    /// Its number, and the first number of a later role.
+    /// Number of this duty, and the first number of the next role's duties.
     numbers: (u32, u32),
     begins: Beginning,
 }

@@ -1,15 +1,15 @@
-//! Messages between blocks.
+//! Messages between blocks, with recipients and contents.
 use serde::{Deserialize, Serialize};
 use stochc_ir::table::{News, RoleId, Trigger};
 
 use crate::body::Body;
 
-/// Message.
+/// A message between blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Message {
-    /// Recipient.
+    /// Recipient of the message.
     pub target: Recipient,
-    /// Content.
+    /// Content of the message.
     pub payload: Payload,
 }
 

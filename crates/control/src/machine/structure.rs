@@ -391,7 +391,7 @@ impl<'t, M: Copy> Structure<'t, M> {
         self.forward(at, Message { target, payload }, environment);
     }
 
-    /// Releases a child by switching off its face.
+    /// Releases a child by switching off the parent's face.
     ///
     /// Before that, the parent takes over all messages in transit between them, and the child's
     /// received and kept messages. It keeps them for the next holders of their roles.

@@ -19,8 +19,8 @@ const HALF_WIDTH: f64 = 6.0;
 /// Largest number of observed layers of one block length.
 const LAYERS: usize = 64;
 
-/// Returns the density of free blocks above the plate in each layer of cells, relative to the mean
-/// of the layers.
+/// Returns the density of free blocks in each layer above the plate, relative to the mean of the
+/// layers.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Maximum-likelihood parameters.
+//! Estimates parameters by maximum likelihood.
 use nalgebra::{SMatrix, SVector};
 use stochc_estimate::{Parameters, Surroundings, Wait};
 

@@ -89,7 +89,7 @@ impl Calibration {
         }
     }
 
-    /// Adds a run.
+    /// Adds the waiting times of a run.
     pub fn observe(&mut self, record: &RunRecord) {
         let history = observation::History::from_record(record);
         self.observations

@@ -108,11 +108,11 @@ pub(super) struct WaitInterval {
     /// Start and end, in ticks since the face was switched on.
     pub from: f64,
     pub to: f64,
-    /// Whether it ended with the capture.
+    /// Whether the interval ended with the capture.
     pub captured: bool,
 }
 
-/// All observations.
+/// All observations of a calibration.
 #[derive(Debug)]
 pub(super) struct Observations {
     pub pieces: Vec<WaitInterval>,
@@ -156,7 +156,8 @@ impl Observations {
             .collect()
     }
 
-    /// Adds the waiting times of a run, except those near a release: the released block may return.
+    /// Adds the waiting times of a run. Skips faces near a release, because the released block may
+    /// return.
     pub fn add(&mut self, history: &History, profile: &[f64], count: u32) {
         for wait in &history.waits {
             let disturbed = history.moves.iter().any(|it| {

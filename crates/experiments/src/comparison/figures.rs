@@ -38,11 +38,11 @@ pub struct ProgramSummary {
     /// Mean number of unplanned captures in completed runs. `None` if no run has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unplanned: Option<f64>,
-    /// Requested runs.
+    /// Number of requested runs.
     pub runs: u64,
     /// Finished runs, the sum of the next four.
     pub finished: u64,
-    /// Completed runs.
+    /// Number of completed runs.
     pub completed: u64,
     /// Runs that timed out in a phase, a competing event. They never complete, and their times are
     /// infinite.
@@ -64,7 +64,7 @@ pub struct PhaseTime {
     pub name: String,
     /// Index of the phase, from 0. Pre-attached blocks form the first one.
     pub number: usize,
-    /// Time of the runs that reached it.
+    /// Duration of the phase in the runs that reached it.
     pub time: Option<Time>,
 }
 
@@ -77,7 +77,8 @@ pub struct Time {
     pub incomplete: usize,
     /// Mean. With incomplete times, the mean of min(time, horizon), a lower bound.
     pub mean: f64,
-    /// Half-width of its 95 % confidence interval. `None` for fewer than two completed times.
+    /// Half-width of the 95 % confidence interval of the mean. `None` for fewer than two completed
+    /// times.
     pub half_width: Option<f64>,
     /// Upper limit of the times in the mean, with incomplete times.
     pub horizon: Option<f64>,
@@ -102,7 +103,7 @@ pub struct Pair {
     pub second: String,
     /// Completion time of the first minus that of the second. `None` if it cannot be determined.
     pub difference: Option<Difference>,
-    /// The same, with a reason if there is no difference.
+    /// Verdict of the comparison. States the reason if the difference is unknown.
     #[serde(skip)]
     pub verdict: PairwiseResult,
 }
@@ -197,7 +198,7 @@ impl<'a> ComparisonTally<'a> {
         }
     }
 
-    /// Adds a run.
+    /// Adds a finished run.
     pub fn add(&mut self, done: &Finished) {
         let (tally, record) = (&mut self.programs[done.program], &done.record);
         tally.finished += 1;
@@ -223,7 +224,7 @@ impl<'a> ComparisonTally<'a> {
         }
     }
 
-    /// Returns the comparison.
+    /// Returns the comparison of the runs added so far.
     pub fn finish(self) -> Comparison {
         let manifest = self.manifest;
         let programs = || manifest.programs.iter().zip(&self.programs);
@@ -288,8 +289,8 @@ impl Time {
         others.into_iter().flatten().for_each(|it| *it *= factor);
     }
 
-    /// Computes the statistics of times, some of which may be incomplete. Returns `None` if there
-    /// are none.
+    /// Computes the statistics of times, which may be incomplete. Returns `None` if there are no
+    /// times.
     pub fn new(observations: &[Observation]) -> Option<Time> {
         Time::beside(observations, 0.0)
     }
@@ -388,7 +389,8 @@ impl ProgramTally {
 mod tests {
     use super::*;
 
-    /// The last of five is stopped at its completion: mean and interval are unchanged.
+    /// Checks five runs, the last of which is stopped at its completion. Mean and interval are
+    /// unchanged.
     #[test]
     fn an_interval_is_of_one_kind_whether_or_not_a_run_is_stopped() {
         let times = [310.0, 420.0, 500.0, 760.0, 980.0];

@@ -1,4 +1,4 @@
-//! Comparison of programs by their times.
+//! Compares programs by their completion times.
 mod figures;
 mod pairwise;
 mod times;

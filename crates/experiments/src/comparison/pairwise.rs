@@ -23,7 +23,7 @@ pub struct ComparedProgram<'a> {
     /// [`Manifest::runs_identity`](stochc_results::Manifest::runs_identity). Programs with the same identity
     /// have the same runs. `None` if its runs are shared with no other program.
     pub identity: Option<String>,
-    /// Its runs, in the unit of a [`TimeUnit`].
+    /// Runs of the program, in the unit of a [`TimeUnit`].
     pub runs: Runs,
 }
 
@@ -34,7 +34,7 @@ pub struct PairwiseTest {
     pub first: usize,
     /// Index of the second program.
     pub second: usize,
-    /// Result.
+    /// Result of the comparison.
     pub verdict: PairwiseResult,
 }
 
@@ -43,7 +43,7 @@ pub struct PairwiseTest {
 pub enum PairwiseResult {
     /// Both have the same runs of the same program.
     Same,
-    /// Their runs equal those of another pair, which is tested.
+    /// Another pair with the same runs has been tested.
     Repeated,
     /// Too few runs, or no spread.
     Unknown,
@@ -160,7 +160,8 @@ mod tests {
         }
     }
 
-    /// Otherwise a folder given twice would double every p.
+    /// Checks that equal runs are tested once. Otherwise a folder that is given twice would double
+    /// every p-value.
     #[test]
     fn the_same_runs_are_tested_once() {
         let slow = [110.0, 230.0, 320.0, 440.0];

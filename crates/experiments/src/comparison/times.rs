@@ -80,7 +80,7 @@ mod tests {
     use super::{completion_time, phase_time};
     use crate::statistics::Observation;
 
-    /// A run stopped in its second phase, after 30 ticks of this phase.
+    /// Checks a run that is stopped in its second phase, 30 ticks after the start of the phase.
     #[test]
     fn a_timeout_ends_a_run_for_ever_and_the_limit_of_ticks_only_hides_its_time() {
         let stopped = |by| {

@@ -18,7 +18,7 @@ const MAX: f64 = 1e15;
 pub enum Unit {
     /// Ticks of the program's scene.
     Ticks,
-    /// Seconds.
+    /// Times in seconds.
     Seconds,
 }
 
@@ -36,7 +36,7 @@ pub enum DataError {
     Row {
         /// Line in the file, from 1.
         line: u64,
-        /// Reason.
+        /// Reason why the line is invalid.
         reason: RowError,
     },
     /// A program has too few runs.
@@ -84,7 +84,7 @@ pub struct MeasuredTimes {
 /// Many completed runs of a program with exactly the same time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PileUp {
-    /// Program.
+    /// Name of the program.
     pub program: String,
     /// Time, in the unit of the table.
     pub time: f64,

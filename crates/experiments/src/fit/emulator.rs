@@ -10,7 +10,7 @@ pub struct EmulatorPrediction {
     /// Restricted mean, mean square and fraction of incomplete runs, as defined by
     /// `TimeStatistics`.
     pub of: Vec<f64>,
-    /// Variances of their errors.
+    /// Variances of the emulator's errors.
     pub variance: Vec<f64>,
 }
 

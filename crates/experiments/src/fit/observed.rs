@@ -1,4 +1,4 @@
-//! Statistics of measured times, some of which may be right-censored.
+//! Statistics of measured times, which may be right-censored.
 use crate::statistics::{KaplanMeier, Observation, Summary};
 
 /// Required fraction of runs that are observed up to the horizon.
@@ -15,7 +15,7 @@ pub struct Observed {
     pub horizon: Option<f64>,
     /// Mean of the times, each limited by the horizon.
     pub mean: f64,
-    /// Standard deviation, likewise.
+    /// Standard deviation of the times.
     pub sd: f64,
     /// Fraction of runs incomplete at the horizon; 0 without one.
     pub incomplete: f64,
@@ -37,8 +37,8 @@ impl Observed {
         }
     }
 
-    /// Computes the statistics of runs, some of which may be right-censored. Returns `None` for
-    /// fewer than two runs, or equal times.
+    /// Computes the statistics of runs, which may be right-censored. Returns `None` for too few
+    /// runs.
     ///
     /// # Source
     ///

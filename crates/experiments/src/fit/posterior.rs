@@ -35,11 +35,12 @@ pub struct Marginal {
     pub of: String,
     /// Unit of the values. Empty without unit.
     pub unit: String,
-    /// Median.
+    /// Median of the posterior.
     pub median: f64,
-    /// 95 % interval.
+    /// 95 % interval of the posterior.
     pub interval: (f64, f64),
-    /// Its width as a fraction of the prior's. Near 1, the data do not constrain the parameter.
+    /// Width of the interval as a fraction of the prior's. Near 1, the data do not constrain the
+    /// parameter.
     pub width: f64,
     /// Whether the posterior is concentrated at an end of the prior. The true value may be outside.
     pub is_at_edge: bool,

@@ -17,7 +17,7 @@ pub struct Prior {
     pub unit: String,
     /// Whether the logarithm is uniformly distributed, instead of the value.
     pub is_logarithmic: bool,
-    /// Whether it must be an integer. Set by [`Prior::of_scene`].
+    /// Whether the parameter must be an integer. Set by [`Prior::of_scene`].
     pub is_whole: bool,
 }
 

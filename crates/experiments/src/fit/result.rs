@@ -8,7 +8,7 @@ use super::posterior::{Marginal, Posterior};
 use super::prior::Prior;
 use crate::statistics::quantile;
 
-/// Fitted scene parameters.
+/// Result of a fit.
 #[derive(Clone, Debug, Serialize)]
 pub struct Fit {
     /// Unit of all times.
@@ -38,7 +38,7 @@ pub struct Measurement {
     pub n: usize,
     /// Measured times. `None` if the program is only predicted.
     pub observed: Option<Observed>,
-    /// Whether the fit uses it. `false` if it was held out or has no data.
+    /// Whether the fit uses the program. `false` if it was held out or has no data.
     pub is_fitted: bool,
 }
 
@@ -59,7 +59,7 @@ impl Measurement {
 /// Posterior prediction of a statistic.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
-    /// Median.
+    /// Median of the prediction.
     pub median: f64,
     /// Lower end of the 95 % interval.
     pub low: f64,
@@ -327,7 +327,8 @@ mod tests {
         assert!(width < 0.5, "the data say something");
     }
 
-    /// Censors about half of the runs, three quarters, a few at any time, or half of them early.
+    /// Checks intervals if runs are stopped: half of them, three quarters, a few at any time, or
+    /// half of them early.
     #[test]
     fn intervals_hold_what_they_promise_if_runs_are_stopped() {
         let early = |i: usize| match i % 10 {
@@ -348,8 +349,8 @@ mod tests {
         );
     }
 
-    /// If no value in the range explains the data, the prediction misses them, usually at the
-    /// nearest end.
+    /// Checks a range that does not contain the truth. The prediction then misses the data, usually
+    /// at the nearest end.
     #[test]
     fn a_truth_beyond_the_range_is_told() {
         let mut at_end = 0;

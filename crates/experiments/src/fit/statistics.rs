@@ -6,13 +6,13 @@ use super::simulated::Simulated;
 /// Statistics of a sample of times, with their covariance.
 ///
 /// Without a horizon, they are the logarithms of mean and standard deviation. With a horizon, they
-/// are the means over all runs of the time as a fraction of the horizon, of its square, and of
-/// being incomplete. A mean is unbiased for any number of runs, even if nearly all of them are
-/// censored.
+/// are three means over all runs. These are the means of the time as a fraction of the horizon, of
+/// its square, and of being incomplete. A mean is unbiased for any number of runs, even if nearly
+/// all of them are censored.
 pub struct TimeStatistics {
     /// Two or three statistics.
     pub of: DVector<f64>,
-    /// Their covariance times the number of runs.
+    /// Covariance of the statistics times the number of runs.
     pub unit_covariance: DMatrix<f64>,
     /// Number of runs.
     pub n: f64,

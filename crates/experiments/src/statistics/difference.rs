@@ -16,7 +16,7 @@ pub const SIGNIFICANT: f64 = 0.05;
 /// Relative difference worth detecting.
 pub const DETECTABLE: f64 = 0.05;
 
-/// Probability of detecting it.
+/// Probability of detecting a difference with the suggested number of runs.
 pub const POWER: f64 = 0.8;
 
 /// Difference of two samples.
@@ -62,11 +62,12 @@ pub enum Test {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Longer {
-    /// The first.
+    /// The first program takes longer.
     First,
-    /// The second.
+    /// The second program takes longer.
     Second,
-    /// Not significant, possibly because of the number of differences.
+    /// The difference is not significant. The correction for the number of differences may be the
+    /// reason.
     NotSignificant,
 }
 
@@ -213,9 +214,9 @@ mod tests {
         runs(seed, times.iter().copied().map(Observation::completed))
     }
 
-    /// scipy 1.17.1: `r = ttest_ind(x, y, equal_var=False)`, `r.pvalue, r.df,
-    /// r.confidence_interval()` = 0.3959250164443995, 10.777793170031504,
-    /// (-1934.04877640604, 4520.132109739374).
+    /// Compares with scipy 1.17.1: `r = ttest_ind(x, y, equal_var=False)`. `r.pvalue, r.df,
+    /// r.confidence_interval()` is 0.3959250164443995, 10.777793170031504, (-1934.04877640604,
+    /// 4520.132109739374).
     #[test]
     fn welch_agrees_with_scipy() {
         let x = [
@@ -232,9 +233,9 @@ mod tests {
         assert!((found.difference + found.half_width - 4520.132109739374).abs() < 1e-5);
     }
 
-    /// Extra hours of sleep of ten patients under two drugs, Student's own example: R's
-    /// `t.test(extra ~ group, sleep, paired = TRUE)` gives a mean of -1.58, p = 0.002833 and the
-    /// interval -2.4598858, -0.7001142.
+    /// Compares with Student's own example: extra hours of sleep of ten patients under two drugs.
+    /// In R, `t.test(extra ~ group, sleep, paired = TRUE)` gives a mean of -1.58 and p = 0.002833.
+    /// The interval is -2.4598858, -0.7001142.
     #[test]
     fn students_own_example_comes_out() {
         let first = [0.7, -1.6, -0.2, -1.2, -0.1, 3.4, 3.7, 0.8, 0.0, 2.0];
@@ -249,7 +250,8 @@ mod tests {
         assert!((found.difference - found.half_width + 2.4598858).abs() < 1e-7);
     }
 
-    /// By hand: both up to 5, (2 + 5) / 2 minus (4 + 5) / 2, from contributions 2, 5 and 4, 5.
+    /// Compares with a calculation by hand up to the horizon 5: (2 + 5) / 2 minus (4 + 5) / 2. The
+    /// contributions are 2, 5 and 4, 5.
     #[test]
     fn censored_means_are_compared_as_far_as_both_are_known() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];
@@ -259,7 +261,8 @@ mod tests {
         assert_eq!(found.test, Test::Paired { pairs: 2 });
     }
 
-    /// The last of the first sample completes, but the time of the censored one remains unknown.
+    /// Checks a sample whose last run completes, while the time of the censored run remains
+    /// unknown.
     #[test]
     fn a_sample_with_a_censored_time_is_known_up_to_its_last() {
         let first = [
@@ -301,8 +304,9 @@ mod tests {
         }
     }
 
-    /// R 4.3: `power.t.test(delta = 5, sd = s, power = 0.8, type = "paired")$n` for the SD `s` of
-    /// the differences, and `type = "two.sample"` for that of each sample, rounded up.
+    /// Compares with R 4.3: `power.t.test(delta = 5, sd = s, power = 0.8, type = "paired")$n`. `s`
+    /// is the SD of the differences. `type = "two.sample"` uses that of each sample. Results are
+    /// rounded up.
     #[test]
     fn the_runs_for_a_difference_agree_with_power_t_test() {
         for (sd, pairs, each) in [(10.0, 34, 64), (5.0, 10, 17), (100.0, 3142, 6281)] {
@@ -369,8 +373,8 @@ mod tests {
         }
     }
 
-    /// Exponential waiting times of two programs with equal means, which share part of their
-    /// randomness and of which some are censored. The error rate is about 5 %, also with censoring.
+    /// Checks exponential waiting times of two programs with equal means. They share part of their
+    /// randomness, and some are censored. The error rate is about 5 %, also with censoring.
     #[test]
     fn the_interval_covers_what_it_says() {
         // SplitMix64, by G. L. Steele, D. Lea and C. H. Flood (2014).

@@ -20,7 +20,7 @@ pub(super) fn t_two_sided(t: f64, freedom: f64) -> f64 {
     2.0 * t_distribution.sf(t.abs())
 }
 
-/// Like [`t_quantile`], for a normal estimate: 1.96.
+/// Returns the value of [`t_quantile`] for a normal distribution: 1.96.
 pub(super) fn normal_quantile() -> f64 {
     normal_quantile_of(0.5 + LEVEL / 2.0)
 }
@@ -34,7 +34,8 @@ pub(super) fn normal_quantile_of(probability: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// `scipy.stats.t.ppf(0.975, df)` and `2 * scipy.stats.t.sf(5, df)`, scipy 1.17.1.
+    /// Compares with `scipy.stats.t.ppf(0.975, df)` and `2 * scipy.stats.t.sf(5, df)`, scipy
+    /// 1.17.1.
     #[test]
     fn student_t_agrees_with_scipy() {
         for (freedom, quantile, tail) in [
@@ -50,7 +51,7 @@ mod tests {
         }
     }
 
-    /// `scipy.stats.norm.ppf(0.975)`.
+    /// Compares with `scipy.stats.norm.ppf(0.975)`.
     #[test]
     fn the_normal_distribution_agrees_with_scipy() {
         assert!((normal_quantile() - 1.959963984540054).abs() < 1e-12);

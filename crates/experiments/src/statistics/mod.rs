@@ -28,7 +28,7 @@ pub(crate) use share::share_interval;
 pub use summary::{Summary, median};
 pub use survival::{KaplanMeier, SurvivalPoint};
 
-/// Time, possibly incomplete.
+/// Time of a run, possibly incomplete.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
     /// Time of completion or of the last observation, in any unit; finite and not negative.
@@ -42,9 +42,9 @@ pub struct Observation {
 pub enum Status {
     /// The run completed.
     Completed,
-    /// It was stopped for an unrelated reason: the true time is longer.
+    /// The run was stopped for an unrelated reason. The true time is longer.
     Censored,
-    /// It ended by a competing event and can never complete: the true time is infinite.
+    /// The run ended by a competing event and can never complete. The true time is infinite.
     Competing,
 }
 
@@ -78,7 +78,7 @@ impl Observation {
         self.status == Status::Completed
     }
 
-    /// Returns the end of its time at risk: infinite if it never completes.
+    /// Returns the end of the time at risk. Infinite if the run never completes.
     pub fn at_risk_until(self) -> f64 {
         match self.status {
             Status::Completed | Status::Censored => self.time,

@@ -10,7 +10,7 @@ use super::{Observation, Summary};
 pub struct Relative {
     /// First mean / second mean - 1.
     pub value: f64,
-    /// Half-width of its 95 % interval. `None` for too few runs.
+    /// Half-width of the 95 % interval. `None` for too few runs.
     pub half_width: Option<f64>,
     /// Upper limit of the times in both means, if some are incomplete, in the unit of the times.
     pub horizon: Option<f64>,
@@ -70,7 +70,7 @@ impl MeanEstimate {
 }
 
 impl Relative {
-    /// Returns whether it differs from 0: its interval excludes 0.
+    /// Returns whether the relative difference is significant: its interval excludes 0.
     pub fn is_known(&self) -> bool {
         self.half_width.is_some_and(|half| self.value.abs() > half)
     }
@@ -90,8 +90,9 @@ mod tests {
         times.iter().copied().map(Observation::completed).collect()
     }
 
-    /// By hand: means 11 and 10, standard errors 1 / sqrt 3 and sqrt(4 / 3), so that the ratio's is
-    /// sqrt((1 / 3) / 100 + 1.21 (4 / 3) / 100); its freedom and quantile by scipy 1.17.1.
+    /// Compares with a calculation by hand. The means are 11 and 10, the standard errors 1 / sqrt 3
+    /// and sqrt(4 / 3). The standard error of the ratio is sqrt((1 / 3) / 100 + 1.21 (4 / 3) /
+    /// 100). Degrees of freedom and quantile are from scipy 1.17.1.
     #[test]
     fn a_ratio_agrees_with_its_closed_form() {
         let found = relative(
@@ -116,8 +117,8 @@ mod tests {
         assert_eq!(relative(&completed(&[2.0]), &completed(&[0.0])), None);
     }
 
-    /// None of four completes before 300, but a twentieth of the others does. That is not a
-    /// difference.
+    /// Checks four runs that do not complete before 300, while a twentieth of the others does. That
+    /// is not a difference.
     #[test]
     fn runs_that_show_nothing_exclude_little() {
         let mut reference = vec![Observation::competing(300.0); 95];
@@ -131,7 +132,8 @@ mod tests {
         );
     }
 
-    /// (2 + 9) / 2 against (4 + 6) / 2: the second is known for all times, since both completed.
+    /// Checks (2 + 9) / 2 against (4 + 6) / 2. The second mean is known for all times, since both
+    /// runs completed.
     #[test]
     fn a_censored_mean_is_taken_as_far_as_it_is_known() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];
@@ -143,7 +145,7 @@ mod tests {
         assert!((back.value - (1.0 / 1.1 - 1.0)).abs() < 1e-12);
     }
 
-    /// Both up to 5: (2 + 5) / 2 against (4 + 5) / 2.
+    /// Checks a common horizon of 5: (2 + 5) / 2 against (4 + 5) / 2.
     #[test]
     fn two_censored_means_are_taken_to_one_horizon() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];

@@ -38,7 +38,7 @@ impl Runs {
 
 /// Two samples as values whose means can be compared.
 pub(super) struct Comparable {
-    /// One value for each time, in the order of the sample.
+    /// One value per time, in the order of the sample.
     pub values: [Vec<f64>; 2],
     /// Additional standard error of each mean. If no run completes before the horizon, all values
     /// are equal. The unknown share of completing runs is then the only error. It is bounded by the
@@ -111,7 +111,8 @@ mod tests {
         assert_eq!(values, [[1.0, 5.0], [2.0, 5.0]]);
     }
 
-    /// None of four runs completes. By Wilson's interval, up to 49 % of all runs could complete.
+    /// Checks four runs that do not complete. By Wilson's interval, up to 49 % of all runs could
+    /// complete.
     #[test]
     fn runs_that_never_complete_leave_open_how_many_would() {
         let never = [Observation::competing(300.0); 4];

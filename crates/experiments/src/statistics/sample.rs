@@ -1,16 +1,16 @@
 //! A compact sample of times.
 use super::{Observation, Status};
 
-/// Times in the order in which they were added. Takes 4 bytes per time while all times are short
-/// multiples of a quarter, as ticks usually are.
+/// Times in the order of addition. Takes 4 bytes per time while all times are short multiples of a
+/// quarter, as ticks usually are.
 #[derive(Clone, Debug)]
 pub struct TimeSample(StoredTimes);
 
 #[derive(Clone, Debug)]
 enum StoredTimes {
-    /// Four times the time, plus the number of its status.
+    /// Four times the time, plus the number of the status.
     Short(Vec<u32>),
-    /// Each time and its status.
+    /// Times with their statuses.
     Any(Vec<f64>, Vec<Status>),
 }
 
@@ -70,7 +70,7 @@ impl TimeSample {
     }
 }
 
-/// Statuses by number.
+/// Statuses in the order of their numbers.
 const STATUSES: [Status; 3] = [Status::Completed, Status::Censored, Status::Competing];
 
 fn short(observation: Observation) -> Option<u32> {

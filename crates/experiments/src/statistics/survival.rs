@@ -356,7 +356,7 @@ mod tests {
         assert_eq!((mean.mean, error, mean.horizon), (40.0, 0.0, 40.0));
     }
 
-    /// Nine completions, followed by censored runs, of which only a lower bound is known.
+    /// Checks nine completions followed by censored runs, which have only a lower bound.
     #[test]
     fn quantiles_count_what_is_censored() {
         let of = |censored: &[f64]| {
@@ -370,8 +370,8 @@ mod tests {
         assert_eq!(of(&[20.0; 2]), [Some(2.0), Some(6.0), None]);
     }
 
-    /// Every second of ten runs is ended after 5 because it is slow. These runs count as never
-    /// complete. They must not be assumed to continue like the five faster runs.
+    /// Checks ten runs. Every second run is ended at 5 because it is slow. These runs count as
+    /// never complete. They must not be assumed to continue like the five faster runs.
     #[test]
     fn runs_that_never_complete_are_not_taken_for_others() {
         let fast = [6.0, 7.0, 8.0, 9.0, 10.0].map(Observation::completed);

@@ -31,7 +31,7 @@ pub struct Sweep {
 pub struct SweptNumber {
     /// Name, such as `bond.pull`.
     pub of: String,
-    /// Unit of its values. Empty: none.
+    /// Unit of the values. Empty for numbers without a unit.
     pub unit: String,
 }
 
@@ -42,9 +42,9 @@ pub struct SweepPoint {
     pub name: String,
     /// Name of the program without values.
     pub program: String,
-    /// One value for each axis.
+    /// One value per axis.
     pub values: Vec<SweptValue>,
-    /// Chosen settings.
+    /// Settings of the point that differ from those of the ensemble.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub chosen: Vec<ChosenSetting>,
     /// Length of a tick of its scene \[s\].
@@ -76,7 +76,7 @@ pub struct SweepPoint {
 /// A value of a swept parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SweptValue {
-    /// Value in the unit of its axis.
+    /// Value in the unit of the axis.
     pub value: f64,
     /// Value in SI units.
     pub si: f64,
@@ -133,13 +133,13 @@ impl<'a> SweepTally<'a> {
         })
     }
 
-    /// Adds a run.
+    /// Adds a finished run.
     pub fn add(&mut self, done: &Finished) {
         let program = &self.manifest.programs[done.program];
         self.programs[done.program].add(program, &done.record);
     }
 
-    /// Returns the results.
+    /// Returns the results of the runs added so far.
     pub fn finish(self) -> Sweep {
         let (axes, settings) = (&self.axes, self.manifest.swept().settings);
         let last = self.programs.iter().map(PointTally::last_seen);

@@ -7,12 +7,12 @@ use super::axis::Axis;
 use super::error::{MAX_POINTS, RangeError};
 use stochc_results::{ChosenSetting, Varied};
 
-/// One value for each axis of a sweep.
+/// A point of a sweep: one value per axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Point {
-    /// Scene parameters.
+    /// Values of the scene parameters.
     pub varied: Vec<Varied>,
-    /// Settings.
+    /// Values of the settings.
     pub chosen: Vec<ChosenSetting>,
 }
 

@@ -64,7 +64,7 @@ impl<'a> TradeTally<'a> {
         (tally.settings.len() > 1).then_some(tally)
     }
 
-    /// Adds a run.
+    /// Adds a finished run.
     pub fn add(&mut self, done: &Finished) {
         self.samples[done.program].add(done);
     }
@@ -136,7 +136,7 @@ impl Trade {
     }
 }
 
-/// Returns the place of an element in a list, and appends it if it is not there.
+/// Returns the index of an element in a list. Appends the element if it is missing.
 fn place<T>(list: &mut Vec<T>, is_it: impl Fn(&T) -> bool, new: impl FnOnce() -> T) -> usize {
     let place = list.iter().position(is_it).unwrap_or(list.len());
     if place == list.len() {

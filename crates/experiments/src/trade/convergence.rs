@@ -18,7 +18,7 @@ pub enum Convergence {
     Converged,
     /// The intervals are too wide, or there are fewer than two doublings.
     Undecided,
-    /// One of the last two doublings significantly changed a mean.
+    /// One of the last two doublings changed a mean significantly.
     NotConverged,
 }
 

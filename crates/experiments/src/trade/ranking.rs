@@ -23,7 +23,7 @@ pub struct Ranked {
 pub enum Verdict {
     /// The difference is not significant in the reference.
     Unordered,
-    /// The same order, significantly.
+    /// The order is the same and significant.
     Kept,
     /// The difference is not significant in its runs.
     Unclear,
@@ -31,7 +31,7 @@ pub enum Verdict {
     Reversed,
 }
 
-/// Which program of each tested pair takes longer, by the names of both.
+/// For each tested pair of programs, which one takes longer, by the names of both.
 pub(super) struct Orders<'a>(HashMap<(&'a str, &'a str), Longer>);
 
 impl<'a> Orders<'a> {

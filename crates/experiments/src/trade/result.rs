@@ -22,7 +22,7 @@ pub struct Trade {
     pub reference: Option<Reference>,
     /// Settings, in the order of the sweep.
     pub candidates: Vec<CandidateResult>,
-    /// Which setting to use, in a few sentences.
+    /// Recommended setting, in a few sentences.
     pub advice: String,
 }
 
@@ -53,9 +53,9 @@ pub struct Reference {
 /// A setting with its results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CandidateResult {
-    /// Name in tables.
+    /// Name of the setting in tables.
     pub name: String,
-    /// Options of `simulate`.
+    /// Options of `simulate` for the setting.
     pub options: String,
     /// The settings in full.
     pub settings: Settings,
@@ -71,9 +71,9 @@ pub struct CandidateResult {
     pub bound: Option<f64>,
     /// Whether the setting is Pareto-optimal: no cheaper one has a smaller bound.
     pub front: bool,
-    /// Whether it reverses the order of two programs.
+    /// Whether the setting reverses the order of two programs.
     pub reversed: bool,
-    /// Its conclusion about the order of each pair of programs.
+    /// Conclusion of the setting about the order of each pair of programs.
     pub ranking: Vec<Ranked>,
     /// Results for each program.
     pub programs: Vec<ProgramResult>,
@@ -94,7 +94,7 @@ pub struct ProgramResult {
     pub failed: usize,
     /// Mean time to completion \[ticks\]. With censored runs it is the restricted mean.
     pub mean: Option<f64>,
-    /// Half the width of its 95 % interval.
+    /// Half-width of the 95 % interval of the bias.
     pub half_width: Option<f64>,
     /// Horizon of the restricted mean, with censored runs only.
     pub horizon: Option<f64>,

@@ -12,12 +12,12 @@ pub(super) struct Sample {
     pub failed: usize,
     /// Known CPU times of runs \[s\].
     cpu: Vec<f64>,
-    /// Ticks of these runs.
+    /// Total ticks of these runs.
     ticks: u64,
 }
 
 impl Sample {
-    /// Adds a run.
+    /// Adds a finished run.
     pub fn add(&mut self, done: &Finished) {
         match completion_time(&done.record) {
             Some(time) => self.times.push(time),
@@ -35,12 +35,12 @@ impl Sample {
         times.filter(|time| time.status == status).count()
     }
 
-    /// Median CPU time of a run \[s\].
+    /// Returns the median CPU time of a run \[s\].
     pub fn cost(&self) -> Option<f64> {
         median(&self.cpu)
     }
 
-    /// CPU time of a tick \[s\], over all runs.
+    /// Returns the CPU time of a tick \[s\], averaged over all runs.
     pub fn cost_of_tick(&self) -> Option<f64> {
         (self.ticks > 0).then(|| self.cpu.iter().sum::<f64>() / self.ticks as f64)
     }

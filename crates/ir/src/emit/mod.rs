@@ -15,7 +15,7 @@ pub use table_text::{duties_text, table_text};
 
 /// Text that is generated while it is written, without holding all of it.
 pub struct Text<F>(
-    /// Function that writes it.
+    /// Function that writes the text.
     pub F,
 );
 

@@ -8,9 +8,10 @@ use serde_json::de::SliceRead;
 /// Error of reading strict JSON.
 #[derive(Debug)]
 pub enum StrictJsonError {
-    /// It is invalid JSON, or another type.
+    /// The text is invalid JSON, or has another type.
     Damaged(serde_json::Error),
-    /// It has an unknown field, such as `programs.0.tables.fases`, which is probably an error.
+    /// The text has an unknown field, such as `programs.0.tables.fases`, which is probably an
+    /// error.
     UnknownField(String),
 }
 

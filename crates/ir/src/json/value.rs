@@ -10,7 +10,7 @@ use serde_json::Value;
 /// Fields are sorted by name, like those of [`Value`]. `{:#}` writes it with indentation, as does
 /// [`serde_json::to_writer_pretty`] to a stream.
 pub enum Json<'a> {
-    /// Small value.
+    /// A small value that is held in memory.
     Value(Value),
     /// Fields, sorted by name.
     Object(Vec<(&'static str, Json<'a>)>),

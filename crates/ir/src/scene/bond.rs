@@ -48,7 +48,7 @@ pub enum BondKind {
 }
 
 impl Bond {
-    /// Returns its kind.
+    /// Returns the kind of the bond.
     pub const fn kind(&self) -> BondKind {
         match self {
             Bond::Attract { .. } => BondKind::Attract,
@@ -77,7 +77,7 @@ impl Bond {
 }
 
 impl BondKind {
-    /// Returns its keyword in a scene.
+    /// Returns the keyword of the kind.
     pub const fn name(self) -> &'static str {
         match self {
             BondKind::Attract => "attract",
@@ -116,7 +116,7 @@ pub struct Pump {
 /// Force of constant magnitude within a distance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {
-    /// Force \[N\].
+    /// Force of the bond \[N\].
     pub force: f64,
     /// Distance between the centres of the two faces \[m\].
     pub within: f64,
@@ -131,7 +131,8 @@ pub struct Anchor {
     pub within: f64,
     /// Largest angle of the two normals from opposite \[rad\].
     pub tilt: f64,
-    /// Whether it is tested only at the end of each tick, instead of along the path of every step.
+    /// Whether bonding is tested only at the end of each tick, instead of along the path of every
+    /// step.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub sampled: bool,
 }

@@ -9,22 +9,22 @@ use super::schema::{CLAUSES, Equation, EquationSymbol, SchemaEntry, SchemaPart};
 /// Term of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DescribedTerm {
-    /// Its clause: `drag`.
+    /// Clause of the term, such as `drag`.
     pub clause: &'static str,
     /// The clause as source text, with all its fields.
     pub text: String,
-    /// Its physical laws, at least one.
+    /// Physical laws of the term, at least one.
     pub laws: Vec<DescribedLaw>,
 }
 
 /// Physical law of a term.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DescribedLaw {
-    /// Description.
+    /// Description of the law.
     pub meaning: &'static str,
     /// Equation in the symbols of the values, in plain text. `None` if nothing is computed.
     pub equation: Option<&'static str>,
-    /// Values in it.
+    /// Values in the law.
     pub values: Vec<DescribedValue>,
 }
 
@@ -33,7 +33,7 @@ pub struct DescribedLaw {
 pub struct DescribedValue {
     /// Symbol in equations. Empty if it occurs in none.
     pub symbol: &'static str,
-    /// Name.
+    /// Name of the value.
     pub name: &'static str,
     /// Value in SI units, or in ticks.
     pub si: f64,
@@ -41,14 +41,14 @@ pub struct DescribedValue {
     pub unit: &'static str,
     /// Value in block units: the block length a, the mass m and the tick τ are 1.
     pub block: f64,
-    /// The unit among those. Empty for a dimensionless number.
+    /// Unit of the value in block units. Empty for a dimensionless number.
     pub block_unit: &'static str,
 }
 
 /// Term that a scene does not have.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct AbsentTerm {
-    /// Clause that would add it.
+    /// Clause that would add the term.
     pub clause: String,
     /// Consequence, as a clause.
     pub meaning: &'static str,

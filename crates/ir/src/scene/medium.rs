@@ -143,7 +143,7 @@ pub enum Agitation {
 /// Turbulence: a random velocity field without sources, Gaussian, correlated in space and time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Turbulence {
-    /// Strength.
+    /// Strength of the turbulence.
     #[serde(flatten)]
     pub strength: Strength,
     /// Size of an eddy \[m\]: half of the wavelength.
@@ -184,6 +184,6 @@ impl Turbulence {
 /// Linear drag on the velocity of the centre of mass: v' = -rate v.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drag {
-    /// Rate \[1/s\].
+    /// Rate of the drag \[1/s\].
     pub rate: f64,
 }

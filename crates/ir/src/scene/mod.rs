@@ -113,9 +113,9 @@ pub struct Block {
 /// Free blocks at the start, at rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Free {
-    /// Number.
+    /// Number of free blocks.
     pub count: u32,
-    /// Arrangement.
+    /// Arrangement of the free blocks at the start.
     pub arrangement: Arrangement,
 }
 
@@ -199,7 +199,7 @@ impl Enclosure {
 /// Contacts of blocks with each other, the structure and the ground.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// Normal force.
+    /// Law of the normal force.
     #[serde(flatten)]
     pub law: ContactLaw,
     /// Coefficient of Coulomb friction.
@@ -225,7 +225,7 @@ pub enum ContactLaw {
     },
 }
 
-/// Message parameters.
+/// Timing and loss of messages.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Messages {
     /// Time of a hop between parent and child \[ticks\].

@@ -4,9 +4,9 @@ use std::fmt;
 /// Reason why a scene parameter cannot be set.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScalarError {
-    /// No scene has a parameter of this name.
+    /// No scene has a parameter with this name.
     Unknown {
-        /// The name.
+        /// Unknown name.
         name: String,
         /// Name of the scene.
         scene: String,

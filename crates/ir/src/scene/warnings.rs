@@ -18,7 +18,7 @@ pub struct SceneWarning {
     pub figure: String,
     /// Consequence, as a clause.
     pub effect: String,
-    /// Remedy.
+    /// Remedy for the problem.
     pub remedy: String,
 }
 
@@ -27,7 +27,7 @@ pub struct SceneWarning {
 pub enum SceneWarningKind {
     /// Weight or lift keeps free blocks away from the structure.
     BuoyantBlocks,
-    /// Nothing moves free blocks.
+    /// No agitation moves the free blocks.
     NoAgitation,
     /// The time step does not resolve the motion.
     CoarseStep,
@@ -51,7 +51,7 @@ impl Stepping {
     ///
     /// docs/validation/stability.md measures both.
     pub const SINGLE: f64 = 2.5e-7;
-    /// See [`Stepping::SINGLE`].
+    /// Limit for the model `rapier`. See [`Stepping::SINGLE`].
     pub const RAPIER: f64 = 2.5e-6;
 
     /// Time step of a run without options.
@@ -67,10 +67,11 @@ impl Default for Stepping {
     }
 }
 
-/// Density of free blocks at the structure, over their mean density, below which captures are rare.
+/// Smallest density of free blocks at the structure, relative to their mean density, without a
+/// warning. Below it, captures are rare.
 ///
-/// A tower of four among 40 cubes of 1.5 cm took 1.5 times as long as among neutral blocks at a
-/// density of 0.08, and five times as long at 0.04.
+/// A simulated tower of four blocks among 40 cubes of 1.5 cm is the reference. It took 1.5 times as
+/// long as among neutral blocks at a density of 0.08, and five times as long at 0.04.
 const MIN_DENSITY: f64 = 0.1;
 
 /// Returns all warnings about a scene that is computed with these steps.

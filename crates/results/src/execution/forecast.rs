@@ -18,7 +18,7 @@ const EFFORT: Duration = Duration::from_millis(500);
 /// the manifest.
 const MAX_TRIED: usize = 8;
 
-/// The same for a sweep over settings, whose points differ most in cost.
+/// Largest number of points in a sweep over settings that are tried. Their costs differ most.
 const MAX_TRIED_SETTINGS: usize = 64;
 
 /// Expected CPU time of an ensemble.
@@ -40,11 +40,11 @@ struct Trials {
     is_cut: bool,
 }
 
-/// Forecasts the CPU time of an ensemble from trial runs, half a second of them.
+/// Forecasts the CPU time of an ensemble from trial runs of half a second.
 ///
-/// The trials are the first runs of its programs, or of some of them if there are many. A trial that exceeds its share of the time is cut short.
-/// `expected_ticks` then gives the length of such a run, if it is known. The scenes have been tried out.
-/// `None` if `stop` is set.
+/// Tries the first runs of its programs, or of some programs if there are many. A trial that
+/// exceeds its share of the time is stopped. Then `expected_ticks` gives the length of the run, if
+/// known. All scenes must have been set up before. Returns `None` if `stop` is set.
 pub fn forecast_cpu_time(
     manifest: &Manifest,
     expected_ticks: impl Fn(&EnsembleProgram) -> Option<f64>,

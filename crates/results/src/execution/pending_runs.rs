@@ -36,7 +36,7 @@ impl<'a> PendingRuns<'a> {
         }
     }
 
-    /// Iterates without storing the runs, of which there may be very many.
+    /// Iterates over the runs without storing them, because their number can be very large.
     pub fn iter(self) -> impl Iterator<Item = PendingRun> + use<'a> {
         let jobs = self.jobs.map(move |number| job(number, self.programs));
         jobs.filter(move |job| !(self.kept).is_some_and(|it| it.contains(job.program, job.run)))

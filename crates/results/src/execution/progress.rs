@@ -56,9 +56,9 @@ pub struct Totals {
 pub struct ProgramProgress {
     /// Finished runs, of this process or an earlier one.
     pub done: u64,
-    /// Sum of their ticks.
+    /// Total ticks of these runs.
     pub ticks: u64,
-    /// Unfinished runs.
+    /// Number of unfinished runs.
     pub left: u64,
     /// Ticks so far of running ones.
     pub under_way: u64,
@@ -67,9 +67,9 @@ pub struct ProgramProgress {
 /// Progress at one moment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
-    /// Requested runs.
+    /// Number of requested runs.
     pub total: u64,
-    /// Finished runs.
+    /// Number of finished runs.
     pub done: u64,
     /// Totals of finished runs.
     pub totals: Totals,
@@ -158,7 +158,7 @@ impl Progress {
         Progress::of_jobs(manifest, &(0..manifest.total()), threads)
     }
 
-    /// The same for a part of the [jobs](crate::execution::job).
+    /// Creates the progress of some of the [jobs](crate::execution::job).
     pub(crate) fn of_jobs(
         manifest: &Manifest,
         jobs: &Range<u64>,

@@ -21,7 +21,7 @@ use crate::{Checkpoints, Finished, Folder, FolderError, JournalError, Manifest, 
 )]
 #[derive(Debug)]
 pub enum Destination<'a> {
-    /// In memory only.
+    /// Keeps the results in memory only.
     Memory(&'a Manifest),
     /// In a folder, which may contain some runs already. It is closed at the end.
     Folder(Folder),
@@ -61,9 +61,9 @@ pub enum EnsembleError {
          with the `stochc` that made it, on a machine of the same kind, or choose another folder"
     )]
     Differs {
-        /// Name of its program.
+        /// Name of the program that made the failed run.
         program: String,
-        /// Its number.
+        /// Number of the failed run.
         run: u64,
     },
 }

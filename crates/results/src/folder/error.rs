@@ -10,15 +10,15 @@ use crate::manifest::ManifestError;
 /// Error of a results folder.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
-    /// It contains files of something else.
+    /// The folder contains files of another program.
     #[error("`{0}` contains other files; choose an empty or a new folder")]
     NotResults(PathBuf),
-    /// It contains runs but no manifest.
+    /// The folder contains runs but no manifest.
     #[error(
         "`{0}` contains runs, but no `manifest.json`, which is needed to read them; restore it, or choose another folder"
     )]
     NoManifest(PathBuf),
-    /// It contains no results to read.
+    /// The folder contains no results.
     #[error("`{0}` contains no results; give a folder written by `simulate --out`")]
     Absent(PathBuf),
     /// There is a file of this name.
@@ -30,9 +30,9 @@ pub enum FolderError {
          choose another folder, or read this one with the version that made it"
     )]
     Unreadable {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
-        /// Reason.
+        /// Reason why the manifest is invalid.
         reason: ManifestError,
     },
     /// The checksum of the manifest differs.
@@ -42,59 +42,59 @@ pub enum FolderError {
         shell_file(&.path.to_string_lossy())
     )]
     Damaged {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
     },
-    /// It contains another ensemble.
+    /// The folder contains another ensemble.
     #[error(
         "`{path}` contains another ensemble: {}; choose another folder, because results are never overwritten",
         .differences.join(", ")
     )]
     Another {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
         /// Descriptions of the differences.
         differences: Vec<String>,
     },
-    /// It contains the same ensemble, unfinished, and resuming was not requested.
+    /// The folder contains the same ensemble, unfinished, and resuming was not requested.
     #[error("`{path}` contains {done} of the {total} runs of this ensemble; resume it with `stochc resume {}`", shell_file(&.path.to_string_lossy()))]
     Unfinished {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
         /// Number of finished runs.
         done: u64,
         /// Number of requested runs.
         total: u64,
     },
-    /// Its runs are from another build.
+    /// The runs of the folder are from another build.
     #[error(
         "`{path}`: {reason}; go on with the `stochc` that made them, or choose another folder; `--mixed-builds` \
          goes on if this one makes a run of them again as it was"
     )]
     OtherBuild {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
         /// Description of the builds.
         reason: String,
     },
-    /// Its shards are from another build.
+    /// The shards of the folder are from another build.
     #[error(
         "`{path}`: {reason}; run its shards with the `stochc` that split it, or split another folder with this one"
     )]
     OtherBuildOfPieces {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
         /// Description of the builds.
         reason: String,
     },
-    /// It is split into shards.
+    /// The ensemble of the folder is split into shards.
     #[error(
         "`{path}` has shards that are not merged; `stochc shard status {folder}` lists them, and \
          `stochc shard merge {folder}` merges them",
         folder = shell_file(&.path.to_string_lossy())
     )]
     Cut {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
     },
     /// `shards.json` is corrupted beyond repair.
@@ -109,20 +109,20 @@ pub enum FolderError {
          it back, or make the runs again in another folder. Tables that are sound can be read as they are"
     )]
     LostManifest(PathBuf),
-    /// It contains more runs of the same ensemble than requested.
+    /// The folder contains more runs of the same ensemble than requested.
     #[error(
         "`{path}` is an ensemble of {there} runs of each program, more than the {asked} asked for; \
          ask for {there}, or choose another folder"
     )]
     MoreRuns {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
         /// Runs of each program in the folder's manifest.
         there: u64,
         /// Requested runs of each program.
         asked: u64,
     },
-    /// Another process is writing to it.
+    /// Another process is writing to the folder.
     #[error("another process is writing to `{0}`; wait for its end, or choose another folder")]
     Locked(PathBuf),
     /// The journal cannot be used.

@@ -2,7 +2,7 @@
 
 /// Everything that determines the ensemble.
 pub const MANIFEST: &str = "manifest.json";
-/// Finished runs.
+/// Journal with the finished runs.
 pub(crate) const JOURNAL: &str = "journal.jsonl";
 /// Checksums of the other files.
 pub(crate) const CHECKSUMS_FILE: &str = "checksums.json";

@@ -46,7 +46,7 @@ const LOCK: &str = ".lock";
 pub struct Folder {
     path: PathBuf,
     manifest: Manifest,
-    /// Builds that made its runs.
+    /// Builds that made the runs.
     builds: Vec<String>,
     /// Whether the manifest must be rewritten for this ensemble.
     is_changed: bool,
@@ -60,7 +60,7 @@ pub struct Folder {
     damage: Vec<String>,
     further: MakeFurther,
     checkpoints: Option<Arc<Checkpoints>>,
-    /// The system unlocks it when it is closed, also after a kill.
+    /// Lock of the folder. The system releases it when it is closed, also after a kill.
     _lock: FileLock,
 }
 
@@ -84,9 +84,9 @@ impl fmt::Debug for MakeFurther {
 /// Valid content of a folder.
 #[derive(Debug)]
 pub struct Contents {
-    /// Manifest.
+    /// Manifest of the ensemble.
     pub manifest: Manifest,
-    /// Runs.
+    /// Finished runs.
     pub finished: Records,
     /// Messages about corrupted files, a sentence each.
     pub damage: Vec<String>,
@@ -95,11 +95,11 @@ pub struct Contents {
 /// Whether to resume an unfinished ensemble or add runs to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resume {
-    /// No.
+    /// Do not resume.
     No,
-    /// If all its runs were made by this build.
+    /// Resume if this build made all runs.
     SameBuild,
-    /// For runs of any builds.
+    /// Resume runs of any build.
     MixedBuilds,
 }
 
@@ -116,7 +116,7 @@ impl From<bool> for Resume {
 /// State of an opened folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FolderState {
-    /// It was empty or absent.
+    /// The folder was empty or absent.
     New,
     /// Some runs are missing.
     Resumed,
@@ -323,12 +323,12 @@ impl Folder {
         &self.manifest
     }
 
-    /// Returns the builds of `stochc` that made its runs.
+    /// Returns the builds of `stochc` that made the runs.
     pub fn builds(&self) -> &[String] {
         &self.builds
     }
 
-    /// Returns the state.
+    /// Returns the state of the folder at its opening.
     pub fn state(&self) -> FolderState {
         self.state
     }

@@ -5,23 +5,23 @@
 pub struct FileIntegrity {
     /// Name within the folder.
     pub name: String,
-    /// Integrity.
+    /// Result of the check.
     pub health: Integrity,
 }
 
 /// Integrity of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Integrity {
-    /// Its checksums are correct.
+    /// The file's checksums are correct.
     Sound,
-    /// It can be read, but has no checksum.
+    /// The file is readable, but has no checksum.
     Unprotected,
-    /// It is corrupted, for these reasons.
+    /// The file is corrupted, for these reasons.
     Damaged(Vec<String>),
 }
 
 impl Integrity {
-    /// Returns whether it is corrupted.
+    /// Returns whether the file is corrupted.
     pub fn is_damaged(&self) -> bool {
         matches!(self, Integrity::Damaged(_))
     }

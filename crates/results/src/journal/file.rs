@@ -33,7 +33,7 @@ const SYNC_EVERY: Duration = Duration::from_millis(500);
 /// Version of the journal format.
 const JOURNAL: u32 = 1;
 
-/// First line.
+/// First line of a journal. It identifies the ensemble.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct JournalHeader {
@@ -75,7 +75,7 @@ pub(crate) struct PieceHeader {
     pub of: u64,
     /// Runs of each program in all shards.
     pub runs: u64,
-    /// Build that made it.
+    /// Build that made the shard.
     pub build: String,
 }
 
@@ -95,7 +95,7 @@ pub(crate) struct Journal {
 /// Content of a journal.
 #[derive(Debug, Default)]
 pub(crate) struct StoredJournal {
-    /// Runs.
+    /// Valid runs of the journal.
     pub finished: Records,
     /// Shortest run that did not fail.
     pub shortest: Option<Finished>,

@@ -6,28 +6,28 @@ use super::{FORMAT, MAX_PROGRAMS, MAX_RUNS};
 /// Reason why a manifest cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ManifestError {
-    /// It is not UTF-8.
+    /// The manifest is not UTF-8.
     #[error(transparent)]
     NotText(#[from] Utf8Error),
-    /// It is not JSON of a manifest.
+    /// The file is not the JSON of a manifest.
     #[error("it is not the manifest of an ensemble")]
     NotAManifest,
-    /// It has another format.
+    /// The manifest has another format version.
     #[error("its format is {0}, and this is {FORMAT}")]
     OtherFormat(u32),
     /// A part is missing or invalid.
     #[error("it is damaged, {0}")]
     Damaged(String),
-    /// It differs from the manifest of the journal.
+    /// The manifest differs from that of the journal.
     #[error("it does not belong to the journal; nothing was changed")]
     NotOfTheJournal,
-    /// Nothing is to be run.
+    /// The manifest contains no runs.
     #[error("it has no programs, or no runs")]
     Empty,
-    /// It has too many runs of each program.
+    /// The manifest has too many runs of each program.
     #[error("{0} runs of each program; at most {MAX_RUNS} are possible")]
     TooManyRuns(u64),
-    /// It has too many programs at one point of a sweep.
+    /// The manifest has too many programs at one point of a sweep.
     #[error(
         "{0} programs that are all compared with each other; at most {MAX_PROGRAMS} are possible"
     )]

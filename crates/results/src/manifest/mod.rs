@@ -48,17 +48,18 @@ pub struct EnsembleProgram {
     pub name: String,
     /// Compiled program. Points of a sweep may share it.
     pub compiled: Arc<Compiled>,
-    /// Scene.
+    /// Scene of the program.
     pub scene: Scene,
     /// Scene parameters changed by a sweep, in its order. Empty if all are as in the source.
     pub varied: Vec<Varied>,
     /// Settings selected by a sweep. All others are those of the manifest.
     pub chosen: Vec<ChosenSetting>,
-    /// Its file, followed by all imported files. Empty for a program read in compiled form.
+    /// The program's file, followed by all imported files. Empty for a program that was read in
+    /// compiled form.
     pub sources: Vec<Source>,
 }
 
-/// Program without its scene.
+/// Compiled program without its scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compiled {
     /// Event tables.
@@ -78,7 +79,7 @@ pub struct Varied {
     pub of: String,
     /// Value in SI units.
     pub value: f64,
-    /// Value in `unit`.
+    /// Value in `unit`, as given by the user.
     pub said: f64,
     /// Unit as given by the user. Empty without unit.
     pub unit: String,
@@ -89,7 +90,7 @@ pub struct Varied {
 pub struct Source {
     /// Path as given. Not part of the identity.
     pub path: String,
-    /// Content.
+    /// Content of the file.
     pub text: String,
 }
 
@@ -302,14 +303,14 @@ impl Manifest {
 /// Axes of a sweep.
 #[derive(Clone, Debug, Default)]
 pub struct SweepAxes<'a> {
-    /// Scene parameters.
+    /// Scene parameters that the sweep varies.
     pub numbers: &'a [Varied],
-    /// Names of settings.
+    /// Names of the settings that the sweep varies.
     pub settings: Vec<&'a str>,
 }
 
 impl Varied {
-    /// Returns its value as given by the user, such as `4.5 N`.
+    /// Returns the value as given by the user, such as `4.5 N`.
     pub fn value(&self) -> String {
         match &*self.unit {
             "" => self.said.to_string(),
@@ -329,14 +330,14 @@ impl Varied {
 }
 
 impl EnsembleProgram {
-    /// Returns the values of its point, as appended to the program's name: ` [free=50, tick=10
+    /// Returns the values of the program's point, as appended to its name: ` [free=50, tick=10
     /// ms]`.
     pub fn point(&self) -> String {
         let numbers = self.varied.iter().map(Varied::text);
         bracketed(numbers.chain(self.chosen.iter().map(ChosenSetting::text)))
     }
 
-    /// Returns whether it is a point of a sweep.
+    /// Returns whether the program is a point of a sweep.
     pub fn is_point(&self) -> bool {
         !(self.varied.is_empty() && self.chosen.is_empty())
     }
@@ -370,8 +371,8 @@ impl EnsembleProgram {
         chosen.find(|it| it.of() == of).map(ChosenSetting::value)
     }
 
-    /// Returns its value on an axis of a sweep, in the axis' unit, or `None` if it is not a point
-    /// of it.
+    /// Returns the program's value on an axis of a sweep, in the unit of the axis. Returns `None`
+    /// if the program is not a point of it.
     pub fn on_axis(&self, axis: &Varied) -> Option<f64> {
         let mut varied = self.varied.iter();
         let here = varied.find(|varied| varied.of == axis.of && varied.unit == axis.unit);
@@ -406,7 +407,7 @@ impl EnsembleProgram {
         }
     }
 
-    /// Returns the reasons why its times by the rate model are lower bounds.
+    /// Returns the reasons why the program's times by the rate model are lower bounds.
     pub fn lower_bound(&self, rates: &Rates) -> LowerBoundReasons {
         let blocks = self.compiled.graph.largest_structure();
         LowerBoundReasons::new(&self.compiled.jam_risks, rates, blocks)
@@ -429,12 +430,12 @@ impl EnsembleProgram {
         tables.aggregate.map_or(tables.captures() as u64, u64::from)
     }
 
-    /// Returns its phases, by [`PhaseId`].
+    /// Returns the phases of the program, by [`PhaseId`].
     pub fn phases(&self) -> &[Phase] {
         &self.tables().phases
     }
 
-    /// Returns its roles, by [`RoleId`].
+    /// Returns the roles of the program, by [`RoleId`].
     pub fn roles(&self) -> &[Role] {
         &self.tables().roles
     }

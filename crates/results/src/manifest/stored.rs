@@ -31,14 +31,14 @@ struct StoredManifest {
 #[derive(Serialize, Deserialize)]
 struct StoredProgram {
     name: String,
-    /// Index in `compiled`.
+    /// Index of the compiled program in `compiled`.
     compiled: usize,
     scene: Scene,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     varied: Vec<Varied>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     chosen: Vec<ChosenSetting>,
-    /// Indices in `sources`.
+    /// Indices of the files in `sources`.
     sources: Vec<usize>,
 }
 

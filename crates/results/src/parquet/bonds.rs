@@ -1,4 +1,4 @@
-//! `bonds.parquet`.
+//! Columns of `bonds.parquet`.
 use stochc_ir::Cell;
 use stochc_ir::record::{BondRecord, Origin, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};

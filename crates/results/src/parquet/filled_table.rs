@@ -1,4 +1,4 @@
-//! Tables in memory.
+//! Holds tables with their values in memory.
 use super::column::{ColumnValues, TableDefinition, TableShape};
 
 /// A table with its values, column by column.
@@ -6,7 +6,7 @@ use super::column::{ColumnValues, TableDefinition, TableShape};
 pub struct FilledTable<'a> {
     /// Description of the table.
     pub shape: TableShape,
-    /// One for each column.
+    /// Values of each column.
     pub values: Vec<ColumnValues<'a>>,
 }
 

@@ -154,7 +154,7 @@ fn plain(error: ParquetError) -> io::Error {
     }
 }
 
-/// Returns the descriptions of the tables of a results folder. Those of a sweep have additional
+/// Returns the descriptions of the tables of a results folder. Tables of a sweep have additional
 /// columns.
 pub fn tables() -> Vec<TableShape> {
     shapes(&SweepAxes::default())

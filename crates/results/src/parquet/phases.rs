@@ -1,4 +1,4 @@
-//! `phases.parquet`.
+//! Columns of `phases.parquet`.
 use stochc_ir::table::PhaseId;
 
 use super::column::TableDefinition;
@@ -14,7 +14,8 @@ pub(super) struct Reached {
 }
 
 impl Reached {
-    /// Returns how long it took, or had taken when the run ended.
+    /// Returns the duration of the phase \[ticks\]. For an unfinished phase, counts up to the end
+    /// of the run.
     fn ticks(&self, run: RunContext<'_>) -> u64 {
         let end = self.ended.unwrap_or(run.record.ticks);
         end.saturating_sub(self.began)

@@ -1,4 +1,4 @@
-//! `releases.parquet`.
+//! Columns of `releases.parquet`.
 use stochc_ir::record::ReleaseRecord;
 
 use super::column::TableDefinition;

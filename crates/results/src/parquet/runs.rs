@@ -1,4 +1,4 @@
-//! `runs.parquet`.
+//! Columns of `runs.parquet`.
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 

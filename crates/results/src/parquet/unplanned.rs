@@ -1,4 +1,4 @@
-//! `unplanned.parquet`.
+//! Columns of `unplanned.parquet`.
 use stochc_ir::record::UnplannedRecord;
 
 use super::column::TableDefinition;

@@ -11,7 +11,7 @@ use stochc_files::checksum::crc32;
 /// Version of the file format. No other version is read.
 pub const VERSION: u32 = 1;
 
-/// Magic bytes.
+/// Magic bytes at the start of every recording.
 pub(super) const MARK: [u8; 8] = *b"STOCHREC";
 
 /// Positions of all blocks at some ticks.
@@ -41,22 +41,22 @@ pub struct RecordingHeader {
 /// Error of a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
-    /// It begins with other bytes.
+    /// The file begins with other bytes.
     #[error("it is not a recording of a run")]
     Foreign,
-    /// Its version is unknown.
+    /// The version of the format is unknown.
     #[error("its format is version {0}, and this `stochc` reads version {VERSION}")]
     Version(u32),
-    /// It is truncated.
+    /// The recording is truncated. Has the last complete tick if known.
     #[error("it is truncated{}", .0.map_or(String::new(), |tick| format!(" after tick {tick}")))]
     CutShort(Option<u64>),
-    /// A part of it is invalid.
+    /// A part of the recording is invalid.
     #[error("it is damaged: {0}")]
     Damaged(&'static str),
-    /// It is too large to be held in memory.
+    /// The recording is too large to be held in memory.
     #[error("it has {} or more, unpacked", size(RECORDING_WHOLE))]
     TooLarge,
-    /// It could not be read or written.
+    /// The recording could not be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
 }

@@ -1,4 +1,4 @@
-//! Reading recordings.
+//! Reads and validates recordings.
 use std::io::Read;
 
 use serde::Deserializer as _;
@@ -40,7 +40,7 @@ enum Content {
 /// Positions of all blocks at a tick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// Tick.
+    /// Tick of the positions.
     pub tick: u64,
     /// For each block x, y, z \[block lengths\] and the quaternion x, y, z, w from block to
     /// structure axes.
@@ -62,7 +62,8 @@ impl Outline {
         &self.record
     }
 
-    /// Returns whether it belongs to a run of an ensemble: the `known` one, or any valid one.
+    /// Returns whether the recording belongs to a run of an ensemble: the `known` one, or any valid
+    /// one.
     pub fn is_of(
         &self,
         manifest: &Manifest,
@@ -91,7 +92,7 @@ pub struct Places<'a> {
 }
 
 impl Places<'_> {
-    /// Returns the tick.
+    /// Returns the tick of the positions.
     pub fn tick(&self) -> u64 {
         self.chunk.ticks[self.frame]
     }
@@ -250,7 +251,7 @@ impl Recording {
         })
     }
 
-    /// Returns the header.
+    /// Returns the header of the recording.
     pub fn header(&self) -> &RecordingHeader {
         &self.outline.header
     }

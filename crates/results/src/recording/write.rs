@@ -67,7 +67,7 @@ pub struct Recorder<W: Output> {
     ticks: Vec<u64>,
     places: Vec<f32>,
     rows: Vec<serde_json::Value>,
-    /// First write error.
+    /// First error of writing. `None` if there was none.
     broken: Option<io::Error>,
 }
 

@@ -9,7 +9,7 @@ use crate::records::LineLocation;
 pub struct Finished {
     /// Index of the program in the manifest.
     pub program: usize,
-    /// Record.
+    /// Record of the run.
     pub record: RunRecord,
     /// CPU time of the run \[s\]. It is measured in sweeps over settings, in runs that are not continued from a checkpoint.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -22,10 +22,10 @@ enum Store {
     Lines(Lines),
 }
 
-/// Lines of files.
+/// Runs that are stored as lines of a file.
 #[derive(Debug)]
 struct Lines {
-    /// Positions, sorted.
+    /// Positions of the lines, sorted.
     places: Vec<LineLocation>,
     files: Mutex<Vec<BufReader<File>>>,
     /// Limit of a line \[bytes\].
@@ -130,7 +130,8 @@ impl Records {
         self.try_take_each(|finished| show(&finished))
     }
 
-    /// Like [`Records::try_each`], but passes ownership of runs read from files.
+    /// Calls `take` for each run like [`Records::try_each`], but passes ownership of runs read from
+    /// files.
     pub(crate) fn try_take_each<E: From<JournalError>>(
         &self,
         mut take: impl FnMut(Cow<Finished>) -> Result<(), E>,

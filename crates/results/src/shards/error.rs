@@ -15,30 +15,30 @@ pub enum ShardError {
         "cannot split {runs} runs into {asked} shards; a shard has at least one run, and {MAX_SHARDS} shards are the limit"
     )]
     Uncuttable {
-        /// Requested number.
+        /// Requested number of shards.
         asked: u64,
         /// Runs of all programs.
         runs: u64,
     },
-    /// It contains unsharded runs.
+    /// The folder contains unsharded runs.
     #[error(
         "`{path}` holds {done} runs of this ensemble already; resume it with `stochc resume {}`, or choose another folder",
         shell_file(&.path.to_string_lossy())
     )]
     HoldsRuns {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
         /// Number of runs.
         done: usize,
     },
-    /// It has another split.
+    /// The folder has another split.
     #[error(
         "`{path}` is split into {there} shards of {runs} runs of each program; ask for the same, or choose another folder"
     )]
     OtherCut {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
-        /// Its number of shards.
+        /// Number of shards of the existing split.
         there: u64,
         /// Runs of each program in its split.
         runs: u64,
@@ -50,9 +50,9 @@ pub enum ShardError {
         if .done < .total { "; `stochc shard new` splits a new folder" } else { "" }
     )]
     NotCut {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
-        /// Number of its runs.
+        /// Number of finished runs in the shards.
         done: u64,
         /// Number of requested runs.
         total: u64,
@@ -64,17 +64,17 @@ pub enum ShardError {
         shell_file(&.path.to_string_lossy())
     )]
     Unreadable {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
-        /// Reason.
+        /// Reason why the split is invalid.
         reason: String,
     },
     /// There is no such shard.
     #[error("there is no shard {number}; shards are 0 to {last}")]
     NoSuchPiece {
-        /// Requested number.
+        /// Requested number of a shard.
         number: u64,
-        /// Last number.
+        /// Largest number of a shard.
         last: u64,
     },
     /// Files of shards belong to something else.
@@ -84,7 +84,7 @@ pub enum ShardError {
         commands(.path, .pieces.iter().map(|(number, _)| *number))
     )]
     Foreign {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
         /// Numbers of the shards, and descriptions of the files.
         pieces: Vec<(u64, String)>,
@@ -97,9 +97,9 @@ pub enum ShardError {
         commands(.path, .pieces.iter().copied())
     )]
     Missing {
-        /// Folder.
+        /// Results folder.
         path: PathBuf,
-        /// Their numbers.
+        /// Numbers of these shards.
         pieces: Vec<u64>,
         /// Number of all shards.
         of: u64,

@@ -1,4 +1,4 @@
-//! Merging of shards.
+//! Merges shards.
 use std::io::{self, Write as _};
 use std::path::Path;
 
@@ -39,7 +39,7 @@ pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
     Ok(manifest.total())
 }
 
-/// Writes the journal.
+/// Writes the journal from the shards.
 fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
     let io = FolderError::at(path.join(JOURNAL));
     let mut draft = Draft::new(&path.join(JOURNAL), Replaces::Ordinary).map_err(&io)?;

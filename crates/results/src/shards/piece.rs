@@ -1,4 +1,4 @@
-//! Running one shard.
+//! Makes the runs of one shard.
 use std::io::{self, Write as _};
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -133,12 +133,12 @@ impl Piece {
         &self.manifest
     }
 
-    /// Returns whether it is complete.
+    /// Returns whether the shard is complete.
     pub fn is_made(&self) -> bool {
         self.is_made
     }
 
-    /// Returns the number of its runs, and of those finished.
+    /// Returns the number of runs of the shard, and the number of finished ones.
     pub fn runs(&self) -> (u64, u64) {
         let all = self.jobs.end - self.jobs.start;
         let done = if self.is_made {

@@ -1,4 +1,4 @@
-//! Status of shards.
+//! Reports the status of shards.
 use std::collections::BTreeMap;
 use std::io::{self, BufRead as _, BufReader};
 use std::path::Path;
@@ -29,23 +29,23 @@ pub struct ShardStatus {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "state")]
 pub enum PieceState {
-    /// Complete.
+    /// The shard is complete.
     Whole,
     /// At most this many runs, by a process that is running or was stopped.
     Begun {
-        /// Number of runs.
+        /// Number of finished runs.
         runs: u64,
     },
-    /// Missing.
+    /// The shard is missing.
     Missing,
-    /// Corrupted file.
+    /// The file of the shard is corrupted.
     Damaged {
-        /// Reason.
+        /// Reason why the file is corrupted.
         reason: String,
     },
-    /// Foreign file.
+    /// The file belongs to another ensemble or split.
     Foreign {
-        /// Description.
+        /// Description of the difference.
         reason: String,
     },
 }

@@ -20,7 +20,7 @@ pub struct SlurmEnsemble {
     pub path: PathBuf,
     /// Number of shards.
     pub shards: u64,
-    /// Name of its job arrays. No other folder has the same.
+    /// Name of the ensemble's job arrays. It is unique for each folder.
     pub name: String,
 }
 
@@ -33,12 +33,12 @@ pub enum Opened {
     Merged(u64),
 }
 
-/// Shards that exist.
+/// Existing shards of an ensemble.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FoundShards {
-    /// All of them are merged, with this number of runs.
+    /// All shards are merged, with this number of runs.
     Merged(u64),
-    /// All except these.
+    /// All shards except these exist.
     AllBut(Vec<u64>),
 }
 

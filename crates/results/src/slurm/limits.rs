@@ -14,7 +14,7 @@ pub struct SlurmLimits {
 }
 
 impl Default for SlurmLimits {
-    /// Slurm's own defaults.
+    /// Returns Slurm's default limits.
     fn default() -> SlurmLimits {
         SlurmLimits {
             array_size: 1001,
@@ -49,7 +49,8 @@ impl SlurmLimits {
         SlurmLimits { submitted, ..self }
     }
 
-    /// Returns how many tasks an array may have in addition to its merge job. `None` if there are no arrays.
+    /// Returns the largest number of tasks of an array, leaving room for the merge job. Returns
+    /// `None` if the site has no arrays.
     fn tasks(&self) -> Option<u64> {
         let without_merge = |jobs: u64| jobs.saturating_sub(1).max(1);
         let limits = [
@@ -65,7 +66,8 @@ impl SlurmLimits {
             .filter(|tasks| *tasks > 0)
     }
 
-    /// Returns how many of `shards` a task has to run: `asked`, or more. `None` if there are no arrays.
+    /// Returns the number of shards per task: `asked`, or more if the site allows fewer tasks.
+    /// Returns `None` if the site has no arrays.
     pub fn per_task(&self, shards: u64, asked: u64) -> Option<u64> {
         Some(shards.div_ceil(self.tasks()?).max(asked))
     }

@@ -130,7 +130,7 @@ impl SlurmJob {
         self.state == "PENDING"
     }
 
-    /// Returns the number of its tasks.
+    /// Returns the number of tasks of the job.
     fn count(&self) -> u64 {
         let tasks = self.tasks.split(',').filter_map(|part| {
             let (first, last) = part.split_once('-').unwrap_or((part, part));
@@ -152,7 +152,7 @@ pub fn job_number(output: &str) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// As Slurm 22.05 prints it.
+    /// Output as printed by Slurm 22.05.
     const PRINTED: &str = "\
 12|2-4,7%2|stochc-a|PENDING|Resources
 12|1|stochc-a|RUNNING|None

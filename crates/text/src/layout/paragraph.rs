@@ -1,4 +1,4 @@
-//! Sentences in lines.
+//! Wraps sentences into lines.
 use crate::visible;
 
 /// Non-breaking space in sentences. Names do not contain it.

@@ -1,4 +1,4 @@
-//! Shortened names.
+//! Shortens names.
 use crate::visible;
 
 /// Shortens a name to a number of letters by leaving out its middle.

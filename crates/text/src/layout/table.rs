@@ -26,7 +26,7 @@ pub struct TextTable {
 pub struct TextColumn {
     /// Header. Long headers are broken.
     pub header: String,
-    /// One cell for each label.
+    /// One cell per label.
     pub cells: Vec<String>,
     /// Whether the cells are words, aligned to the left. Numbers are aligned to the right.
     pub is_words: bool,

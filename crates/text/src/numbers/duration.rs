@@ -4,10 +4,10 @@ use std::time::Duration;
 /// Reason why a text is not a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DurationError {
-    /// It has no number or no unit.
+    /// The text has no number or no unit.
     #[error("give a number and its unit: 90s, 10m, 2h")]
     Malformed,
-    /// It is zero.
+    /// The duration is zero.
     #[error("the time must be above zero")]
     Zero,
 }
@@ -84,7 +84,7 @@ fn seconds_within(seconds: f64, half_width: f64) -> String {
 /// Length of a tick of a scene, for the conversion of ticks to seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick(
-    /// Length \[s\].
+    /// Length of a tick \[s\].
     pub f64,
 );
 
@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(tick.beside_interval(160.0, None), " (3.20 s)");
     }
 
-    /// With many runs the interval is narrow, but not zero.
+    /// Checks that the narrow interval of many runs is not printed as zero.
     #[test]
     fn a_narrow_interval_is_not_told_as_none() {
         let told = |seconds, half| Tick(1.0).interval(seconds, Some(half));

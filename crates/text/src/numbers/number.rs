@@ -1,4 +1,4 @@
-//! Text of numbers.
+//! Formats numbers as text.
 
 /// Returns a number as text, with commas between thousands, a minus sign and few digits.
 pub fn number(value: f64) -> String {

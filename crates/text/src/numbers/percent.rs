@@ -1,4 +1,4 @@
-//! Text of percentages.
+//! Formats percentages as text.
 
 /// A text is not a share between 0 and 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

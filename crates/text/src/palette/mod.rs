@@ -76,7 +76,7 @@ pub fn phase(number: usize) -> Rgb {
     PHASES[number % PHASES.len()]
 }
 
-/// Colour theme.
+/// Colours of a theme.
 #[derive(Clone, Copy, Debug)]
 pub struct Theme {
     /// Background of the arena.
@@ -91,7 +91,7 @@ pub struct Theme {
     pub seed: Rgb,
     /// Other blocks of the plate.
     pub plate: Rgb,
-    /// Free blocks.
+    /// Colour of free blocks.
     pub free: Rgb,
     /// Free blocks in groups, by size, from weak to strong.
     pub groups: [Rgb; 5],
@@ -99,7 +99,7 @@ pub struct Theme {
     pub lit: Rgb,
     /// Edges of the selected block.
     pub mark: Rgb,
-    /// Text.
+    /// Colour of text.
     pub ink: Rgb,
     /// Outline of text.
     pub halo: Rgb,
@@ -107,7 +107,7 @@ pub struct Theme {
     pub paper: Rgb,
     /// Curves, bars and discs of compared items.
     pub series: [Rgb; 6],
-    /// Highlights in figures.
+    /// Colour of highlights in figures.
     pub hot: Rgb,
     /// Background elements in figures.
     pub rest: Rgb,

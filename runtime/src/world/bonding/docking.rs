@@ -56,7 +56,7 @@ pub(crate) struct ReleasedBlock<R: Real> {
 struct Active<R: Real> {
     site: BlockFace,
     target: AttractingFace<R>,
-    /// Number of entries into its reach.
+    /// Number of entries of blocks into the face's reach.
     entries: u32,
     /// Blocks within reach by number, with the tick of entry.
     inside: Vec<(u32, u64)>,
@@ -82,7 +82,7 @@ struct DockingCandidate<R: Real> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Anchored<R: Real> {
     pub body: u32,
-    /// Position of its centre.
+    /// Position of the captured block's centre.
     pub seat: Vector3<R>,
     pub orientation: Orientation,
 }

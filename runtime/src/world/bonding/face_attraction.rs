@@ -16,8 +16,8 @@ const COINCIDENT: f64 = 1e-6;
 /// axis half a block length away.
 const FACE_YIELDS: f64 = 1.0 + 0.25 * INVERSE_INERTIA;
 
-/// The same for its four corners together. They turn the block about the normal, at 1/sqrt(2) block
-/// lengths.
+/// Velocity change by the four corners together. They turn the block about the normal, at 1/sqrt(2)
+/// block lengths.
 const CORNERS_YIELD: f64 = 4.0 * 0.5 * INVERSE_INERTIA;
 
 /// Magnetized face in space.
@@ -28,7 +28,7 @@ pub(crate) struct AttractingFace<R: Real> {
     pub centre: Vector3<R>,
     /// Outward normal.
     pub normal: Vector3<R>,
-    /// Its corners, counterclockwise seen from outside.
+    /// Corners of the face, counterclockwise seen from outside.
     corners: [Vector3<R>; 4],
 }
 

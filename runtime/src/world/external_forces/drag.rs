@@ -32,7 +32,7 @@ pub(super) struct StepDrag {
 struct Decay {
     /// Fraction that the viscous drag leaves.
     left: f64,
-    /// Its mean over the step: the response to a constant force.
+    /// Mean of the response over the step: the response to a constant force.
     mean: f64,
     wake: f64,
 }

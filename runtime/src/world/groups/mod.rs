@@ -42,7 +42,7 @@ struct BlockGroup {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct GroupMember {
     id: u32,
-    /// Position from the group's centre, in its frame.
+    /// Position from the group's centre, in the group's frame.
     offset: Vector3<f64>,
     /// Rotation relative to the group's frame.
     turn: UnitQuaternion<f64>,

@@ -55,7 +55,7 @@ pub(super) struct AnchoredBlock {
 /// Content of a cell.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct CellContent {
-    /// Seat of its block.
+    /// Seat of the block in the cell.
     block: u32,
     /// Directions of the faces that are on and point into the cell, one bit each.
     aimed: u8,

@@ -45,7 +45,7 @@ impl Copied {
     }
 }
 
-/// Not supported: the engine would restore its state without validation.
+/// Not supported, because the engine would restore its state without validation.
 impl State for EngineBodies {}
 
 impl EngineBodies {

@@ -14,7 +14,7 @@ fn quat(q: UnitQuaternion<f32>) -> Quat {
     Quat::from_xyzw(q.i, q.j, q.k, q.w)
 }
 
-/// No normalization: the engine keeps its rotations normalized.
+/// Converts a quaternion without normalizing it, because the engine keeps its rotations normalized.
 pub(super) fn unit_quaternion(q: Quat) -> UnitQuaternion<f32> {
     UnitQuaternion::new_unchecked(Quaternion::new(q.w, q.x, q.y, q.z))
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::open_face_hazards::Slot;
 
-/// Scheduled capture.
+/// A scheduled capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ScheduledCapture {
     /// The face in this slot captures any free block.
@@ -32,7 +32,7 @@ pub(super) struct ScheduledHeadStart {
 pub(super) struct EventQueue {
     /// Keys by the slots of the faces. [`NONE`] for a face that captures nothing.
     captures: Vec<u128>,
-    /// The same keys, sorted.
+    /// The keys in ascending order.
     sorted: BTreeSet<u128>,
     /// Head starts. Obsolete ones are removed when they come first.
     head_starts: BinaryHeap<Reverse<(u128, ScheduledHeadStart)>>,

@@ -14,7 +14,7 @@ pub(super) type Slot = u32;
 /// Index of no face.
 const NOWHERE: Slot = Slot::MAX;
 
-/// Open face.
+/// An open face with its hazard.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct OpenFace {
     /// Index among all faces.
@@ -37,7 +37,7 @@ pub(super) struct OpenFace {
     before: f64,
     /// Upper bound of the capture time.
     latest: f64,
-    /// Sequence number of its opening. 0 if it is closed.
+    /// Sequence number of the face's opening. 0 if the face is closed.
     opening: u64,
     /// Another face that is open to the same cell.
     next: Slot,
@@ -85,7 +85,7 @@ impl OpenFace {
         }
     }
 
-    /// Returns the sequence number of its opening.
+    /// Returns the sequence number of the face's opening.
     pub fn opening(&self) -> u64 {
         self.opening
     }

@@ -44,7 +44,7 @@ struct Attitude<R: Lane> {
     /// Rotation at the substep `turned`.
     rotation: UnitQuaternion<R>,
     turned: u64,
-    /// The same as a matrix, as of its last update.
+    /// Rotation as a matrix, as of its last update.
     axes: Rotation3<R>,
     spin: Vector3<R>,
 }
@@ -306,7 +306,7 @@ impl<R: Lane> Bodies<R> {
         }
     }
 
-    /// Also keeps the part lost to rounding.
+    /// Sets the position of a block, including the part lost to rounding.
     fn set_exact_position(&mut self, id: u32, position: Vector3<f64>) {
         self.set_position(id, cast(position));
         let kept: Vector3<f64> = cast(self.position(id));

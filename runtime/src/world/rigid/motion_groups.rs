@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::simd::LANES;
 use crate::world::real::Real;
 
-/// One number for each block of a group.
+/// One number per block of a group.
 type Lanes<R> = [R; LANES];
 
 /// Motions of a group of blocks.

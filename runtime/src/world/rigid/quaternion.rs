@@ -28,7 +28,7 @@ pub(super) fn small<N: Arithmetic>(s: N, of: impl Fn(f64) -> N) -> (N, N) {
     (cos, sinc * of(0.5))
 }
 
-/// Like [`small`], for any angle.
+/// Returns the values of [`small`] for any angle.
 pub(super) fn large<R: Real>(s: R) -> (R, R) {
     let half = s.double().sqrt();
     let (sin, cos) = libm::sincos(half);

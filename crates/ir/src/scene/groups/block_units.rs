@@ -8,7 +8,7 @@ pub struct BlockUnits {
     pub side: f64,
     /// Mass of a block and of its added mass of fluid \[kg\].
     pub mass: f64,
-    /// Tick \[s\].
+    /// Duration of a tick \[s\].
     pub tick: f64,
 }
 

@@ -15,7 +15,7 @@ pub struct Settling {
     pub height: f64,
     /// Fraction of the blocks that are lifted. 1 with heat or random impulses.
     pub lifted: f64,
-    /// Whether they are lighter than the fluid and gather at the top.
+    /// Whether the blocks are lighter than the fluid and gather at the top.
     pub is_floating: bool,
     /// Ratio of sinking speed to the vertical rms speed of eddies, if there are eddies.
     pub speeds: Option<f64>,
@@ -208,7 +208,7 @@ fn erfc(x: f64) -> f64 {
 mod tests {
     use super::erfc;
 
-    /// Handbook of Mathematical Functions, table 7.1.
+    /// Compares with table 7.1 of the Handbook of Mathematical Functions.
     #[test]
     fn the_tail_of_the_normal_distribution_is_that_of_the_table() {
         for (x, tail) in [

@@ -11,11 +11,11 @@ use EquationSymbol::{Derived as D, Number as N};
 /// Physical law of a term.
 #[derive(Debug)]
 pub struct Equation {
-    /// Description.
+    /// Description of the law.
     pub meaning: &'static str,
     /// Formula in the symbols of the values, in plain text. `None` if nothing is computed.
     pub formula: Option<&'static str>,
-    /// Symbols in it. The law is absent from scenes without the first of them.
+    /// Symbols in the law. Scenes without the first of them do not have this law.
     pub symbols: &'static [EquationSymbol],
     /// Condition on the scene.
     pub holds: fn(&Scene) -> bool,
@@ -37,9 +37,9 @@ pub struct Derived {
     pub kind: QuantityKind,
     /// Symbol in equations.
     pub symbol: &'static str,
-    /// Name.
+    /// Name of the quantity.
     pub label: &'static str,
-    /// Function that computes it in SI units. Returns `None` if the scene lacks a parameter.
+    /// Function that computes the value in SI units. Returns `None` if the scene lacks a parameter.
     pub of: fn(&Scene) -> Option<f64>,
 }
 

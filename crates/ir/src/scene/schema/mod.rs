@@ -19,40 +19,40 @@ use super::Scene;
 /// Keyword of a scene with its arguments: a clause, a kind of clause, or a field.
 #[derive(Debug)]
 pub struct SchemaEntry {
-    /// Keyword.
+    /// Keyword of the entry.
     pub word: &'static str,
     /// Meaning, as a clause. Empty if its parameters explain it.
     pub meaning: &'static str,
-    /// Arguments in order.
+    /// Arguments of the keyword, in order.
     pub parts: &'static [SchemaPart],
-    /// Meaning if it is absent.
+    /// Meaning of a scene without this entry.
     pub absent: Absent,
-    /// Physical laws.
+    /// Physical laws of the entry.
     pub equations: &'static [&'static Equation],
     /// Function that adds the clause to a scene, with parameters not set.
     pub make: fn(&mut Scene),
-    /// Function that returns whether a scene has it. `None` if this follows from its required
-    /// parameters.
+    /// Function that returns whether a scene has the entry. `None` if this follows from its
+    /// required parameters.
     is: Option<fn(&Scene) -> bool>,
 }
 
 /// Argument of a keyword.
 #[derive(Debug)]
 pub enum SchemaPart {
-    /// Value.
+    /// A value.
     Number(&'static SchemaNumber),
     /// Range of values, or a single one.
     Range {
-        /// Lower end.
+        /// Lower end of the range.
         low: &'static SchemaNumber,
-        /// Upper end.
+        /// Upper end of the range.
         high: &'static SchemaNumber,
     },
     /// One of several keywords.
     OneOf {
         /// Noun for the kinds.
         noun: &'static str,
-        /// Keywords.
+        /// Keywords to choose from.
         of: &'static [SchemaEntry],
     },
     /// Further keyword with its arguments.
@@ -68,7 +68,7 @@ pub enum FieldGroup {
     Free,
     /// At least one field is needed.
     Any {
-        /// Field to ask for if there is none.
+        /// Field that messages ask for if all fields are missing.
         needed: &'static str,
         /// Help in this case.
         help: &'static str,
@@ -91,37 +91,38 @@ pub struct Either {
 /// Fields of an alternative. The first is required if any is given.
 #[derive(Debug)]
 pub struct FieldAlternative {
-    /// Keywords.
+    /// Keywords of the alternative.
     pub fields: &'static [&'static str],
-    /// Label for them.
+    /// Label for these fields.
     pub label: &'static str,
     /// Help if the first is missing.
     pub missing: &'static str,
-    /// Function that adds them to a scene.
+    /// Function that adds the fields to a scene.
     pub make: fn(&mut Scene),
 }
 
 /// Meaning of an absent keyword.
 #[derive(Clone, Copy, Debug)]
 pub enum Absent {
-    /// Not allowed: the keyword is required.
+    /// The entry is required.
     Needed,
-    /// Not allowed. Every scene needs it, as in this example.
+    /// The entry is required in every scene. Has an example.
     Example(&'static str),
-    /// Not allowed, with a specific message.
+    /// The entry is required. Has a specific message.
     Message {
         /// Title of the diagnostic.
         title: &'static str,
-        /// Label.
+        /// Label of the message.
         label: &'static str,
-        /// Help.
+        /// Help of the message.
         help: &'static str,
     },
-    /// Default value.
+    /// The default value applies.
     Default(&'static str),
     /// The term does not exist, with this consequence.
     NoTerm(&'static str),
-    /// The same, in scenes that could be expected to have the term.
+    /// The term does not exist, with this consequence. Only mentioned for scenes that fulfil the
+    /// condition.
     NoTermWhere(&'static str, fn(&Scene) -> bool),
 }
 
@@ -192,7 +193,7 @@ impl SchemaEntry {
         }
     }
 
-    /// Returns whether a scene has it.
+    /// Returns whether a scene has the entry.
     pub fn is_in(&self, scene: &Scene) -> bool {
         let is_said = |part: &SchemaPart| match part {
             SchemaPart::Number(number) | SchemaPart::Range { high: number, .. } => {
@@ -212,7 +213,7 @@ impl SchemaEntry {
             .map_or_else(|| self.parts.iter().all(is_said), |is| is(scene))
     }
 
-    /// Returns the fields in its braces, if it has any.
+    /// Returns the fields in the braces of the entry. Returns `None` if it has no braces.
     pub fn fields(&self) -> Option<(&'static [SchemaEntry], &'static FieldGroup)> {
         self.parts.iter().find_map(|part| match part {
             SchemaPart::Fields(fields, group) => Some((*fields, group)),

@@ -9,28 +9,29 @@ use super::super::units::Dimension;
 pub struct SchemaNumber {
     /// Names, the full one first: the preceding keywords, joined by dots.
     pub names: &'static [&'static str],
-    /// Kind of quantity.
+    /// Kind of quantity of the parameter.
     pub kind: QuantityKind,
-    /// Range of values.
+    /// Range of valid values.
     pub range: Range,
     /// Symbol in equations. Empty if it occurs in none.
     pub symbol: &'static str,
-    /// Label for its value.
+    /// Label for the value.
     pub label: &'static str,
     /// Meaning, as a clause.
     pub meaning: &'static str,
-    /// Function that locates it in a scene that has it.
+    /// Function that locates the value in a scene. Returns `None` if the scene does not have the
+    /// parameter.
     pub(super) at: fn(&mut Scene) -> Option<Accessor<'_>>,
 }
 
 /// Range of a parameter, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
-    /// More than 0.
+    /// Values above 0.
     Positive,
-    /// At least this.
+    /// Values of at least this number.
     AtLeast(f64),
-    /// From the first to the second.
+    /// Values from the first number to the second.
     Between(f64, f64),
     /// Angle of more than 0 and at most 90 degrees.
     Acute,
@@ -112,23 +113,23 @@ impl Range {
 }
 
 impl SchemaNumber {
-    /// Returns its full name, such as `bond.pull`.
+    /// Returns the full name of the parameter, such as `bond.pull`.
     pub fn name(&self) -> &'static str {
         self.names[0]
     }
 
-    /// Returns its clause.
+    /// Returns the clause of the parameter.
     pub fn clause(&self) -> &'static str {
         let name = self.name();
         name.split_once('.').map_or(name, |(clause, _)| clause)
     }
 
-    /// Returns whether it must be an integer.
+    /// Returns whether the parameter must be an integer.
     pub fn is_whole(&self) -> bool {
         matches!(self.range, Range::Whole(..))
     }
 
-    /// Returns whether a scene has it.
+    /// Returns whether a scene has the parameter.
     pub fn is_in(&self, scene: &Scene) -> bool {
         let place = |place| !matches!(place, Accessor::Term(None));
         (self.at)(&mut scene.clone()).is_some_and(place)

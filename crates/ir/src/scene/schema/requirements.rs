@@ -4,9 +4,9 @@ use super::super::{Agitation, Scene, Strength, Turbulence};
 /// Requirement of a clause.
 #[derive(Debug)]
 pub struct Requirement {
-    /// The clause.
+    /// Clause with the requirement.
     pub clause: &'static str,
-    /// The required clause.
+    /// Clause that must be present too.
     pub needs: &'static str,
     /// Function that returns whether a scene with the clause violates the requirement.
     pub is_broken: fn(&Scene) -> bool,
@@ -14,7 +14,7 @@ pub struct Requirement {
     pub title: &'static str,
     /// Label of the clause.
     pub label: &'static str,
-    /// Help.
+    /// Help of the diagnostic.
     pub help: &'static str,
 }
 

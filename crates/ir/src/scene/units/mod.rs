@@ -46,11 +46,11 @@ pub const BASES: [(&str, Scale, Dimension); 24] = [
 /// Prefix of a unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Prefix {
-    /// Character.
+    /// Character of the prefix.
     pub sign: char,
     /// Power of ten.
     pub power: i32,
-    /// Whether it is common, so that suggestions include it.
+    /// Whether the prefix is common, so that suggestions include it.
     pub is_common: bool,
 }
 

@@ -84,7 +84,7 @@ fn clip<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
     cut(polygon, along, limit);
 }
 
-/// Slow path of `clip`, for polygons that are partly beyond the limit.
+/// Clips a polygon that is partly beyond the limit. Slow path of `clip`.
 fn cut<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
     let Some(&last) = polygon.last() else {
         return;

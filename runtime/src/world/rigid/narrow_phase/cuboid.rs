@@ -3,7 +3,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use crate::world::real::Real;
 
-/// Box in space.
+/// A box with its position and orientation.
 #[derive(Clone, Copy, Debug)]
 pub struct Cuboid<'a, R: Real> {
     pub centre: Vector3<R>,

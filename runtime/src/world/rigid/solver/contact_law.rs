@@ -1,4 +1,4 @@
-//! Contact laws.
+//! Laws of the contact force.
 use stochc_ir::scene::ContactLaw;
 
 use crate::world::parameters::ContactParameters;

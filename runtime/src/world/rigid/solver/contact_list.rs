@@ -14,7 +14,7 @@ pub(super) struct TouchingBodies<R: Real> {
     pub span: R,
     /// Directions along the normal and across it.
     pub frame: [Vector3<R>; 3],
-    /// Range of its points among the points of all contacts.
+    /// Range of the contact's points among the points of all contacts.
     pub points: Range<usize>,
 }
 

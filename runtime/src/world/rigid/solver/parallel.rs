@@ -397,7 +397,7 @@ impl<R: Lane> BatchBody<R> {
         }
     }
 
-    /// Immovable bodies are not written, as no impulse changes them.
+    /// Writes the motions back. Immovable bodies are skipped, because no impulse changes them.
     fn scatter(&self, places: impl Iterator<Item = usize>, motions: &mut [SolverBody<R>]) {
         let [velocity, spin] = [self.velocity, self.spin].map(|vector| vector.map(Wide::store));
         for (lane, place) in places.enumerate() {

@@ -42,9 +42,9 @@ pub(super) struct SolverBodies<R: Lane> {
 /// Effect of contacts on a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SolverBodyChange<R: Lane> {
-    /// Change of its velocity.
+    /// Change of the body's velocity.
     pub velocity: Vector3<R>,
-    /// New spin.
+    /// New spin of the body.
     pub spin: Vector3<R>,
     /// Overlap correction, as a velocity and a spin.
     pub shift: [Vector3<R>; 2],
