@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""How often the 95 % intervals of `stochc fit` hold the truth if runs were stopped: the table of docs/guides/fit.md.
+"""Measures how often the 95 % intervals of `stochc fit` contain the true value if runs were stopped: the table of docs/guides/fit.md.
 
 `coverage.py STOCHC TRIALS LIMIT [RUNS]` makes TRIALS measurements of RUNS runs (100) of each program of `examples/fit/small.sa` with
-20 free blocks, stops the runs at LIMIT ticks, and fits `free`. Each measurement and each fit has a seed of its own.
+20 free blocks, stops the runs at LIMIT ticks, and fits `free`. Each measurement and each fit has its own seed.
 With the LIMIT `mixed`, half of the runs are stopped at 250 ticks and half at 500.
 """
 import json
@@ -16,7 +16,7 @@ TRUTH = 20
 
 
 def measured(stochc, folder, seed, runs, limit):
-    """The table of a measurement."""
+    """Returns the table of a measurement."""
     truth = folder / "truth.sa"
     truth.write_text(PROGRAMS.read_text().replace("free 8 ", f"free {TRUTH} "))
     out = folder / "measured"

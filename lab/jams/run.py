@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Where blocks jam: the tables of docs/validation/rates.md on gaps and on faces near each other.
+"""Measures the places of jams: the tables of docs/validation/rates.md on gaps and on adjacent faces.
 
-`run.py STOCHC FOLDER gaps|faces [RUNS]` makes RUNS runs (200 of gaps, 1000 of faces) of each program below with the model `rigid`, in the default
-scene, and a fifth or a tenth of that in other scenes. A row of the table says how long the captures of the last phase take, from the first face
-that opens to the last block that docks, and what rates say of that (2000 runs). Runs are stopped after 20,000 ticks, and count as that long. Runs
-that the folder has already are not made again.
+`run.py STOCHC FOLDER gaps|faces [RUNS]` makes RUNS runs (200 for gaps, 1000 for faces) of each program below with the model
+`rigid` in the default scene, and a fifth or a tenth of that in other scenes. A row of the table lists the duration of the
+captures of the last phase, from the first open face to the last docked block, and the prediction of the rate model (2000 runs).
+Runs are stopped after 20,000 ticks and count with that time. Existing runs of the folder are not repeated.
 """
 import json
 import math
@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 POSTS = "A.up ->> T[1..3]   B.up ->> U[1..3]"
-# What it is, what stands before, and the captures: A west, B east, N north and S south of M.
+# Description, structure that is built first, and captures. A is west, B east, N north and S south of M.
 GAPS = {
     "arm": ("at the end of an arm", "A.up ->> T[1..3]", "T[3].east -> X"),
     "beam": ("between the face and a block ahead", POSTS, "T[3].east -> X"),
@@ -55,7 +55,7 @@ FACES = {
         "AT[2].up -> X   MT[2].up -> Y   NT[2].up -> Z   DT[2].up -> W",
     ),
 }
-# The programs, how many runs, those in other scenes, and for how many as many runs each of these has one.
+# Each table: programs, number of runs, programs for other scenes, and the divisor of their number of runs.
 TABLES = {
     "gaps": (GAPS, 200, ("arm", "beam"), 5),
     "faces": (FACES, 1000, ("one_low", "two_low", "one", "two", "corner", "corner_side", "three"), 10),
@@ -66,7 +66,7 @@ SEED, RATE_SEED, RATE_RUNS, MAX_TICKS, LONG = 9402, 77, 2000, 20_000, 6000
 
 
 def program(name, scene, before, captures):
-    """A program that builds what stands before in one phase, and makes the captures in another."""
+    """Returns a program that builds the first structure in one phase, and makes the captures in another."""
     seeds = "   ".join(f"{seed} at {at}" for seed, at in SEEDS.items() if re.search(rf"\b{seed}\.", f"{before} {captures}"))
     first = f"phase before {{ {before} }}" if before else ""
     return f"""assembly {name} in {scene} {{
@@ -78,7 +78,7 @@ def program(name, scene, before, captures):
 
 
 def waits(stochc, path, folder, captures, *options):
-    """How long the last captures take in each run, sorted, and how many runs were stopped."""
+    """Returns the sorted durations of the last captures, and the number of stopped runs."""
     if not folder.exists():
         command = [stochc, "simulate", path, *options, "--max-ticks", MAX_TICKS, "--out", folder, "--quiet"]
         done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
@@ -97,7 +97,7 @@ def waits(stochc, path, folder, captures, *options):
 
 
 def told(found, stopped):
-    """Runs, mean with half of its interval, 90 % quantile, how many took long, and the longest; of many that were stopped, only how many."""
+    """Formats a row: runs, mean ± half interval, 90 % quantile, slow runs, longest. Omits statistics if many runs were stopped."""
     count = len(found)
     over = sum(wait > LONG for wait in found)
     if stopped > count // 20:
@@ -114,7 +114,7 @@ def main():
     places, runs, elsewhere, part = TABLES[table]
     runs = int(sys.argv[4]) if len(sys.argv) > 4 else runs
     folder.mkdir(parents=True, exist_ok=True)
-    print(f"| scene | {table} | runs | mean wait | 90 % | over {LONG} | longest | by rates | `check` says |")
+    print(f"| scene | {table} | runs | mean wait | 90 % | over {LONG} | longest | by rates | `check` reports |")
     print("|---|---|--:|--:|--:|--:|--:|--:|---|")
     for scene, name in [("hemisphere", name) for name in places] + [(scene, name) for scene in SCENES for name in elsewhere]:
         what, before, captures = places[name]
@@ -132,7 +132,7 @@ def main():
 
 
 def warned(stochc, path):
-    """The codes of what `check` finds in the last phase."""
+    """Returns the codes that `check` reports for the last phase."""
     check = subprocess.run([stochc, "check", path, "--format", "short"], capture_output=True, text=True)
     last = [line for line in (check.stdout + check.stderr).splitlines() if "`into`" in line or "`X`" in line]
     codes = [f"`{code}`" for code in ("tight-approach", "crowded-captures") if any(code in line for line in last)]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What one event costs in other stochastic simulators, beside a capture by rates: see README.md beside this file."""
+"""Measures the cost of an event in other stochastic simulators, next to a capture in the rate model. See README.md."""
 import argparse
 import importlib.metadata
 import importlib.util
@@ -15,7 +15,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 TARGET = HERE.parent.parent / "target" / "peers"
 EVENTS = 40_000  # in one round of one simulator
 
-# What it is called, the driver, and what that is told.
+# Name, driver, and the arguments of the driver.
 SIMULATORS = [
     ("`--model rate`, 16 towers apart", "captures", ["16", "6"]),
     ("`--model rate`, 256 towers apart", "captures", ["256", "6"]),
@@ -36,7 +36,7 @@ def say(text):
 
 
 def build():
-    """Builds the drivers in Rust."""
+    """Builds the Rust drivers."""
     environment = os.environ | {"CARGO_TARGET_DIR": str(TARGET)}
     cargo = ["cargo", "build", "--release", "--locked", "--manifest-path", HERE.parent / "Cargo.toml"]
     for name, feature in (("captures", "own"), ("reactions", "reactions")):
@@ -44,7 +44,7 @@ def build():
 
 
 def command(driver, words, rounds):
-    """How a simulator is started; `None`: it is not installed."""
+    """Returns the command of a simulator. Returns `None` if it is not installed."""
     numbers = [str(EVENTS), str(rounds)]
     if driver in ("captures", "reactions"):
         return [TARGET / "release" / driver, *words, *numbers]
@@ -55,7 +55,7 @@ def command(driver, words, rounds):
 
 
 def rgrow(rows, events, rounds):
-    """Rows of one tile each, to which tiles bind that nearly never come off."""
+    """Measures rows of tiles: each row grows by tiles that almost never detach."""
     from rgrow import Tile, TileSet
 
     rows = int(rows)
@@ -81,7 +81,7 @@ def rgrow(rows, events, rounds):
 
 
 def kappy(chains, events, rounds):
-    """Chains of agents, at whose free ends others bind."""
+    """Measures chains of agents: other agents bind to their free ends."""
     import kappy as kappa
 
     free = 4 * (rounds + 1) * events
@@ -104,7 +104,7 @@ def kappy(chains, events, rounds):
 
 
 def descendants(process):
-    """The processes that one has started, and those that they have."""
+    """Returns the child processes of a process and all their descendants."""
     for thread in pathlib.Path(f"/proc/{process}/task").iterdir():
         for child in (thread / "children").read_text().split():
             yield child
@@ -112,7 +112,7 @@ def descendants(process):
 
 
 def children():
-    """Processor time of the processes that this one has started [s]."""
+    """Returns the CPU time of the child processes [s]."""
     total = 0
     for process in descendants(os.getpid()):
         fields = pathlib.Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What one step of one block costs in general rigid-body engines: see README.md beside this file."""
+"""Measures the cost of a step per block in general rigid-body engines. See README.md."""
 import argparse
 import importlib.util
 import math
@@ -13,7 +13,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 TARGET = HERE.parent.parent / "target" / "peers"
 
-# Name, program, the engine's name there. The first is what the others are compared with.
+# Name, program, and the program's name for the engine. All others are compared with the first.
 ENGINES = [
     ("Rapier, as the project sets it up", "own", "as-the-project"),
     ("`RapierWorld`, the project's world", "own", "rapier-world"),
@@ -25,14 +25,14 @@ ENGINES = [
     ("MuJoCo, Newton", "mujoco", "newton"),
 ]
 
-# Greatest change of speed of the first engine [side / tick]: blocks move 0.05 sides in a step.
+# Greatest change of speed of the first engine, in block lengths per tick. Blocks move 0.05 block lengths per step.
 KICK = 0.0128
 DRAG = 0.01  # [1 / tick]
-WARM_UP = 300  # ticks; speeds forget their past in 100
+WARM_UP = 300  # ticks; the memory of speeds is 100 ticks
 BLOCK_STEPS = 600_000  # in one round of one engine
 CALIBRATION = 6000  # ticks, at 300 blocks
-AGREEMENT = 0.03  # of rms speeds with the first engine's
-NEAR = 0.9  # [side]: cubes whose centres are nearer than 1 overlap however they are turned
+AGREEMENT = 0.03  # relative deviation of rms speeds from the first engine
+NEAR = 0.9  # block lengths; cubes with centres closer than 1 overlap in every orientation
 
 
 def say(text):
@@ -40,7 +40,7 @@ def say(text):
 
 
 def build():
-    """Builds what can be built; the commands of the programs that are there."""
+    """Builds the installed engines. Returns the commands of their programs."""
     TARGET.mkdir(parents=True, exist_ok=True)
     environment = os.environ | {"CARGO_TARGET_DIR": str(TARGET)}
     cargo = ["cargo", "build", "--release", "--locked", "--manifest-path", HERE.parent / "Cargo.toml"]
@@ -59,7 +59,7 @@ def build():
     else:
         say("left out: ODE is not installed (apt-get install libode-dev)")
     if found := importlib.util.find_spec("mujoco"):
-        # The library and its headers come with the Python package; Python itself does not run.
+        # The Python package contains the library and its headers. Python itself does not run.
         place = pathlib.Path(found.origin).parent
         library = next(place.glob("libmujoco.so*"))
         c("mujoco", f"-I{place / 'include'}", library, f"-Wl,-rpath,{place}")
@@ -69,7 +69,7 @@ def build():
 
 
 class Driver:
-    """One engine with one scene: a process that waits between orders."""
+    """One engine with one scene: a process that waits for commands."""
 
     def __init__(self, program, engine, blocks, kick):
         command = [program, engine, str(blocks), repr(kick)]
@@ -90,7 +90,7 @@ class Driver:
         self.process.stdin.flush()
 
     def run(self, ticks):
-        """ns per block-step, mean square speed, contact points per block, complaints."""
+        """Returns ns per block-step, mean square speed, contact points per block, and complaints."""
         self.order(f"run {ticks}")
         time, square, contacts, complaints = map(float, self.line().split())
         return time / ticks / self.blocks, square, contacts, complaints
@@ -109,13 +109,13 @@ def radius(blocks):
 
 
 def rms_without_collisions(kick):
-    """Of v' = (v + kick) exp(-drag), the mean square of a kick being kick^2 / 3."""
+    """Returns the rms speed of v' = (v + kick) exp(-drag). The mean square of a kick is kick^2 / 3."""
     keep = math.exp(-2 * DRAG)
     return math.sqrt(kick**2 / 3 * keep / (1 - keep))
 
 
 def overlaps(state):
-    """Pairs of blocks that overlap deeply."""
+    """Counts pairs of blocks that overlap deeply."""
     cells, pairs = {}, 0
     for x, y, z, *_ in state:
         i, j, k = math.floor(x), math.floor(y), math.floor(z)
@@ -135,7 +135,7 @@ def lowest_corner(state):
 
 
 def same_start(drivers):
-    """Stops if drivers do not begin alike, or do not draw the same kicks."""
+    """Exits if drivers differ in their start or in their kicks."""
     for what, tolerance in (("start", 1e-5), ("kicks", 1e-5)):
         values = [getattr(driver, what) for driver in drivers]
         values = [value for value in values if not math.isnan(value)]
@@ -144,7 +144,7 @@ def same_start(drivers):
 
 
 def calibrate(engines, programs, most):
-    """The kick of each engine with which rms speeds agree at 300 blocks: scaled once."""
+    """Returns the kick of each engine for equal rms speeds at 300 blocks. Kicks are scaled once."""
     speeds = []
     for name, program, engine in engines:
         driver = Driver(programs[program], engine, 300, most)
@@ -156,7 +156,7 @@ def calibrate(engines, programs, most):
 
 
 def measure(engines, programs, kicks, blocks, rounds):
-    """For each engine: rounds of `run`, pairs in deep overlap, and whatever is wrong."""
+    """Returns the rounds of `run` of each engine, its deep overlaps, and all errors."""
     drivers = []
     for (name, program, engine), kick in zip(engines, kicks):
         say(f"{blocks} blocks, setting up: {name}")
@@ -199,7 +199,7 @@ def versions(programs, drivers):
 
 
 def table(engines, sizes, kicks, results, caption):
-    """Prints it; returns what is wrong."""
+    """Prints the table. Returns the errors."""
     wrong = [text for result in results for text in result[3]]
     heads = [f"{blocks:,}" for blocks in sizes]
     of_sizes = " / ".join(heads)
@@ -253,7 +253,7 @@ def main():
     sizes = [int(word) for word in options.sizes.split(",")]
     programs = build()
     engines = [engine for engine in ENGINES if engine[1] in programs]
-    # The drivers inherit it.
+    # The drivers inherit the pinned core.
     core = max(os.sched_getaffinity(0)) if options.core is None else options.core
     os.sched_setaffinity(0, {core})
     told = []

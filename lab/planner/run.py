@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Planned programs against four naive ones, simulated: the table of docs/guides/planner.md.
+"""Compares simulated planned programs with four naive ones: the table of docs/guides/planner.md.
 
 run.py STOCHC FOLDER [--targets FOLDER] [--shapes a,b] [--race N] [--runs N] [--naive-runs N] [--max-ticks T] [--time T] [--threads N] [--minutes M]
 
-Each shape of shapes/, or of `--targets`, is planned and written in four ways that need no thought: one block after the other along a walk through the
-shape (`chain`), everything at once (`at_once`), layer by layer (`layers`) and one block after the other, the nearest to the plate
-first (`nearest`). What `check` rejects is not run. Runs are made in rounds, twice as many in each, of all planned programs and then of all
-others, until there are so many as wanted or the minutes are over; a naive plan gets no more once its mean is beyond doubt longer than the
-planned one. The same command goes on where it ended: FOLDER keeps programs and runs. Each shape is planned anew; runs of a program that is
-not the same any more are deleted.
+Each shape of shapes/, or of `--targets`, is planned. Four naive programs are written in addition: one block after the other
+along a walk through the shape (`chain`), everything at once (`at_once`), layer by layer (`layers`), and one block after the
+other, the nearest to the plate first (`nearest`). Programs that `check` rejects are not run. Each round doubles the number of
+runs, first of all planned programs and then of all others. It ends at the requested number or after the minutes. A naive
+program gets no more runs once its mean is significantly longer than the planned one. The same command resumes an interrupted
+study: FOLDER contains programs and runs. Each shape is planned again, and runs of a changed program are deleted.
 """
 import argparse
 import heapq
@@ -26,7 +26,7 @@ FREE = 300  # of the default scene
 
 
 def read(path):
-    """The cells of a file of layers, as `stochc plan` reads them."""
+    """Returns the cells of a file of layers, as `stochc plan` reads them."""
     layers, rows = [], []
     for line in [*path.read_text().splitlines(), ""]:
         line = line.replace(" ", "")
@@ -59,7 +59,7 @@ def name(cell):
 
 
 def grown(cells, key):
-    """Each cell with its parent and the face: a tree from the plate, in which cells with a small key come first."""
+    """Returns each cell with its parent and face: a tree from the plate that visits cells with a small key first."""
     feet = [cell for cell in cells if cell[2] == 1]
     heap = [(key(foot, None), foot, (foot[0], foot[1], 0), "up") for foot in feet]
     heapq.heapify(heap)
@@ -76,7 +76,7 @@ def grown(cells, key):
 
 
 def walk(cells):
-    """The same, along a walk that goes on with a neighbour as long as there is one."""
+    """Returns such a tree along a walk that continues with a neighbour as long as there is one."""
     done = {}
     for foot in sorted(cell for cell in cells if cell[2] == 1):
         stack = [(foot, (foot[0], foot[1], 0), "up")]
@@ -90,7 +90,7 @@ def walk(cells):
 
 
 def program(kind, shape, cells):
-    """A naive program, as text."""
+    """Returns the text of a naive program."""
     steps = lambda cell, before: ((before[0] if before else 0) + 1,)
     highest = lambda cell, before: (max(cell[2], before[0] if before else 0),)
     tree = {"chain": lambda: walk(cells), "layers": lambda: grown(cells, highest)}.get(kind, lambda: grown(cells, steps))()
@@ -110,12 +110,12 @@ def program(kind, shape, cells):
 
 
 def scene(count):
-    """The default scene, with twice as many blocks as are needed where it has fewer."""
+    """Returns the default scene with at least twice as many blocks as needed."""
     return f"scene here from hemisphere {{ free {max(FREE, 2 * count)} uniform }}"
 
 
 def simulate(arguments, program, folder, runs):
-    """Has so many runs made, those there are included: the times of those that completed, and how many did not; None if `check` rejects it."""
+    """Makes runs up to the given number. Returns completed times and other times, or None if `check` rejects the program."""
     checked = program.with_suffix(".checked")
     if not checked.exists():
         check = subprocess.run([arguments.stochc, "check", program, "--format", "short"], capture_output=True, text=True)
@@ -133,7 +133,7 @@ def simulate(arguments, program, folder, runs):
 
 
 def runs_of(folder):
-    """The times of completed runs, and the other runs."""
+    """Returns the times of completed runs, and those of the other runs."""
     times, stuck = [], []
     journal = folder / "journal.jsonl"
     for line in journal.read_text().splitlines() if journal.exists() else []:
@@ -145,7 +145,7 @@ def runs_of(folder):
 
 
 def moments(found):
-    """Mean and half of its interval, of min(time, end)."""
+    """Returns the mean of min(time, end) and half of its interval."""
     times = found[0] + found[1]
     mean = sum(times) / len(times)
     deviation = math.sqrt(sum((t - mean) ** 2 for t in times) / max(len(times) - 1, 1))
@@ -153,7 +153,7 @@ def moments(found):
 
 
 def quantile(found):
-    """The time in which nine of ten runs were complete, and the half of its interval (order statistics)."""
+    """Returns the 90 % quantile of the times and half of its interval (order statistics)."""
     times = sorted(found[0] + found[1])
     at = lambda place: times[min(max(math.ceil(place) - 1, 0), len(times) - 1)]
     spread = 1.96 * math.sqrt(0.09 * len(times))
@@ -161,7 +161,7 @@ def quantile(found):
 
 
 def told(found):
-    """A cell of the table."""
+    """Formats a cell of the table."""
     if found is None:
         return "rejected"
     if not found[0]:
@@ -173,7 +173,7 @@ def told(found):
 
 
 def is_beyond_doubt(found, other):
-    """Whether a mean is longer than another by more than chance explains."""
+    """Returns whether a mean is significantly longer than another."""
     if found is None or other is None or min(len(found[0] + found[1]), len(other[0] + other[1])) < 4:
         return False
     (mean, half), (least, margin) = moments(found), moments(other)
@@ -181,7 +181,7 @@ def is_beyond_doubt(found, other):
 
 
 def keep(program, text):
-    """Writes a program; if it was another one, its runs are deleted."""
+    """Writes a program. Deletes the runs of a different earlier program."""
     if program.exists() and program.read_text() == text:
         return
     program.with_suffix(".checked").unlink(missing_ok=True)
@@ -191,11 +191,11 @@ def keep(program, text):
 
 
 def planned(arguments, path, folder):
-    """The planned program."""
+    """Returns the planned program."""
     shape, cells, program = path.stem, read(path), folder / "planned.sa"
     command = [arguments.stochc, "plan", path]
     if 2 * len(cells) > FREE:
-        # The scene has to have enough blocks: a target with its shape, in a scene of that.
+        # The scene needs enough blocks: the target contains the shape and a scene with enough blocks.
         target = folder / "target.sa"
         target.write_text(scene(len(cells)) + "\n" + shape_of(shape, cells))
         rates = folder / "here.rates"
@@ -258,7 +258,7 @@ def main():
 
 
 def table(arguments, paths, programs, results, kinds):
-    """Prints what came out."""
+    """Prints the results."""
     print("| shape | cells | planned in | predicted | planned | " + "".join(f"{kind} | " for kind in kinds))
     print("|---|--:|--:|--:|--:|" + "--:|" * len(kinds))
     errors, slower, stuck, runs = [], [], 0, 0
@@ -290,7 +290,7 @@ def table(arguments, paths, programs, results, kinds):
 
 
 def shape_of(shape, cells):
-    """The declaration of a shape."""
+    """Returns the declaration of a shape."""
     (west, east), (south, north), (_, top) = ((min(c[i] for c in cells), max(c[i] for c in cells)) for i in range(3))
     out = [f"shape {shape} at ({west}, {south}) {{"]
     for z in range(1, top + 1):

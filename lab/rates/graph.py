@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""How far `stochc estimate` without runs is off runs by the same rates, by what a program leaves to chance.
+"""Measures the deviation of `stochc estimate` without runs from runs of the rate model, by the random choices of a program.
 
-`graph.py STOCHC [RUNS]` estimates the programs of this folder, of races/, releases/, scarce/ and examples/ both ways, RUNS runs (6000) each, with a seed of its own, and writes the table of
-docs/validation/rates.md.
+`graph.py STOCHC [RUNS]` estimates the programs of this folder, of races/, releases/, scarce/ and examples/ in both ways, with
+RUNS runs (6000) and a separate seed each. It writes the table of docs/validation/rates.md.
 """
 import json
 import pathlib

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""How far runs by rates are off from runs with physics: programs that no calibration has seen, in the default scene and in others.
+"""Compares runs of the rate model with runs with physics, for programs that no calibration used, in the default scene and in others.
 
-`run.py STOCHC FOLDER [RUNS [SEED]]` makes RUNS runs (200) of each program of this folder with the model `rigid`, and of some of them in five other
-scenes, and writes the tables of docs/validation/rates.md (with the seed 9101). Runs that the folder has already are not made again.
+`run.py STOCHC FOLDER [RUNS [SEED]]` makes RUNS runs (200) of each program of this folder with the model `rigid`, and of some of
+them in five other scenes. It writes the tables of docs/validation/rates.md (with the seed 9101). Existing runs of the folder
+are not repeated.
 """
 import itertools
 import json
@@ -74,20 +75,20 @@ def waits(runs):
 
 
 def rank_correlation(some, others):
-    """Of the mean waits of captures."""
+    """Returns the rank correlation of the mean waiting times of captures."""
     both = [key for key in some if key in others]
     return correlation(ranks([some[key] for key in both]), ranks([others[key] for key in both])) if len(both) > 2 else math.nan
 
 
 def reachable(runs, size):
-    """What `size` runs of a law have in common with the other runs of the same law: no prediction can be expected to do better."""
+    """Returns the agreement of `size` runs of a model with its other runs. No prediction can be expected to agree better."""
     pieces = [slice(start, start + size) for start in range(0, len(runs) - size + 1, size)]
     found = [rank_correlation(waits(runs[piece]), waits(runs[: piece.start] + runs[piece.stop :])) for piece in pieces]
     return sum(found) / len(found)
 
 
 def compare(rows):
-    """A table of programs, and what all of them say."""
+    """Prints a table of programs with a summary."""
     print("| program | `rigid`, ticks | by rates | mean | median | 90 % | waits, rank correlation | at best |\n|---|--:|--:|--:|--:|--:|--:|--:|")
     errors, pairs = [], []
     for name, (physics, physics_runs), (rate, rate_runs) in rows:

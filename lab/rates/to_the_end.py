@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""How far runs by rates are off where pulls are weak, with runs that go on to the end.
+"""Compares runs of the rate model with physics for weak pulls. Runs continue to the end.
 
-`to_the_end.py STOCHC FOLDER [RUNS]` makes RUNS runs (16) of ten programs with the model `rigid` in the default scene with two thirds of its pull, each
-with a seed of its own, calibrates the scene, and writes the table of docs/validation/rates.md. Runs that the folder has already are not made again.
+`to_the_end.py STOCHC FOLDER [RUNS]` makes RUNS runs (16) of ten programs with the model `rigid`, in the default scene with two
+thirds of its pull and a separate seed each. It calibrates the scene and writes the table of docs/validation/rates.md. Existing
+runs of the folder are not repeated.
 """
 import json
 import math
@@ -13,7 +14,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 EXAMPLES = HERE.parent.parent / "examples"
 SCENE = "scene weak from hemisphere { bond attract { pull 12 N within 20cm  align 0.803 N within 10cm  anchor centres 1mm tilt 26 deg } }\n"
-# Their seeds follow this order.
+# The order determines the seeds.
 PROGRAMS = [EXAMPLES / name for name in ["line.sa", "closed_platform.sa", "open_platform.sa", "five_tower_reconfigured.sa"]] + [
     HERE / name for name in ["ring_of_posts.sa", "comb.sa", "hand_over.sa", "bridge.sa", "gallows.sa", "chimney.sa"]
 ]

@@ -1,4 +1,4 @@
-"""Chromium without a window, driven through two pipes by its own protocol for tools."""
+"""Headless Chromium, controlled through two pipes by the DevTools protocol."""
 import json
 import os
 import pathlib
@@ -13,13 +13,13 @@ FLAGS = [
 
 
 class Browser:
-    """A browser with one page of some size [px]."""
+    """A browser with one page of a given size [px]."""
 
     def __init__(self, width, height, name="chromium"):
         self.folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         read, self.to = os.pipe()
         self.back, write = os.pipe()
-        # It reads from 3 and writes to 4.
+        # Chromium reads from descriptor 3 and writes to descriptor 4.
         places = 'exec "$@" 3<&%d 4>&%d' % (read, write)
         line = ["sh", "-c", places, "sh", name, *FLAGS, f"--user-data-dir={self.folder.name}", "about:blank"]
         quiet = subprocess.DEVNULL
@@ -53,7 +53,7 @@ class Browser:
                 return answer["result"]
 
     def value(self, expression):
-        """The value of an expression, or of the promise that it is."""
+        """Returns the value of an expression. Awaits promises."""
         done = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
         if "exceptionDetails" in done:
             raise RuntimeError(f"{expression}: {done['exceptionDetails']}")
@@ -72,7 +72,7 @@ class Browser:
         os.close(self.back)
 
     def processor_time(self):
-        """Of all its processes [s]."""
+        """Returns the CPU time of all processes of the browser [s]."""
         ticks = sum(self._ticks(pid) for pid in self._family(self.child.pid))
         return ticks / os.sysconf("SC_CLK_TCK")
 

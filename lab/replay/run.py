@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""How many pictures a second two pages of `stochc replay` draw while they play, beside each other.
+"""Compares the frame rates of two pages of `stochc replay` while they play.
 
     python3 lab/replay/run.py BEFORE.html AFTER.html
 
-Chromium draws without a graphics processor. The pages take turns, each in a browser of its own; what is told are medians over the
+Chromium draws without a graphics processor. The pages alternate, each in a new browser. The printed values are medians over the
 rounds, and the ratio of the second page to the first.
 """
 import argparse
@@ -11,7 +11,7 @@ import statistics
 
 from browser import Browser
 
-# Resolves with the pictures of some seconds, and the pixels of the last as a share of those of the canvas on the page.
+# Resolves with the number of frames in some seconds, and the ratio of the pixels of the last frame to those of the canvas on the page.
 PLAY = """(async () => {
     const canvas = document.getElementById('arena');
     const next = () => new Promise(requestAnimationFrame);
@@ -36,7 +36,7 @@ PLAY = """(async () => {
 
 
 def measure(page, options):
-    """Pictures a second, processor time of a picture [ms], and the share of pixels that is drawn while the clock runs."""
+    """Returns frames per second, CPU time per frame [ms], and the share of drawn pixels while the clock runs."""
     browser = Browser(options.width, options.height)
     try:
         browser.open(page)
@@ -50,7 +50,7 @@ def measure(page, options):
         before = browser.processor_time()
         pictures, seconds, pixels = browser.value(PLAY % words)
         spent = browser.processor_time() - before
-        # Time for warming up draws pictures as well.
+        # Frames are also drawn during the warm-up.
         return pictures / seconds, 1000 * spent * seconds / (seconds + options.warm) / pictures, pixels
     finally:
         browser.close()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares the height of free blocks under gravity with the height that `stochc check --physics` expects.
 
-python3 lab/sedimentation/run.py [STOCHC]    needs only Python, and takes some minutes
+python3 lab/sedimentation/run.py [STOCHC]    needs only Python, takes some minutes
 """
 import json
 import struct
@@ -12,7 +12,7 @@ from pathlib import Path
 
 STOCHC = sys.argv[1] if len(sys.argv) > 1 else "target/release/stochc"
 
-# Magnets too weak to hold anything: only the scene moves the blocks.
+# The magnets are too weak to hold blocks: only the scene moves them.
 SCENE = """scene s {{ {scene}
     contact {{ restitution 0  friction 0.3 }}
     bond attract {{ pull {pull}  anchor centres {within} tilt 5 deg }}
@@ -72,7 +72,7 @@ def stochc(*arguments):
 
 
 def heights(animation):
-    """Heights of all blocks in the last two thirds of a run, in sides."""
+    """Returns the heights of all blocks in the last two thirds of a run, in block lengths."""
     data = Path(animation).read_bytes()
     length = struct.unpack_from("<I", data, 12)[0]
     document, numbers = json.loads(data[20 : 20 + length]), data[28 + length :]
@@ -84,7 +84,7 @@ def heights(animation):
         view = document["bufferViews"][accessor["bufferView"]]
         start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
         places = struct.unpack_from(f"<{3 * accessor['count']}f", numbers, start)
-        # A block's z is up; the root of the document turns it.
+        # The z axis of a block is up. The root of the document turns it.
         yield from places[2::3][accessor["count"] // 3 :]
 
 
@@ -98,7 +98,7 @@ with tempfile.TemporaryDirectory() as folder:
         stochc("simulate", file, "--runs", 1, "--max-ticks", given["ticks"], "--quiet", "--out", out)
         made = stochc("export", out, "--run", 0, "--format", "gltf", "--every", 50)
         found = list(heights(made.stdout.strip()))
-        # A block that lies flat has its middle half a side above the floor.
+        # The centre of a block that lies flat is half a block length above the floor.
         mean = sum(found) / len(found) - 0.5
         above = sum(z > 1.5 for z in found) / len(found)
         print(

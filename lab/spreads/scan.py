@@ -45,7 +45,7 @@ FAMILIES = {
 SCENES = {"centres": 24, "centres sampled": 30, "corners": 30, "corners sampled": 16}
 FRESH_RUNS = 100
 SEED = 71
-# The scenes of the table in docs/validation/paper.md: the best of each family so far.
+# The scenes of the table in docs/validation/paper.md: the best of each family.
 CANDIDATES = {
     "centres": {"speed": 0.881, "drag": 0.9162, "stiffness": 1011, "damping": 31.92, "friction": 0.7, "pull": 25.99, "align": 1.041, "window": 0.146},
     "centres sampled": {"speed": 0.3284, "drag": 0.4745, "stiffness": 271.2, "damping": 16.53, "friction": 0.7, "pull": 6.97, "align": 0.2793},
@@ -69,7 +69,7 @@ def scene_text(family, numbers):
 
 
 def simulate(stochc, scene, programs, runs, seed, max_ticks):
-    """The records of each program in a scene; `None` is `hemisphere`."""
+    """Returns the records of each program in a scene. `None` is `hemisphere`."""
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         for name in programs:
@@ -78,7 +78,7 @@ def simulate(stochc, scene, programs, runs, seed, max_ticks):
                 text = text.replace(f"assembly {name} {{", f"assembly {name} in spreads {{") + "\n" + scene
             (folder / f"{name}.sa").write_text(text)
         out = folder / "out"
-        # The command ends with a status other than 0 if runs are timed out.
+        # The exit status is not 0 if runs time out.
         subprocess.run(
             [stochc, "simulate", *(folder / f"{name}.sa" for name in programs), "--runs", str(runs), "--seed", str(seed),
              "--threads", "1", "--max-ticks", str(max_ticks), "--out", out, "-q"],
@@ -96,7 +96,7 @@ def variance(values):
 
 
 def summary(records):
-    """Mean and spread of completed runs, and the spread that the waiting times amount to if they are independent."""
+    """Returns mean and spread of completed runs, and the spread of a sum of independent waiting times."""
     done = [r for r in records if r["outcome"]["kind"] == "completed"]
     row = {"runs": len(records), "completed": len(done)}
     if len(done) > 1:
@@ -115,7 +115,7 @@ class Scan:
         self.rows = {row["key"]: row for row in map(json.loads, lines)}
 
     def measure(self, key, family, numbers, programs, runs, seed, max_ticks=24_000, probe=True):
-        """Measures a scene once; a scene whose first line does not end is given up."""
+        """Measures a scene once. Abandons a scene whose first line does not complete."""
         if key in self.rows:
             return self.rows[key]
         scene = scene_text(family, numbers) if family != "hemisphere" else None
@@ -132,7 +132,7 @@ class Scan:
         return row
 
     def of(self, stage, family):
-        """Rows of a stage whose runs were all completed."""
+        """Returns the rows of a stage whose runs all completed."""
         rows = [r for k, r in self.rows.items() if k.startswith(f"{stage}/{family}/")]
         return [r for r in rows if all(t["completed"] == t["runs"] > 1 for t in r["times"].values())]
 
@@ -143,7 +143,7 @@ def relative_spread(row):
 
 
 def misfit(row):
-    """Squared deviations of means and spreads from Table II, in standard errors of both."""
+    """Returns the squared deviations of means and spreads from Table II, in standard errors of both."""
     total = 0
     for name in TABLE_II:
         ours, (mean, sd) = row["times"][name], PAPER[name]
@@ -160,7 +160,7 @@ def slower(numbers, factor):
 
 
 def hypercube(family, count):
-    """Scenes of a Latin hypercube, in logarithms."""
+    """Returns scenes of a Latin hypercube, in logarithms."""
     chance = random.Random(f"line {family}")
     columns = {}
     for name, (low, high) in RANGES.items():
@@ -201,7 +201,7 @@ def stage_clock(scan, family):
 
 
 def stage_near(scan, family):
-    """Two rounds of random changes of the best four, by a fifth and by a tenth."""
+    """Makes two rounds of random changes of the best four, by a fifth and by a tenth."""
     for generation, width in enumerate((0.2, 0.1)):
         found = scan.of("clock", family) + [r for g in range(generation) for r in scan.of(f"near{g}", family)]
         parents = sorted(found, key=misfit)[:4]
@@ -214,7 +214,7 @@ def stage_near(scan, family):
 
 
 def stage_again(scan, family):
-    """Measures the best two again, with seeds of their own."""
+    """Measures the best two again, with new seeds."""
     found = scan.of("clock", family) + scan.of("near0", family) + scan.of("near1", family)
     for i, row in enumerate(sorted(found, key=misfit)[:2]):
         scan.measure(f"again/{family}/{i}", family, row["numbers"], TABLE_II, 24, 4000 + i, probe=False)
@@ -230,7 +230,7 @@ def stage_fresh(scan):
 
 
 def print_table(rows):
-    """Means and spreads next to the paper's, and the probability of a chi-square as large."""
+    """Prints means and spreads next to the paper's, and the probability of a larger chi-square."""
     for row in rows:
         print(f"\n{row['family']}")
         if row["numbers"]:
@@ -253,7 +253,7 @@ def print_table(rows):
 
 
 def chi_square_p(value, freedom):
-    """Probability of a larger chi-square with 2 or 3 degrees of freedom."""
+    """Returns the probability of a larger chi-square with 2 or 3 degrees of freedom."""
     if freedom == 2:
         return math.exp(-value / 2)
     return math.erfc(math.sqrt(value / 2)) + math.sqrt(2 * value / math.pi) * math.exp(-value / 2)

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""How far off the means of programs are at few steps a tick: the table of docs/validation/speed-and-accuracy.md.
+"""Measures the error of completion times with few steps per tick: the table of docs/validation/speed-and-accuracy.md.
 
-The paper's five programs, and five others, run at every number of steps a tick and at 32 for all blocks, the reference. Every
-program at every setting has seeds of its own, so that all samples are independent. Runs are made in rounds, all programs in
-each; samples that the file has already are not made again, so that it can be stopped at any time and goes on. Samples are those
-of one contact law and one scene: whoever changes these begins a new file.
+The paper's five programs, and five others, run with every number of steps per tick. The reference uses 32 steps for all blocks.
+Every program at every setting has its own seeds, so all samples are independent. Runs are made in rounds of all programs.
+Existing samples of the file are not repeated, so the script can be stopped at any time and resumed. Samples of a file belong to
+one contact law and one scene. Use a new file after a change of these.
 """
 import argparse
 import csv
@@ -17,13 +17,13 @@ PAPER = [f"examples/{name}.sa"
          for name in ["line", "open_platform", "closed_platform", "five_tower", "five_tower_reconfigured"]]
 OTHERS = ["lab/rates/comb.sa", "lab/rates/ring_of_posts.sa", "lab/rates/sixteen.sa", "lab/rates/twins.sa",
           "examples/planned/five_towers.sa"]
-# Steps a tick, and the runs of a round; seeds depend on the place in this list.
+# Steps per tick, and the runs of a round. Seeds depend on the position in this list.
 SETTINGS = [("32", 50), ("1/8", 150), ("2/8", 150), ("1", 30), ("2", 30), ("4", 30), ("2/4", 150)]
 REFERENCE = SETTINGS[0][0]
 
 
 class Sample:
-    """Times of completion: how many, their mean, and its variance."""
+    """Completion times: number, mean, and variance of the mean."""
 
     def __init__(self, parts):
         self.runs = sum(n for n, *_ in parts)
@@ -35,14 +35,14 @@ class Sample:
         return 1.96 * math.sqrt(self.variance)
 
     def bias(self, reference):
-        """Against another sample: the ratio of the means less one, and half of its 95 % interval."""
+        """Returns the ratio of the means minus one, and half of its 95 % interval."""
         ratio = self.mean / reference.mean
         width = ratio * math.hypot(self.half_width() / self.mean, reference.half_width() / reference.mean)
         return ratio - 1, width
 
 
 def read(options):
-    """The samples that are there: (program, steps, seed) to runs, mean and standard deviation."""
+    """Returns the existing samples: (program, steps, seed) to runs, mean and standard deviation."""
     if not options.samples.exists():
         return {}
     with options.samples.open() as rows:

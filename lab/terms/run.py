@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Counts the instructions that each term of a scene costs.
 
-Moves the same 300 blocks by the kernel of `--model rigid`, one step a tick, with all terms, and without one of them in the
-scene. Needs valgrind.
+Moves the same 300 blocks with the kernel of `--model rigid`, one step per tick, with all terms, and without each of them.
+Needs valgrind.
 """
 import pathlib
 import re
@@ -11,9 +11,9 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 TERMS = ["agitation", "bond", "contact", "drag", "enclosure", "fluid", "gravity"]
-IDLE = ["agitation", "bond", "drag", "fluid", "gravity"]  # those that can be there and do next to nothing
+IDLE = ["agitation", "bond", "drag", "fluid", "gravity"]  # terms that can be present with almost no effect
 BLOCKS = 300
-TICKS = (100, 500)  # instructions are those of the ticks between
+TICKS = (100, 500)  # the result is the difference
 
 
 def build():

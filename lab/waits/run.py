@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""What `check --cost` says of the wait of each capture, and the narrow ways in that `check` warns of, against simulated waits.
+"""Compares the waiting times and narrow access paths that `check` reports with simulated waiting times.
 
-`run.py STOCHC FOLDER` makes 20 runs of each program (some minutes on one core), and writes a row of the table in docs/concepts/proofs.md for each.
-Runs that the folder has already are not made again.
+`run.py STOCHC FOLDER` makes 20 runs of each program (some minutes on one core), and writes a row of the table in
+docs/concepts/proofs.md for each. Existing runs of the folder are not repeated.
 """
 import csv
 import math
@@ -17,7 +17,7 @@ PROGRAMS = [HERE.parent.parent / f"examples/{name}.sa" for name in EXAMPLES] + s
 
 
 def ranks(values):
-    """The rank of each value; equal ones share the mean of theirs."""
+    """Returns the rank of each value. Equal values share their mean rank."""
     return [sum(other < value for other in values) + (values.count(value) - 1) / 2 for value in values]
 
 
@@ -38,7 +38,7 @@ def row(stochc, program, where):
     run("simulate", program, *options)
     run("report", folder, "--out", where / f"{program.stem}.html")
     checked = run("check", program, "--cost=1000")
-    # `A.up -> B   8.1 %   621`: the share of the time, and the wait.
+    # `A.up -> B   8.1 %   621`: share of the time, and waiting time.
     found = re.findall(r"^  (\S.*? -> \S.*?)\s\s+[\d.]+ %\s+(\d+)$", checked.stdout, re.MULTILINE)
     expected = {name: int(wait) for name, wait in found}
     narrow = set(re.findall(r"`([^`]+)`: \d of 5", checked.stderr))
@@ -49,7 +49,7 @@ def row(stochc, program, where):
     longest = max(names, key=waits.get)
 
     def means(names):
-        """Measured and expected."""
+        """Returns the measured and the expected mean."""
         both = [[of[name] for name in names] for of in (waits, expected)]
         return " | ".join(f"{sum(values) / len(values):.0f}" if values else "" for values in both)
 

@@ -1,4 +1,4 @@
-"""What tests share."""
+"""Fixtures that tests share."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ EXAMPLES = ROOT / "examples"
 
 @pytest.fixture
 def tower() -> str:
-    """A program with phases, captures and releases, as the command is given it."""
+    """Returns the path of a program with phases, captures and releases, as the command gets it."""
     return "examples/five_tower_reconfigured.sa"
 
 
 @pytest.fixture(autouse=True)
 def at_root(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Paths within manifests are as they were given."""
+    """Runs tests in a fixed folder, because manifests contain paths as they were given."""
     monkeypatch.chdir(ROOT)
 
 

@@ -1,4 +1,4 @@
-"""Executes a notebook, and leaves it and its figures in a folder."""
+"""Executes a notebook, and writes it and its figures to a folder."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def main(notebook: Path, folder: Path) -> None:
     book: Any = nbformat.read(notebook, as_version=4)  # type: ignore[no-untyped-call, unused-ignore]
     stored = [cell.get("outputs") for cell in book.cells if cell.cell_type == "code"]
     if any(stored):
-        sys.exit(f"{notebook} holds outputs: clear them, they are made anew")
+        sys.exit(f"{notebook} contains outputs: clear them, they are made again")
     client = NotebookClient(book, timeout=600, kernel_name="python3", resources={"metadata": {"path": str(notebook.parent)}})
     client.execute()
     figures = folder / "figures"

@@ -1,4 +1,4 @@
-"""Pieces, made by whatever distributes work."""
+"""Tests shards that run on a Dask cluster."""
 
 from __future__ import annotations
 

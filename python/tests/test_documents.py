@@ -1,4 +1,4 @@
-"""What docs/guides/python.md shows works, block by block."""
+"""Runs each code block of docs/guides/python.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whatever comes in, an exception with a way out goes out."""
+"""Checks that invalid input raises an exception with advice."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_strange_options(name: str, tmp_path: Path) -> None:
     for number, value in enumerate(STRANGE):
         if name == "threads" and value is None:
             continue
-        # What changes how `rigid` computes is refused with `shuffle`.
+        # The model `shuffle` rejects the settings of `rigid`.
         model = "rigid" if name in ("substeps", "solver_iterations", "precision", "without") else "shuffle"
         options: dict[str, Any] = {"runs": 1, "model": model, "max_ticks": 100, name: value}
         if name in ("resume", "mixed_builds", "record"):
@@ -141,7 +141,7 @@ def test_a_folder_that_is_deleted_meanwhile(tmp_path: Path) -> None:
     ensemble = stochc.simulate(stochc.EXAMPLE, runs=3, model="shuffle", out=out)
     again = pickle.dumps(ensemble)
     shutil.rmtree(out)
-    # What was opened is there still, and what has to be opened again is not.
+    # Open files are still readable. Files that must be opened again are not.
     assert len(ensemble.runs) == 3
     with pytest.raises(stochc.UsageError, match="contains no results"):
         pickle.loads(again)
@@ -293,7 +293,7 @@ def test_an_interrupt_stops_within_a_tick_and_keeps_what_is_finished(tmp_path: P
     while not (out / "journal.jsonl").exists():
         time.sleep(0.05)
     child.send_signal(signal.SIGINT)
-    # Without it, this would take days.
+    # Without the interruption, this would take days.
     assert child.communicate(timeout=60)[0] == "stopped\n"
     assert child.returncode == 0
     assert not stochc.open(out).complete

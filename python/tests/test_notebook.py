@@ -1,4 +1,4 @@
-"""What notebooks show."""
+"""Tests the output of notebooks."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_a_completed_program_is_compiled_among_others_and_with_what_it_imports(t
     assert (program.assembly, program.captures) == ("begun", 2)
     assert list(program.sources.values()) == [planned.text, castle]
     assert pictures(planned._repr_html_()) == [program._repr_svg_()]  # pyright: ignore[reportPrivateUsage]
-    # What else is claimed is an error until it is planned as well.
+    # A second claim is an error until it is planned as well.
     begun.write_text(begun.read_text().replace(phase, phase + " phase high { yields castle }"))
     half = stochc.plan(begun, complete=True, tries=5)
     with pytest.raises(stochc.ProgramError, match="castle"):
@@ -98,7 +98,7 @@ def test_texts_of_others_are_only_text(tmp_path: Path) -> None:
     ]
     for page in shown:
         assert "<script>alert" not in page
-    # The replay shows the text of the program, so that there was something to be made harmless.
+    # The replay shows the source of the program, so the escaping is really tested.
     assert "alert(1)" in shown[-1]
 
 

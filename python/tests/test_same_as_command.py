@@ -1,4 +1,4 @@
-"""What Python makes is what the command makes, byte for byte."""
+"""Checks that Python and the command write the same files, byte for byte."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_folders_are_the_same(
     assert ours.text() + "\n" == done.stdout or str(ours) == done.stdout.rstrip()
     results = command("show", out, "--json", status=3 if stopped else 0)
     assert ours.results() == json.loads(results.stdout)
-    # In memory it is the same.
+    # An ensemble in memory is the same.
     in_memory = stochc.simulate(programs, runs=3, seed=7, **options)
     assert in_memory.results() == ours.results()
 
@@ -108,7 +108,7 @@ def test_recordings_replays_and_exports_are_the_same(tower: str, command: Comman
 
 def test_reports_are_the_same(tower: str, command: Command, tmp_path: Path) -> None:
     folder = tmp_path / "results"
-    # Next to what they are reports on, and under one name, which is in them.
+    # The reports are next to their folders, with the same name, which they contain.
     page, its = (tmp_path / name / "report.html" for name in ("python", "command"))
     page.parent.mkdir()
     its.parent.mkdir()
@@ -169,7 +169,7 @@ def test_proofs_are_the_same(command: Command, tower: str) -> None:
 
 def assert_same_plan(planned: stochc.Plan, printed: str) -> None:
     document = json.loads(printed)
-    # The program names its scene as well.
+    # The program also names its scene.
     assert document.pop("scene") in (None, "hemisphere")
     assert {"format": 1, "program": planned.text, "plan": planned.plan} == document
 

@@ -1,4 +1,4 @@
-"""Tables go into other libraries as they are."""
+"""Tests the exchange of tables with other libraries."""
 
 from __future__ import annotations
 

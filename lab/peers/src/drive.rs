@@ -1,14 +1,15 @@
-//! How `run.py` talks to a driver; `c/scene.h` is the same in C.
+//! Protocol between `run.py` and a driver. `c/scene.h` implements the same in C.
 //!
-//! A driver is started as `DRIVER ENGINE BLOCKS KICK` and says `ready`, the digests of its start
-//! and of its kicks (`nan`: kicks of its own), and its version. Then it obeys lines:
+//! `DRIVER ENGINE BLOCKS KICK` starts a driver. It prints `ready`, the digests of its start and of
+//! its kicks (`nan` for its own kicks), and its version. Then it reads commands:
 //!
-//! - `run TICKS`: moves on and says the CPU time of its thread \[ns\], the mean square speed
-//!   \[side^2 / tick^2\], the contact points per block (`nan`: the engine does not tell), and how
-//!   often the engine complained (those in Rust stop instead);
-//! - `state`: says one line per block, position, velocity and rotation (x, y, z, w).
+//! - `run TICKS` advances the scene. It prints the CPU time of the thread \[ns\], the mean square
+//!   speed (square block lengths per square tick), the contact points per block (`nan` if the
+//!   engine does not report them), and the number of complaints of the engine. Engines in Rust
+//!   stop instead.
+//! - `state` prints one line per block: position, velocity and rotation (x, y, z, w).
 //!
-//! The clock stands still while speeds and contacts are looked at.
+//! Reading speeds and contacts is not part of the measured time.
 use std::error::Error;
 use std::io::{self, BufWriter, Write};
 
@@ -16,22 +17,22 @@ use rustix::time::{ClockId, clock_gettime};
 
 use crate::scene;
 
-/// Ticks between two looks at speeds and contacts.
+/// Ticks between two readings of speeds and contacts.
 const STRIDE: u64 = 10;
 
 /// A scene in an engine.
 pub trait Gas {
-    /// Advances one tick; all of it is measured.
+    /// Advances one tick. The whole call is measured.
     fn tick(&mut self) -> Result<(), Box<dyn Error>>;
-    /// All blocks, in block units.
+    /// Returns all blocks, in block units.
     fn states(&self) -> Vec<State>;
-    /// Contact points that the engine has now, if it tells.
+    /// Returns the number of contact points, if the engine reports it.
     fn contacts(&self) -> Option<usize>;
-    /// Digest of the kicks, if they are the common ones.
+    /// Returns the digest of the kicks, if they are the common ones.
     fn kicks(&self) -> Option<f64>;
 }
 
-/// Where a block is and how it moves, in block units.
+/// Position and motion of a block, in block units.
 pub struct State {
     pub position: [f64; 3],
     pub velocity: [f64; 3],
@@ -39,7 +40,7 @@ pub struct State {
     pub rotation: [f64; 4],
 }
 
-/// The arguments of a driver: engine, blocks and kick.
+/// Returns the arguments of a driver: engine, blocks and kick.
 pub fn arguments() -> Result<(String, u32, f64), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let [engine, blocks, kick] = words.as_slice() else {
@@ -48,7 +49,7 @@ pub fn arguments() -> Result<(String, u32, f64), Box<dyn Error>> {
     Ok((engine.clone(), blocks.parse()?, kick.parse()?))
 }
 
-/// Does as it is told until its input ends.
+/// Executes commands until the input ends.
 pub fn serve(gas: &mut dyn Gas, version: &str) -> Result<(), Box<dyn Error>> {
     let start = scene::digest(gas.states().iter().map(|state| state.position));
     println!(
@@ -97,7 +98,7 @@ fn tell(gas: &dyn Gas) -> Result<(), Box<dyn Error>> {
     Ok(out.flush()?)
 }
 
-/// CPU time of this thread \[ns\].
+/// Returns the CPU time of this thread \[ns\].
 fn now() -> i64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec * 1_000_000_000 + time.tv_nsec

@@ -1,4 +1,4 @@
-//! Rapier, set up in two ways, with nothing of the project in between.
+//! Rapier with two sets of settings, without any code of the project.
 use std::error::Error;
 
 use rapier3d::dynamics::{
@@ -11,7 +11,7 @@ use rapier3d::pipeline::PhysicsWorld;
 use crate::drive::{Gas, State};
 use crate::scene::{FRICTION, Push, radius, start};
 
-/// Thickness of the ground \[side\].
+/// Thickness of the ground, in block lengths.
 const GROUND: f32 = 20.0;
 
 pub struct Rapier {
@@ -19,7 +19,7 @@ pub struct Rapier {
     push: Push,
     engine: PhysicsWorld,
     handles: Vec<RigidBodyHandle>,
-    /// The units of the engine's world: a side, and a side per tick.
+    /// Units of the engine's world: a block length, and a block length per tick.
     side: f32,
     speed: f32,
     /// Whether blocks may fall asleep.
@@ -27,8 +27,8 @@ pub struct Rapier {
 }
 
 impl Rapier {
-    /// All of the engine's defaults, in the metres and seconds that they are meant for: a side is
-    /// 0.2 m, a tick 0.02 s.
+    /// Uses the engine's defaults in their intended units, metres and seconds. A block has 0.2 m, a
+    /// tick 0.02 s.
     pub fn defaults(blocks: u32, kick: f64) -> Rapier {
         let parameters = IntegrationParameters {
             dt: 0.02,
@@ -37,8 +37,8 @@ impl Rapier {
         Rapier::new(blocks, kick, parameters, 0.2, true)
     }
 
-    /// As `runtime/src/world/rapier/engine.rs` does, in block units: the same contacts, but no
-    /// continuous collision detection, no limit of speed, and no sleep.
+    /// Uses the settings of `runtime/src/world/rapier/engine.rs` in block units: the same contacts,
+    /// but no continuous collision detection, no limit of speed, and no sleep.
     pub fn as_the_project(blocks: u32, kick: f64) -> Rapier {
         let softness = |natural_frequency| SpringCoefficients {
             natural_frequency,
@@ -74,7 +74,7 @@ impl Rapier {
             ..PhysicsWorld::default()
         };
         let surface = |collider: ColliderBuilder| collider.friction(FRICTION).restitution(0.0);
-        // A slab: an endless plane would meet every block in every step.
+        // A slab: an infinite plane would meet every block in every step.
         let half = side * (2.0 * radius(blocks) as f32 + 10.0);
         let below = side * GROUND / 2.0;
         engine.insert(

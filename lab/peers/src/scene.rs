@@ -1,6 +1,6 @@
-//! The scene that all engines get; `c/scene.h` is the same in C.
+//! The common scene of all engines. `c/scene.h` defines the same in C.
 //!
-//! Everything is in block units: side 1, mass 1, tick 1.
+//! Everything is in block units: block length 1, mass 1, tick 1.
 use rapier3d::glamx::Vec3;
 
 /// Acceleration of the wall per depth \[1 / tick^2\]: 25 N/m on 1 kg at 20 ms a tick.
@@ -11,23 +11,24 @@ pub const DRAG: f64 = 0.01;
 pub const FRICTION: f32 = 0.2;
 
 const SEED: u64 = 1;
-/// Least distance of a centre from the ground and from the wall at the start \[side\].
+/// Least distance of a centre from the ground and from the wall at the start, in block lengths.
 const MARGIN: f64 = 1.0;
-/// Side of a block in `hemisphere` [m].
+/// Block length in `hemisphere` \[m\].
 const SIDE: f64 = 0.2;
 
-/// Least spacing of the lattice \[side\].
+/// Least spacing of the lattice, in block lengths.
 const MIN_SPACING: f64 = 1.1;
 
-/// Radius of the half ball \[side\]: that of `hemisphere` for 300 blocks, at the same density.
+/// Returns the radius of the hemisphere in block lengths: that of `hemisphere` for 300 blocks, at
+/// the same density.
 pub fn radius(blocks: u32) -> f64 {
     25.0 * (f64::from(blocks) / 300.0).cbrt()
 }
 
-/// What changes velocities once a tick, other than contacts.
+/// Change of the velocities once per tick, in addition to contacts.
 pub struct Push {
     blocks: u32,
-    /// Greatest change of speed \[side / tick\].
+    /// Greatest change of speed, in block lengths per tick.
     kick: f64,
     radius: f32,
     keep: f32,
@@ -43,7 +44,7 @@ impl Push {
         }
     }
 
-    /// The velocity of a block \[side / tick\] after wall, kick and drag.
+    /// Returns the velocity of a block, in block lengths per tick, after wall, kick and drag.
     pub fn apply(&self, tick: u64, block: u32, position: Vec3, mut velocity: Vec3) -> Vec3 {
         let distance = position.length();
         if distance > self.radius {
@@ -52,7 +53,7 @@ impl Push {
         (velocity + self.kick(tick, block)) * self.keep
     }
 
-    /// Speed uniform up to the greatest, direction isotropic.
+    /// Returns a kick with a uniform speed up to the greatest and an isotropic direction.
     fn kick(&self, tick: u64, block: u32) -> Vec3 {
         let place = 2 * (tick * u64::from(self.blocks) + u64::from(block));
         let (a, b) = (draw(place), draw(place + 1));
@@ -63,7 +64,7 @@ impl Push {
         speed * Vec3::new(across * cos, across * sin, z as f32)
     }
 
-    /// A sum that differs if drivers do not draw the same kicks.
+    /// Returns a sum that differs if drivers do not draw the same kicks.
     pub fn digest(&self) -> f64 {
         let unit = Push::new(self.blocks, 1.0);
         let kicks = (0..self.blocks).map(|block| unit.kick(7, block));
@@ -71,7 +72,7 @@ impl Push {
     }
 }
 
-/// A sum that differs if drivers do not have the same vectors in the same order.
+/// Returns a sum that differs if drivers do not have the same vectors in the same order.
 pub fn digest(vectors: impl Iterator<Item = [f64; 3]>) -> f64 {
     let parts = vectors.enumerate().map(|(i, [x, y, z])| {
         let weight = 1.0 + (i % 7) as f64;
@@ -80,7 +81,7 @@ pub fn digest(vectors: impl Iterator<Item = [f64; 3]>) -> f64 {
     parts.sum()
 }
 
-/// Word number `place` of the sequence SplitMix64.
+/// Returns word number `place` of the sequence SplitMix64.
 fn draw(place: u64) -> u64 {
     let mut z = SEED.wrapping_add(place.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -88,16 +89,17 @@ fn draw(place: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// 32 bits as a number in (0, 1).
+/// Returns 32 bits as a number in (0, 1).
 fn unit(bits: u64) -> f64 {
     (bits as f64 + 0.5) / 4_294_967_296.0
 }
 
-/// Where the blocks are at first, at rest: the widest cubic lattice with room for all, as in
+/// Returns the initial positions: the widest cubic lattice with room for all blocks, as in
 /// `hemisphere`.
 pub fn start(blocks: u32) -> Vec<[f64; 3]> {
     let count = blocks as usize;
-    // Rounded as by way of metres, like in the project: the bisection ends elsewhere for another radius.
+    // Rounded by way of metres, as in the project. The bisection would end elsewhere for another
+    // radius.
     let radius = SIDE * radius(blocks) / SIDE - MARGIN;
     let (mut fits, mut fails) = (MIN_SPACING, 2.0 * radius + 2.0);
     for _ in 0..60 {

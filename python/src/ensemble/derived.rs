@@ -110,7 +110,7 @@ pub(super) fn survival(manifest: &Manifest, finished: &Records) -> Result<Python
     ];
     table(
         "survival",
-        "a time at which runs of a program completed",
+        "a time when runs of a program completed",
         columns,
     )
     .map_err(Failure::usage)

@@ -1,10 +1,10 @@
-//! Measures what checking a large program costs. Arguments: `[CAPTURES [REPEATS]]`.
+//! Measures the cost of checking a large program. Arguments: `[CAPTURES [REPEATS]]`.
 //!
-//! Two programs of the same structure, towers of four on a square plate, are read, checked and
-//! lowered: one written out flat, one of nested patterns and loops. Times are medians of several
-//! runs, as ratios to pest's bare parse of the same text by the grammar's `program` rule; memory is
-//! what is still held at the end of each stage, less the text itself. Without arguments the sizes
-//! are 10^3 to 10^6 captures.
+//! Two programs with the same structure, towers of four on a square plate, are read, checked and
+//! lowered. One is flat, the other uses nested patterns and loops. Times are medians of several
+//! runs. They are divided by the time of pest's bare parse of the same text with the grammar's
+//! `program` rule. Memory is the memory in use at the end of each stage, without the text itself.
+//! Without arguments the sizes are 10^3 to 10^6 captures.
 #![allow(missing_docs, reason = "a command, not a library")]
 #![expect(clippy::disallowed_methods, reason = "a benchmark needs a clock")]
 
@@ -17,7 +17,7 @@ use stochc_compiler::{Checked, Limits, LintLevels, Stage, check_observed};
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
 
-/// Captures in each tower.
+/// Number of captures in each tower.
 const HEIGHT: usize = 4;
 
 const STAGES: [Stage; 9] = [
@@ -97,7 +97,7 @@ fn report(captures: usize, text: &str, own: Duration, bare: Duration, repeats: u
 }
 
 struct Measured {
-    /// Of each stage its time, and the bytes held when it ended.
+    /// Time of each stage, and the bytes in use at its end.
     stages: Vec<(Duration, usize)>,
     total: Duration,
     held: usize,
@@ -139,7 +139,7 @@ fn measure(text: &str) -> Measured {
     }
 }
 
-/// A benchmark of a program that is wrong would measure nothing.
+/// Checks that the program has no errors, because its timing would be meaningless.
 fn right(checked: &Checked) {
     assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
     assert!(checked.programs[0].tables.is_some());
@@ -162,7 +162,7 @@ fn scene(out: &mut String, edge: usize) {
     );
 }
 
-/// Every seed and every tower in a line of its own.
+/// Returns a program with a separate line for every seed and every tower.
 fn flat(edge: usize) -> String {
     let mut out = String::new();
     scene(&mut out, edge);
@@ -188,7 +188,7 @@ fn flat(edge: usize) -> String {
     out
 }
 
-/// A pattern of towers in a pattern of rows in a loop.
+/// Returns a program with a pattern of towers in a pattern of rows in a loop.
 fn nested(edge: usize) -> String {
     let mut out = String::new();
     scene(&mut out, edge);

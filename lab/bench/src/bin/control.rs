@@ -1,10 +1,11 @@
-//! Measures how many events per second tables run at without physics. Arguments: `[CAPTURES [REPEATS]]`.
+//! Measures the number of events per second of tables without physics. Arguments: `[CAPTURES
+//! [REPEATS]]`.
 //!
-//! The programs are towers of ten on a square plate: one only builds them; another one then takes them down again,
-//! which also sends a message for each release. An event is what a replay lists as one: a face is switched on, a block is
-//! captured, released, a message makes a hop, the plate counts a report, a phase begins. Times are the
-//! shortest of several runs, from the tables to the record. Without arguments the sizes are 10^3 to 10^6
-//! captures.
+//! The programs are towers of ten on a square plate. One program only builds them. The other one
+//! also releases them, which sends a message for each release. Events are those of a replay: a face
+//! is switched on, a block is captured or released, a message makes a hop, the plate counts a
+//! report, a phase begins. Times are the shortest of several runs, from the tables to the record.
+//! Without arguments the sizes are 10^3 to 10^6 captures.
 #![allow(missing_docs, reason = "a command, not a library")]
 #![expect(clippy::disallowed_methods, reason = "a benchmark needs a clock")]
 
@@ -16,10 +17,10 @@ use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 use stochc_runtime::{Model, Settings, run};
 
-/// Captures in each tower.
+/// Number of captures in each tower.
 const HEIGHT: usize = 10;
 
-/// A size is measured for so long, and once at least.
+/// Total time after which the measurement of a size stops. At least one run is made.
 const ENOUGH: Duration = Duration::from_secs(2);
 
 fn main() {
@@ -59,7 +60,8 @@ fn main() {
     }
 }
 
-/// What a replay would list of a complete run: nothing that is switched on is left without a block.
+/// Returns the number of events that a replay would list for a complete run. Every open face has
+/// captured.
 fn events(checked: &Checked, record: &RunRecord) -> u64 {
     let tables = checked.programs[0].tables.as_ref();
     let phases = &tables.expect("the program is valid").phases;
@@ -68,7 +70,7 @@ fn events(checked: &Checked, record: &RunRecord) -> u64 {
     of_blocks as u64 + record.hops + u64::from(reports)
 }
 
-/// The shortest time of a run, and its record.
+/// Returns the shortest time of a run, and its record.
 fn measure(checked: &Checked, repeats: usize) -> (Duration, RunRecord) {
     let program = &checked.programs[0];
     let tables = program.tables.as_ref().expect("the program is valid");
@@ -79,7 +81,8 @@ fn measure(checked: &Checked, repeats: usize) -> (Duration, RunRecord) {
     let began = Instant::now();
     for number in 0..repeats {
         let start = Instant::now();
-        let record = run(tables, scene, &settings, 1, 0, &mut go).expect("the run is not cancelled");
+        let record =
+            run(tables, scene, &settings, 1, 0, &mut go).expect("the run is not cancelled");
         let time = start.elapsed();
         assert_eq!(record.outcome, Outcome::Completed);
         if best.as_ref().is_none_or(|(shortest, _)| time < *shortest) {
@@ -92,7 +95,8 @@ fn measure(checked: &Checked, repeats: usize) -> (Duration, RunRecord) {
     best.expect("it is measured once at least")
 }
 
-/// About so many captures, in towers, and what happens then.
+/// Returns a checked program with about `captures` captures in towers, followed by the statements
+/// `down`.
 fn towers(captures: usize, down: &str) -> Checked {
     let edge = ((captures / HEIGHT) as f64).sqrt().round().max(1.0) as usize;
     let (last, blocks, radius) = (edge - 1, edge * edge * HEIGHT, edge + 20);

@@ -1,6 +1,7 @@
-//! Compares the speed that `stochc check --physics` expects with the speed of the blocks.
+//! Compares the speed that `stochc check --physics` expects with the measured speed of the blocks.
 //!
-//! The scene `hemisphere_2005`, with one thing changed in each row, and no face magnetized. Speeds in sides a tick.
+//! Each row is the scene `hemisphere_2005` with one change. No face is magnetized. Speeds are in
+//! block lengths per tick.
 use stochc_compiler::scene::built_in;
 use stochc_ir::scene::groups::{BlockUnits, Gas, speed};
 use stochc_ir::scene::{Agitation, Contact, ContactLaw, Drag, Scene};
@@ -9,12 +10,12 @@ use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::{Arena as _, World as _};
 use stochc_runtime::{Model, Settings};
 
-/// Ticks that the blocks need to forget that they began at rest.
+/// Ticks until blocks that began at rest have reached their speed.
 const WARM_UP: usize = 3_000;
-/// Ticks that are looked at, in each of [`RUNS`] runs.
+/// Observed ticks of each of [`RUNS`] runs.
 const TICKS: usize = 3_000;
 const RUNS: u64 = 4;
-/// Sides from the ground and the shell at which a block meets nothing but blocks.
+/// Distance from the ground and the shell beyond which a block meets only blocks, in block lengths.
 const APART: f64 = 2.0;
 
 fn main() {
@@ -81,9 +82,9 @@ fn scenes() -> Vec<(&'static str, Scene, u32)> {
 }
 
 struct Seen {
-    /// Sides a tick.
+    /// Root mean square speed, in block lengths per tick.
     rms: f64,
-    /// Collisions of a block in a tick, while it is [`APART`] from the ground and the shell.
+    /// Collisions per block and tick, for blocks that are [`APART`] from the ground and the shell.
     meetings: f64,
 }
 
@@ -127,7 +128,7 @@ fn observe(scene: &Scene, substeps: u32) -> Seen {
             for ((old, new), meeting) in before.iter().zip(&now).zip(&mut meeting) {
                 square += new.velocity.norm_squared();
                 count += 1.0;
-                // More than a kick has changed its velocity, for the first tick in a row.
+                // The velocity has changed by more than a kick, for the first tick in a row.
                 let drag = units.rate(scene.drag.as_ref().map_or(0.0, |drag| drag.rate));
                 let change = (new.velocity - old.velocity * (-drag).exp()).norm();
                 let was = std::mem::replace(meeting, change > most);

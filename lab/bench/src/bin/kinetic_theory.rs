@@ -1,9 +1,9 @@
 //! Compares the scene `hemisphere_2005` with the predictions of kinetic theory.
 //!
 //! Blocks of number density n and mean speed v enter the reach of a magnetized face n v A / 4 times
-//! a tick, where A is the surface of the places from which a block's nearest face just comes into
-//! reach, averaged over orientations, less what the structure bars. The prediction is to be held
-//! against the entry rates that `stochc simulate --captures` shows.
+//! per tick. A is the surface of all positions of a block whose nearest face just enters the reach.
+//! It is averaged over orientations, without the positions that the structure blocks. Compare the
+//! prediction with the entry rates of `stochc simulate --captures`.
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -14,14 +14,14 @@ use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::{Arena as _, World as _};
 use stochc_runtime::{Model, Settings};
 
-/// Directions and orientations that are tried for an area.
+/// Number of directions and orientations that are drawn for an area.
 const SAMPLES: usize = 400_000;
-/// Ticks that the blocks need to forget that they began at rest.
+/// Ticks until blocks that began at rest have reached their speed.
 const WARM_UP: usize = 2_000;
-/// Ticks that are looked at, in each of [`RUNS`] runs.
+/// Observed ticks of each of [`RUNS`] runs.
 const TICKS: usize = 4_000;
 const RUNS: u64 = 4;
-/// Sides above the ground that count as near it.
+/// Height above the ground that counts as near it, in block lengths.
 const NEAR: f64 = 1.5;
 
 fn main() {
@@ -64,15 +64,15 @@ fn main() {
 }
 
 struct Gas {
-    /// Sides a tick.
+    /// Mean speed, in block lengths per tick.
     speed: f64,
-    /// The same of blocks whose centre is within [`NEAR`].
+    /// Mean speed of the blocks whose centre is lower than [`NEAR`].
     speed_near: f64,
-    /// How many those are, on average.
+    /// Mean number of these blocks.
     near: f64,
 }
 
-/// The free blocks of the scene, with no face magnetized.
+/// Observes the free blocks of the scene, with no face magnetized.
 fn observe(scene: &Scene) -> Gas {
     let plate = Plate { width: 3, depth: 3 };
     let (mut sum, mut count) = (0.0, 0.0);
@@ -109,15 +109,16 @@ fn observe(scene: &Scene) -> Gas {
     }
 }
 
-/// The orientation-averaged surface of the places of a cube's centre at which its nearest face is
-/// just within `reach` of the origin, a face that looks up, and that `barred` leaves open \[sides^2\].
+/// Returns the area of all positions of a cube's centre whose nearest face is just within `reach`
+/// of the origin, averaged over orientations. The face at the origin looks up. Positions with
+/// `barred` are left out. The unit is square block lengths.
 fn area(reach: f64, barred: impl Fn(Vector3<f64>, &UnitQuaternion<f64>) -> bool) -> f64 {
     let mut dice = ChaCha8Rng::seed_from_u64(1);
     let mut open = 0usize;
     for _ in 0..SAMPLES {
         let rotation = orientation(&mut dice);
         let outward = direction(&mut dice);
-        // One of six balls, around the places where that face would be at the origin.
+        // The centre is on one of six balls. The centre of each ball has that face at the origin.
         let face = rotation * Vector3::z() * 0.5;
         let centre = outward.into_inner() * reach - face;
         let nearest = [Vector3::x(), Vector3::y(), Vector3::z()]
@@ -139,7 +140,7 @@ fn direction(dice: &mut ChaCha8Rng) -> UnitVector3<f64> {
     }
 }
 
-/// Uniform over all rotations: Shoemake's method.
+/// Returns a rotation, uniformly distributed (Shoemake's method).
 fn orientation(dice: &mut ChaCha8Rng) -> UnitQuaternion<f64> {
     let (u, v, w): (f64, f64, f64) = (dice.random(), dice.random(), dice.random());
     let turn = std::f64::consts::TAU;
@@ -152,13 +153,13 @@ fn orientation(dice: &mut ChaCha8Rng) -> UnitQuaternion<f64> {
     ))
 }
 
-/// The lowest point of a unit cube.
+/// Returns the height of the lowest point of a unit cube.
 fn lowest(centre: Vector3<f64>, rotation: &UnitQuaternion<f64>) -> f64 {
     let axes = rotation.to_rotation_matrix().into_inner();
     centre.z - 0.5 * axes.row(2).abs().sum()
 }
 
-/// Whether a unit cube overlaps the square column below the origin: separating axes.
+/// Returns whether a unit cube overlaps the square column below the origin, using separating axes.
 fn overlaps_column(centre: Vector3<f64>, rotation: &UnitQuaternion<f64>) -> bool {
     const DEPTH: f64 = 20.0;
     let half = Vector3::new(0.5, 0.5, DEPTH / 2.0);

@@ -1,10 +1,11 @@
-//! Measures how far blocks of a built-in scene overlap each other, the ground and the shell.
+//! Measures the overlaps of blocks of a built-in scene with each other, the ground and the shell.
 //!
 //! Arguments: `[SCENE [SUBSTEPS [TICKS [NAME=FACTOR...]]]]`.
 //!
-//! No face is magnetized. An encounter begins where the centres of two free blocks come within 1.2 sides, closer than which most
-//! cubes touch, and ends where they are 1.8 sides apart. Two whose centres were nearer than half a side have passed through
-//! each other: rigid cubes stay a whole side apart.
+//! No face is magnetized. An encounter begins when the centres of two free blocks are closer than
+//! 1.2 block lengths. At smaller distances most cubes touch. It ends at a distance of 1.8. If the
+//! centres come closer than half a block length, the blocks have passed through each other: rigid
+//! cubes stay a whole block length apart.
 use std::collections::HashMap;
 
 use nalgebra::Vector3;
@@ -16,9 +17,10 @@ use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena as _, World as _};
 use stochc_runtime::{Settings, Substeps};
 
-/// Ticks that the blocks need to forget that they began at rest.
+/// Ticks until blocks that began at rest have reached their speed.
 const WARM_UP: usize = 1_000;
-/// Sides between centres at which an encounter begins, at which it is over, and at which blocks have passed.
+/// Distances between centres, in block lengths: start of an encounter, its end, and passage through
+/// each other.
 const NEAR: f64 = 1.2;
 const APART: f64 = 1.8;
 const PASSED: f64 = 0.5;
@@ -50,7 +52,7 @@ fn main() {
         let read = change.split_once('=');
         let Some((number, Ok(factor))) = read.map(|(name, factor)| (name, factor.parse::<f64>()))
         else {
-            eprintln!("say `stiffness=2`, not `{change}`");
+            eprintln!("write `stiffness=2`, not `{change}`");
             return;
         };
         scale(&mut scene, number, factor);
@@ -74,20 +76,20 @@ fn main() {
         share(seen.close, ticks as u64)
     );
     println!(
-        "encounters in which blocks passed            {:.2e} ({} of {})",
+        "encounters with blocks that passed           {:.2e} ({} of {})",
         share(seen.passed, seen.encounters),
         seen.passed,
         seen.encounters
     );
 }
 
-/// Multiplies a number of the scene.
+/// Multiplies a scene parameter.
 fn scale(scene: &mut Scene, number: &str, factor: f64) {
     let contact = scene.contact.as_mut().expect("blocks touch");
     match (number, &mut contact.law) {
         ("stiffness", ContactLaw::Compliant { stiffness, damping }) => {
             *stiffness *= factor;
-            // The damping ratio, and with it the restitution, stays.
+            // The damping ratio, and with it the restitution, stays the same.
             *damping *= factor.sqrt();
         }
         ("friction", _) => contact.friction *= factor,
@@ -114,7 +116,7 @@ fn observe(scene: &Scene, settings: &Settings, ticks: usize) -> Counts {
     let mut world = RigidWorld::new(scene, &plate, settings, 1, 0).expect("the scene can be");
     let mut none = Vec::new();
     let mut counts = Counts::default();
-    // The nearest that each pair of an encounter has come.
+    // The smallest distance of each pair during its encounter.
     let mut encounters: HashMap<(u32, u32), f64> = HashMap::new();
     for tick in 0..WARM_UP + ticks {
         world.step(&mut none).expect("the scene can be computed");
@@ -148,7 +150,7 @@ fn observe(scene: &Scene, settings: &Settings, ticks: usize) -> Counts {
     counts
 }
 
-/// The pairs whose centres are within [`NEAR`].
+/// Returns the pairs whose centres are closer than [`NEAR`].
 fn near_pairs(places: &[Vector3<f64>]) -> Vec<(u32, u32)> {
     let mut order: Vec<u32> = (0..places.len() as u32).collect();
     order.sort_by(|&a, &b| places[a as usize].x.total_cmp(&places[b as usize].x));

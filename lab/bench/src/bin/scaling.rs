@@ -1,7 +1,7 @@
 //! Measures how the cost of a tick grows with blocks, magnetized faces and structure.
 //!
-//! The default scene by `rigid`, one step a tick, at its density. Memory is what the process holds more than
-//! before (Linux).
+//! Uses the default scene with the model `rigid`, one step per tick, at its density. Memory is the
+//! additional resident memory of the process (Linux).
 use std::time::Instant;
 
 use nalgebra::Vector3;
@@ -15,13 +15,13 @@ use stochc_runtime::{Model, Settings};
 
 const SIZES: [u32; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
 
-/// Free blocks beside many faces or a large structure: what these cost by themselves.
+/// Number of free blocks when many faces or a large structure are measured. It isolates their cost.
 const FEW: u32 = 1;
 
-/// So many blocks dock at once while a structure is set up.
+/// Number of blocks that dock at once while a structure is set up.
 const AT_ONCE: usize = 1000;
 
-/// Ticks until blocks move as they always will.
+/// Ticks until the motion of the blocks is stationary.
 const WARM_UP: u64 = 300;
 
 fn main() {
@@ -52,7 +52,8 @@ fn main() {
     });
 }
 
-/// One table: the cost of each size, and the exponent of its growth from the size before.
+/// Prints a table with the cost of each size, and the exponent of its growth from the previous
+/// size.
 #[expect(clippy::disallowed_methods, reason = "it measures time")]
 fn report(what: &str, make: &dyn Fn(u32) -> Option<RigidWorld>) {
     println!("\n| {what} | a tick | each | exponent | memory of each |");
@@ -91,7 +92,7 @@ fn report(what: &str, make: &dyn Fn(u32) -> Option<RigidWorld>) {
     }
 }
 
-/// A world with so many blocks, over a square plate of so many seeds along its side.
+/// Returns a world with `count` blocks above a square plate with `side` seeds along each edge.
 fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
     let mut scene: Scene = built_in("hemisphere_soft").expect("a built-in scene");
     scene.free.count = count;
@@ -99,7 +100,7 @@ fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
         let plate = f64::from(side) * scene.block.side;
         *radius = (*radius * (f64::from(count) / 300.0).cbrt()).max(plate);
     }
-    // So that a block docks where it is put, kicks and all.
+    // The larger tolerance makes a block dock at its position in spite of the kicks.
     if let Some(Bond::Attract { anchor, .. }) = &mut scene.bond {
         anchor.within = 0.1 * scene.block.side;
     }
@@ -111,10 +112,10 @@ fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
     (side, world.expect("a valid scene"))
 }
 
-/// Upper faces of the plate, and where the blocks sit that they capture.
+/// Returns upper faces of the plate, and the positions of the blocks that they capture.
 fn seats(side: u32, count: u32) -> impl Iterator<Item = (BlockFace, Vector3<f64>)> {
     (0..count).map(move |i| {
-        // In the order of sites, in which faces are kept.
+        // The world stores faces in this order of sites.
         let (x, y) = (i / side, i % side);
         let at = |x: u32| f64::from(x) - f64::from(side - 1) / 2.0;
         let body = Body::Seed(Cell::new(x as i32, y as i32, 0));
@@ -126,7 +127,7 @@ fn seats(side: u32, count: u32) -> impl Iterator<Item = (BlockFace, Vector3<f64>
     })
 }
 
-/// Bytes of memory that the process has now.
+/// Returns the resident memory of the process in bytes.
 #[expect(clippy::disallowed_methods, reason = "it measures memory")]
 fn resident() -> Option<usize> {
     let pages = std::fs::read_to_string("/proc/self/statm").ok()?;

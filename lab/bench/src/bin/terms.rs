@@ -1,7 +1,7 @@
 //! Measures the cost of each term of a scene: see `lab/terms/run.py`.
 //!
-//! Arguments: `WITHOUT TICKS`. Moves 300 blocks with all terms except one, or with one that does next to nothing
-//! (`idle-drag`). Prints a digest of their final states.
+//! Arguments: `WITHOUT TICKS`. Moves 300 blocks with all terms except one, or with one term that
+//! has almost no effect (`idle-drag`). Prints a digest of the final states.
 use stochc_compiler::scene::built_in;
 use stochc_ir::scene::{Agitation, Arrangement, Bond, Drag, Flow, Fluid, Scene, Stir};
 use stochc_ir::table::Plate;
@@ -39,7 +39,7 @@ fn main() {
     println!("{:016x}", numbers.map(f64::to_bits).fold(0, mix));
 }
 
-/// All terms that there are, less one.
+/// Returns a scene with all terms except one.
 fn scene(without: &str) -> Scene {
     let mut scene = built_in("hemisphere_soft").expect("a built-in scene");
     scene.free.arrangement = Arrangement::Uniform;
@@ -95,7 +95,7 @@ fn scene(without: &str) -> Scene {
     scene
 }
 
-/// 300 blocks over the plate, each with a motion of its own.
+/// Returns 300 blocks above the plate with different motions.
 fn lattice() -> Vec<BodyState> {
     let at = |i: u32| f64::from(i) * 2.5 - 8.0;
     (0..300)
@@ -112,7 +112,7 @@ fn lattice() -> Vec<BodyState> {
         .collect()
 }
 
-/// Fowler, Noll and Vo's hash, a word at a time.
+/// Mixes a word into an FNV hash (Fowler, Noll and Vo).
 fn mix(hash: u64, bits: u64) -> u64 {
     (hash ^ bits)
         .wrapping_mul(0x0000_0100_0000_01B3)

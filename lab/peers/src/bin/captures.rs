@@ -1,18 +1,20 @@
-//! What one capture costs in a world of rates: towers on a square lattice, each of which grows for ever.
+//! Measures the cost of a capture in the rate model: towers on a square lattice that grow without
+//! end.
 //!
-//! `captures TOWERS SPACING CAPTURES ROUNDS`: prints the processor time of a capture \[ns\] in each round, on a line of its own.
-//! At a spacing of 6 no tower has to do with another; at 1 each open face has others beside it.
+//! `captures TOWERS SPACING CAPTURES ROUNDS` prints the CPU time per capture \[ns\] of each round
+//! on a separate line. At a spacing of 6 towers do not affect each other. At 1 each open face has
+//! open faces next to it.
 use std::error::Error;
 
 use rustix::time::{ClockId, clock_gettime};
 use stochc_compiler::{Limits, check};
-use stochc_ir::{Cell, Face};
 use stochc_control::{BlockFace, Body, Docking, Orientation};
 use stochc_estimate::Rates;
+use stochc_ir::{Cell, Face};
 use stochc_runtime::world::World;
 use stochc_runtime::world::rate::RateWorld;
 
-/// Captures before any is measured.
+/// Captures before the measurement.
 const WARM_UP: usize = 20_000;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -35,10 +37,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Towers with their uppermost faces on.
+/// Towers whose top faces are on.
 struct Growth {
     world: RateWorld<'static>,
-    /// How each block sits in the structure, once it does.
+    /// Orientation of each block of the structure.
     orientations: Vec<Orientation>,
     dockings: Vec<Docking>,
 }
@@ -51,7 +53,7 @@ impl Growth {
         let program = checked.programs.into_iter().next().ok_or("no program")?;
         let executable = program.into_executable().ok_or("the program is wrong")?;
         let (mut tables, mut scene) = (executable.tables, executable.scene);
-        // All that a world of rates takes from them is which blocks of the plate have a name.
+        // The rate model uses only the named seeds of these tables.
         let seed = tables.roles.swap_remove(0);
         tables.roles.clear();
         let cells = (0..across).flat_map(|x| (0..across).map(move |y| (x * spacing, y * spacing)));
@@ -61,7 +63,7 @@ impl Growth {
             tables.roles.push(role);
         }
         let mut rates = Rates::built_in(&scene).ok_or("no rates")?.clone();
-        // Twice as many blocks as are captured: their number hardly changes what is drawn.
+        // Twice as many blocks as captures: the number of free blocks hardly affects the draws.
         scene.free.count = u32::try_from(2 * captures)?;
         rates.scene = scene.clone();
         rates.free = scene.free.count;
@@ -80,7 +82,7 @@ impl Growth {
         })
     }
 
-    /// Captures so many blocks, or a few more.
+    /// Captures at least this number of blocks.
     fn grow(&mut self, captures: usize) -> Result<(), Box<dyn Error>> {
         let mut done = 0;
         while done < captures {
@@ -106,7 +108,7 @@ impl Growth {
     }
 }
 
-/// Processor time of this thread \[ns\].
+/// Returns the CPU time of this thread \[ns\].
 fn now() -> i64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec * 1_000_000_000 + time.tv_nsec

@@ -1,4 +1,4 @@
-//! The project's own worlds through their public interface, and Rapier as they set it up.
+//! The project's own worlds through their public interface, and Rapier with the same settings.
 use std::error::Error;
 
 use stochc_compiler::scene::built_in;
@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     serve(&mut *gas, "stochc")
 }
 
-/// `hemisphere_2005` with more blocks at the same density, with drag, and without magnets.
+/// Returns `hemisphere_2005` with more blocks at the same density, with drag, and without magnets.
 fn scene(blocks: u32, kick: f64) -> Result<Scene, Box<dyn Error>> {
     let mut scene = built_in("hemisphere_2005").ok_or("no scene `hemisphere_2005`")?;
     let side = scene.block.side;

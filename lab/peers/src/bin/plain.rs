@@ -1,4 +1,4 @@
-//! Rapier as it comes.
+//! Rapier with its default settings.
 use std::error::Error;
 
 use stochc_peers::drive::{arguments, serve};

@@ -1,12 +1,14 @@
-//! What one event costs in stochastic chemistry: independent reactions, each of which turns a molecule of its own kind into nothing.
+//! Measures the cost of an event in stochastic chemistry: independent reactions that each consume a
+//! molecule of their own kind.
 //!
-//! `reactions dense|sparse REACTIONS EVENTS ROUNDS`: prints the processor time of an event \[ns\] in each round, on a line of its own.
+//! `reactions dense|sparse REACTIONS EVENTS ROUNDS` prints the CPU time per event \[ns\] of each
+//! round on a separate line.
 use std::error::Error;
 
 use rebop::gillespie::{Gillespie, Rate};
 use rustix::time::{ClockId, clock_gettime};
 
-/// Molecules of each kind: so many that none runs out.
+/// Molecules of each kind. No kind runs out.
 const MOLECULES: isize = 1_000_000_000;
 const SEED: u64 = 1;
 
@@ -44,7 +46,7 @@ fn dense(number: usize, count: usize) -> Rate {
     Rate::lma(1e-9, needed)
 }
 
-/// Processor time of this thread \[ns\].
+/// Returns the CPU time of this thread \[ns\].
 fn now() -> i64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec * 1_000_000_000 + time.tv_nsec

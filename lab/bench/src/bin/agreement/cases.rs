@@ -1,4 +1,4 @@
-//! What is simulated: small scenes with the constants of `hemisphere_2005`.
+//! Simulated cases: small scenes with the constants of `hemisphere_2005`.
 use std::ops::ControlFlow;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -16,18 +16,18 @@ use stochc_runtime::{Model, Settings, drive};
 
 use super::samples::Sample;
 
-/// Substeps per tick that are tried.
+/// Numbers of substeps per tick.
 pub const SUBSTEPS: [u32; 5] = [1, 2, 4, 8, 16];
 
 /// A scene and a program.
 pub struct Case {
     pub name: &'static str,
     pub what: &'static str,
-    /// Free blocks.
+    /// Number of free blocks.
     pub count: u32,
-    /// Of the enclosure \[side\].
+    /// Radius of the enclosure, in block lengths.
     pub radius: f64,
-    /// Captures, one after the other.
+    /// Captures in order.
     pub captures: &'static str,
 }
 
@@ -55,18 +55,18 @@ pub const CASES: [Case; 3] = [
     },
 ];
 
-/// A case, and how it is computed.
+/// A case with the settings of its computation.
 pub struct Cell {
     pub case: &'static Case,
     pub model: Model,
     pub substeps: u32,
-    /// `None`: the model's own choice.
+    /// Number of solver iterations. `None` uses the model's own number.
     pub iterations: Option<u32>,
-    /// `None`: that of `hemisphere_2005`.
+    /// Friction. `None` uses that of `hemisphere_2005`.
     pub friction: Option<f64>,
 }
 
-/// Every cell, in the order in which they run: the cheap ones first.
+/// Returns all cells in the order of their runs, the cheapest first.
 pub fn cells(iterations: bool) -> impl Iterator<Item = Cell> {
     let cell = |case, model, substeps, iterations| Cell {
         case,
@@ -146,11 +146,14 @@ impl Case {
         let mut reader = |_: &str| Ok(text.clone().into_bytes());
         let checked = stochc_compiler::check("a.sa", &mut reader, Limits::default());
         let program = checked.programs.into_iter().next();
-        program.and_then(|p| p.tables).expect("the program is valid")
+        program
+            .and_then(|p| p.tables)
+            .expect("the program is valid")
     }
 }
 
-/// A block anywhere above the ground in the shell, turned anyhow, as fast as blocks are.
+/// Returns a block at a random place in the shell above the ground, with random orientation and a
+/// typical speed.
 fn anywhere(radius: f64, seed: u64, run: u64) -> BodyState {
     let mut dice = ChaCha8Rng::seed_from_u64(seed << 32 | run);
     let mut point = |half: f64| loop {
@@ -161,13 +164,13 @@ fn anywhere(radius: f64, seed: u64, run: u64) -> BodyState {
     };
     let position = loop {
         let position = point(radius);
-        // Not yet in reach of a face.
+        // The block must not be within reach of a face.
         if position.z > 1.6 {
             break position;
         }
     };
     let (velocity, spin) = (point(0.3), point(0.3));
-    // A point of a ball in four dimensions, projected to its surface.
+    // A random point in a four-dimensional ball is projected to its surface.
     let orientation = loop {
         let q = Quaternion::from_vector(nalgebra::Vector4::from_fn(|_, _| {
             dice.random_range(-1.0..1.0)

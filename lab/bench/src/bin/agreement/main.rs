@@ -1,14 +1,13 @@
 //! Compares the distributions of times of the models `rigid` and `rapier`.
 //!
-//! `--out FILE` runs the worlds `rigid`
-//! and `rapier` with 1 to 16 substeps on three small scenes, keeps every sample in FILE, and prints
-//! tables in Markdown; `--from FILE` prints them again. `--runs N` is the number of runs of each cell
-//! (default 200), `--only CASE` leaves the other scenes out, `--iterations` adds cells that only differ in
-//! Rapier's solver iterations; `--substeps K` leaves other numbers of substeps out, `--friction MU`
-//! is another friction than that of `hemisphere_2005`.
+//! `--out FILE` runs the worlds `rigid` and `rapier` with 1 to 16 substeps on three small scenes.
+//! It writes every sample to FILE and prints tables in Markdown. `--from FILE` prints the tables
+//! again. `--runs N` is the number of runs per cell (default 200). `--only CASE` selects one scene.
+//! `--iterations` adds cells that differ only in Rapier's solver iterations. `--substeps K` selects
+//! one number of substeps. `--friction MU` changes the friction of `hemisphere_2005`.
 //!
-//! Every cell has a seed of its own, so that all samples are independent; what is left out does not
-//! change what is not.
+//! Every cell has its own seed, so all samples are independent. Leaving out cells does not change
+//! the others.
 mod cases;
 mod samples;
 #[path = "../../../../../runtime/tests/runs/statistics.rs"]
@@ -48,7 +47,8 @@ fn main() -> std::io::Result<()> {
             .map(|(number, cell)| (number, Cell { friction, ..cell }))
             .collect();
         let mut all = Vec::new();
-        // Cell after cell in every round: whatever is cut off, the cells have equally many runs.
+        // Each round makes one run of every cell, so an interrupted study has equally many runs per
+        // cell.
         for run in 0..runs {
             for (number, cell) in &cells {
                 let sample = cell.sample(*number as u64, run);

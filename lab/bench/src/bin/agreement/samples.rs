@@ -1,4 +1,4 @@
-//! What is kept of a run: one line of a file with commas.
+//! Samples of runs: one line of a CSV file per run.
 use std::fmt;
 
 use stochc_ir::record::{Outcome, RunRecord};
@@ -8,7 +8,7 @@ use super::cases::Cell;
 pub const HEADER: &str =
     "case,model,substeps,iterations,run,completed,ticks,first_wait,last_wait,entries,docking";
 
-/// One run.
+/// Sample of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     pub case: String,
@@ -16,17 +16,17 @@ pub struct Sample {
     pub substeps: u32,
     pub iterations: u32,
     pub run: u64,
-    /// Not censored by the limit of ticks, and not broken.
+    /// Whether the run completed without censoring or a failure.
     pub completed: bool,
-    /// Until the last capture.
+    /// Ticks until the last capture.
     pub ticks: f64,
-    /// Of the first capture, by a face of the plate.
+    /// Waiting time of the first capture, by a face of the plate.
     pub first_wait: f64,
-    /// Of the last capture, by the top of the tower.
+    /// Waiting time of the last capture, by the top of the tower.
     pub last_wait: f64,
-    /// Entries into the reach per capture.
+    /// Number of entries into the reach per capture.
     pub entries: f64,
-    /// Ticks from the last entry to the docking, mean over the captures.
+    /// Ticks from the last entry to the docking, averaged over the captures.
     pub docking: f64,
 }
 
@@ -92,7 +92,7 @@ impl fmt::Display for Sample {
     }
 }
 
-/// The samples of a file; a line that is not one is passed over.
+/// Returns the samples of a file. Skips lines that are not samples.
 pub fn read(text: &str) -> Vec<Sample> {
     text.lines().filter_map(Sample::parse).collect()
 }

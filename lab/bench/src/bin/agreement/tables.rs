@@ -1,4 +1,4 @@
-//! The samples of one case as tables in Markdown.
+//! Markdown tables of the samples of one case.
 use std::fmt::Write as _;
 
 use stochc_runtime::{Model, Settings};
@@ -9,7 +9,7 @@ use super::statistics::{kolmogorov_smirnov, mann_whitney, mean};
 
 type Measure = (&'static str, fn(&Sample) -> f64);
 
-/// What is compared: completion, the waits for the first and the last bond, and their parts.
+/// Compared quantities: completion time, waits for the first and the last bond, and their parts.
 const MEASURES: [Measure; 5] = [
     ("time to completion", |s| s.ticks),
     ("wait for the first bond", |s| s.first_wait),
@@ -18,7 +18,7 @@ const MEASURES: [Measure; 5] = [
     ("docking time", |s| s.docking),
 ];
 
-/// Everything about one case.
+/// Returns the tables of one case.
 pub fn page(case: &Case, samples: &[Sample]) -> String {
     let mut page = format!("### `{}`: {}\n\n", case.name, case.what);
     if samples.is_empty() {
@@ -107,7 +107,7 @@ fn interval((mean, half): (f64, f64)) -> String {
     format!("{mean:.digits$} ± {half:.digits$}")
 }
 
-/// Of two means, with its interval: relative errors add in squares.
+/// Returns the ratio of two means with its interval: relative errors add in squares.
 fn ratio((a, da): (f64, f64), (b, db): (f64, f64)) -> String {
     let ratio = b / a;
     let half = ratio * ((da / a).powi(2) + (db / b).powi(2)).sqrt();
