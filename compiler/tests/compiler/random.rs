@@ -31,7 +31,7 @@ struct Generator {
     text: String,
 }
 
-/// Times at which names, cells and faces are reused.
+/// Time from which names, cells and faces are reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reuse {
     /// Names are reused in a later phase, cells and faces in the same phase.
@@ -150,7 +150,7 @@ impl Generator {
         stage.released.insert(name);
     }
 
-    /// Returns a face through which a block can capture.
+    /// Returns a free face of a block for a capture.
     fn free_face(&mut self, stage: &Stage, parent: &str) -> Option<Face> {
         let block = &self.blocks[parent];
         let faces: Vec<Face> = Face::ALL

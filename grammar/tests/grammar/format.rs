@@ -329,38 +329,38 @@ fn comments_stay_with_what_they_stand_at() {
 // of the file
 
 // of the assembly
-assembly a { // behind the head
- seed plate 1 x 1 { M at (0, 0) } // behind a short block
+assembly a { // after the head
+ seed plate 1 x 1 { M at (0, 0) } // after a short block
   phase p {
 
     M.up -> A.up // short
        -> Longer    // long
     B.up -> C
     D.up -> E // below
-              // it goes on
+              // it continues
     // own
 
     // before the end
 
-  } // behind the end
+  } // after the end
   // last
 }
 // of nothing",
         "// of the file
 
 // of the assembly
-assembly a {   // behind the head
-    seed plate 1 x 1 { M at (0, 0) }   // behind a short block
+assembly a {   // after the head
+    seed plate 1 x 1 { M at (0, 0) }   // after a short block
     phase p {
         M.up -> A.up   // short
             -> Longer   // long
         B.up -> C
         D.up -> E   // below
-                    // it goes on
+                    // it continues
         // own
 
         // before the end
-    }   // behind the end
+    }   // after the end
     // last
 }
 // of nothing

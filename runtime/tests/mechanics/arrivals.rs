@@ -1,5 +1,4 @@
-//! Compares the rates at which blocks of an ideal gas reach a face and the shell with kinetic
-//! theory.
+//! Compares arrival rates of blocks of an ideal gas at a face and at the shell with kinetic theory.
 
 use crate::scenes::{Dice, attract, empty, hemisphere, pass, world};
 use nalgebra::Vector3;
@@ -31,7 +30,7 @@ fn density(count: usize, radius: f64) -> f64 {
     count as f64 / (4.0 / 3.0 * std::f64::consts::PI * radius.powi(3))
 }
 
-/// Estimates by Monte Carlo the surface of the region in which a block's nearest face is within
+/// Estimates by Monte Carlo the surface of all positions of a block whose nearest face is within
 /// `reach` of a point: six balls, each half a block length off the point.
 fn effective_area(reach: f64) -> f64 {
     let mut dice = Dice::new(12);

@@ -68,7 +68,7 @@ fn kicks_make_a_random_walk_of_the_velocity<W: Arena>() {
         );
         pass(&mut world, ticks);
         let end = states(&world);
-        // <v^2> = n j^2. A kick acts on the whole tick in which it falls. So k ticks later it has
+        // <v^2> = n j^2. A kick acts on the whole tick of its impulse. So k ticks later it has
         // moved the block k times as far: <x^2> = j^2 (1 + 4 + ... + n^2).
         let n = ticks as f64;
         let speed = n * rms * rms;

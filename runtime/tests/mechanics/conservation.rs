@@ -45,7 +45,7 @@ struct Drift {
     left: f64,
     /// `left`, averaged over the last thousand ticks.
     late: f64,
-    /// Number of ticks in which a block changed its velocity.
+    /// Number of ticks with a change of a block's velocity.
     collisions: usize,
 }
 

@@ -299,7 +299,7 @@ fn many(count: usize) -> Vec<BodyState> {
     vec![BodyState::at_rest(at(0.0, 0.0, 0.0)); count]
 }
 
-/// Returns agitation at the temperature at which k T is `energy`, in block units.
+/// Returns agitation whose k T is `energy`, in block units.
 fn hot(energy: f64) -> Option<Agitation> {
     Some(Agitation::Brownian {
         temperature: energy / BOLTZMANN,

@@ -90,7 +90,7 @@ fn momentum_is_kept_across_the_border<K: Kind>() {
         let (before, start) = (momentum(&world), states(&world));
         pass(&mut world, 1);
         let change = (momentum(&world) - before).norm();
-        // The plate also absorbs momentum, so ticks in which a block touches it are left out.
+        // The plate also absorbs momentum, so ticks with a contact with it are left out.
         let touches = |b: &BodyState| b.position.z < 0.9 && b.position.z > -1.9;
         let aside = |b: &BodyState| b.position.x.abs().max(b.position.y.abs()) < 2.5;
         if !states(&world)

@@ -15,7 +15,7 @@ use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, SceneError, World};
 use stochc_runtime::{Model, RunError, Settings, drive, run};
 
-/// Returns a small enclosure with many blocks, in which captures follow each other quickly.
+/// Returns a small enclosure with many blocks, whose captures follow each other quickly.
 fn crowd() -> Scene {
     let mut scene = paper();
     scene.free.count = 60;
@@ -28,8 +28,8 @@ fn record(tables: &Tables, scene: &Scene, settings: &Settings, number: u64) -> R
     run(tables, scene, settings, 9, number, &mut watch).expect("a valid scene")
 }
 
-/// Returns tables in which A captures B, and B captures C and releases it in the next phase. B then
-/// captures D.
+/// Returns tables for three phases. A captures B, and B captures C and releases it in the next
+/// phase. B then captures D.
 fn three_phases() -> Tables {
     let mut draft = Draft::default();
     let [grow, shrink, again] = [1, 1, 1].map(|reports| draft.phase(reports));

@@ -19,7 +19,7 @@ in_either_precision!(
     a_world_that_was_looked_at_goes_on_as_one_that_was_not,
 );
 
-/// Returns a small enclosure with many blocks, in which captures follow each other quickly.
+/// Returns a small enclosure with many blocks, whose captures follow each other quickly.
 fn crowd() -> Scene {
     let mut scene = paper();
     scene.free.count = 40;
@@ -145,7 +145,7 @@ fn states(world: &impl Arena, count: u32) -> Vec<BodyState> {
 }
 
 /// Without an enclosure the grid extends to the farthest block. A distant block changes the cells
-/// of the grid, and with them the order in which neighbours are found.
+/// of the grid, which changes the order of neighbours.
 fn a_block_far_away_changes_nothing<K: Kind>() {
     let mut scene = empty();
     scene.contact = contact(0.3, 0.3);

@@ -10,7 +10,7 @@ use stochc_control::explore::ExplorationVerdict;
 
 use crate::programs::explore;
 
-/// Faces through which a block on the plate can capture.
+/// Faces of a block on the plate that can capture.
 const FACES: [&str; 5] = ["up", "north", "east", "south", "west"];
 
 /// Returns a program with one block that captures through five faces in some order. Capture i waits

@@ -201,8 +201,7 @@ fn random(draw: &mut dyn FnMut(usize) -> usize) -> String {
         blocks.push((format!("S{x}{y}"), Cell::new(x, y, 0)));
     }
     text.push_str(" }\n");
-    // Some walls already exist, so few blocks remain to dock in any order. Sometimes nearly all
-    // walls exist.
+    // Some walls already exist, sometimes nearly all, so that few blocks remain for the orders.
     let walls = [3, 7, 8][draw(3)];
     let mut phase = |begin: &str, count: usize, middle: bool| {
         let _ = writeln!(text, " phase {begin} {{");

@@ -1,4 +1,4 @@
-//! The table that compares programs, and the figures behind it.
+//! Tests the table that compares programs, and its figures.
 use insta::{assert_json_snapshot, assert_snapshot};
 use stochc_experiments::statistics::{Test, median};
 use stochc_experiments::{Comparison, WaitsTally, captures};

@@ -67,7 +67,7 @@ fn faults(svg: &str, medium: Medium, face: &Face) -> Vec<String> {
             found.push(format!("`{}` is cut", words(node)));
         }
     }
-    // Labels of marks are placed where they cover least, and have a rim.
+    // Labels of marks are placed to cover as little as possible, and have a rim.
     let fixed: Vec<_> = all
         .iter()
         .filter(|(node, _)| !classes(node).contains("halo"))

@@ -143,7 +143,7 @@ fn fate<W: Arena>(
             let deepest = match scene.contact.as_ref().map(|contact| &contact.law) {
                 None => f64::INFINITY,
                 Some(ContactLaw::Rigid { .. }) => 1.0,
-                // Depth to which a spring of this stiffness stops the fastest block.
+                // Greatest depth of the fastest block in a spring of this stiffness.
                 Some(ContactLaw::Compliant { stiffness, .. }) => {
                     let frequency = (stiffness / scene.block.mass).sqrt() * scene.tick;
                     1.0 + fastest / frequency
