@@ -46,15 +46,19 @@ pub fn check(text: &str) -> Value {
     })
 }
 
-/// Returns what the viewer needs, and the events in an order that is possible. Null if the program has errors.
+/// Returns what the viewer needs, and the events by phase in a possible order.
+///
+/// Null if the program has errors, except errors that let a run get stuck.
 fn structure(checked: &Checked, program: &Program) -> Value {
-    let (Some(tables), Some(scene), Some(order)) =
-        (&program.tables, &program.scene, &program.order)
-    else {
+    let tables = program.tables.as_ref().or(program.stuck.as_ref());
+    let (Some(tables), Some(scene), Some(order)) = (tables, &program.scene, &program.order) else {
         return Value::Null;
     };
     let plan = &program.plan;
-    let events = order.events.iter().map(|&id| {
+    let mut events = order.events.clone();
+    // Stable: within a phase, the order stays.
+    events.sort_by_key(|&id| plan.phase_of(id));
+    let events = events.into_iter().map(|id| {
         let event = plan.event(id);
         let location = event.location;
         let file = checked.sources.file(location.file);
@@ -68,7 +72,7 @@ fn structure(checked: &Checked, program: &Program) -> Value {
             "role": event.role,
             "parent": parent,
             "face": face,
-            "cell": program.layout.cells[id.0 as usize],
+            "cell": parent.and(program.layout.cells[id.0 as usize]),
             "is_own": file.name == NAME,
             "start": file.offset(location.span.start),
             "end": file.offset(location.span.end),

@@ -1,0 +1,239 @@
+// The page in Chromium, used as a newcomer uses it.
+// usage: node playground/test/browser.mjs [FOLDER]; writes screenshots to the folder
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { fileURLToPath } from 'node:url';
+import { engine } from './engine.mjs';
+import { serve } from './server.mjs';
+
+const here = path => fileURLToPath(new URL(path, import.meta.url));
+const { chromium } = createRequire(here('../web/package.json'))('playwright-core');
+const [pictures] = process.argv.slice(2);
+
+const server = await serve();
+const browser = await chromium.launch({
+  executablePath: process.env.STOCHC_CHROMIUM ?? '/usr/bin/chromium',
+  args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--enable-unsafe-swiftshader'],
+});
+const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
+const page = await context.newPage();
+const complaints = [];
+page.on('console', message => message.type() === 'error' && complaints.push(message.text()));
+page.on('pageerror', error => complaints.push(error.stack));
+
+let tests = 0;
+async function test(name, act) {
+  try {
+    await act();
+    assert.deepEqual(complaints, [], 'the console has no errors');
+    tests++;
+  } catch (error) {
+    await page.screenshot({ path: '/tmp/playground-failed.png' });
+    throw new Error(`${name}: ${error.message} (picture: /tmp/playground-failed.png)`);
+  }
+}
+const picture = name => pictures && page.screenshot({ path: `${pictures}/${name}.png` });
+const data = name => page.evaluate(name => document.body.dataset[name], name);
+const text = () => page.evaluate(() => document.querySelector('.cm-content').cmTile.view.state.doc.toString());
+
+/** Waits until a program that was changed or opened has been checked. */
+async function checked(act) {
+  const before = await data('checked');
+  await act();
+  await page.waitForFunction(before => document.body.dataset.checked !== before, before, { timeout: 30000 });
+}
+
+async function go(fragment) {
+  await page.goto('about:blank');
+  await page.goto(server.url + fragment);
+  await page.waitForSelector('body[data-ready][data-checked]', { timeout: 60000 });
+}
+
+/** Replaces the program, as if typed. */
+async function type(program) {
+  await page.click('.cm-content');
+  await page.keyboard.press('Control+a');
+  await checked(() => page.keyboard.insertText(program));
+}
+
+const isDone = () => page.waitForSelector('#lesson.done', { timeout: 60000 });
+
+let requests;
+await test('the page loads and proves its first program', async () => {
+  await go('');
+  assert.match(await page.textContent('#problems'), /7 captures.*Proved/);
+  await page.waitForSelector('#facts b');
+  requests = server.requests.length;
+  await picture('start');
+});
+
+await test('a run is computed and equals that of the engine outside of the browser', async () => {
+  await page.click('text=Watch it build itself');
+  await page.waitForSelector('body[data-record]', { timeout: 60000 });
+  const made = JSON.parse(await data('record'));
+  const call = await engine(here('../target/stochc_playground.wasm'));
+  const program = readFileSync(here('../../examples/gate.sa'), 'utf8');
+  const [record] = call({ call: 'simulate', text: program, program: 0, model: 'rigid', seed: 1, first: 0, runs: 1 }).records;
+  assert.deepEqual(made, { ticks: record.ticks, outcome: 'completed' });
+  // It plays; the slider rewinds.
+  await page.waitForFunction(() => Number(document.getElementById('tick').value) > 20);
+  await picture('run');
+  await page.focus('#tick');
+  await page.keyboard.press('Home');
+  await page.waitForFunction(() => document.getElementById('tick').value === '0');
+  await page.click('#next');
+  await page.waitForFunction(() => document.getElementById('tick').value !== '0');
+});
+
+await test('many runs by rates have a curve and a table', async () => {
+  await page.click('#tab-runs');
+  await page.selectOption('#model', 'rate');
+  await page.selectOption('#runs', '200');
+  await page.click('#start');
+  await page.waitForFunction(() => document.body.dataset.runs === '200', null, { timeout: 60000 });
+  await page.waitForFunction(() => document.getElementById('cancel').hidden);
+  assert.match(await page.textContent('#results'), /200 of 200 runs complete/);
+  assert.ok(await page.$('#results svg .curve'));
+  await picture('runs');
+});
+
+await test('runs stop at once', async () => {
+  await page.selectOption('#model', 'rigid');
+  await page.selectOption('#runs', '1000');
+  await page.click('#start');
+  await page.click('#cancel');
+  await page.waitForFunction(() => document.getElementById('cancel').hidden);
+  assert.match(await page.textContent('#results'), /begin|stopped/);
+});
+
+await test('the lessons can be finished, from the first to the last', async () => {
+  await go('#lesson=1');
+  await page.click('.cm-content');
+  await page.keyboard.press('Control+Home');
+  for (let i = 0; i < 5; i++) await page.keyboard.press('ArrowDown');
+  await page.keyboard.press('End');
+  await page.keyboard.type('\nA.up -> B');
+  await isDone();
+  await page.click('#next-lesson');
+  await page.click('#run');
+  await isDone();
+  await page.click('#next-lesson');
+  for (const lesson of [3, 4]) {
+    await page.click('text=Show me');
+    await isDone();
+    if (lesson === 3) await picture('lesson');
+    await page.click('#next-lesson');
+  }
+  // A diagnostic, and its fix.
+  await page.waitForSelector('.problem.error .fix');
+  assert.match(await page.textContent('.problem.error'), /can become unreachable/);
+  assert.ok(await page.$('.cm-lintRange-error'));
+  await picture('diagnostic');
+  const before = await text();
+  await page.click('.problem.error .fix');
+  await isDone();
+  assert.notEqual(await text(), before);
+  assert.equal(await page.$('.problem.error'), null);
+  // The fix can be undone and done again.
+  await checked(() => page.keyboard.press('Control+z'));
+  assert.equal(await text(), before);
+  await checked(() => page.keyboard.press('Control+y'));
+  await page.click('#next-lesson');
+  for (const lesson of [6, 7]) {
+    await page.click('text=Show me');
+    await isDone();
+    await page.click('#next-lesson');
+  }
+  await checked(() => page.click('text=Show me'));
+  await page.click('#tab-runs');
+  await page.selectOption('#model', 'rigid');
+  await page.selectOption('#runs', '10');
+  await page.click('#start');
+  await isDone();
+  await page.click('#lessons');
+  assert.equal(await page.locator('ol.lessons button', { hasText: '✓' }).count(), 8);
+  await page.keyboard.press('Escape');
+});
+
+await test('a diagnostic is explained', async () => {
+  await go('');
+  await type('assembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase grow { M.up -> A   M.up -> B }\n}\n');
+  assert.match(await page.textContent('.problem.error'), /both take cell/);
+  await page.click('.explain-button');
+  await page.waitForSelector('dialog[open] .explain h3');
+  assert.match(await page.textContent('#dialog-title'), /occupied-cell/);
+  await page.keyboard.press('Escape');
+});
+
+await test('a program is laid out', async () => {
+  await type('assembly a { seed plate 1 x 1 { M at (0,0) } phase grow { M.up->A } }');
+  await checked(() => page.click('#format'));
+  assert.match(await text(), /\n {4}phase grow \{ M\.up -> A \}\n/);
+});
+
+await test('a link opens the program again', async () => {
+  const program = '// Ünïcode 🧱\nassembly mine {\n    seed plate 1 x 1 {\n        M at (0, 0)\n    }\n    phase grow {\n        M.up ->> T[1..4]\n    }\n}\n';
+  await type(program);
+  await page.click('#share');
+  await page.waitForFunction(() => location.hash.startsWith('#p='));
+  const link = new URL(page.url()).hash;
+  await go(link);
+  assert.equal(await text(), program);
+  assert.match(await page.textContent('#problems'), /4 captures/);
+});
+
+await test('a hostile program in a link does no harm', async () => {
+  await page.evaluate(async () => {
+    const program = `assembly h { seed plate 1 x 1 { M at (0, 0) }\nphase p { for i in 1..2000000000 { M.up -> A }\n<img src=x onerror="window.hurt=1"> } }`;
+    const stream = new Blob([JSON.stringify({ text: program, program: 1e9, seed: -5 })]).stream().pipeThrough(new CompressionStream('deflate-raw'));
+    const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+    window.link = `#p=${btoa(String.fromCharCode(...bytes)).replaceAll('+', '-').replaceAll('/', '_').replace(/=+$/, '')}`;
+  });
+  await go(await page.evaluate(() => window.link));
+  await page.waitForSelector('.problem.error');
+  assert.equal(await page.evaluate(() => window.hurt), undefined);
+  // A damaged link opens the first page.
+  await go('#p=AAAA');
+  assert.match(await page.textContent('#problems'), /7 captures/);
+});
+
+await test('narrow screens scroll in one direction only', async () => {
+  for (const width of [320, 390, 820]) {
+    await page.setViewportSize({ width, height: 800 });
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${width} px`);
+    await picture(`narrow-${width}`);
+  }
+  await page.setViewportSize({ width: 1280, height: 800 });
+});
+
+if (process.env.STOCHC_AXE) {
+  await test('the page follows the rules of accessibility', async () => {
+    for (const scheme of ['light', 'dark']) {
+      await page.emulateMedia({ colorScheme: scheme });
+      await go('#lesson=5');
+      await page.waitForSelector('.problem.error');
+      await page.evaluate(readFileSync(process.env.STOCHC_AXE, 'utf8'));
+      const { violations } = await page.evaluate(() => window.axe.run({ runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa'] }));
+      const words = violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join(' | ')}`);
+      assert.deepEqual(words, [], scheme);
+    }
+  });
+}
+
+await test('nothing is asked of the network after loading', async () => {
+  await go('');
+  const before = server.requests.length;
+  await context.setOffline(true);
+  await page.click('#examples');
+  await checked(() => page.click('.gallery button:nth-child(2)'));
+  await page.click('#run');
+  await page.waitForSelector('body[data-record]', { timeout: 60000 });
+  assert.deepEqual(server.requests.slice(before), []);
+  // The first page has made four requests: the page, the script, the style and the engine.
+  assert.ok(requests <= 4, `${requests} requests`);
+});
+
+await browser.close();
+server.close();
+console.log(`playground: ${tests} tests in Chromium`);

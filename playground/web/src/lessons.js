@@ -1,0 +1,165 @@
+// The lessons. Each has a text, a program to start from, and a task that the page checks.
+
+/** Captures of the first program, in an order that is possible; none if it has errors. */
+const captures = ({ programs }) => (programs[0]?.structure?.events ?? []).filter(({ cell }) => cell);
+const releases = ({ programs }) => (programs[0]?.structure?.events ?? []).filter(({ cell }) => !cell);
+const isProved = ({ programs, diagnostics }) => Boolean(programs[0]?.structure) && !diagnostics.some(({ severity }) => severity === 'error');
+const phases = ({ programs }) => programs[0]?.structure?.about.tables.phases ?? [];
+
+export const LESSONS = [
+  {
+    title: 'One capture',
+    text: `Blocks are cubes without motors. They drift in an agitated tank. One block, the <em>seed</em> <code>M</code>, is fixed to a plate. <code>M.up -> A</code> is a <em>capture</em>: the upper face of <code>M</code> attracts until a free block bonds to it. That block is called <code>A</code> from then on. The picture shows the finished structure.`,
+    task: 'Capture a second block: write <code>A.up -> B</code> on a line of its own below <code>M.up -> A</code>.',
+    program: `assembly first {
+    seed plate 3 x 3 {
+        M at (1, 1)
+    }
+    phase grow {
+        M.up -> A
+    }
+}
+`,
+    solution: text => text.replace('M.up -> A', 'M.up -> A\n        A.up -> B'),
+    done: ({ check }) => isProved(check) && captures(check).length >= 2,
+  },
+  {
+    title: 'Run it',
+    text: `Nothing here is planned for a certain time: a face waits until a free block happens to come close. <b>Run</b> simulates one run with physics: collisions, drag, random impulses and the attraction of open faces, which glow. Drag the picture to turn it. The slider below rewinds.`,
+    task: 'Press <b>Run</b> and wait until the run is computed to its end.',
+    program: `assembly tower {
+    seed plate 3 x 3 {
+        M at (1, 1)
+    }
+    phase grow {
+        M.up -> A.up -> B
+    }
+}
+`,
+    solution: text => text,
+    done: ({ run }) => run?.outcome.kind === 'completed',
+  },
+  {
+    title: 'Rows of blocks',
+    text: `<code>->></code> captures a row, one block after the other: <code>M.up ->> T[1..3]</code> captures <code>T[1]</code> on <code>M</code>, <code>T[2]</code> on <code>T[1]</code>, and so on. The chain can turn: <code>.east</code> names the face that captures next.`,
+    task: 'Make the tower six blocks high, and add a row of two blocks at its top to the east: end the line with <code>.east ->> E[1..2]</code>.',
+    program: `assembly tower {
+    seed plate 3 x 3 {
+        M at (1, 1)
+    }
+    phase grow {
+        M.up ->> T[1..3]
+    }
+}
+`,
+    solution: text => text.replace('T[1..3]', 'T[1..6].east ->> E[1..2]'),
+    done: ({ check }) => isProved(check) && captures(check).length >= 8 && captures(check).some(({ face }) => face === 'east'),
+  },
+  {
+    title: 'Parallel, and in phases',
+    text: `Statements of a phase run in parallel, in any order that chance decides. A phase ends when all its captures have happened. Then the next one begins. Below, two posts grow at the same time.`,
+    task: 'Add a second phase <code>lintel</code> that joins the posts: <code>A[3].east -> K</code>.',
+    program: `assembly gate {
+    seed plate 3 x 1 {
+        L at (0, 0)
+        R at (2, 0)
+    }
+    phase posts {
+        L.up ->> A[1..3]
+        R.up ->> B[1..3]
+    }
+}
+`,
+    solution: text => text.replace(/\}\n$/, '    phase lintel {\n        A[3].east -> K\n    }\n}\n'),
+    done: ({ check }) => isProved(check) && phases(check).length >= 2 && captures(check).length >= 7,
+  },
+  {
+    title: 'When chance shuts a door',
+    text: `Every order of arrivals must work. stochc proves it before anything runs. Here it finds an order in which four blocks and a lid wall in the cell of <code>X</code> before its block has come. The message shows that order, and proposes a change.`,
+    task: 'Repair the program so that no error is left. The button <b>Fix</b> of the message does it.',
+    program: `assembly well {
+    seed plate 3 x 3 {
+        M at (1, 1)
+        S at (1, 0)   W at (0, 1)   E at (2, 1)   N at (1, 2)
+    }
+    phase grow {
+        M.up -> X
+        W.up -> A   E.up -> B   N.up -> C
+        S.up -> D.up -> D2.north -> LID
+    }
+}
+`,
+    fix: true,
+    done: ({ check }) => isProved(check) && captures(check).length >= 7,
+  },
+  {
+    title: 'Claim a shape',
+    text: `A <em>shape</em> draws layers as text, from above. <code>yields</code> claims that the structure has that shape when the phase ends, and stochc proves the claim. The claim below is wrong: the message shows the layer that differs.`,
+    task: 'Change the program, not the shape, so that the claim holds: the lintel belongs on layer 3.',
+    program: `shape gate {
+    layer 1..2 {
+        # . #
+    }
+    layer 3 {
+        # # #
+    }
+}
+
+assembly gate {
+    seed plate 3 x 1 {
+        L at (0, 0)
+        R at (2, 0)
+    }
+    phase posts {
+        L.up ->> A[1..3]
+        R.up ->> B[1..3]
+    }
+    phase lintel {
+        A[2].east -> K
+        yields gate
+    }
+}
+`,
+    solution: text => text.replace('A[2].east', 'A[3].east'),
+    done: ({ check, text }) => isProved(check) && /layer 3 \{\s*# # #/.test(text) && (check.programs[0].proved?.shapes ?? []).includes('gate'),
+  },
+  {
+    title: 'A scaffold that is taken down',
+    text: `<code>release ARM</code> sets a block free again. A <em>scaffold</em> is a block that helps for a while. Drag the slider below the picture to see the structure before and after each event.`,
+    task: 'Add a third phase <code>clear</code> that releases <code>ARM</code>.',
+    program: `assembly scaffold {
+    seed plate 3 x 3 {
+        M at (1, 1)
+    }
+    phase tower {
+        M.up ->> T[1..3]
+    }
+    phase bridge {
+        T[3].east -> ARM
+    }
+}
+`,
+    solution: text => text.replace(/\}\n$/, '    phase clear {\n        release ARM\n    }\n}\n'),
+    done: ({ check }) => isProved(check) && releases(check).length >= 1,
+  },
+  {
+    title: 'A scene of your own',
+    text: `A <em>scene</em> is the physical world: blocks, fluid, agitation, enclosure. <code>scene crowded from hemisphere</code> changes single parameters of a known scene. <b>Many runs</b> repeats the program with other random numbers. It draws the share of complete runs over time.`,
+    task: 'Double the number of free blocks to <code>free 240 uniform</code>. Then make at least 10 runs under <b>Many runs</b>.',
+    program: `scene crowded from hemisphere {
+    free 120 uniform
+}
+
+assembly tower in crowded {
+    seed plate 3 x 3 {
+        M at (1, 1)
+    }
+    phase grow {
+        M.up ->> T[1..4]
+    }
+}
+`,
+    solution: text => text.replace('free 120', 'free 240'),
+    done: ({ check, ensemble }) => isProved(check) && (check.programs[0].structure.about.scene.free?.count ?? 0) >= 240 && (ensemble?.records.length ?? 0) >= 10,
+  },
+];

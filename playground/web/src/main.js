@@ -1,0 +1,730 @@
+// Puts the playground together.
+import './style.css';
+import engineUrl from '../../target/stochc_playground.wasm?url';
+import pictures from 'virtual:pictures';
+import { Editor, units } from './editor.js';
+import { Engine, load, Stopped } from './engine.js';
+import { csv, curve, Ensemble, quantile, times, waits } from './ensemble.js';
+import { LESSONS } from './lessons.js';
+import { markdown } from './markdown.js';
+import { pack, unpack } from './share.js';
+import { Stage } from './stage.js';
+
+const element = id => document.getElementById(id);
+
+/** Longest check before it is stopped [ms]. */
+const PATIENCE = 15000;
+/** Longest run [ticks], as of the command. */
+const MAX_TICKS = 1_000_000;
+
+/** What the models cost, in words. */
+const COSTS = {
+  rigid: 'Physics: collisions, drag, agitation, attraction. About a second of computing per run.',
+  rate: 'No motion: waiting times are drawn from rates that were calibrated with physics. Thousands of runs per second.',
+  shuffle: 'No physics: captures in random order, one per tick. Its times mean nothing.',
+};
+
+/** A sentence for each example, and its picture. */
+const EXAMPLES = {
+  'gate.sa': ['A gate', 'Two posts and a lintel: the smallest complete program.', 'gate'],
+  'line.sa': ['Tower', 'Thirteen blocks in a row, open on every side.', 'line'],
+  'open_platform.sa': ['Open platform', 'A stem and a ring that never touches itself.', 'open_platform'],
+  'closed_platform.sa': ['Closed platform', 'The same number of blocks as a closed plate.', 'closed_platform'],
+  'five_tower.sa': ['Five towers', 'The centre tower waits in a well for chance.', 'five_tower'],
+  'five_tower_reconfigured.sa': ['Five towers, reconfigured', 'Scaffolds drop blocks into the well, and it is faster.', 'five_tower_reconfigured'],
+  'planned/five_towers.sa': ['Five towers, planned', 'The same towers as the planner builds them.', 'five_tower'],
+  'planned/chair.sa': ['Chair', 'Written by the planner for a drawn shape.', 'chair'],
+  'planned/serpentine.sa': ['Serpentine', 'Planned with scaffolds, which are removed again.', 'serpentine'],
+  'lab/bowl.sa': ['Laboratory bowl', 'The gate in a tank of one’s own, in two orders.', 'bowl'],
+  'microns.sa': ['Micrometres', 'Cubes of 10 µm in water, moved by heat only.', 'microns'],
+  'suction_growth.sa': ['Suction', 'A cross: four valves at once, or one after the other.', 'suction_growth'],
+  'experiment_1.sa': ['Recapture in oil', 'A block is rejected and captured by another face.', 'experiment_1'],
+  'experiment_3.sa': ['Recapture by suction', 'A valve holds a block, lets it go, and another one draws it.', 'experiment_1'],
+  'experiment_2.sa': ['Free units', 'Units in stirred oil find each other. No structure.', null],
+};
+
+const state = {
+  /** Name of the program, and the lesson that is open. */
+  name: '', lesson: null,
+  /** Result of the last check, and of the last correct one. */
+  check: null, good: null,
+  /** Index of the assembly. */
+  program: 0,
+  tab: 'structure', run: null, record: null, ensemble: null, estimate: null,
+};
+
+let editor, stage, about, checker, runner;
+
+function node(tag, attributes = {}, ...children) {
+  const made = Object.assign(document.createElement(tag), attributes);
+  made.append(...children.filter(child => child !== null && child !== undefined));
+  return made;
+}
+
+const number = value => Math.round(value).toLocaleString('en');
+
+/** Seconds in words. */
+function duration(seconds) {
+  if (seconds < 100) return `${Number(seconds.toPrecision(3))} s`;
+  if (seconds < 6000) return `${Number((seconds / 60).toPrecision(3))} min`;
+  return `${Number((seconds / 3600).toPrecision(3))} h`;
+}
+
+let hiding;
+function toast(words) {
+  element('toast').textContent = words;
+  element('toast').classList.add('shown');
+  clearTimeout(hiding);
+  hiding = setTimeout(() => element('toast').classList.remove('shown'), 3500);
+}
+
+// ---- programs ----
+
+function openProgram(text, name) {
+  stopAll();
+  delete document.body.dataset.record;
+  Object.assign(state, { name, lesson: null, program: 0, check: null, good: null, record: null, ensemble: null, estimate: null });
+  element('lesson').hidden = true;
+  element('results').replaceChildren();
+  editor.open(text);
+  element('file-name').textContent = name;
+  show('structure');
+  check();
+}
+
+function openExample(name) {
+  openProgram(about.examples.find(example => example.name === name).text, name);
+  history.replaceState(null, '', `#example=${name}`);
+}
+
+function openLesson(index) {
+  const lesson = LESSONS[index];
+  openProgram(lesson.program, `Lesson ${index + 1}`);
+  state.lesson = index;
+  state.isDone = false;
+  history.replaceState(null, '', `#lesson=${index + 1}`);
+  drawLesson();
+  check();
+}
+
+const finished = () => new Set(JSON.parse(read('finished') ?? '[]'));
+
+/** Storage may be switched off. */
+function read(key) {
+  try {
+    return localStorage.getItem(`stochc-${key}`);
+  } catch {
+    return null;
+  }
+}
+
+function write(key, value) {
+  try {
+    localStorage.setItem(`stochc-${key}`, value);
+  } catch {
+    // Nothing is kept.
+  }
+}
+
+function drawLesson() {
+  const place = element('lesson');
+  place.hidden = state.lesson === null;
+  if (place.hidden) return;
+  const index = state.lesson;
+  const lesson = LESSONS[index];
+  const body = node('p');
+  body.innerHTML = lesson.text;
+  const task = node('p', { className: 'task' });
+  task.innerHTML = lesson.task;
+  place.classList.toggle('done', state.isDone);
+  const isLast = index === LESSONS.length - 1;
+  const next = isLast
+    ? node('button', { onclick: () => gallery() }, 'See the examples')
+    : node('button', { className: state.isDone ? 'primary' : '', id: 'next-lesson', onclick: () => openLesson(index + 1) }, state.isDone ? 'Next lesson' : 'Skip');
+  place.replaceChildren(
+    node('div', { className: 'count' }, `Lesson ${index + 1} of ${LESSONS.length}`),
+    node('h2', {}, lesson.title),
+    body,
+    task,
+    node('div', { className: 'row' },
+      state.isDone ? node('span', { className: 'done-mark' }, '✓ Done.') : null,
+      next,
+      state.isDone || !(lesson.solution || lesson.fix) || lesson.solution?.(lesson.program) === lesson.program || lesson.fix ? null : node('button', { onclick: () => editor.replace(lesson.solution(lesson.program)) }, 'Show me'),
+      node('button', { onclick: () => editor.replace(lesson.program) }, 'Start over')));
+}
+
+/** Looks whether the task of the lesson is done. */
+function judge() {
+  if (state.lesson === null || state.isDone || !state.check) return;
+  const lesson = LESSONS[state.lesson];
+  const { check, record: run, ensemble } = state;
+  if (!lesson.done({ check, run, ensemble, text: editor.text })) return;
+  state.isDone = true;
+  write('finished', JSON.stringify([...finished().add(state.lesson)]));
+  drawLesson();
+}
+
+// ---- checks ----
+
+let waiting;
+function changed() {
+  clearTimeout(waiting);
+  waiting = setTimeout(check, 180);
+  if (state.record || state.ensemble) {
+    stopAll();
+    Object.assign(state, { record: null, ensemble: null });
+    element('results').replaceChildren();
+  }
+  if (location.hash.startsWith('#p=')) history.replaceState(null, '', location.pathname + location.search);
+}
+
+let turn = 0;
+async function check() {
+  clearTimeout(waiting);
+  const mine = ++turn;
+  const text = editor.text;
+  const limit = setTimeout(() => checker.stop(), PATIENCE);
+  let result;
+  try {
+    result = await checker.call({ call: 'check', text });
+  } catch (error) {
+    if (mine === turn) element('problems').replaceChildren(node('p', {}, error instanceof Stopped ? 'The check takes too long here. Use the command `stochc check`.' : `The check has failed: ${error.message}`));
+    return;
+  } finally {
+    clearTimeout(limit);
+  }
+  if (mine !== turn) return;
+  state.check = result;
+  state.checked = text;
+  state.program = Math.min(state.program, Math.max(0, result.programs.length - 1));
+  drawProblems();
+  drawAssemblies();
+  drawStructure();
+  drawModels();
+  judge();
+  estimate(mine, text);
+  document.body.dataset.checked = String(mine);
+}
+
+const errors = () => state.check.diagnostics.filter(({ severity }) => severity === 'error');
+const current = () => state.check?.programs[state.program];
+
+/** Names of the files of examples in diagnostics stay as they are. */
+const isOwn = ({ file }) => file === 'program.sa';
+
+function drawProblems() {
+  const { diagnostics, programs } = state.check;
+  const at = units(state.checked);
+  const range = ({ start, end }) => ({ from: at(start.offset), to: at(end.offset) });
+  const fixes = diagnostic => {
+    const edits = diagnostic.fix?.edits ?? [];
+    if (!edits.length || !edits.every(isOwn)) return null;
+    return () => editor.edit(edits.map(edit => ({ ...range(edit), text: edit.text })));
+  };
+  editor.mark(diagnostics.flatMap(diagnostic => diagnostic.labels.filter(isOwn).map((label, i) => ({
+    ...range(label),
+    severity: i ? 'info' : diagnostic.severity,
+    message: i ? label.text : `${diagnostic.title}${label.text ? `: ${label.text}` : ''}`,
+    source: diagnostic.code,
+    actions: !i && fixes(diagnostic) ? [{ name: 'Fix', apply: () => fixes(diagnostic)() }] : [],
+  }))));
+  const list = diagnostics.map(diagnostic => {
+    const labels = diagnostic.labels;
+    const [first] = labels;
+    const fix = fixes(diagnostic);
+    const go = label => isOwn(label) && editor.select(...Object.values(range(label)));
+    const [advice, ...rest] = (diagnostic.help ?? '').split('\n');
+    const told = labels.filter(({ text }) => text).slice(0, 8);
+    const more = told.length > 1 || rest.length > 0;
+    return node('div', { className: `problem ${diagnostic.severity}` },
+      node('div', { className: 'row' },
+        node('strong', {}, `${diagnostic.severity}: `, ...spans(diagnostic.title)),
+        first ? node('button', { className: 'link where', onclick: () => go(first) }, isOwn(first) ? `line ${first.start.line}` : first.file) : null),
+      first?.text ? node('div', {}, ...spans(first.text)) : null,
+      advice ? node('div', { className: 'advice' }, 'Help: ', ...spans(advice)) : null,
+      node('div', { className: 'actions' },
+        fix ? node('button', { className: 'primary fix', onclick: fix }, 'Fix: ', ...spans(diagnostic.fix.title)) : null,
+        node('button', { className: 'explain-button', onclick: () => explain(diagnostic.code) }, `Explain ${diagnostic.code}`)),
+      more ? node('details', {}, node('summary', {}, 'Details'),
+        told.length > 1 ? node('ul', {}, ...told.map(label => node('li', {}, `${isOwn(label) ? `line ${label.start.line}` : label.file}: `, ...spans(label.text)))) : null,
+        rest.length ? node('pre', { className: 'help', tabIndex: 0 }, rest.join('\n')) : null) : null);
+  });
+  if (!errors().length && programs.length) list.unshift(node('p', { className: 'ok' }, ...spans(proof(programs[state.program]))));
+  if (!list.length) list.push(node('p', {}, 'No assembly yet. Write one, or open a lesson or an example.'));
+  element('problems').replaceChildren(...list);
+}
+
+/** A text of the compiler, with what is between backticks as code. */
+function spans(text) {
+  return text.split(/(`[^`]+`)/).filter(Boolean).map(part => (part.startsWith('`') && part.length > 2 ? node('code', {}, part.slice(1, -1)) : part));
+}
+
+/** What has been proved, in a sentence. */
+function proof(program) {
+  const plural = (n, one) => `${n} ${one}${n === 1 ? '' : 's'}`;
+  const counts = [program.captures && plural(program.captures, 'capture'), program.releases && plural(program.releases, 'release')].filter(Boolean).join(' and ');
+  if (program.kind === 'aggregate') return 'Correct. Free units meet by chance; there is no structure to prove.';
+  const { proved } = program;
+  const facts = [proved?.completes && 'completes in every order of arrivals', proved?.no_cell_blocked && proved.no_cell_used_twice && 'no cell is blocked or used twice', ...(proved?.shapes ?? []).map(shape => `builds \`${shape}\``)].filter(Boolean);
+  return `✓ ${counts || 'no captures'}. ${facts.length ? `Proved: ${facts.join(', ')}.` : ''}`;
+}
+
+function drawAssemblies() {
+  const { programs } = state.check;
+  const select = element('assembly');
+  select.hidden = programs.length < 2;
+  select.replaceChildren(...programs.map(({ name }, i) => new Option(name, String(i), false, i === state.program)));
+}
+
+function drawStructure() {
+  const program = current();
+  const isGood = program?.structure && !errors().length;
+  if (program?.structure) state.good = { program, text: state.checked };
+  element('run').disabled = element('start').disabled = !isGood;
+  const warning = isGood ? '' : program?.structure ? 'A run of this program can get stuck.' : state.good ? 'The program has errors. This is an earlier version.' : '';
+  element('stale').textContent = warning;
+  element('stale').hidden = !warning || state.tab !== 'structure';
+  if (state.tab !== 'structure') return;
+  empty(null);
+  if (program?.kind === 'aggregate') return empty('Free units that meet have no structure. Run them.', isGood ? node('button', { className: 'primary', onclick: () => run() }, '▶ Run') : null);
+  if (program?.structure) return stage.structure(program.structure);
+  if (!state.good) return empty(errors().length ? 'The structure appears here when the program has no errors.' : 'Nothing to show yet.');
+  if (stage.shown?.kind !== 'structure') stage.structure(state.good.program.structure);
+}
+
+function empty(words, button = null) {
+  document.body.toggleAttribute('data-empty', words !== null);
+  element('empty').hidden = words === null;
+  if (words !== null) element('empty').replaceChildren(node('p', {}, words), ...(button ? [button] : []));
+}
+
+async function estimate(mine, text) {
+  state.estimate = null;
+  drawFacts();
+  const program = current();
+  if (!program?.structure || errors().length || program.kind === 'aggregate') return;
+  try {
+    const found = await checker.call({ call: 'estimate', text, program: state.program });
+    if (mine !== turn) return;
+    state.estimate = found;
+    drawFacts();
+  } catch (error) {
+    if (!(error instanceof Stopped)) throw error;
+  }
+}
+
+function drawFacts() {
+  const place = element('facts');
+  const found = state.estimate;
+  if (!found?.total) return place.replaceChildren();
+  const { total, tick, captures, is_guess, lower_bound } = found;
+  const ticks = value => `${number(value)} ticks (${duration(value * tick)})`;
+  const least = lower_bound?.length ? 'at least ' : '';
+  const middle = total.mean ?? total.median;
+  const slowest = captures.filter(({ share }) => share > 0).slice(0, 3).map(({ text, share, event }, i) => {
+    const button = node('button', { className: 'link', onclick: () => reveal(event) }, text);
+    return node('span', {}, i ? ', ' : '', button, ` ${Math.round(100 * share)} %`);
+  });
+  place.replaceChildren(
+    node('p', {}, node('b', {}, `Expected: ${least}${ticks(middle)}`), total.p10 != null && total.p90 != null ? `, 80 % of the runs between ${number(total.p10)} and ${number(total.p90)} ticks.` : '.', is_guess ? ' This scene is not calibrated: a first guess from kinetic theory.' : ''),
+    slowest.length ? node('p', {}, 'Waits longest for: ', ...slowest) : null ?? '');
+}
+
+/** Selects the statement of an event, and its block. */
+function reveal(id) {
+  const event = state.good?.program.structure.events.find(event => event.id === id);
+  if (!event?.is_own) return;
+  const at = units(state.good.text);
+  editor.select(at(event.start), at(event.end));
+  stage.mark(id);
+}
+
+// ---- the stage ----
+
+function show(tab) {
+  state.tab = tab;
+  document.body.dataset.tab = tab;
+  for (const button of element('tabs').children) {
+    const is = button.dataset.to === tab;
+    button.setAttribute('aria-selected', is);
+    button.tabIndex = is ? 0 : -1;
+  }
+  element('stale').hidden = true;
+  if (!state.check) return;
+  if (tab === 'structure') drawStructure();
+  if (tab === 'run') {
+    if (state.run?.kind === state.program && stage.shown?.kind === 'run') empty(null);
+    else if (state.run?.stream.recording.frames.length) {
+      empty(null);
+      stage.show('run', state.run.about, state.run.stream.recording);
+      stage.shown.growing = !state.record && state.run.isRunning;
+    } else empty('One run with physics, live.', node('button', { className: 'primary', onclick: () => run(), disabled: !current()?.structure || errors().length > 0 }, '▶ Run'));
+  }
+  element('stop').hidden = !(tab === 'run' && state.run?.isRunning);
+  stage.wake();
+}
+
+/** The controls below the picture. */
+function told({ kind, player, history, scene, growing, recording }) {
+  const tick = Math.floor(scene.tick);
+  element('tick').value = String(tick);
+  element('play').textContent = player.playing ? '❚❚' : '▶';
+  element('play').setAttribute('aria-label', player.playing ? 'pause' : 'play');
+  if (kind === 'structure') {
+    element('now').textContent = `event ${tick} of ${player.end}`;
+    element('caption').textContent = tick ? recording.texts[tick - 1] : 'before the first event';
+    return;
+  }
+  const seconds = tick * stage.shown.about.scene.tick;
+  element('now').textContent = `${number(tick)} of ${number(player.end)} ticks`;
+  element('speed').value = String(player.speed);
+  const stops = history.stops.filter(stop => stop <= tick);
+  const rows = history.rows.filter(row => row[0] === stops.at(-1) && history.isNotable(row));
+  element('caption').textContent = `${duration(seconds)} · ${rows.length ? rows.map(row => history.words(row)).join('; ') : ''}${growing ? ' · computing' : ''}`;
+}
+
+async function run() {
+  const program = current();
+  if (!program?.structure || errors().length) return;
+  stopRun();
+  const { about } = program.structure;
+  const bodies = about.scene.free?.count ?? 0;
+  const expected = state.estimate?.total?.median;
+  // The expected run takes about 20 s.
+  const speed = nearest(((expected ?? 2000) * about.scene.tick) / 20);
+  const stream = stage.live(about, bodies, speed);
+  const mine = (state.run = { stream, about, isRunning: true, kind: state.program });
+  state.record = null;
+  delete document.body.dataset.record;
+  show('run');
+  empty('The run begins …');
+  element('stop').hidden = false;
+  // On narrow screens the picture is below the program.
+  element('right').scrollIntoView({ block: 'nearest' });
+  try {
+    const { record } = await runner.call(
+      { call: 'watch', text: state.checked, program: state.program, model: 'rigid', seed: seed(), max_ticks: MAX_TICKS },
+      (batch, numbers) => {
+        if (state.run !== mine) return;
+        stream.push(batch, numbers);
+        if (state.tab === 'run') empty(null);
+      });
+    if (state.run !== mine) return;
+    mine.isRunning = false;
+    state.record = record;
+    stream.finish();
+    const seconds = duration(record.ticks * about.scene.tick);
+    toast(record.outcome.kind === 'completed' ? `Complete after ${number(record.ticks)} ticks (${seconds} of the robots)` : `The run is ${record.outcome.kind.replace('_', ' ')} after ${number(record.ticks)} ticks`);
+    document.body.dataset.record = JSON.stringify({ ticks: record.ticks, outcome: record.outcome.kind });
+    judge();
+  } catch (error) {
+    if (state.run === mine) mine.isRunning = false;
+    if (!(error instanceof Stopped)) empty(`The run has failed: ${error.message}`);
+  } finally {
+    if (state.run === mine) element('stop').hidden = true;
+  }
+}
+
+const nearest = wanted => stage.parts.SPEEDS.reduce((best, speed) => (Math.abs(Math.log(speed / wanted)) < Math.abs(Math.log(best / wanted)) ? speed : best));
+const seed = () => Math.max(0, Math.min(2 ** 32 - 1, Math.floor(Number(element('seed').value)) || 0));
+
+function stopRun() {
+  if (state.run?.isRunning) runner.stop();
+  if (state.run) {
+    state.run.isRunning = false;
+    state.run.stream.finish();
+  }
+  state.run = null;
+  element('stop').hidden = true;
+}
+
+function stopAll() {
+  if (state.run) {
+    if (state.run.isRunning) runner.stop();
+    state.run = null;
+    element('stop').hidden = true;
+    if (state.tab === 'run') show('structure');
+  }
+  state.ensemble?.stop();
+}
+
+// ---- many runs ----
+
+function drawModels() {
+  const program = current();
+  const chosen = element('model').value;
+  const models = about.models.filter(({ name }) => name !== 'rate' || program?.has_rates);
+  element('model').replaceChildren(...models.map(({ name }) => new Option({ rigid: 'physics', rate: 'rates', shuffle: 'random order' }[name], name)));
+  element('model').value = models.some(({ name }) => name === chosen) ? chosen : 'rigid';
+  element('cost').textContent = COSTS[element('model').value];
+}
+
+function startEnsemble() {
+  if (!current()?.structure || errors().length) return;
+  state.ensemble?.stop();
+  const { about } = current().structure;
+  const request = { text: state.checked, program: state.program, model: element('model').value, seed: seed(), max_ticks: MAX_TICKS };
+  const ensemble = new Ensemble(request, Number(element('runs').value), () => drawEnsemble(about));
+  state.ensemble = ensemble;
+  element('cancel').hidden = false;
+  drawEnsemble(about);
+  ensemble.done.catch(error => toast(`The runs have failed: ${error.message}`));
+}
+
+let drawing = false;
+function drawEnsemble(about) {
+  if (drawing) return;
+  drawing = true;
+  requestAnimationFrame(() => {
+    drawing = false;
+    const { ensemble } = state;
+    if (!ensemble) return;
+    const { records, runs, isRunning, request } = ensemble;
+    element('cancel').hidden = !isRunning;
+    const { tick } = about.scene;
+    const result = times(records);
+    const { completed, total } = result;
+    const parts = [node('progress', { max: runs, value: total, ariaLabel: 'runs' })];
+    if (!total) parts.push(node('p', { className: 'hint' }, 'The first runs begin …'));
+    else {
+      const figure = node('div');
+      figure.innerHTML = curve(result, tick, runs);
+      const cells = value => [node('td', { className: 'number' }, number(value)), node('td', { className: 'number' }, duration(value * tick))];
+      const row = (name, value) => node('tr', {}, node('th', { scope: 'row' }, name), ...cells(value));
+      const mean = completed.reduce((sum, ticks) => sum + ticks, 0) / completed.length;
+      parts.push(node('h3', {}, `${completed.length} of ${total} runs complete${isRunning ? `, ${runs - total} to come` : total < runs ? ', stopped' : ''}`), figure);
+      if (completed.length) {
+        parts.push(node('table', {}, node('thead', {}, node('tr', {}, node('th', {}, 'completion time'), node('th', { className: 'number' }, 'ticks'), node('th', { className: 'number' }, 'robots’ time'))),
+          node('tbody', {}, row('mean', mean), row('median', quantile(completed, 0.5)), row('10 % of the runs by', quantile(completed, 0.1)), row('90 % of the runs by', quantile(completed, 0.9)))));
+      }
+      const slow = waits(records, about.tables.blocks).slice(0, 5);
+      if (slow.length) {
+        parts.push(node('h3', {}, 'Longest mean waits'), node('table', {}, node('tbody', {}, ...slow.map(({ text, wait, role }) => node('tr', {}, node('th', { scope: 'row' }, node('button', { className: 'link', onclick: () => revealRole(role) }, text)), ...cells(wait))))));
+      }
+      parts.push(node('p', { className: 'hint' }, `Model ${request.model}, seed ${request.seed}: the same runs as `, node('code', {}, `stochc simulate --model ${request.model} --seed ${request.seed} --runs ${runs}`), '. '), node('button', { onclick: () => download(csv(records, tick), `${about.program}.csv`, 'text/csv') }, 'Download CSV'));
+    }
+    element('results').replaceChildren(...parts);
+    document.body.dataset.runs = String(total);
+    judge();
+  });
+}
+
+function revealRole(role) {
+  const event = state.good?.program.structure.events.find(event => event.role === role && event.cell);
+  if (event) reveal(event.id);
+}
+
+// ---- dialogs, files, links ----
+
+function dialog(title, ...body) {
+  element('dialog-title').textContent = title;
+  element('dialog-body').replaceChildren(...body);
+  element('dialog').showModal();
+  element('dialog-body').scrollTop = 0;
+}
+
+async function explain(code) {
+  const { page } = await checker.call({ call: 'explain', code });
+  const body = node('div', { className: 'explain' });
+  body.innerHTML = markdown(page);
+  dialog(code, body);
+}
+
+function gallery() {
+  const cards = Object.entries(EXAMPLES).map(([name, [title, words, picture]]) => {
+    const image = picture ? node('img', { alt: '', src: `data:image/svg+xml,${encodeURIComponent(pictures[picture])}` }) : '';
+    return node('button', { onclick: () => { element('dialog').close(); openExample(name); } }, node('span', { className: 'picture' }, image), node('b', {}, title), node('small', {}, words));
+  });
+  dialog('Examples', node('div', { className: 'gallery' }, ...cards));
+}
+
+function lessons() {
+  const done = finished();
+  const items = LESSONS.map(({ title }, i) => node('li', {}, node('button', { onclick: () => { element('dialog').close(); openLesson(i); } }, `${i + 1}. ${title}${done.has(i) ? ' ✓' : ''}`)));
+  dialog('Lessons', node('p', { className: 'hint' }, 'From one capture to a scene of your own. Each has a task that the page checks.'), node('ol', { className: 'lessons' }, ...items));
+}
+
+function download(text, name, type) {
+  const link = node('a', { href: URL.createObjectURL(new Blob([text], { type })), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+async function share() {
+  const fragment = await pack({ text: editor.text, program: state.program, model: element('model').value, seed: seed(), tab: state.tab });
+  history.replaceState(null, '', fragment);
+  try {
+    await navigator.clipboard.writeText(location.href);
+    toast('The link is copied. It contains the program; nothing is uploaded.');
+  } catch {
+    toast('The link is in the address bar. It contains the program; nothing is uploaded.');
+  }
+}
+
+/** Opens what the address asks for. */
+async function recall() {
+  const { hash } = location;
+  try {
+    const shared = await unpack(hash);
+    if (shared) {
+      openProgram(shared.text, 'shared program');
+      state.program = Number.isInteger(shared.program) ? Math.max(0, shared.program) : 0;
+      if (Number.isInteger(shared.seed)) element('seed').value = String(shared.seed);
+      check();
+      return;
+    }
+  } catch (error) {
+    toast(`This link is damaged: ${error.message}`);
+  }
+  const asked = new URLSearchParams(hash.slice(1));
+  const lesson = Number(asked.get('lesson'));
+  if (lesson >= 1 && lesson <= LESSONS.length) return openLesson(lesson - 1);
+  const example = asked.get('example');
+  if (about.examples.some(({ name }) => name === example)) return openExample(example);
+  welcome();
+}
+
+/** The first thing that a newcomer sees. */
+function welcome() {
+  openProgram(about.examples.find(({ name }) => name === 'gate.sa').text, 'gate.sa');
+  const place = element('lesson');
+  place.hidden = false;
+  place.classList.remove('done');
+  place.replaceChildren(
+    node('h2', {}, 'Structures that build themselves, by chance'),
+    node('p', {}, 'Cubes without motors drift in an agitated tank. A program says which face of which block attracts the next one. This one builds the gate in the picture. stochc has proved that it completes, in whatever order blocks arrive.'),
+    node('div', { className: 'row' },
+      node('button', { className: 'primary', onclick: () => run() }, '▶ Watch it build itself'),
+      node('button', { onclick: () => openLesson(0) }, 'Learn it in 8 short lessons'),
+      node('button', { onclick: () => { place.hidden = true; } }, 'Close')));
+}
+
+function hover(position) {
+  if (!state.good || state.good.text !== editor.text) return null;
+  const at = units(state.good.text);
+  const found = state.good.program.structure.events.filter(event => event.is_own && at(event.start) <= position && position <= at(event.end));
+  if (!found.length) return null;
+  const { phases } = state.good.program.structure.about.tables;
+  const waits = new Map((state.estimate?.captures ?? []).map(it => [it.event, it]));
+  const lines = found.slice(0, 6).map(event => {
+    const cell = event.cell ? ` in cell (${event.cell.join(', ')})` : '';
+    const wait = waits.get(event.id);
+    return `${event.text}${cell}${wait ? `, waits ${number(wait.wait)} ticks` : ''}`;
+  });
+  if (found.length > 6) lines.push(`and ${found.length - 6} more`);
+  return { from: Math.min(...found.map(({ start }) => at(start))), to: Math.max(...found.map(({ end }) => at(end))), lines: [`phase ${phases[found[0].phase]?.name ?? ''}`, ...lines] };
+}
+
+async function format() {
+  try {
+    const { text } = await checker.call({ call: 'format', text: editor.text });
+    if (!editor.replace(text)) toast('The layout is standard already.');
+  } catch (error) {
+    toast(error.message);
+  }
+}
+
+async function start() {
+  await load(engineUrl);
+  [checker, runner] = [new Engine(), new Engine()];
+  about = await checker.call({ call: 'about' });
+  const theme = read('theme');
+  if (theme) document.documentElement.dataset.theme = theme;
+  stage = new Stage(about.palette, {
+    told,
+    selected(role) {
+      if (role !== null) revealRole(role);
+    },
+  });
+  const style = document.documentElement.style;
+  about.palette.phases.forEach(({ colour }, i) => style.setProperty(`--phase-${i}`, colour));
+  const colours = () => {
+    const dark = document.documentElement.dataset.theme ? document.documentElement.dataset.theme === 'dark' : matchMedia('(prefers-color-scheme: dark)').matches;
+    for (const [name, colour] of Object.entries(about.palette[dark ? 'dark' : 'light'])) {
+      const sample = document.querySelector(`#legend .${name}`);
+      if (sample) sample.style.background = colour;
+    }
+    document.querySelector('#legend .held').style.background = `linear-gradient(90deg, ${about.palette.phases[0].colour} 50%, ${about.palette.phases[1].colour} 50%)`;
+    stage.wake();
+  };
+  colours();
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', colours);
+  editor = new Editor(element('editor'), {
+    changed, run: () => run(), format, hover,
+    names: () => (state.good?.program.structure.about.tables.blocks ?? []).map(({ name }) => name.replace(/\[.*/, '')),
+    moved(offset) {
+      if (!state.good || state.good.text !== editor?.text || state.tab !== 'structure') return;
+      const at = units(state.good.text);
+      const event = state.good.program.structure.events.find(event => event.is_own && at(event.start) <= offset && offset <= at(event.end));
+      stage.mark(event?.id ?? -1);
+    },
+  });
+  stage.parts.SPEEDS.forEach(speed => element('speed').append(new Option(`${speed}×`, String(speed))));
+  const player = act => () => {
+    if (stage.shown) act(stage.shown.player);
+  };
+  const buttons = {
+    run, format, share, examples: gallery, lessons,
+    open: () => element('file').click(),
+    save: () => download(editor.text, /\.sa$/.test(state.name) ? state.name.split('/').at(-1) : 'program.sa', 'text/plain'),
+    close: () => element('dialog').close(),
+    stop: () => { stage.shown.growing = false; stopKeeping(); },
+    cancel: () => state.ensemble?.stop(),
+    play: player(it => it.toggle()),
+    previous: player(it => (stage.shown.kind === 'structure' ? it.jump(it.tick - 1) : it.event(-1, false))),
+    next: player(it => (stage.shown.kind === 'structure' ? it.jump(it.tick + 1) : it.event(1, false))),
+    theme: () => {
+      const dark = (document.documentElement.dataset.theme ?? (matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light')) === 'dark';
+      document.documentElement.dataset.theme = dark ? 'light' : 'dark';
+      write('theme', document.documentElement.dataset.theme);
+      colours();
+    },
+  };
+  for (const [id, act] of Object.entries(buttons)) element(id).addEventListener('click', () => act());
+  element('tick').addEventListener('input', player(it => it.jump(Number(element('tick').value))));
+  element('speed').addEventListener('change', player(it => it.setSpeed(Number(element('speed').value))));
+  element('model').addEventListener('change', () => (element('cost').textContent = COSTS[element('model').value]));
+  element('settings').addEventListener('submit', event => {
+    event.preventDefault();
+    startEnsemble();
+  });
+  element('assembly').addEventListener('change', () => {
+    stopAll();
+    state.program = Number(element('assembly').value);
+    check();
+  });
+  element('tabs').addEventListener('click', ({ target }) => target.dataset.to && show(target.dataset.to));
+  element('tabs').addEventListener('keydown', event => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    const all = [...element('tabs').children];
+    const to = all[(all.indexOf(event.target) + step + all.length) % all.length];
+    show(to.dataset.to);
+    to.focus();
+  });
+  element('dialog').addEventListener('click', event => event.target === element('dialog') && element('dialog').close());
+  element('file').addEventListener('change', async ({ target }) => {
+    const [file] = target.files;
+    if (file && file.size <= 1 << 20) openProgram(await file.text(), file.name);
+    else if (file) toast('This file is larger than 1 MiB.');
+    target.value = '';
+  });
+  addEventListener('hashchange', recall);
+  await recall();
+  document.body.dataset.ready = 'yes';
+}
+
+/** Stops the run that is computed, and keeps what is there. */
+function stopKeeping() {
+  if (!state.run?.isRunning) return;
+  const { stream } = state.run;
+  runner.stop();
+  state.run.isRunning = false;
+  stream.finish();
+  element('stop').hidden = true;
+}
+
+start().catch(error => {
+  document.body.replaceChildren(node('p', { style: 'padding: 2em', role: 'alert' }, `The playground cannot start: ${error.message}`));
+  throw error;
+});

@@ -1,0 +1,95 @@
+// What the viewer of `stochc replay` shows here: a structure event by event, or a run that is still being computed.
+
+/** Where a block is before it is captured. Such blocks are not drawn. */
+const AWAY = [0, 0, -1e4, 0, 0, 0, 1];
+/** Largest memory of the frames of a run [bytes]. */
+const MEMORY = 64 << 20;
+
+/** Classes of recordings, by those of the viewer. */
+export function recordings({ Recording }) {
+  /** Frames in memory. */
+  class Frames extends Recording {
+    constructor(bodies) {
+      super();
+      Object.assign(this, { bodies, ticks: [], frames: [], events: [], record: { ticks: 0, bonds: [] } });
+    }
+
+    has() {
+      return this.frames.length > 0;
+    }
+
+    async fetch() {}
+
+    reader(frame) {
+      const numbers = this.frames[frame];
+      return (body, into) => {
+        for (let i = 0; i < 7; i++) into[i] = numbers[7 * body + i];
+      };
+    }
+  }
+
+  /** A structure: tick k is the state after k events. */
+  class Steps extends Frames {
+    constructor({ about, events }) {
+      super(events.filter(({ cell }) => cell).length || 1);
+      const { width, depth } = about.tables.plate;
+      const corner = [-(width - 1) / 2, -(depth - 1) / 2, -0.5];
+      const seeds = new Set(about.tables.blocks.flatMap(({ seed }, role) => (seed ? [role] : [])));
+      const holders = new Map();
+      const holder = role => holders.get(role) ?? (seeds.has(role) ? -1 - role : 0);
+      const places = new Float32Array(7 * this.bodies);
+      for (let body = 0; body < this.bodies; body++) places.set(AWAY, 7 * body);
+      /** By block: the event that captures it. */
+      this.origin = [];
+      let phase = null;
+      const keep = tick => {
+        this.ticks.push(tick);
+        this.frames.push(places.slice());
+      };
+      keep(0);
+      events.forEach((event, index) => {
+        const [before, tick] = [index, index + 1];
+        if (event.phase !== phase) this.events.push([before, 'phase', (phase = event.phase)]);
+        if (event.cell) {
+          const body = this.origin.push(event) - 1;
+          const of = holder(event.parent);
+          this.events.push([before, 'on', of, event.face, event.parent, event.role, event.cell]);
+          this.events.push([tick, 'dock', body, of, event.face, event.role, event.cell]);
+          holders.set(event.role, body);
+          places.set([...corner.map((from, axis) => from + event.cell[axis]), 0, 0, 0, 1], 7 * body);
+        } else {
+          this.events.push([tick, 'free', holder(event.role), event.role, event.role]);
+          holders.delete(event.role);
+        }
+        keep(tick);
+      });
+      this.record.ticks = events.length;
+      this.texts = events.map(({ phase, text }) => `phase ${about.tables.phases[phase]?.name}: ${text}`);
+    }
+  }
+
+  /** A run that grows while it is computed. */
+  class Live extends Frames {
+    constructor(bodies) {
+      super(bodies);
+      this.every = 4;
+    }
+
+    /** Adds a batch of the engine. */
+    push({ tick, ticks, events }, numbers) {
+      ticks.forEach((at, i) => {
+        this.ticks.push(at);
+        this.frames.push(numbers.slice(7 * this.bodies * i, 7 * this.bodies * (i + 1)));
+      });
+      for (const event of events) this.events.push(event);
+      this.record.ticks = tick;
+      while (this.frames.length * this.bodies * 28 > MEMORY) {
+        const keep = (_, i) => i % 2 === 0;
+        this.ticks = this.ticks.filter(keep);
+        this.frames = this.frames.filter(keep);
+      }
+    }
+  }
+
+  return { Steps, Live };
+}

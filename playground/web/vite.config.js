@@ -1,0 +1,48 @@
+import { readFileSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import { defineConfig } from 'vite';
+
+const path = relative => fileURLToPath(new URL(relative, import.meta.url));
+
+/** Parts of the replay's script that draw the arena. Each uses only earlier parts, as in the replay. */
+const PARTS = [
+  'maths', 'recording', 'groups', 'history', 'theme', 'camera', 'shapes', 'shaders', 'painter', 'sheet', 'axes', 'labels', 'sight', 'cloud', 'target', 'scene', 'panel', 'timeline', 'player',
+];
+const EXPORTS = ['Camera', 'History', 'Labels', 'Painter', 'Player', 'Recording', 'Scene', 'SPEEDS', 'Timeline', 'Unreadable', 'phaseColour', 'steer'];
+
+/** Makes the viewer of `stochc replay` a module: a function of the palette, which the engine has. */
+function viewer() {
+  const folder = path('../../crates/report/src/replay/page');
+  return {
+    name: 'viewer',
+    resolveId: id => (id === 'virtual:viewer' ? '\0viewer' : null),
+    load(id) {
+      if (id !== '\0viewer') return null;
+      const text = PARTS.map(part => readFileSync(`${folder}/${part}.js`, 'utf8')).join('\n');
+      return `export function viewer(PALETTE) {\nclass Unreadable extends Error {}\nconst element = id => document.getElementById(id);\n${text}\nreturn { ${EXPORTS.join(', ')} };\n}`;
+    },
+  };
+}
+
+/** Pictures of the examples, as text: the page needs no further requests. */
+function pictures() {
+  const folder = path('../../docs/pictures/examples');
+  return {
+    name: 'pictures',
+    resolveId: id => (id === 'virtual:pictures' ? '\0pictures' : null),
+    load(id) {
+      if (id !== '\0pictures') return null;
+      const names = ['gate', 'line', 'open_platform', 'closed_platform', 'five_tower', 'five_tower_reconfigured', 'experiment_1', 'suction_growth', 'microns', 'bowl', 'chair', 'serpentine'];
+      const all = names.map(name => [name, readFileSync(`${folder}/${name}.svg`, 'utf8')]);
+      return `export default ${JSON.stringify(Object.fromEntries(all))};`;
+    },
+  };
+}
+
+export default defineConfig({
+  base: './',
+  plugins: [viewer(), pictures()],
+  worker: { format: 'es' },
+  build: { outDir: '../dist', emptyOutDir: true, assetsInlineLimit: 0, target: 'es2022', modulePreload: false },
+  server: { fs: { allow: [path('../..')] } },
+});
