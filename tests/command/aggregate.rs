@@ -1,4 +1,4 @@
-//! Free blocks that bond to each other, without a plate.
+//! Tests aggregates: free blocks that bond to each other without a plate.
 use std::fs;
 
 use crate::stochc::{path, stochc, stochc_with};
@@ -69,7 +69,7 @@ fn its_phases_are_the_sizes_that_it_reaches() {
     let arguments = [FILE, "--runs", "30", "--out", &out, "--captures"];
     let said = stochc_with("simulate --model shuffle --quiet", &arguments);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
-    // All three stand side by side.
+    // The three programs are columns of one table.
     assert_eq!(said.row("Construction phases"), ["1", "3", "1"]);
     assert_eq!(said.row("Total units involved"), ["2", "4", "1"]);
     let none = "\ntwo, an aggregate, has no captures: its blocks bond where they meet.\n";
@@ -85,13 +85,13 @@ fn its_phases_are_the_sizes_that_it_reaches() {
         assert_eq!(record["ticks"], ticks.iter().sum::<u64>());
         if value["program"] == 1 {
             assert_eq!(ticks.len(), 3);
-            assert!(ticks[0] > 0, "nobody is bonded at the beginning");
+            assert!(ticks[0] > 0, "no blocks are bonded at the beginning");
             assert_eq!(record["bonds"].as_array().unwrap().len(), 0);
             largest.push(record["blocks_used"].as_u64().unwrap());
         }
     }
     assert_eq!(largest.len(), 30);
-    // Two groups may make a larger one than was asked for.
+    // The union of two groups may exceed the requested size.
     assert!(
         largest.iter().all(|size| (4..=6).contains(size)),
         "{largest:?}"
@@ -101,7 +101,7 @@ fn its_phases_are_the_sizes_that_it_reaches() {
     let page = path(folder.path(), "page");
     let report = stochc_with("report", &[&out, "--out", &page]);
     assert_eq!(report.status, 0, "{}", report.err);
-    // The same alone, in words.
+    // A trace of the same run, in words.
     let told = stochc_with("trace --model shuffle --run 3", &[FILE]);
     assert!(
         told.out
@@ -127,7 +127,7 @@ fn a_size_that_is_not_reached_in_time_is_censored() {
         "every other tick two blocks are drawn: {late}"
     );
     assert_eq!(two["completed"], 40 - late);
-    // The limit of the command ends a run in the size that it had not reached.
+    // The limit of the command stops a run in a phase whose size was not reached.
     let mut sizes = std::collections::BTreeSet::new();
     for run in 0..12 {
         let run = run.to_string();
@@ -162,7 +162,7 @@ fn it_goes_through_the_worlds_of_bodies() {
         ];
         let line = "simulate --quiet --runs 1 --max-ticks 20 --record all";
         let said = stochc_with(line, &arguments);
-        // In so few ticks nothing meets.
+        // No blocks meet within these few ticks.
         assert_eq!(said.status, 3, "{model}: {}", said.err);
         let page = path(folder.path(), &format!("{model}.html"));
         let program = ["--program", "four", "--run", "0", "--out", &page];
@@ -219,7 +219,7 @@ fn what_cannot_be_one_is_told() {
         assert_eq!(said.status, 1, "{text}: {}", said.out);
         assert!(said.err.contains(code), "{text}: {}", said.err);
     }
-    // Its words are no reserved ones.
+    // The keywords of aggregates are not reserved.
     let text = "assembly a {\n    seed plate 1 x 1 { to at (0, 0) }\n    phase p { to.up -> aggregate }\n}\n";
     fs::write(&file, text).unwrap();
     assert_eq!(stochc_with("check", &[&file]).status, 0);

@@ -1,4 +1,4 @@
-//! Files that claim more than they may, read with little memory: docs/reference/limits.md.
+//! Tests files that claim excessive sizes, read with little memory: docs/reference/limits.md.
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ const SPACE: u32 = 2 << 20;
 const TIB: u64 = 1 << 40;
 const MIB: usize = 1 << 20;
 
-/// Does a command that has to refuse a file, within its address space; what it says.
+/// Runs a command that must reject a file within its address space. Returns the messages.
 #[track_caller]
 fn refused(arguments: &[&str]) -> String {
     let program = format!("ulimit -v {SPACE}; exec \"$@\"");
@@ -31,7 +31,7 @@ fn refused(arguments: &[&str]) -> String {
     said
 }
 
-/// A folder of results with a recording.
+/// Results folder with a recording.
 struct Results {
     _folder: tempfile::TempDir,
     path: PathBuf,
@@ -53,7 +53,7 @@ impl Results {
         self.path.to_str().unwrap()
     }
 
-    /// What `show` and `verify` say of the folder with a file that begins so, and has so many bytes.
+    /// Returns the messages of `show` and `fsck` for a file with this beginning and length.
     #[track_caller]
     fn with(&self, name: &str, begins: &str, length: u64) -> [String; 2] {
         let file = self.path.join(name);
@@ -65,7 +65,7 @@ impl Results {
     }
 }
 
-/// Writes a file that begins so, and is a hole from there on.
+/// Writes a sparse file with this beginning.
 fn sparse(path: &Path, begins: &str, length: u64) {
     let mut file = File::create(path).unwrap();
     file.write_all(begins.as_bytes()).unwrap();
@@ -87,7 +87,7 @@ fn a_journal_without_an_end_is_refused() {
             assert!(said.contains(told), "{said}");
         }
     }
-    // Signs that might be those of a record.
+    // The line consists of characters that could be part of a record.
     let line = format!(
         "{header}{{\"program\":0,\"record\":{{\"run\":0,\"phase_ticks\":[{}",
         "0,".repeat(40 * MIB)
@@ -167,7 +167,7 @@ fn other_files_of_more_than_there_can_be_are_refused() {
     }
 }
 
-/// A part of a recording, with its checksum.
+/// Returns a part of a recording, with its checksum.
 fn part(tag: &[u8; 4], payload: &[u8]) -> Vec<u8> {
     let length = (payload.len() as u32).to_le_bytes();
     let part = [&tag[..], &length, payload].concat();
@@ -175,7 +175,7 @@ fn part(tag: &[u8; 4], payload: &[u8]) -> Vec<u8> {
     [&part[..], &crc].concat()
 }
 
-/// A pattern, so many times, packed.
+/// Compresses a repeated pattern.
 fn packed(begins: &str, pattern: &[u8], times: usize) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
     encoder.write_all(begins.as_bytes()).unwrap();
@@ -206,7 +206,7 @@ fn a_recording_that_unpacks_to_gigabytes_is_refused() {
         let crc = crc32(&begin).to_le_bytes();
         [&begin[..], &crc].concat()
     };
-    // All blocks in one place, at `ticks` ticks.
+    // All blocks are at one position, for `ticks` ticks.
     let places = |bodies: usize, ticks: u32| {
         let mut payload = [&0u64.to_le_bytes()[..], &ticks.to_le_bytes(), &[0; 4]].concat();
         payload.extend(
@@ -262,7 +262,7 @@ fn a_recording_that_unpacks_to_gigabytes_is_refused() {
             );
         }
     }
-    // What is claimed of the header and of a part, and is a hole.
+    // The header and a part claim lengths that are holes in the file.
     let mut claims = whole[..16].to_vec();
     claims[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
     let part = [header(1), b"DONE".to_vec(), u32::MAX.to_le_bytes().to_vec()].concat();

@@ -1,4 +1,4 @@
-//! `kill -9` in the middle of a run, and what goes on from there.
+//! Tests `kill -9` in the middle of a run, and the resumption.
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -8,10 +8,10 @@ use crate::stochc::{path, said, stochc_with, tables};
 
 const TOWER: &str = "examples/five_tower.sa";
 
-/// Times that a command is killed.
+/// Number of times that a command is killed.
 const KILLS: usize = 3;
 
-/// All files in a folder, by name, and what is in them.
+/// Returns names and contents of all files in a folder.
 fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();
@@ -33,14 +33,15 @@ fn command(arguments: &[&str]) -> Command {
     command
 }
 
-/// Kills a process when the checkpoints are others than `before`; whether it has come to its end before.
+/// Kills a process when a checkpoint differs from `before`. Returns whether the process ended
+/// before.
 fn kill(mut child: Child, folder: &Path, before: &[(String, Vec<u8>)]) -> bool {
     loop {
         if child.try_wait().unwrap().is_some() {
             return true;
         }
         let now = files(folder);
-        // What has its name is whole.
+        // A file with the final name is complete.
         let is_whole = |(name, _): &&(String, Vec<u8>)| name.ends_with(".state");
         if now
             .iter()
@@ -54,7 +55,7 @@ fn kill(mut child: Child, folder: &Path, before: &[(String, Vec<u8>)]) -> bool {
     }
 }
 
-/// Kills a command several times while it is in a run, and then `later` to the end.
+/// Kills a command several times during runs, and then runs `later` to the end.
 fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
     let folder = Path::new(out).join("checkpoints");
     let mut arguments_now = arguments.to_vec();
@@ -69,7 +70,7 @@ fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
         goes_on += 1;
         arguments_now = later.to_vec();
     }
-    assert!(goes_on > 0, "it was never killed in a run");
+    assert!(goes_on > 0, "the command was never killed during a run");
     let last = said(&mut command(&arguments_now));
     assert!([0, 3].contains(&last.status), "{}", last.err);
     assert!(
@@ -77,13 +78,14 @@ fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
         "{}",
         last.err
     );
-    // Of pieces the folder stays, until they are put together, and what a kill has left of a checkpoint: others may be writing one.
+    // For shards, the folder and a draft left by a kill stay until the merge: other processes may
+    // be writing one.
     let left: Vec<String> = files(&folder).into_iter().map(|(name, _)| name).collect();
     let may_stay = |name: &String| arguments[0] == "shard" && name.contains(".draft-");
     assert!(left.iter().all(may_stay), "{left:?}");
 }
 
-/// Runs of some thousand ticks, with their states kept every hundred.
+/// Returns a command with runs of some thousand ticks and a checkpoint every hundred ticks.
 fn simulate<'a>(file: &'a str, more: &'a str, out: &'a str) -> Vec<&'a str> {
     let all = "--runs 2 --threads 1 --checkpoints 100ticks";
     let command = if more.contains("--vary") {
@@ -99,7 +101,7 @@ fn simulate<'a>(file: &'a str, more: &'a str, out: &'a str) -> Vec<&'a str> {
         .collect()
 }
 
-/// Resumes such runs.
+/// Returns the command that resumes such runs.
 fn resume<'a>(more: &'a str, out: &'a str) -> Vec<&'a str> {
     let line = "resume --threads 1 --checkpoints 100ticks";
     let words = line.split(' ').chain(more.split_whitespace());
@@ -153,7 +155,7 @@ fn pieces_go_on() {
     let [out, straight] = ["out", "straight"].map(|name| path(place.path(), name));
     let of = |out| simulate(TOWER, "--max-ticks 3000", out);
     let mut cut = of(&out);
-    // Each piece says how often it keeps its states.
+    // Each shard has its own checkpoint interval.
     let checkpoints = cut.iter().position(|word| *word == "--checkpoints");
     let checkpoints = checkpoints.expect("unfinished runs have waits");
     cut.drain(checkpoints..checkpoints + 2);

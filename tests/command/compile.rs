@@ -14,7 +14,7 @@ fn emit(stage: &str, form: &str) -> String {
 
 #[test]
 fn every_stage_has_a_text_and_a_json() {
-    // What they hold, the snapshots of the stages say.
+    // The snapshots of the stages check the contents.
     for (stage, text) in [
         ("graph", "longest serial chain, 2: A.up -> B, B.up -> C"),
         ("table", "magnetize up for A at (1, 1, 1)"),
@@ -31,7 +31,7 @@ fn every_stage_has_a_text_and_a_json() {
     assert_eq!(
         table,
         emit("table", "text"),
-        "the table is what one wants to see"
+        "the default stage is the table"
     );
 }
 

@@ -1,4 +1,4 @@
-//! Numbers of a scene from measured times.
+//! Tests fits of scene parameters to measured times.
 use std::fs;
 
 use serde_json::Value;
@@ -7,7 +7,7 @@ use stochc::report::figures::Medium;
 use crate::layout;
 use crate::stochc::{path, stochc_with};
 
-/// Two programs in a small scene with so many free blocks.
+/// Returns two programs in a small scene with this number of free blocks.
 fn programs(free: u32) -> String {
     format!(
         "scene small from hemisphere {{ free {free} uniform  enclosure hemisphere {{ radius 1m  wall 25 N/m }} }}
@@ -21,7 +21,7 @@ phase grow {{ M.up -> A  A.up -> B }} }}
     )
 }
 
-/// The times of a simulation with 20 blocks, as somebody would have measured them.
+/// Returns the times of a simulation with 20 blocks, as a table of measured times.
 fn measured(folder: &std::path::Path) -> String {
     let truth = path(folder, "truth.sa");
     fs::write(&truth, programs(20)).unwrap();
@@ -49,7 +49,7 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
         path(folder.path(), "out"),
     );
     fs::write(&data, measured(folder.path())).unwrap();
-    // The number that the fit starts from is another one.
+    // The fit starts from another value.
     fs::write(&file, programs(8)).unwrap();
     let options = [
         &file,
@@ -73,7 +73,7 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
     assert!(low < 20.0 && 20.0 < high, "{low} .. {high}\n{}", said.out);
     assert!(
         high - low < 20.0,
-        "{low} .. {high}: the times say something of it"
+        "{low} .. {high}: the times constrain the parameter"
     );
     let two = &fit["predictions"][1];
     assert_eq!(
@@ -85,7 +85,7 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
     assert!(low < mean && mean < high, "{low} .. {high}, {mean}");
     let picture = fs::read_to_string(path(folder.path(), "out/fit.svg")).unwrap();
     layout::check("fit", &picture, Medium::Screen);
-    // The same again to the letter, but not into the same folder.
+    // A repetition prints the same text, but does not write to the same folder.
     let again = stochc_with("fit --quiet --runs 16 --points 10", &options[..7]);
     assert_eq!((again.status, &again.out), (0, &said.out));
     assert_eq!(
@@ -236,7 +236,8 @@ fn a_scene_that_cannot_be_at_a_point_is_told_of() {
     assert!(said.err.contains("which holds 60"), "{}", said.err);
 }
 
-/// Times of two programs with 20 blocks, of runs that were stopped at 350 ticks: in a third of one, and in most of the other.
+/// Times of two programs with 20 blocks. Runs were stopped at 350 ticks: a third of one program,
+/// and most of the other.
 const STOPPED: &str = "examples/fit/stopped.csv";
 
 fn fitted(said: &str) -> (f64, f64) {
@@ -267,7 +268,7 @@ fn a_number_is_found_again_although_runs_were_stopped() {
     let [low, high] = ["low", "high"].map(|end| two["incomplete"][end].as_f64().unwrap());
     assert!(low < share && share < high, "{low} .. {high}, {share}");
 
-    // Without the column, they are taken for completed runs, and the truth is lost.
+    // Without the column they count as completed runs, and the interval misses the true value.
     let table = fs::read_to_string(STOPPED).unwrap();
     let rows = table.lines().map(|line| match line.rsplit_once(',') {
         Some((rest, _)) if !line.starts_with('#') => format!("{rest}\n"),
@@ -317,14 +318,14 @@ fn a_program_without_times_is_predicted_and_the_fitted_scene_is_a_program() {
     let fit: Value = serde_json::from_str(&fit).unwrap();
     let two = &fit["predictions"][1];
     assert_eq!((&two["n"], &two["observed"]), (&50.into(), &Value::Null));
-    // The truth, of 200 runs.
+    // True value from 200 runs.
     let [low, high] = ["low", "high"].map(|end| two["mean"][end].as_f64().unwrap());
     assert!(low < 580.0 && 580.0 < high, "{low} .. {high}");
     let picture = fs::read_to_string(path(folder.path(), "out/fit.svg")).unwrap();
     layout::check("fit", &picture, Medium::Screen);
 
     let scene = fs::read_to_string(path(folder.path(), "out/fitted.sa")).unwrap();
-    // Blocks are counted in whole numbers.
+    // The number of blocks is a whole number.
     let median = fit["numbers"][0]["median"].as_f64().unwrap().round();
     assert!(
         scene.contains(&format!("    free {median} uniform\n")),

@@ -1,4 +1,4 @@
-//! `stochc check --fix`, as a user meets it.
+//! Tests `stochc check --fix` through the command line.
 use std::fs;
 
 use crate::stochc::{path, stochc, stochc_with};
@@ -30,7 +30,7 @@ assembly a {
 }
 ";
 
-/// A folder with one file.
+/// Returns a folder with one file.
 fn file(text: &[u8]) -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "a.sa");
@@ -88,7 +88,7 @@ fn a_dry_run_writes_nothing() {
 fn the_mark_and_the_ends_of_lines_stay() {
     let windows = format!("\u{feff}{}", WRONG.replace('\n', "\r\n"));
     let (_folder, file) = file(windows.as_bytes());
-    // For people, where findings are for programs.
+    // With `--json`, the diff is still printed for people.
     let shown = stochc_with("check --fix --dry-run --json", &[&file]);
     assert!(!shown.err.contains("U+000D"), "{}", shown.err);
     assert!(shown.err.contains("\n-    phaze p"), "{}", shown.err);

@@ -1,4 +1,4 @@
-//! `stochc fsck`, as a user meets it.
+//! Tests `stochc fsck` through the command line.
 use std::fs;
 use std::path::Path;
 
@@ -67,7 +67,8 @@ fn damage_is_told_and_what_is_sound_is_saved() {
     let said = stochc_with("fsck --repair", &[&out]);
     assert_eq!(said.status, 0, "{}{}", said.out, said.err);
     assert!(said.out.contains("5 of 6 runs are kept"), "{}", said.out);
-    // Beside what was damaged, all that had been made of the line that the journal has lost.
+    // The backup contains the damaged files, and all files that depend on the lost line of the
+    // journal.
     let others = ["checksums.json", "bonds.parquet", "phases.parquet"];
     for name in names.into_iter().chain(others) {
         let name = Path::new(name).file_name().unwrap().to_string_lossy();

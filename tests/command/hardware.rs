@@ -1,4 +1,4 @@
-//! Programs for hardware that always attracts, or sucks, and blocks that are attached by hand.
+//! Tests programs for faces that always attract, for suction, and with pre-attached blocks.
 use std::fs;
 
 use crate::stochc::{path, stochc, stochc_with};
@@ -15,7 +15,7 @@ fn what_is_attached_is_summed_up_apart() {
     assert!(reject.contains(first), "{reject}");
     assert!(
         !reject.contains("P.up -> A"),
-        "it is not waited for: {reject}"
+        "the phase does not wait: {reject}"
     );
     assert!(
         suction.starts_with("1 pre-attached block, 2 captures and 1 release in 2 phases. Proved: "),
@@ -61,7 +61,7 @@ fn runs_count_what_docks_where_nobody_expects_it() {
     }
     assert!(counted[0] > 5, "{counted:?}");
     assert_eq!(counted[1], 0, "suction has to be switched on");
-    // Read again, it is what it was.
+    // Reading the folder again gives the same output.
     let again = stochc_with("show --captures", &[&out]);
     assert_eq!((again.status, again.out), (0, said.out));
     let page = stochc_with(

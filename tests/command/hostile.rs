@@ -1,14 +1,14 @@
-//! Names that would act on the terminal.
+//! Tests names that contain control characters for terminals.
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 use crate::stochc::{Said, path, stochc, stochc_with};
 
-/// A name that clears the screen, turns the direction of reading, and begins a line of its own.
+/// Name that clears the screen, reverses the reading direction, and begins a new line.
 const NAME: &str = "a\u{1b}[2J\u{202e}b\nerror: forged\u{e0041}";
 
-/// Nothing of what is said acts on a terminal, and no name makes a line.
+/// Returns whether a text contains no active characters, and no name starts a line.
 fn is_harmless(text: &str) -> bool {
     let acts = |c: char| stochc::text::is_invisible(c) && c != '\n';
     !text.contains(acts) && !text.lines().any(|line| line.starts_with("error: forged"))
@@ -65,7 +65,7 @@ fn names_of_files_are_shown_as_what_they_are() {
     ] {
         assert_harmless(&stochc_with(line, &[file]), false);
     }
-    // An argument that begins as an option does.
+    // An argument that begins like an option.
     assert_harmless(&stochc_with("check", &[&format!("--{NAME}")]), false);
     let import = format!("import \"{}\"\n", "x\u{1b}[2J\u{202e}b");
     fs::write(at("plain.sa"), import).unwrap();
@@ -91,7 +91,7 @@ fn names_in_files_are_shown_as_what_they_are() {
     let mut file: serde_json::Value = serde_json::from_str(&text).unwrap();
     let names = rename(&mut file, "");
     assert!(names >= 4, "{names}");
-    // A file of executables says first what it is.
+    // A file of executables begins with its format.
     let programs = &file["programs"];
     let hostile =
         format!("{{\"kind\":\"stochc executable\",\"format\":1,\"programs\":{programs}}}\n");
@@ -118,7 +118,8 @@ fn names_in_files_are_shown_as_what_they_are() {
     assert_harmless(&stochc_with(trade, &[&tower]), false);
 }
 
-/// Gives every `name` in a document, and every assembly, a hostile one; how many.
+/// Replaces every `name` and every assembly in a document with a hostile name. Returns the number
+/// of replacements.
 fn rename(value: &mut serde_json::Value, key: &str) -> usize {
     use serde_json::Value::{Array, Object, String};
     match value {
@@ -134,7 +135,7 @@ fn rename(value: &mut serde_json::Value, key: &str) -> usize {
     }
 }
 
-/// A terminal is shown more than a pipe: what goes into a file is what it is.
+/// The output on a terminal is escaped, but files keep the original text.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_terminal_is_shown_what_a_pipe_gets_as_it_is() {
@@ -169,7 +170,7 @@ fn a_terminal_is_shown_what_a_pipe_gets_as_it_is() {
 fn imports_stay_within_the_folder_of_the_program() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| path(folder.path(), name);
-    let secret = "this is a secret of somebody\n";
+    let secret = "this text is a secret\n";
     for name in ["own/deep", "other"] {
         fs::create_dir_all(at(name)).unwrap();
     }
@@ -187,7 +188,7 @@ fn imports_stay_within_the_folder_of_the_program() {
     let checked = |more: &[&str]| {
         let words = [more, &[&*program]].concat();
         let said = stochc_with("check", &words);
-        // Every command that compiles says the same.
+        // Every command that compiles reports the same.
         for line in [
             "compile --emit structure",
             "trace --model shuffle --run 0 --quiet --max-ticks 100000",

@@ -1,4 +1,4 @@
-//! Ctrl-C in the middle.
+//! Tests interruptions with Ctrl-C.
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -6,20 +6,25 @@ use std::time::{Duration, Instant};
 
 use crate::stochc::{Said, path, stochc_with};
 
-/// Longer than any of these waits can take on a busy machine.
+/// Time limit that exceeds all waits on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Waits until something is so, which must happen while the process runs.
+/// Waits until a condition holds while the process runs.
 fn until(child: &mut Child, what: &str, so: impl Fn() -> bool) {
     let start = Instant::now();
     while !so() {
-        assert_eq!(child.try_wait().unwrap(), None, "it ended before {what}");
+        assert_eq!(
+            child.try_wait().unwrap(),
+            None,
+            "the process ended before {what}"
+        );
         assert!(start.elapsed() < PATIENCE, "no {what}");
         std::thread::sleep(Duration::from_millis(10));
     }
 }
 
-/// Runs a program to which no signal is ignored, whatever is for whoever runs the tests: children inherit that.
+/// Returns a command for a program with default signal handling. Children inherit ignored signals
+/// from the process that runs the tests.
 fn with_signals(program: &str) -> Command {
     if !cfg!(target_os = "linux") {
         return Command::new(program);
@@ -54,7 +59,7 @@ fn what_is_finished_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let journal = path(out.as_ref(), "journal.jsonl");
-    // The first program ends at once, the second never.
+    // The first program completes at once, the second never.
     let simulate = [
         "simulate",
         "tests/fixtures/dense.sa",
@@ -82,7 +87,7 @@ fn what_is_finished_is_kept() {
     assert_eq!(results.status, 3);
     assert_eq!(results.err, "1 of 2 runs is still to do\n");
     assert_eq!(results.out, said.out);
-    // The table of the run that is there.
+    // The table contains the finished run.
     let tables = path(folder.path(), "tables");
     let written = stochc_with("show", &[&out, "--tables", &tables]);
     assert_eq!(written.status, 3, "{}", written.err);
@@ -91,7 +96,7 @@ fn what_is_finished_is_kept() {
     assert_eq!(refused.status, 2);
     assert!(refused.err.contains("1 of the 2 runs"), "{}", refused.err);
 
-    // It goes on, and can be interrupted again, also by those who end processes politely.
+    // The ensemble is resumed. SIGTERM interrupts it again.
     #[cfg(target_os = "linux")]
     {
         let mut child = start(&["resume", "--threads", "2", &out]);
@@ -168,7 +173,7 @@ fn a_trade_tells_what_it_has_measured() {
     assert!(runs > 0, "{runs}");
 }
 
-/// What `nohup` ignores stays ignored, and what it does not still ends.
+/// Signals that `nohup` ignores stay ignored, and other signals still end the process.
 #[test]
 #[cfg(target_os = "linux")]
 fn an_ignored_signal_stays_ignored() {
@@ -189,7 +194,7 @@ fn an_ignored_signal_stays_ignored() {
     assert_eq!(said.err.matches("stopping").count(), 1, "{}", said.err);
 }
 
-/// Whenever it comes, there is the best plan until then, or none at all.
+/// Whenever the interruption occurs, the command prints the best plan so far, or none.
 #[test]
 #[cfg(target_os = "linux")]
 fn the_best_plan_is_kept() {

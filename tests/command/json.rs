@@ -1,4 +1,4 @@
-//! Every JSON document has a schema, and `docs/reference/json.md` is written from it.
+//! Tests the schemas of all JSON documents. `docs/reference/json.md` is generated from them.
 use std::collections::BTreeSet;
 use std::fs;
 
@@ -9,10 +9,10 @@ use crate::stochc::{Said, path, stochc, stochc_with};
 
 const SCHEMA: &str = include_str!("../../docs/reference/json.schema.json");
 
-/// Keywords of JSON Schema that say nothing about a value.
+/// Keywords of JSON Schema that do not constrain a value.
 const ANNOTATIONS: [&str; 4] = ["title", "description", "$schema", "$defs"];
 
-/// The schemas of all documents. A validator of the keywords that they use.
+/// Schemas of all documents, with a validator of the keywords that they use.
 struct Schemas(Value);
 
 impl Schemas {
@@ -204,7 +204,7 @@ fn checks_have_schemas() {
     let cost = &said.json()["programs"][0]["cost"];
     assert_eq!(cost["captures"].as_array().unwrap().len(), 2);
     assert!(cost["total"]["median"].is_number(), "{cost}");
-    // Costs are in the document, and nowhere else.
+    // Costs are only part of the document.
     assert!(!said.err.contains("depth"), "{}", said.err);
 }
 
@@ -216,7 +216,7 @@ fn stages_of_the_compiler_have_schemas() {
     }
 }
 
-/// The validator finds what a document must not have.
+/// Checks that the validator finds errors.
 #[test]
 fn a_document_that_differs_from_its_schema_is_refused() {
     let schemas = Schemas::new();
@@ -245,9 +245,9 @@ fn a_document_that_differs_from_its_schema_is_refused() {
     }
 }
 
-/// `docs/reference/json.md` has every document and every key.
+/// Checks that `docs/reference/json.md` lists every document and every key.
 ///
-/// Written again with `STOCHC_WRITE_DOCS=1 cargo test --test command json::every`.
+/// `STOCHC_WRITE_DOCS=1 cargo test --test command json::every` writes the page.
 #[test]
 fn every_key_is_documented() {
     let schemas = Schemas::new();

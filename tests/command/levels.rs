@@ -1,4 +1,4 @@
-//! Warnings that are allowed or denied, by the file and by the command line.
+//! Tests warnings that are allowed or denied, in the file and on the command line.
 use crate::stochc::{path, stochc, stochc_with};
 
 const CARELESS: &str = "tests/fixtures/careless.sa";

@@ -1,4 +1,4 @@
-//! The command as a user runs it: what it says, where, and with which exit status.
+//! Tests the command: its output, its messages and its exit status.
 #![allow(
     clippy::disallowed_methods,
     reason = "the tests read what the command has written"

@@ -14,7 +14,7 @@ fn subcommands() -> Vec<String> {
     names.collect()
 }
 
-/// The names of all pages of the manual, those of nested subcommands included.
+/// Returns the names of all pages of the manual, including nested subcommands.
 fn pages() -> Vec<String> {
     let mut left = vec![("stochc".to_owned(), Cli::command())];
     let mut names = Vec::new();
@@ -26,7 +26,8 @@ fn pages() -> Vec<String> {
     names
 }
 
-/// Runs a program with a text as its input; what it says, or nothing if it is not there.
+/// Runs a program with a text as its input. Returns whether it succeeded, and its output. Returns
+/// `None` if the program is not installed.
 fn tool(command: &str, input: &str) -> Option<(bool, String)> {
     let mut words = command.split(' ');
     let mut child = Command::new(words.next()?)
@@ -44,7 +45,7 @@ fn tool(command: &str, input: &str) -> Option<(bool, String)> {
     let input = input.to_owned();
     let writer = std::thread::spawn(move || to.write_all(input.as_bytes()));
     let output = child.wait_with_output().unwrap();
-    // A tool that has seen enough may leave early.
+    // A tool may exit before it has read everything.
     let _ = writer.join();
     let said = [output.stdout, output.stderr].concat();
     Some((
@@ -67,7 +68,7 @@ fn every_shell_gets_a_script_with_all_subcommands_and_codes() {
         for subcommand in subcommands() {
             assert!(said.out.contains(&subcommand), "{shell}: {subcommand}");
         }
-        // The generators of the others know the values of options only.
+        // The generators for other shells complete only values of options.
         if checker.is_some() {
             for code in Code::ALL {
                 assert!(said.out.contains(code.name()), "{shell}: {code}");
@@ -112,7 +113,7 @@ fn the_manual_has_a_page_for_every_subcommand() {
         let page = std::fs::read_to_string(pages.join(format!("{name}.1"))).unwrap();
         let title = page.lines().find(|line| line.starts_with(".TH")).unwrap();
         assert!(title.starts_with(&format!(".TH {name} 1")), "{title}");
-        // Every warning that groff has, and the text that a reader sees.
+        // Enables all warnings of groff, and renders the text.
         if let Some((fine, text)) = tool("groff -man -Tascii -ww -z", &page) {
             assert!(fine && text.is_empty(), "{name}: {text}");
         }

@@ -1,7 +1,7 @@
-//! `stochc new`, and the commands that it proposes.
+//! Tests `stochc new`, and the commands that it proposes.
 use crate::stochc::{command, said};
 
-/// Each template is a program, in its layout, and the three commands work one after the other.
+/// Each template is a formatted program, and the three proposed commands work in order.
 #[test]
 fn the_next_commands_work() {
     for template in ["structure", "scene", "plan"] {
@@ -21,11 +21,11 @@ fn the_next_commands_work() {
         assert_eq!(next.len(), 3, "{}", new.out);
         for line in next {
             let mut words: Vec<&str> = line.split(' ').skip(1).collect();
-            // Physics takes a while.
+            // Physics would take too long.
             if words[0] == "simulate" {
                 words.extend(["--model", "shuffle"]);
             }
-            // Runs without places cannot be replayed.
+            // Runs without positions cannot be replayed.
             if words[0] != "replay" {
                 let done = run(&words);
                 assert_eq!(done.status, 0, "{line}: {}", done.err);

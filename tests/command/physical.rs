@@ -1,4 +1,4 @@
-//! A small ensemble of rigid bodies.
+//! Tests a small ensemble of rigid bodies.
 use std::fs;
 
 use crate::stochc::{contains, path, stochc, stochc_with, tables};

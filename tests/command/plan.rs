@@ -1,4 +1,4 @@
-//! `stochc plan`.
+//! Tests `stochc plan`.
 use std::fs;
 use std::path::Path;
 
@@ -21,7 +21,7 @@ fn a_program_is_planned_and_passes_every_check() {
     let checked = stochc_with("check --deny warnings", &[&out]);
     assert_eq!(checked.status, 0, "{}", checked.err);
     assert_eq!(stochc_with("fmt --check", &[&out]).status, 0);
-    // The same goes to the output, and an explanation beside it.
+    // Without `--out` the program goes to standard output, and the explanation to standard error.
     let said = stochc(&format!("{FIVE} --explain"));
     assert_eq!(said.out, fs::read_to_string(&out).unwrap());
     assert!(
@@ -29,7 +29,7 @@ fn a_program_is_planned_and_passes_every_check() {
         "{}",
         said.err
     );
-    // Nothing is overwritten.
+    // Existing files are not overwritten.
     let said = stochc_with(FIVE, &["--out", &out]);
     assert_eq!(said.status, 2);
     assert!(said.err.contains("cannot write"), "{}", said.err);
@@ -47,7 +47,8 @@ fn a_plan_is_a_document_as_well() {
     );
 }
 
-/// What a plan says of its time is what `check --cost` says, by the rates of the scene or by those given.
+/// The estimate of a plan equals that of `check --cost`, with the rates of the scene or with given
+/// rates.
 #[test]
 fn the_estimate_is_that_of_the_program() {
     let folder = tempfile::tempdir().unwrap();
@@ -72,7 +73,7 @@ fn the_estimate_is_that_of_the_program() {
     };
     let (built_in, cost) = planned("built_in.sa", &[]);
     assert!((built_in - cost).abs() <= 0.5, "{built_in} {cost}");
-    // Rates of the same scene by which blocks come half as often.
+    // Rates of the same scene with halved arrival rates.
     let rates = fs::read_to_string("crates/estimate/src/data/hemisphere.rates").unwrap();
     let mut rates: serde_json::Value = serde_json::from_str(&rates).unwrap();
     let rate = rates["parameters"][0].as_f64().unwrap();
@@ -195,7 +196,7 @@ fn shapes_plates_and_scenes_are_chosen() {
     }
 }
 
-/// A shape in the air above the seed of another assembly's plate has no way to be held.
+/// A shape in the air above the seed of another assembly's plate cannot be attached.
 #[test]
 fn what_cannot_be_built_is_told_on_one_line_and_what_would_help_on_the_next() {
     let folder = tempfile::tempdir().unwrap();
@@ -218,7 +219,7 @@ fn what_cannot_be_built_is_told_on_one_line_and_what_would_help_on_the_next() {
     assert!(!said.err.contains("plans tried"), "{}", said.err);
 }
 
-/// What cannot be written is told before anything is looked for.
+/// An output file that cannot be written is reported before planning.
 #[test]
 fn where_the_program_goes_is_looked_at_first() {
     let folder = tempfile::tempdir().unwrap();
@@ -240,7 +241,8 @@ fn where_the_program_goes_is_looked_at_first() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
-/// What is no text of a program is told of in the user's words, and not by findings in a text that nobody wrote.
+/// A file that is not a program is reported in the user's words, not by diagnostics of generated
+/// source.
 #[test]
 fn what_cannot_be_planned_is_told_with_a_way_out() {
     let folder = tempfile::tempdir().unwrap();
@@ -300,7 +302,7 @@ fn what_cannot_be_planned_is_told_with_a_way_out() {
     );
 }
 
-/// What a scene says to people comes along with it.
+/// Comments of a scene are copied with it.
 #[test]
 fn a_scene_is_copied_as_it_is_written() {
     let folder = tempfile::tempdir().unwrap();
@@ -321,7 +323,7 @@ assembly a in lab { seed plate 2 x 1 { A at (0, 0) } phase rest { A.up -> B.east
     assert!(said.out.contains(scene), "{}", said.out);
 }
 
-/// A text may begin with a mark of its encoding, as a program may.
+/// A text may begin with a byte order mark, as a program may.
 #[test]
 fn layers_may_begin_with_a_mark() {
     let folder = tempfile::tempdir().unwrap();
@@ -359,7 +361,7 @@ fn a_program_is_completed() {
     let said = stochc_with("plan --complete --quiet", &[&part, "--out", &whole]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert_eq!(stochc_with("check --deny warnings", &[&whole]).status, 0);
-    // Where its imports are not found, it is not written.
+    // The program is not written to a folder without its imports.
     let imported = "let length = 2\n";
     fs::write(path(folder.path(), "lengths.sa"), imported).unwrap();
     let importing = path(folder.path(), "importing.sa");
@@ -417,10 +419,10 @@ fn a_run_that_was_stopped_is_finished() {
     let done = stochc_with("simulate --model rate --runs 1 --quiet", &[&rest]);
     assert_eq!(done.status, 0, "{}", done.err);
 
-    let unknown = stochc_with("plan --run 1 --dead Nobody", &[&results]);
+    let unknown = stochc_with("plan --run 1 --dead Unknown", &[&results]);
     assert_eq!(unknown.status, 2);
     assert!(
-        unknown.err.contains("no block is called `Nobody`"),
+        unknown.err.contains("no block is called `Unknown`"),
         "{}",
         unknown.err
     );
@@ -435,7 +437,7 @@ fn a_run_that_was_stopped_is_finished() {
         2
     );
     assert_eq!(
-        stochc_with("plan --run 1 --program nobody", &[&results]).status,
+        stochc_with("plan --run 1 --program unknown", &[&results]).status,
         2
     );
 }
@@ -452,11 +454,11 @@ fn times_of_a_scene_that_nobody_has_measured_are_told_as_such() {
             .count()
     };
     assert_eq!(planned("hemisphere"), 0);
-    // In the program and in what explains it.
+    // The note is in the program and in its explanation.
     assert_eq!(planned("hemisphere_soft"), 2);
 }
 
-/// Whatever `check` warns of in a scene or where every face attracts, there is a program, or it is refused.
+/// Scenes with warnings and scenes whose faces all attract give a program, or are rejected.
 #[test]
 fn a_warning_is_no_reason_for_no_program() {
     let folder = tempfile::tempdir().unwrap();
@@ -486,7 +488,7 @@ fn a_warning_is_no_reason_for_no_program() {
     }
 }
 
-/// What is completed may have other claims that are still to be made true, and comments of all kinds.
+/// A completed program may have other claims that are not yet true, and all kinds of comments.
 #[test]
 fn a_completed_program_keeps_its_other_claims_and_its_comments() {
     let folder = tempfile::tempdir().unwrap();
@@ -501,10 +503,10 @@ assembly x {
     seed plate 2 x 1 { M at (0, 0)   N at (1, 0) }
     phase a {
         M.up -> A
-        /// What is low.
+        /// The low shape.
         // not /// that
         yields low
-    } /// What is high.
+    } /// The high shape.
     phase b { yields high }
 }
 ";
@@ -517,8 +519,8 @@ assembly x {
     let written = fs::read_to_string(&whole).unwrap();
     for kept in [
         "// not /// that",
-        "/// What is low.",
-        "/// What is high.\n    phase b {",
+        "/// The low shape.",
+        "/// The high shape.\n    phase b {",
     ] {
         assert!(written.contains(kept), "{kept}: {written}");
     }

@@ -1,4 +1,4 @@
-//! Names, scenes and files of the programs that `stochc plan` writes.
+//! Tests names, scenes and files of the programs that `stochc plan` writes.
 use std::fs;
 
 use crate::plan::wrong;
@@ -40,7 +40,8 @@ fn a_scene_may_come_from_another_file() {
     );
 }
 
-/// Without an assembly the only scene of a file is meant; of several none is, and that is reported.
+/// Without an assembly, the only scene of a file is used. If a file has several scenes, none is
+/// used, and the command reports that.
 #[test]
 fn the_scene_that_is_used_is_reported() {
     let folder = tempfile::tempdir().unwrap();
@@ -106,7 +107,7 @@ fn output_is_replaced_if_that_is_asked_for() {
         (2, true),
         "{told}"
     );
-    // The target stays.
+    // The target is not overwritten.
     let (status, told) = wrong(PLAN, &[&out, "--out", &out, "--force"]);
     assert_eq!(
         (status, told.contains("is the target: write")),

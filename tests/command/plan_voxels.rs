@@ -1,4 +1,4 @@
-//! `stochc plan` of `.vox` and `.txt` files.
+//! Tests `stochc plan` with `.vox` and `.txt` files.
 use std::fs;
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::plan::wrong;
 use crate::stochc::{path, stochc_with};
 
-/// A file of MagicaVoxel with these models and no scene.
+/// Returns a MagicaVoxel file with these models and no scene.
 pub fn vox(models: &[&[[u8; 4]]]) -> Vec<u8> {
     let chunk = |name: &[u8], content: &[u8], children: &[u8]| {
         let lengths = [content, children].map(|part| (part.len() as u32).to_le_bytes());
@@ -69,7 +69,8 @@ fn copies_are_built_and_hidden_models_are_reported() {
     assert!(told.contains("left out 2 hidden models of"), "{told}");
 }
 
-/// More cells than the default scene has blocks: the program brings a scene with enough of them.
+/// The model has more cells than the default scene has blocks. The program contains a scene with
+/// enough blocks.
 #[test]
 fn a_large_model_gets_a_scene_with_enough_blocks() {
     let folder = tempfile::tempdir().unwrap();
@@ -93,7 +94,7 @@ fn a_large_model_gets_a_scene_with_enough_blocks() {
     assert_eq!(stochc_with("fmt --check", &[&out]).status, 0);
     let checked = stochc_with("check --deny warnings", &[&out]);
     assert_eq!(checked.status, 0, "{}", checked.err);
-    // A scene that was chosen is not replaced by another.
+    // A scene chosen by an option is not replaced.
     let (status, told) = wrong("plan --quiet --scene hemisphere", &[&solid]);
     assert_eq!(status, 1, "{told}");
     assert!(told.contains("(`--free`, `--scene`)"), "{told}");
@@ -111,7 +112,7 @@ fn a_high_model_gets_a_scene_with_enough_room() {
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.err.contains("at the same density"), "{}", said.err);
     assert_eq!(stochc_with("check", &[&out]).status, 0);
-    // With few blocks in a large enclosure, the density is lower.
+    // A few blocks in a large enclosure have a lower density.
     let said = stochc_with("plan --quiet --tries 1 --free 50", &[&tower]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.err.contains("times its density"), "{}", said.err);

@@ -1,4 +1,4 @@
-//! Rates of scenes: measured, kept, simulated by, and estimated with.
+//! Tests rates of scenes: calibration, storage, simulation and estimates.
 use std::fs;
 
 use serde_json::Value;
@@ -6,7 +6,7 @@ use stochc_estimate::Interaction;
 
 use crate::stochc::{Said, path, stochc, stochc_with};
 
-/// A small, crowded scene in which blocks dock soon, and a program in it.
+/// Program in a small, crowded scene, whose blocks dock quickly.
 const SMALL: &str = "scene small from hemisphere {
     free 60 uniform
     enclosure hemisphere { radius 2.4m  wall 250 N/m }
@@ -29,7 +29,7 @@ fn rates_are_measured_kept_and_used() {
     );
     assert_eq!(first.status, 0, "{}", first.err);
     assert!(first.out.contains("mean wait, ticks"), "{}", first.out);
-    // However many threads make the runs, the rates are the same.
+    // The rates do not depend on the number of threads.
     let second = stochc_with(
         &format!("{calibrate} --threads 2"),
         &[&here("small.sa"), "--out", &here("two.rates")],
@@ -37,7 +37,7 @@ fn rates_are_measured_kept_and_used() {
     assert_eq!((second.status, &second.out), (0, &first.out));
     let kept = fs::read(here("one.rates")).unwrap();
     assert_eq!(kept, fs::read(here("two.rates")).unwrap());
-    // What is there is not replaced.
+    // Existing files are not replaced.
     let again = stochc_with(calibrate, &[&here("small.sa"), "--out", &here("one.rates")]);
     assert_eq!(again.status, 2, "{}", again.err);
     assert_eq!(kept, fs::read(here("one.rates")).unwrap());
@@ -54,13 +54,14 @@ fn rates_are_measured_kept_and_used() {
         ],
     );
     assert_eq!(ensemble.status, 0, "{}", ensemble.err);
-    // The manifest holds the rates.
+    // The manifest contains the rates.
     let repeated = stochc_with("repeat --quiet --json", &[&here("runs/manifest.json")]);
     assert_eq!((repeated.status, repeated.out), (0, ensemble.out));
-    // So does the folder, whoever goes on with it.
+    // The folder contains the rates for resumed runs.
     let resumed = stochc_with("resume --runs 30 --quiet", &[&here("runs")]);
     assert_eq!((resumed.status, resumed.err.as_str()), (0, ""));
-    // Rates of another scene are of no use, and say so. Of that one there is a first guess, so that nothing is measured.
+    // Rates of another scene are not used, and the command reports that. That scene has an
+    // uncalibrated estimate, so no calibration is needed.
     let line = "scene other from hemisphere { free 200 uniform }
         assembly line in other { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up ->> T[1..3] } }";
     fs::write(here("other.sa"), line).unwrap();
@@ -69,7 +70,7 @@ fn rates_are_measured_kept_and_used() {
         for (file, is_unused) in [("other.sa", true), ("small.sa", false)] {
             let said = stochc_with(command, &[&here(file), "--rates", &here("one.rates")]);
             assert_eq!(said.status, 0, "{}", said.err);
-            // Once.
+            // The message appears once.
             let told = said.err.matches(&unused).count();
             assert_eq!(told, usize::from(is_unused), "{command}: {}", said.err);
         }
@@ -98,7 +99,8 @@ fn the_line_takes_by_rates_what_it_takes_with_physics() {
     assert_eq!(said.status, 0, "{}", said.err);
     let value: Value = serde_json::from_str(&said.out).unwrap();
     let mean = value["programs"][0]["time"]["mean"].as_f64().unwrap();
-    // 8113 ± 190 with physics (docs/validation/paper.md), and the bias that docs/validation/rates.md admits.
+    // Physics gives 8113 ± 190 (docs/validation/paper.md). docs/validation/rates.md documents the
+    // bias.
     assert!((7500.0..8800.0).contains(&mean), "{mean}");
     let text = stochc("simulate --model rate --runs 5 --quiet examples/line.sa");
     assert!(
@@ -134,7 +136,7 @@ fn estimates_say_when_and_why() {
             .sum();
         assert!(sum <= 1.0 + 1e-9 && sum > 0.98, "{sum}");
     }
-    // In a chain everybody is waited for.
+    // In a chain every capture decides the time.
     assert_eq!(
         value["estimates"][0]["shares"].as_array().unwrap().len(),
         13
@@ -183,12 +185,12 @@ fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
         "estimate --runs 400 --json --quiet examples/line.sa",
     ));
     assert_eq!(of_runs["completed"], 400);
-    // The spread of a run is a fifth of its mean.
+    // The standard deviation of a run is a fifth of its mean.
     assert!(
         (drawn / run - 1.0).abs() < 4.0 * 0.2 / 20.0,
         "{drawn} {run}"
     );
-    // A compiled file has the graph of its program.
+    // A compiled file contains the graph of its program.
     let of_compiled = mean(&stochc_with("estimate --json --quiet", &[&compiled]));
     assert_eq!(
         (of_compiled.0, &of_compiled.1["method"]["kind"]),
@@ -196,7 +198,8 @@ fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
     );
 }
 
-/// A third of all runs come to the timeout of the first phase: by the graph, by runs, and as `simulate` counts them.
+/// A third of all runs reach the timeout of the first phase: by the graph, by runs, and in
+/// `simulate`.
 #[test]
 fn what_comes_to_a_timeout_is_slower_than_all_others() {
     let folder = tempfile::tempdir().unwrap();
@@ -221,7 +224,7 @@ fn what_comes_to_a_timeout_is_slower_than_all_others() {
         let total = &it["total"];
         assert!(total["mean"].is_null() && total["p90"].is_null(), "{total}");
         let median = total["median"].as_f64().unwrap();
-        // To some 3 % each, by chance.
+        // Each value has a standard error of about 3 %.
         assert!(
             (median / simulated - 1.0).abs() < 0.12,
             "{median} and {simulated}"
@@ -234,7 +237,7 @@ fn what_comes_to_a_timeout_is_slower_than_all_others() {
     assert!((graph / runs - 1.0).abs() < 0.15, "{graph} and {runs}");
     let text = stochc_with("estimate --quiet", &[&file]).out;
     assert!(text.contains("slower than all others"), "{text}");
-    // Stopped in the second phase sooner than it may take: nobody knows its quantiles.
+    // Runs stop before the end of the second phase, so its quantiles are not known.
     let cut = estimated("--runs 1000 --max-ticks 1500");
     assert!(cut["phases"][1]["times"].is_null(), "{cut}");
     assert!(cut["total"]["p10"].as_f64().is_some(), "{cut}");
@@ -255,7 +258,7 @@ fn scenes_that_nobody_has_measured_are_guessed_and_say_so() {
     }
 }
 
-/// Each kind of scene that rates do not speak of, and what it is called.
+/// Scenes outside of the rate model, with the name of their reason.
 const UNKNOWN: [(&str, &str); 5] = [
     (
         "examples/experiment_1.sa",
@@ -322,7 +325,7 @@ fn nothing_is_recorded_of_blocks_that_have_no_places() {
     assert!(tank.err.contains("suction"), "{}", tank.err);
 }
 
-/// Of the same few runs both commands tell the same mean and the same interval.
+/// For the same few runs both commands print the same mean and the same interval.
 #[test]
 fn an_estimate_by_runs_is_as_sure_as_an_ensemble() {
     let line = "--runs 5 --seed 3 --quiet --json";

@@ -1,4 +1,4 @@
-//! What is refused before anything is run.
+//! Tests commands that are rejected before any run.
 use std::fs;
 
 use crate::stochc::{path, stochc, stochc_with, tables};
@@ -42,7 +42,7 @@ fn wrong_command_lines_are_told_of() {
             "{line}: {}",
             said.err
         );
-        // A number below 0 is no option.
+        // A negative number is not an option.
         assert!(!said.err.contains("as a value, use"), "{}", said.err);
     }
     assert!(
@@ -52,7 +52,7 @@ fn wrong_command_lines_are_told_of() {
     );
 }
 
-/// Also where the option that it needs is kept from by another one.
+/// Options are rejected even if another option excludes the one that they need.
 #[test]
 fn an_option_without_effect_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -79,8 +79,8 @@ fn an_option_without_effect_is_refused() {
         "simulate FILE --model rapier --precision double",
         "simulate FILE --rates none.rates",
         "simulate FILE --model shuffle --rates none.rates",
-        "plan FILE --complete --dead nobody",
-        "plan FILE --complete --program nobody",
+        "plan FILE --complete --dead unknown",
+        "plan FILE --complete --program unknown",
         "estimate FILE --seed 5",
         "estimate FILE --max-ticks 500",
         "compile FILE --emit executable --format text",
@@ -99,7 +99,7 @@ fn an_option_without_effect_is_refused() {
     }
 }
 
-/// Names that other programs use, and a file without a command.
+/// Tests command names of other programs, and a file without a command.
 #[test]
 fn the_command_that_is_meant_is_suggested() {
     for (line, meant) in [
@@ -118,7 +118,7 @@ fn the_command_that_is_meant_is_suggested() {
     }
 }
 
-/// Every command is in a group, and help fits the width that is easy to read.
+/// Every command is in a group, and the help has a readable width.
 #[test]
 fn help_is_grouped_and_wrapped() {
     let help = stochc("--help").out;
@@ -315,7 +315,7 @@ fn none_of_something_is_no_number_to_show_or_to_try() {
     }
 }
 
-/// Programs are named in text; of several names the wrong one has to be found.
+/// Programs are named in text. If one of several names is not UTF-8, the message names it.
 #[test]
 #[cfg(unix)]
 fn an_argument_that_is_no_text_is_named() {

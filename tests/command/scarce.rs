@@ -1,4 +1,5 @@
-//! Little memory and few threads: every command ends with a documented status, and says why.
+//! Tests commands with little memory and few threads: each ends with a documented status and a
+//! reason.
 use std::fs;
 use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
 use std::process::{Command, Stdio};
@@ -6,7 +7,7 @@ use std::process::{Command, Stdio};
 use crate::skipped::skipped;
 use crate::stochc::{Said, path, said, stochc_with};
 
-/// A program of a hundred thousand captures: towers of ten on a square plate.
+/// Program of a hundred thousand captures: towers of ten on a square plate.
 const LARGE: &str = "scene vast from hemisphere {
     free 100000 uniform
     enclosure hemisphere { radius 120m  wall 25 N/m }
@@ -18,7 +19,7 @@ assembly towers in vast {
 }
 ";
 
-/// Does a command with so much address space \[kB\].
+/// Runs a command with this address space \[kB\].
 fn with_memory(kilobytes: u32, arguments: &[&str]) -> Said {
     let program = format!("ulimit -v {kilobytes}; \"$@\"; exit $?");
     let mut command = Command::new("sh");
@@ -26,7 +27,7 @@ fn with_memory(kilobytes: u32, arguments: &[&str]) -> Said {
     said(command.args(arguments).env_remove("RUST_BACKTRACE"))
 }
 
-/// The status that a shell gives a process without memory (SIGABRT).
+/// Status that a shell reports for a process without memory (SIGABRT).
 const ABORTED: i32 = 128 + 6;
 
 #[track_caller]
@@ -58,7 +59,7 @@ fn without_memory_a_command_says_so_and_ends() {
         assert_eq!(stochc_with("shard run --quiet", &[&cut, piece]).status, 0);
     }
     let mut refused = 0;
-    // Somewhat more than the least with which any command begins.
+    // Slightly more than the least memory for any command.
     let mut limits = (20_000..).step_by(5_000);
     let begins = |&kilobytes: &u32| with_memory(kilobytes, &["--version"]).status == 0;
     let own = 15_000 + limits.find(begins).unwrap();
@@ -83,7 +84,7 @@ fn without_memory_a_command_says_so_and_ends() {
             &["shard", "merge", &cut],
         ] {
             let said = with_memory(kilobytes, arguments);
-            // Of a folder that is not cut any more `merge` says that.
+            // For a folder that is already merged, `merge` reports that.
             ends_well(&said, &[0, 2, 3, ABORTED]);
             refused += usize::from(said.err.contains("memory allocation of "));
         }
@@ -112,7 +113,7 @@ fn without_memory_no_recording_is_called_damaged() {
     assert!(short > 0, "nothing was short of memory");
 }
 
-/// A user of whom nothing else runs: the limit counts all of a user's threads, and not those of root.
+/// User without other processes: the limit counts all threads of a user, except those of root.
 const NOBODY: u32 = 61_234;
 
 #[test]
@@ -123,7 +124,7 @@ fn without_threads_a_command_goes_on_or_says_so() {
     if !is_root || setpriv.is_err() {
         return skipped("util-linux", "setpriv as root");
     }
-    // What nobody may not reach, nobody cannot run.
+    // The copy is in a folder that this user can access.
     let program = place.path().join("stochc");
     fs::copy(env!("CARGO_BIN_EXE_stochc"), &program).unwrap();
     let example = place.path().join("line.sa");

@@ -1,4 +1,4 @@
-//! The physics that is in force.
+//! Tests the physics listing and warnings about scenes.
 use std::ops::ControlFlow;
 
 use serde_json::Value;
@@ -109,13 +109,13 @@ fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
 
     let said = stochc("check --physics tests/fixtures/wrong.sa");
     assert_eq!((said.status, said.out.as_str()), (1, ""));
-    // Findings alone go to the standard output of a machine.
+    // With `--format short`, standard output contains only diagnostics.
     let said = stochc("check --physics --format short tests/fixtures/tower.sa");
     assert_eq!((said.status, said.out.as_str()), (0, ""));
     assert!(said.err.contains("scene hemisphere, of tower"));
 }
 
-/// `simulate` judges the steps that it takes, and the points of a sweep once for all.
+/// `simulate` checks its time step, and a sweep checks all its points once.
 #[test]
 fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
     let line = "simulate --runs 1 --max-ticks 1 tests/fixtures/dense.sa --substeps";
@@ -124,7 +124,7 @@ fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
     let one = told("1");
     let title = "warning[coarse-step]: in scene `dense`, blocks overlap deeply";
     assert_eq!(one.matches(title).count(), 1, "{one}");
-    // It is denied like any other.
+    // It can be denied like other warnings.
     let denied = stochc_with(line, &["1", "--deny", "warnings"]);
     assert_eq!(denied.status, 1, "{}", denied.err);
     for text in [
@@ -145,12 +145,12 @@ fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
         swept.contains("dense [free=5] and 2 other programs: "),
         "{swept}"
     );
-    // No model, no steps.
+    // The model without physics has no time step.
     let line = "simulate --quiet --runs 1 --model shuffle tests/fixtures/dense.sa";
     assert_eq!(stochc(line).err, "");
 }
 
-/// Drag belongs into it: the steps of `microns.sa` are as short as its blocks' motion in them needs.
+/// The check includes drag: the steps of `microns.sa` suffice for the motion of its blocks.
 #[test]
 fn a_scene_in_which_drag_rules_is_resolved() {
     let said = stochc("check --physics --json examples/microns.sa").json();
@@ -162,7 +162,7 @@ fn a_scene_in_which_drag_rules_is_resolved() {
         .find(|it| it["symbol"] == "φ F τ² / (m d)")
         .unwrap();
     assert_eq!(pull["substeps"], 1);
-    // Its times are the same at all of these: docs/concepts/physical-model.md.
+    // The times are the same for all of these: docs/concepts/physical-model.md.
     for steps in [1, 4, 16] {
         let line = format!(
             "simulate --substeps {steps} --quiet --runs 1 --max-ticks 1 examples/microns.sa"
@@ -171,7 +171,7 @@ fn a_scene_in_which_drag_rules_is_resolved() {
     }
 }
 
-/// Blocks 1.8 % heavier than the fluid that stirs them lie on the floor.
+/// Blocks 1.8 % heavier than the stirred fluid lie on the floor.
 #[test]
 fn a_tank_whose_blocks_sink_is_told_of() {
     let folder = tempfile::tempdir().unwrap();
@@ -194,13 +194,13 @@ fn a_tank_whose_blocks_sink_is_told_of() {
         "{}",
         said.err
     );
-    // What grows along the floor does not care.
+    // A structure along the floor is not affected.
     std::fs::write(&file, text.replace("A.up -> B", "A")).unwrap();
     let said = stochc_with("simulate --runs 1 --max-ticks 1", &[&file]);
     assert!(!said.err.contains("warning"), "{}", said.err);
 }
 
-/// A scene whose blocks float, or sink where there is no floor, with nothing that stirs them.
+/// Returns a scene without agitation whose blocks float, or sink without a floor.
 fn tank(wall: &str, density: &str, contact: &str) -> String {
     format!(
         "scene tank {{ tick 5 ms\n block cube {{ side 20 cm  mass 1 kg  faces 1 }}\n free 1 uniform\n \
@@ -211,7 +211,8 @@ fn tank(wall: &str, density: &str, contact: &str) -> String {
     )
 }
 
-/// The net force on a block is (8 kg - 1 kg) g, or -0.2 g times 1 kg, and the wall's stiffness times 20 cm bears it.
+/// The net force on a block is (8 kg - 1 kg) g, or -0.2 g times 1 kg. The wall balances it with its
+/// stiffness times 20 cm.
 #[test]
 fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
     let folder = tempfile::tempdir().unwrap();
@@ -245,7 +246,7 @@ fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
     }
 }
 
-/// Where the last of the free blocks was.
+/// Height of the last free block.
 #[derive(Default)]
 struct Last(Vec<f64>);
 
@@ -255,7 +256,7 @@ impl Observer for Last {
     }
 }
 
-/// The closed form says where a block comes to rest.
+/// The closed form gives the position of a block at rest.
 #[test]
 fn a_block_at_rest_is_as_far_outside_of_the_shell_as_is_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -273,7 +274,7 @@ fn a_block_at_rest_is_as_far_outside_of_the_shell_as_is_told() {
         let mut last = Last::default();
         observe(&tables, &scene, &settings, 5, 0, &mut watch, &mut last).unwrap();
         let distance = last.0.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // The radius is 10 sides.
+        // The radius is 10 block lengths.
         assert!(
             (distance - 10.0 - depth).abs() < 1e-3,
             "{distance} and {depth}"
@@ -281,7 +282,7 @@ fn a_block_at_rest_is_as_far_outside_of_the_shell_as_is_told() {
     }
 }
 
-/// A compiled file has no text, and its scene is judged all the same.
+/// A compiled file has no source, but its scene is checked.
 #[test]
 fn a_scene_in_which_nothing_moves_is_refused_if_that_is_denied() {
     let folder = tempfile::tempdir().unwrap();
@@ -308,7 +309,7 @@ fn a_scene_in_which_nothing_moves_is_refused_if_that_is_denied() {
     }
 }
 
-/// A sweep that takes the agitation away warns of it, unless it is quiet.
+/// A sweep that removes the agitation causes a warning, unless it is quiet.
 #[test]
 fn warnings_of_the_points_of_a_sweep_are_left_out_if_quiet() {
     let folder = tempfile::tempdir().unwrap();
@@ -323,7 +324,8 @@ fn warnings_of_the_points_of_a_sweep_are_left_out_if_quiet() {
     }
 }
 
-/// A listing always says whether steps are short enough, and marks what is outside of its limit.
+/// A listing always states whether the time step is small enough, and marks values outside of their
+/// limit.
 #[test]
 fn rows_outside_of_their_limit_are_marked() {
     let folder = tempfile::tempdir().unwrap();

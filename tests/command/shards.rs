@@ -1,4 +1,5 @@
-//! An ensemble in pieces, as a user makes it: `shard new`, `shard run`, `shard status`, `shard merge`.
+//! Tests a sharded ensemble on the command line: `shard new`, `shard run`, `shard status`, `shard
+//! merge`.
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -10,7 +11,7 @@ use crate::stochc::{path, shard_new, stochc_with};
 const TOWER: &str = "simulate --model shuffle tests/fixtures/tower.sa --runs 10 --seed 3";
 const SWEEP: &str = "sweep --model shuffle examples/line.sa examples/five_tower.sa --runs 4 --vary free=50,60 --max-ticks 12";
 
-/// Every file below a folder, but for the lock.
+/// Returns every file below a folder, except the lock.
 fn files(folder: &str) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -33,7 +34,7 @@ fn pieces_put_together_are_the_folder_of_one_machine() {
         let [plain, pieces] =
             ["plain", "pieces"].map(|it| path(folder.path(), &format!("{it}{number}")));
         stochc_with(command, &["--quiet", "--threads", "1", "--out", &plain]);
-        // Where pieces are made, there is no text of a program.
+        // The machines that run shards have no source of the program.
         let said = stochc_with(&shard_new(command), &["--shards", "3", "--out", &pieces]);
         assert_eq!(said.status, 0, "{}", said.err);
         assert!(
@@ -97,7 +98,7 @@ fn a_shell_loop_makes_what_is_missing() {
     assert_eq!(stochc_with("shard merge --quiet", &[&out]).out, "");
 }
 
-/// What is refused has a reason, a way out, its own status, and changes nothing.
+/// Each rejection has a reason, advice, and its own exit status, and changes no file.
 #[test]
 fn what_cannot_be_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -176,7 +177,7 @@ fn what_cannot_be_is_refused() {
     );
 }
 
-/// Changes a digit behind the first line of a piece.
+/// Changes a digit after the first line of a shard.
 fn damage(out: &str, piece: &str) {
     let file = format!("{out}/shards/{piece}.jsonl");
     let text = fs::read_to_string(&file).unwrap();
@@ -191,7 +192,7 @@ fn damage(out: &str, piece: &str) {
     fs::write(&file, format!("{first}\n{rest}")).unwrap();
 }
 
-/// The first line of a piece says nothing of the others, and `status` reads no more.
+/// The first line of a shard is still valid, and `status` reads only that.
 #[test]
 fn damaged_pieces_are_made_again_by_what_is_proposed() {
     let folder = tempfile::tempdir().unwrap();

@@ -22,7 +22,7 @@ fn a_folder_tells_what_was_told_when_it_was_filled() {
     }
 }
 
-/// Kicks that no number of the physics stands: somebody who simulates without a folder has nothing else to look at.
+/// Kicks that break the physics: without a folder, the terminal is the only place for the reason.
 #[test]
 fn the_first_reason_of_runs_that_fail_is_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -60,8 +60,9 @@ fn the_first_reason_of_runs_that_fail_is_told() {
     }
 }
 
-/// The same program with and without a timeout on the first of its phases, by the same runs: those that it ends are the slow ones,
-/// and count as slower than all others, not as if they had gone on like the fast ones.
+/// Compares a program with and without a timeout on its first phase, using the same runs. Runs that
+/// reach the timeout are the slow ones. They count as slower than all others, and not as if they
+/// had continued like the fast ones.
 #[test]
 fn a_timeout_of_one_of_several_phases_makes_no_program_faster() {
     let folder = tempfile::tempdir().unwrap();
@@ -94,7 +95,8 @@ fn a_timeout_of_one_of_several_phases_makes_no_program_faster() {
     assert!(words.contains("has ended never complete"), "{}", said.out);
 }
 
-/// A program that is stopped early in most runs, beside one that always completes later: who never completes takes longer.
+/// One program is stopped early in most runs, another one always completes later. The program that
+/// rarely completes takes longer.
 #[test]
 fn a_program_that_mostly_times_out_is_not_the_faster_one() {
     let folder = tempfile::tempdir().unwrap();
@@ -112,10 +114,10 @@ fn a_program_that_mostly_times_out_is_not_the_faster_one() {
         said.out
     );
     let time = |program: usize, figure: &str| found["programs"][program]["time"][figure].as_f64();
-    // Both count up to the last time that was seen in either.
+    // Both count up to the last time that was observed in either.
     assert_eq!(time(0, "horizon"), time(1, "max"));
     assert!(time(0, "mean") > time(1, "mean"), "{}", said.out);
-    // A sweep has the same: five ticks of 10 ms are in time, and of 40 ms there is time for one.
+    // The same holds for a sweep: five ticks of 10 ms fit into the timeout, but only one of 40 ms.
     let limited = "assembly limited { seed plate 1 x 1 { M at (0, 0) } phase a timeout 50 ms { M.up ->> T[1..5] } }";
     let slow = path(folder.path(), "limited.sa");
     fs::write(&slow, limited).unwrap();
@@ -211,7 +213,8 @@ fn a_sweep_is_shown_point_by_point_with_the_label_of_its_program() {
     assert!(told.contains("| Tower \\[free=200\\] | 3 of 3 |"), "{told}");
 }
 
-/// Two runs of similar programs: the difference is noise, and the sentence says how many runs would do.
+/// Two runs of similar programs: the difference is not significant, and the sentence states the
+/// number of runs that would suffice.
 #[test]
 fn a_difference_that_is_not_significant_is_told_with_the_runs_that_it_needs() {
     let folder = tempfile::tempdir().unwrap();
@@ -288,7 +291,7 @@ fn a_replay_without_a_number_shows_the_median_run() {
         .as_f64()
         .unwrap();
     assert_eq!(ticks, median);
-    // Another program has to be named, and has runs of its own.
+    // With several programs, the program must be named. It has its own runs.
     let failing = "simulate --quiet --model shuffle --runs 2 tests/fixtures/tower.sa tests/fixtures/late.sa --out";
     let two = path(folder.path(), "two");
     stochc_with(failing, &[&two]);
@@ -321,7 +324,8 @@ fn what_holds_no_results_is_told_of() {
     }
 }
 
-/// The terminal, `show` and the report say the same of one folder, with censored runs and without.
+/// The terminal, `show` and the report print the same for one folder, with and without censored
+/// runs.
 #[test]
 fn one_folder_has_one_test_and_one_wording() {
     let folder = tempfile::tempdir().unwrap();
@@ -361,7 +365,7 @@ fn one_folder_has_one_test_and_one_wording() {
             .replace('\u{a0}', " ")
             .replace("&lt;", "<")
             .replace("&#39;", "'");
-        // On the page, names have a mark-up of their own.
+        // On the page, names have markup.
         let (figures, conclusion) = sentence.trim().rsplit_once(": ").unwrap();
         assert!(page.contains(figures), "{sentence}");
         let known = ["takes longer.", "not significant."];

@@ -1,4 +1,4 @@
-//! Ensembles without physics: the shuffle does a capture a tick.
+//! Tests ensembles without physics: the model `shuffle` makes one capture per tick.
 use crate::stochc::{contains, path, stochc, stochc_with, tables};
 
 const TOWER: &str = "simulate --model shuffle --quiet tests/fixtures/tower.sa";
@@ -19,7 +19,7 @@ fn programs_are_compared() {
     let said = stochc_with(TOWER, &["tests/fixtures/importing.sa", "--runs", "3"]);
     assert_eq!(said.status, 0, "{}", said.err);
     insta::assert_snapshot!(said.out);
-    // The same program twice is two programs.
+    // The same program twice counts as two programs.
     let said = stochc_with(TOWER, &["tests/fixtures/tower.sa", "--runs", "3"]);
     assert!(said.out.contains("tower (2)"), "{}", said.out);
 }
@@ -81,7 +81,7 @@ fn a_timeout_is_told_and_a_status() {
         said.out
             .contains("≥: some runs were stopped before they completed")
     );
-    // The limit of the command is a status like the program's own.
+    // The limit of the command has the same exit status as a timeout of the program.
     let said = stochc_with(TOWER, &["--runs", "3", "--max-ticks", "2"]);
     assert_eq!(said.status, 3);
     assert!(!said.out.contains("Timed out"), "{}", said.out);
@@ -109,7 +109,7 @@ fn a_run_that_is_stopped_tells_by_what_and_what_it_waited_for() {
     assert!(said.out.contains(wait), "{}", said.out);
 }
 
-/// Who reads the record of a run needs no other file to know who did what.
+/// The record of a run can be understood without another file.
 #[test]
 fn a_run_in_json_has_names_beside_indices() {
     let said = stochc("trace --model shuffle --run 0 --json tests/fixtures/late.sa");
@@ -216,7 +216,7 @@ fn a_run_is_told_capture_by_capture() {
     insta::assert_snapshot!(told);
 }
 
-/// The text with `N` for the numbers of blocks, which chance decides.
+/// Returns the text with `N` for the random numbers of blocks.
 fn without_blocks(text: &str) -> String {
     let line = |line: &str| match line.split_once(": block ") {
         Some((before, _)) => format!("{before}: block N\n"),
@@ -225,7 +225,7 @@ fn without_blocks(text: &str) -> String {
     text.lines().map(line).collect()
 }
 
-/// As many runs as it takes, the same whenever it is asked.
+/// The number of runs follows from the precision, and is reproducible.
 #[test]
 fn runs_are_made_until_means_are_known() {
     let folder = tempfile::tempdir().unwrap();
@@ -248,15 +248,15 @@ fn runs_are_made_until_means_are_known() {
     let runs = said["programs"][0]["runs"].as_u64().unwrap();
     assert!(relative(&said).iter().all(|&half| half <= 0.03), "{said}");
     assert!((60..400).contains(&runs) && err.is_empty(), "{runs}: {err}");
-    // The same runs as if they had been asked for.
+    // The same runs as if their number had been given.
     let at_once = path(folder.path(), "at_once");
     let asked = stochc_with(line, &["--runs", &runs.to_string(), "--out", &at_once]).json();
     assert_eq!(asked, said);
-    // Once more it is there already, and further it goes only if that is said.
+    // A repetition finds the finished runs. A tighter target needs `resume`.
     assert_eq!(until("3%").0, said);
     let unsaid = stochc_with(line, &["--until", "2%", "--out", &out]);
     assert_eq!(unsaid.status, 2, "{}", unsaid.err);
-    // Further, and no further than is allowed.
+    // More runs are made, up to the limit.
     let further = stochc_with("resume --quiet --json --until 2%", &[&out]).json();
     assert!(further["programs"][0]["runs"].as_u64().unwrap() > runs);
     let other = path(folder.path(), "other");
@@ -268,7 +268,7 @@ fn runs_are_made_until_means_are_known() {
         few.err
     );
     assert_eq!(few.json()["programs"][0]["runs"], 40);
-    // Nobody waits for what never completes, but it is told.
+    // A program that never completes does not delay the others, and the command reports it.
     let never = path(folder.path(), "never.sa");
     let program = "assembly never { seed plate 3 x 3 { M at (1, 1) } phase grow timeout 5 ticks { M.up -> A } }";
     std::fs::write(&never, program).unwrap();

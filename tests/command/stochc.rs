@@ -1,50 +1,50 @@
-//! The command and what came of it.
+//! The command and its outcome.
 use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-/// What a command has said.
+/// Outcome of a command.
 pub struct Said {
-    /// Its exit status.
+    /// Exit status.
     pub status: i32,
-    /// What it wrote to the standard output.
+    /// Standard output.
     pub out: String,
-    /// What it wrote to the standard error.
+    /// Standard error.
     pub err: String,
 }
 
-/// The command, not yet started, in the folder of the project.
+/// Returns the command, not yet started, in the folder of the project.
 pub fn command<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stochc"));
     command.args(arguments).stdin(Stdio::null());
     command
 }
 
-/// Does the command with the words of `line`, and then `more`, which may hold spaces.
+/// Runs the command with the words of `line`, and then `more`, which may contain spaces.
 pub fn stochc_with(line: &str, more: &[&str]) -> Said {
     let arguments = line.split_whitespace().chain(more.iter().copied());
     said(&mut command(arguments))
 }
 
-/// Does the command with the words of `line`.
+/// Runs the command with the words of `line`.
 pub fn stochc(line: &str) -> Said {
     stochc_with(line, &[])
 }
 
-/// Does the command with the words of `line`, and gives it a text to read.
+/// Runs the command with the words of `line` and a text as standard input.
 pub fn stochc_reading(line: &str, text: &str) -> Said {
     let mut command = command(line.split_whitespace());
     command.stdin(Stdio::piped());
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
     let mut input = child.stdin.take().unwrap();
-    // A command that reads nothing has gone away.
+    // A command that reads nothing may have exited.
     let _ = input.write_all(text.as_bytes());
     drop(input);
     of(child.wait_with_output().unwrap())
 }
 
-/// Does a command.
+/// Runs a command.
 pub fn said(command: &mut Command) -> Said {
     of(command.output().unwrap())
 }
@@ -58,30 +58,30 @@ fn of(output: Output) -> Said {
 }
 
 impl Said {
-    /// The standard output as JSON.
+    /// Parses the standard output as JSON.
     pub fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.out).unwrap()
     }
 
-    /// The figures in the row of the comparison that begins with `label`.
+    /// Returns the figures in the row of the comparison that begins with `label`.
     pub fn row(&self, label: &str) -> Vec<&str> {
         let row = self.out.lines().find_map(|line| line.strip_prefix(label));
         row.unwrap().split_whitespace().collect()
     }
 }
 
-/// The command that splits an ensemble into shards instead of simulating it.
+/// Returns the command that splits an ensemble into shards instead of simulating it.
 pub fn shard_new(line: &str) -> String {
     let (_, options) = line.split_once(' ').unwrap();
     format!("shard new {options}")
 }
 
-/// A file below a folder, as an argument.
+/// Returns a file below a folder, as an argument.
 pub fn path(folder: &Path, name: &str) -> String {
     folder.join(name).to_str().unwrap().to_owned()
 }
 
-/// Whether a piece of JSON has all that another one has, and perhaps further fields.
+/// Returns whether a JSON value contains all of another one, and perhaps further fields.
 pub fn contains(whole: &serde_json::Value, part: &serde_json::Value) -> bool {
     use serde_json::Value::{Array, Object};
     match (whole, part) {
@@ -97,7 +97,7 @@ pub fn contains(whole: &serde_json::Value, part: &serde_json::Value) -> bool {
     }
 }
 
-/// The tables of a folder of results.
+/// Returns the tables of a results folder.
 pub fn tables(folder: &str) -> Vec<Vec<u8>> {
     let names = stochc::results::tables().into_iter();
     let files = names.map(|table| Path::new(folder).join(format!("{}.parquet", table.name)));

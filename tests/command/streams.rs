@@ -1,4 +1,4 @@
-//! Where the words go, and what happens when nobody takes them.
+//! Tests the output streams, including closed ones.
 use std::process::Stdio;
 
 #[cfg(target_os = "linux")]
@@ -16,7 +16,7 @@ fn nothing_is_coloured_outside_a_terminal() {
     ] {
         for no_colour in [None, Some("1")] {
             let mut command = command(line.split_whitespace());
-            // What a terminal is said to be must not matter.
+            // The kind of terminal must not matter.
             command.env("TERM", "xterm-256color").env_remove("NO_COLOR");
             command.envs(no_colour.map(|value| ("NO_COLOR", value)));
             let said = said(&mut command);
@@ -28,13 +28,13 @@ fn nothing_is_coloured_outside_a_terminal() {
     }
 }
 
-/// A terminal as `script` plays one; `None`: there is no `script`.
+/// Runs a command on a terminal, using `script`. Returns `None` if `script` is not installed.
 #[cfg(target_os = "linux")]
 fn on_a_terminal(arguments: &str) -> Option<String> {
     on_a_terminal_called("xterm", arguments)
 }
 
-/// The same, of a terminal of this kind.
+/// Runs a command on a terminal of this kind.
 #[cfg(target_os = "linux")]
 fn on_a_terminal_called(kind: &str, arguments: &str) -> Option<String> {
     let line = format!("{} {arguments}", env!("CARGO_BIN_EXE_stochc"));
@@ -80,7 +80,7 @@ fn a_terminal_gets_the_next_command() {
     assert!(!on_a_terminal(simulate).unwrap().contains("stochc report"));
     let quiet = on_a_terminal(&format!("{simulate} --quiet --out {out}-0")).unwrap();
     assert!(!quiet.contains("stochc report"), "{quiet}");
-    // In a pipe, it stays out of the output.
+    // In a pipe, the next command is not part of the output.
     for json in ["", "--json"] {
         let piped = stochc(&format!("{simulate} {json} --out {out}-1{json}"));
         assert!(!piped.out.contains("stochc report"), "{}", piped.out);
@@ -92,7 +92,7 @@ fn a_terminal_gets_the_next_command() {
 fn a_reader_that_leaves_is_no_trouble() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "long.sa");
-    // Its table is larger than a pipe holds.
+    // Its table is larger than the buffer of a pipe.
     let program = "assembly long {\n\
                    seed plate 3 x 3 { M at (1, 1) }\n\
                    phase grow { M.up ->> T[1..20] }\n\
@@ -144,7 +144,7 @@ fn a_full_disk_is_told_of() {
     }
 }
 
-/// Files come before words: whether anybody listens changes neither them nor the exit status.
+/// Files are written before messages. A closed output changes neither files nor the exit status.
 #[test]
 fn a_reader_that_leaves_costs_no_file() {
     let folder = tempfile::tempdir().unwrap();

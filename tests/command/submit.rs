@@ -1,4 +1,4 @@
-//! `submit` without Slurm, or with programs in its place; with Slurm: tests/cluster.
+//! Tests `submit` without Slurm, or with simulated Slurm programs. tests/cluster tests real Slurm.
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
@@ -17,7 +17,7 @@ fn submit(arguments: &[&str]) -> Said {
     said(command(arguments).env("PATH", ""))
 }
 
-/// Programs that answer in the place of Slurm's, and an ensemble of four shards.
+/// Simulated Slurm programs, and an ensemble of four shards.
 struct FakeSlurm {
     folder: TempDir,
     out: String,
@@ -25,7 +25,7 @@ struct FakeSlurm {
 
 /// Prints the job number, as Slurm does.
 const ACCEPTS: &str = "echo $number";
-/// Refuses, as Slurm does. The job is removed.
+/// Refuses a job, as Slurm does. The job is removed.
 const REFUSES: &str =
     "sed -i '$d' jobs; echo 'sbatch: error: Invalid partition specified' >&2; exit 1";
 /// Lists all jobs as running.
@@ -34,7 +34,7 @@ const LISTS: &str = "while read n s name; do echo \"$n|0|$name|RUNNING|None\"; d
 const LISTS_NOTHING: &str = ":";
 
 impl FakeSlurm {
-    /// `sbatch` adds a line `NUMBER SECONDS NAME` to `jobs`, and then does as its script says.
+    /// `sbatch` adds a line `NUMBER SECONDS NAME` to `jobs`, and then runs its script.
     fn new(sbatch: &str, squeue: &str) -> FakeSlurm {
         let folder = tempfile::tempdir().unwrap();
         let out = path(folder.path(), "out");
@@ -76,14 +76,14 @@ echo \"$* ${SBATCH_ARRAY_INX-}\" >>calls";
         said(&mut self.command(options))
     }
 
-    /// Runs shards here.
+    /// Runs all shards locally.
     fn run_shards(&self) {
         for shard in ["0", "1", "2", "3"] {
             stochc_with("shard run --quiet", &[&self.out, shard]);
         }
     }
 
-    /// Checks that an array and a merge job were submitted, and nothing else.
+    /// Checks that only an array and a merge job were submitted.
     #[track_caller]
     fn has_submitted_once(&self) {
         let jobs = fs::read_to_string(self.folder.path().join("jobs")).unwrap();
@@ -144,7 +144,7 @@ fn an_accepted_job_without_a_number_is_found_by_its_name() {
         assert_eq!((said.status, said.err.as_str()), (0, ""));
         assert!(said.out.contains("merge job 102\n"), "{}", said.out);
         slurm.has_submitted_once();
-        // Nor is it reported as refused if it is not found.
+        // It is not reported as refused either, if it is not found.
         let slurm = FakeSlurm::new(sbatch, LISTS_NOTHING);
         let said = slurm.submit("--grace 1s");
         assert_eq!((said.status, said.out.as_str()), (2, ""));
@@ -245,7 +245,7 @@ fn missing_shards_are_submitted_again() {
 fn shards_are_merged_if_none_is_missing() {
     let slurm = FakeSlurm::new(ACCEPTS, LISTS_NOTHING);
     slurm.run_shards();
-    // Only a thorough look finds this.
+    // Only a complete check detects this.
     let shard = Path::new(&slurm.out).join("shards/1.jsonl");
     let text = fs::read_to_string(&shard).unwrap();
     let last = text.trim_end().rfind('\n').unwrap();
@@ -309,13 +309,13 @@ fn a_dry_run_shows_scripts_and_commands() {
     let binary = Path::new(env!("CARGO_BIN_EXE_stochc")).canonicalize();
     let shown =
         (shown.out.replace(root, "FOLDER")).replace(binary.unwrap().to_str().unwrap(), "STOCHC");
-    // It holds the place of the folder.
+    // The job name contains the path of the folder.
     let name = shown.split("--job-name=").nth(1).unwrap();
     let name = name.split_whitespace().next().unwrap();
     assert!(name.starts_with("stochc-"), "{name}");
     insta::assert_snapshot!(shown.replace(name, "NAME"));
     assert!(!Path::new(&out).join("slurm").exists());
-    // More shards than Slurm's default number of tasks.
+    // The ensemble has more shards than Slurm's default number of tasks.
     let many = path(folder.path(), "many");
     let line =
         "shard new --model shuffle tests/fixtures/tower.sa --runs 4000 --shards 4000 --quiet";
@@ -325,7 +325,7 @@ fn a_dry_run_shows_scripts_and_commands() {
     assert!(shown.contains("--array=0-999 "), "{shown}");
 }
 
-/// A shell in the place of Slurm runs the scripts.
+/// A shell runs the scripts instead of Slurm.
 #[test]
 fn the_scripts_are_plain_shell() {
     let folder = tempfile::tempdir().unwrap();
@@ -358,7 +358,7 @@ fn the_scripts_are_plain_shell() {
         let said = run(shards, task);
         assert_eq!((said.status, said.err.as_str()), (0, ""));
     }
-    // One shard of the task has the file of another: the other shard of the task is run.
+    // One shard of the task has the file of another shard. The other shard of the task is run.
     let files = Path::new(&out).join("shards");
     fs::copy(files.join("0.jsonl"), files.join("3.jsonl")).unwrap();
     assert_eq!(run(shards, "1").status, 2);
@@ -427,7 +427,7 @@ fn what_cannot_be_submitted_is_refused() {
     fs::write(&manifest, text.replace(&build, "0123456789abcdef")).unwrap();
     fs::remove_file(Path::new(&out).join("checksums.json")).unwrap();
     refused(&[&out], "0123456789abcdef");
-    // And a folder that one process has begun to fill without pieces.
+    // A folder that one process has begun to fill without shards.
     let begun = path(folder.path(), "begun");
     stochc_with(TOWER, &["--out", &begun]);
     let journal = Path::new(&begun).join("journal.jsonl");

@@ -1,4 +1,4 @@
-//! The physical experiments, as far as a few seconds go.
+//! Tests the physical experiments for a few seconds each.
 use crate::stochc::{path, stochc_with};
 
 const EXAMPLES: [&str; 5] = [
@@ -16,7 +16,7 @@ fn every_physical_example_runs_in_both_models() {
             let file = format!("examples/{example}.sa");
             let arguments = [&*file, "--model", model, "--max-ticks", "150"];
             let said = stochc_with("simulate --runs 2 --quiet", &arguments);
-            // Hardly any is done so soon; none may break down.
+            // Few programs complete within this time, but none may fail.
             assert!([0, 3].contains(&said.status), "{example}: {}", said.err);
             assert_eq!(said.err, "", "{example}");
             assert!(
@@ -56,7 +56,8 @@ fn a_tank_is_recorded_and_shown_with_its_shell() {
     let said = stochc_with("replay --run 0", &[&out, "--out", &page]);
     assert_eq!((said.status, &*said.err), (0, ""));
     let written = std::fs::read_to_string(page).unwrap();
-    // 33 cm in sides, and the height at which a ball of that size holds a plate of 3 x 3.
+    // The radius is 33 cm in block lengths. The lift is the height of the centre of a sphere of
+    // this radius above a plate of 3 x 3.
     assert!(written.contains(r#""radius":3.3"#), "no radius");
     let lift = (3.3f64 * 3.3 - 4.5).sqrt();
     assert!(

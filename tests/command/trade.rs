@@ -1,11 +1,11 @@
-//! Small trades, in which a run takes milliseconds.
+//! Tests small trade-offs whose runs take milliseconds.
 use std::fs;
 
 use serde_json::Value;
 
 use crate::stochc::{path, stochc, stochc_with};
 
-/// Three runs of each setting, and hardly any refinement.
+/// Command with three runs per setting, and almost no refinement.
 const DENSE: &str = "trade tests/fixtures/dense.sa --runs 3 --finest 2 --quiet";
 
 fn candidates(trade: &Value) -> &Vec<Value> {
@@ -19,7 +19,7 @@ fn candidate<'a>(trade: &'a Value, name: &str) -> &'a Value {
     found.unwrap_or_else(|| panic!("no candidate `{name}`"))
 }
 
-/// A trade without what a clock has said.
+/// Removes measured times from a trade-off.
 fn without_costs(value: &mut Value) {
     match value {
         Value::Object(fields) => {
@@ -98,14 +98,14 @@ fn every_setting_is_measured_and_kept() {
     );
     assert!(!said.out.contains('\u{1b}'), "no colours into a pipe");
 
-    // A run of it is a run of `simulate`.
+    // Its runs equal those of `simulate`.
     let alone = stochc(
         "simulate tests/fixtures/dense.sa --model rigid --substeps 1 --runs 3 --quiet --json",
     );
     let mean = &candidate(&trade, "rigid 1")["programs"][0]["mean"];
     assert_eq!(&alone.json()["programs"][0]["time"]["mean"], mean);
 
-    // It is not overwritten.
+    // The folder is not overwritten.
     let other = stochc_with(DENSE, &["--out", &out, "--seed", "2"]);
     assert_eq!((other.status, other.out.as_str()), (2, ""));
     assert!(
@@ -185,7 +185,7 @@ fn programs_are_ranked() {
         stochc("trade tests/fixtures/dense.sa tests/fixtures/dense.sa --runs 2 --finest 1 --quiet");
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.out.contains("dense (2)"), "{}", said.out);
-    // The same program twice.
+    // The same program is given twice.
     assert!(said.out.contains("no order to keep"), "{}", said.out);
 }
 
@@ -213,7 +213,7 @@ fn more_runs_make_none_again() {
     assert_eq!(more, at_once);
 }
 
-/// No run is started after the time limit, and the trade of those there are is printed.
+/// No run is started after the time limit, and the trade-off of the finished runs is printed.
 #[test]
 fn a_budget_is_kept() {
     let folder = tempfile::tempdir().unwrap();
@@ -246,7 +246,7 @@ fn a_budget_is_kept() {
     assert!(after.iter().sum::<u64>() > before.iter().sum());
 }
 
-/// Settings of a sweep are compared like those of a trade.
+/// Settings of a sweep are compared like those of a trade-off.
 #[test]
 fn a_sweep_over_settings_is_a_trade() {
     let folder = tempfile::tempdir().unwrap();
@@ -278,7 +278,7 @@ fn a_sweep_over_settings_is_a_trade() {
         .collect();
     assert_eq!(programs, ["dense [free=10]", "dense [free=12]"]);
     assert_eq!(trade["reference"]["candidate"], 2);
-    // A point is an ensemble with these options, run for run.
+    // A point equals an ensemble with these options, run by run.
     let alone = "sweep tests/fixtures/dense.sa --runs 3 --quiet --json --substeps 1 --vary free=12";
     let mean = &candidate(&trade, "rigid 1")["programs"][1]["mean"];
     assert_eq!(&stochc(alone).json()["programs"][0]["time"]["mean"], mean);

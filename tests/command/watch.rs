@@ -1,4 +1,4 @@
-//! `simulate --watch`: the report that is rewritten while runs are simulated.
+//! Tests `simulate --watch`: the report is rewritten while runs are simulated.
 use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 
 use crate::stochc::{command, path, stochc, stochc_with};
 
-/// Longer than any step takes on a busy machine.
+/// Time limit that exceeds any step on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Makes a browser reload the page.
+/// Element that makes a browser reload the page.
 const RELOADS: &str = "<meta http-equiv=\"refresh\" content=\"5\"/>";
 
 #[test]

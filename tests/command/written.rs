@@ -1,4 +1,5 @@
-//! What is written: only new files and our own, and a user's text keeps all but its content.
+//! Tests written files: only new files and stochc's own are replaced, and a formatted file keeps
+//! its attributes.
 use std::fs::{self, File};
 use std::os::unix::fs::{FileTypeExt as _, MetadataExt as _, PermissionsExt as _, symlink};
 use std::path::Path;
@@ -8,7 +9,8 @@ use crate::stochc::{path, stochc_with};
 
 const TOWER: &str = "tests/fixtures/tower.sa";
 
-/// Commands that write a file: what comes before its name and after it, and whether they may do so twice.
+/// Returns commands that write a file: the words before and after its name, and whether they may
+/// replace their own file.
 fn writers(results: &str) -> Vec<(String, Vec<&str>, bool)> {
     let compile = |what: &str| format!("compile {TOWER} --emit {what} --out");
     let mut writers = vec![
@@ -58,7 +60,7 @@ fn nothing_but_a_file_of_our_own_is_replaced() {
         assert_eq!(fs::read_to_string(&document).unwrap(), text, "{line}");
         assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
         assert!(!Path::new(&here("nothing")).exists(), "{line}");
-        // A new one is written, and one of our own once more.
+        // A new file is written, and the command's own file is replaced.
         let new = here("new");
         let said = write(&new);
         assert_eq!(said.status, 0, "{line}: {}", said.err);
@@ -115,7 +117,7 @@ fn an_ensemble_goes_on_through_no_link() {
         assert!(fs::symlink_metadata(&place).unwrap().is_symlink(), "{name}");
         fs::remove_dir_all(&out).unwrap();
     }
-    // Nor into a folder that is somewhere else.
+    // The same holds for a folder that is a link to another place.
     let (out, elsewhere) = (path(folder.path(), "out"), path(folder.path(), "elsewhere"));
     fs::create_dir(&elsewhere).unwrap();
     assert_eq!(stochc_with(simulate, &[&out, "--runs", "1"]).status, 0);
@@ -161,7 +163,7 @@ fn a_text_keeps_its_names_its_owner_and_its_mode() {
             (other.ino(), 0o640),
             "{line}"
         );
-        // Only those who may do everything can try the other.
+        // Only root can test another owner.
         fs::write(&owned, text).unwrap();
         if std::os::unix::fs::chown(&owned, Some(1234), Some(1234)).is_ok() {
             assert_eq!(stochc_with(line, &[&owned]).status, 0, "{line}");

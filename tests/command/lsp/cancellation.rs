@@ -1,6 +1,6 @@
-//! Work that goes on beside the conversation, and ends when nobody waits for it.
+//! Tests work that continues next to other requests, and ends when no request needs it.
 //!
-//! No test here looks at a clock: a large program takes seconds at least, and what is asserted is the order of answers.
+//! No test here uses a clock: a large program takes seconds, and tests check the order of answers.
 use serde_json::{Value, json};
 
 use crate::lsp::client::{Client, place};
@@ -13,7 +13,7 @@ const TEXT: &str = "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up
 const MODIFIED: i64 = -32801;
 const CANCELLED: i64 = -32800;
 
-/// Programs without any size that are long to write out.
+/// Returns a program without events whose expansion takes long.
 fn large() -> String {
     let loops = "for i in 1..1000 { for j in 1..8000 { } }";
     let seeds = "seed plate 1 x 1 { M at (0, 0) }";
@@ -36,7 +36,7 @@ fn change(client: &mut Client, uri: &str, version: i64, text: &str) {
     );
 }
 
-/// The numbers of answers, and of the errors that they are.
+/// Returns the request numbers of answers, and their errors.
 fn codes(answers: &[Value]) -> Vec<(i64, Option<i64>)> {
     let codes = answers.iter();
     codes
@@ -81,7 +81,7 @@ fn edits_end_all_checks_but_the_last() {
     client.open(LARGE, &text);
     let mut expected = Vec::new();
     for version in 2..20 {
-        // The check begins at the latest when somebody asks.
+        // The check begins no later than the first request.
         expected.push((hover(&mut client, LARGE, &text), Some(MODIFIED)));
         change(
             &mut client,
@@ -107,7 +107,7 @@ fn an_edit_ends_the_checks_of_what_imports_the_file() {
     assert_eq!(client.diagnostics(SMALL), [Value::Null; 0]);
     client.open(LARGE, &text);
     let before = hover(&mut client, LARGE, &text);
-    // Of the first check nothing is known until it asks for the file: the small one is answered behind that.
+    // The answer for the small file comes after the first check has read it.
     let symbols = json!({ "textDocument": { "uri": SMALL } });
     client.ask("textDocument/documentSymbol", symbols);
     loop {

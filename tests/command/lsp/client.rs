@@ -1,21 +1,21 @@
-//! A client that speaks the raw protocol with the command.
+//! Client that uses the raw protocol.
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use serde_json::{Value, json};
 
-/// A server that has been started, and what it has said.
+/// Running server and its messages.
 pub struct Client {
     child: Child,
     input: Option<ChildStdin>,
     output: BufReader<ChildStdout>,
     next: i64,
-    /// Notifications that have come in and were not asked for yet.
+    /// Notifications that have arrived but were not read.
     notifications: Vec<Value>,
 }
 
 impl Client {
-    /// Starts a server and says nothing.
+    /// Starts a server without sending a message.
     pub fn start() -> Client {
         let mut child = Command::new(env!("CARGO_BIN_EXE_stochc"))
             .args(["lsp", "--stdio"])
@@ -32,12 +32,12 @@ impl Client {
         }
     }
 
-    /// Starts a server and introduces itself, with the encodings that it offers.
+    /// Starts and initializes a server, with these position encodings.
     pub fn new(encodings: &[&str]) -> Client {
         Client::with(json!({ "general": { "positionEncodings": encodings } }))
     }
 
-    /// Starts a server and introduces itself, with its capabilities.
+    /// Starts and initializes a server, with these capabilities of the client.
     pub fn with(capabilities: Value) -> Client {
         let mut client = Client::start();
         let answer = client.ask("initialize", json!({ "capabilities": capabilities }));
@@ -46,7 +46,7 @@ impl Client {
         client
     }
 
-    /// Opens a text.
+    /// Opens a document.
     pub fn open(&mut self, uri: &str, text: &str) {
         let document = json!({ "uri": uri, "languageId": "stochc", "version": 1, "text": text });
         self.notify("textDocument/didOpen", json!({ "textDocument": document }));
@@ -57,13 +57,13 @@ impl Client {
         self.send(&json!({ "jsonrpc": "2.0", "method": method, "params": params }));
     }
 
-    /// Sends a request; its answer.
+    /// Sends a request. Returns its answer.
     pub fn ask(&mut self, method: &str, params: Value) -> Value {
         let id = self.request(method, params);
         self.answer(&json!(id))
     }
 
-    /// Sends a request; its number.
+    /// Sends a request. Returns its number.
     pub fn request(&mut self, method: &str, params: Value) -> i64 {
         self.next += 1;
         let id = self.next;
@@ -83,7 +83,7 @@ impl Client {
         }
     }
 
-    /// The next answers, to whatever was asked, in the order in which they come.
+    /// Returns the next answers to any requests, in order of arrival.
     pub fn answers(&mut self, count: usize) -> Vec<Value> {
         let mut answers = Vec::new();
         while answers.len() < count {
@@ -96,13 +96,13 @@ impl Client {
         answers
     }
 
-    /// Requests of the server that have come in so far.
+    /// Returns the requests of the server so far.
     pub fn requests_of_server(&self) -> Vec<&Value> {
         let notifications = self.notifications.iter();
         notifications.filter(|it| it.get("id").is_some()).collect()
     }
 
-    /// The numbers of a text for which diagnostics have come in so far.
+    /// Returns the versions of a document whose diagnostics have arrived so far.
     pub fn diagnosed(&self, uri: &str) -> Vec<i64> {
         let diagnosed = self.notifications.iter().map(|it| &it["params"]);
         (diagnosed.filter(|it| it["uri"] == uri))
@@ -110,7 +110,7 @@ impl Client {
             .collect()
     }
 
-    /// The next diagnostics of a text.
+    /// Returns the next diagnostics of a document.
     pub fn diagnostics(&mut self, uri: &str) -> Vec<Value> {
         let is_it = |message: &Value| {
             message["method"] == "textDocument/publishDiagnostics"
@@ -126,7 +126,7 @@ impl Client {
         }
     }
 
-    /// Sends bytes that may be anything.
+    /// Sends arbitrary bytes.
     pub fn send_raw(&mut self, bytes: &[u8]) {
         let input = self.input.as_mut().unwrap();
         input.write_all(bytes).unwrap();
@@ -138,7 +138,7 @@ impl Client {
         self.send_raw(format!("Content-Length: {}\r\n\r\n{body}", body.len()).as_bytes());
     }
 
-    /// The next message; `None` at the end of the stream.
+    /// Returns the next message. Returns `None` at the end of the stream.
     fn receive(&mut self) -> Option<Value> {
         let mut length = 0;
         loop {
@@ -159,19 +159,19 @@ impl Client {
         Some(serde_json::from_slice(&body).unwrap())
     }
 
-    /// Takes its leave as the protocol wants it; the exit status.
+    /// Shuts the server down as the protocol requires. Returns the exit status.
     pub fn leave(mut self) -> i32 {
         assert_eq!(self.ask("shutdown", Value::Null)["result"], Value::Null);
         self.notify("exit", Value::Null);
         self.ended()
     }
 
-    /// Waits until the server ends by itself; the exit status.
+    /// Waits until the server ends by itself. Returns the exit status.
     pub fn ended(&mut self) -> i32 {
         self.child.wait().unwrap().code().unwrap()
     }
 
-    /// Hangs up; the exit status.
+    /// Closes the connection. Returns the exit status.
     pub fn hang_up(mut self) -> i32 {
         self.input = None;
         self.ended()
@@ -185,7 +185,8 @@ impl Drop for Client {
     }
 }
 
-/// The parameters of a question about a place: the beginning of the nth occurrence of some words.
+/// Returns the parameters of a request at a position: the start of the nth occurrence of some
+/// words.
 pub fn place(uri: &str, text: &str, words: &str, nth: usize) -> Value {
     let (at, _) = text.match_indices(words).nth(nth).unwrap();
     let before = &text[..at];
@@ -197,14 +198,13 @@ pub fn place(uri: &str, text: &str, words: &str, nth: usize) -> Value {
     })
 }
 
-/// `1:2-1:5` for a range.
+/// Formats a range as `1:2-1:5`.
 pub fn shown(range: &Value) -> String {
     let end = |end: &str| format!("{}:{}", range[end]["line"], range[end]["character"]);
     format!("{}-{}", end("start"), end("end"))
 }
 
-/// A text after the changes that an edit makes to it; positions are counted in UTF-16.
-/// The byte at which a line begins; lines end with `\n`, `\r\n` or `\r`.
+/// Returns the byte offset of a line. Lines end with `\n`, `\r\n` or `\r`.
 fn line_start(text: &str, line: usize) -> usize {
     let bytes = text.as_bytes();
     let ends = (0..bytes.len())
@@ -213,6 +213,7 @@ fn line_start(text: &str, line: usize) -> usize {
     starts.nth(line).unwrap_or(bytes.len())
 }
 
+/// Returns a text after the changes of an edit. Positions count UTF-16 units.
 pub fn edited(text: &str, edits: &Value) -> String {
     let offset = |position: &Value| {
         let (line, character) = (

@@ -1,4 +1,4 @@
-//! The language server, as a client meets it.
+//! Tests the language server through its protocol.
 mod cancellation;
 mod client;
 mod imports;

@@ -1,4 +1,5 @@
-//! A real editor as the client: `neovim.lua` drives Neovim's own client and checks what it gets.
+//! Tests a real editor as the client: `neovim.lua` drives Neovim's own client and checks the
+//! answers.
 use std::process::{Command, Stdio};
 
 use crate::skipped::skipped;

@@ -1,4 +1,4 @@
-//! What is asked about programs.
+//! Tests requests about programs.
 use serde_json::{Value, json};
 
 use crate::lsp::client::{Client, edited, place, shown};
@@ -83,9 +83,9 @@ fn a_name_in_a_pattern_stands_for_all_its_blocks() {
     ] {
         assert!(text.contains(part), "{part} in\n{text}");
     }
-    // What is counted by is no block.
+    // A counter is not a block.
     assert!(hover("height]", 0).contains("**`height`**, parameter"));
-    // A parameter stands for the blocks that are given for it.
+    // A parameter stands for the blocks of its arguments.
     assert!(hover("base.up", 0).contains("**`A`**, block of `city`"));
 }
 
@@ -125,7 +125,7 @@ fn what_is_no_block_is_shown_as_declared() {
     assert_eq!(ask(&mut client(), "hover", "release", 0), Value::Null);
 }
 
-/// Scenes have no names inside, but words that the schema knows.
+/// Words of a scene are not names, but the schema defines them.
 #[test]
 fn the_words_of_a_scene_are_known() {
     let text = "scene mine from hemisphere {\n    bond attract {\n        pull 1 N within 5cm\n        anchor gap 1mm tilt 5 deg\n    }\n    f\n}\n";
@@ -171,7 +171,7 @@ fn the_words_of_a_scene_are_known() {
     assert_eq!(offered("mine"), [""; 0], "not in its braces");
 }
 
-/// A plate with a block attached by hand, behind an aggregate.
+/// Plate with a pre-attached block, after an aggregate.
 const TANK: &str = "\
 let many = 2
 
@@ -235,7 +235,7 @@ fn definitions_are_seeds_captures_and_declarations() {
     let mut definition = |words, nth| places(&ask(&mut client, "definition", words, nth));
     assert_eq!(definition("A, tall", 0), ["8:23-8:24"]);
     assert_eq!(definition("C.up", 1), ["12:16-12:17"]);
-    // The name is given twice.
+    // The name is captured twice.
     assert_eq!(definition("D\n", 1), ["12:24-12:25", "17:16-17:17"]);
     assert_eq!(definition("T[2]", 0), ["2:16-2:17"]);
     assert_eq!(definition("tower(A", 0), ["1:8-1:13"]);
@@ -261,7 +261,7 @@ fn references_are_all_places_or_all_but_the_declarations() {
     assert_eq!(places(&found), ["5:4-5:8", "11:17-11:21"]);
 }
 
-/// The names of an outline, by depth.
+/// Collects the names of an outline with their depth.
 fn outline(symbols: &Value, depth: usize, out: &mut Vec<String>) {
     for symbol in symbols.as_array().into_iter().flatten() {
         let name = symbol["name"].as_str().unwrap();
@@ -289,7 +289,7 @@ fn the_outline_has_what_is_declared() {
     assert_eq!(names, expected);
 }
 
-/// What is declared ends with its last word, not before the next declaration.
+/// The range of a declaration ends with its last word, not before the next declaration.
 #[test]
 fn a_declaration_ends_where_its_words_do() {
     let text = "let n = 2 *\n    (3 + 1)\n\n// about the program\n\nassembly a {\n    let k = 1\n\n    // of the plate\n    \
@@ -334,7 +334,7 @@ fn formatting_touches_the_lines_that_change() {
     assert_eq!(answer["error"]["code"], -32803);
 }
 
-/// It ends a line for the client, and none for the language.
+/// A lone carriage return ends a line for the client, but not for the language.
 #[test]
 fn a_lone_carriage_return_is_refused_as_fmt_does() {
     let mut client = client();
@@ -357,7 +357,7 @@ fn a_lone_carriage_return_is_refused_as_fmt_does() {
     }
 }
 
-/// It counts as a character of the first line, and is dropped as `fmt` does.
+/// A byte order mark counts as a character of the first line, and is dropped, as in `fmt`.
 #[test]
 fn a_mark_of_the_byte_order_is_passed_over() {
     let mut client = Client::new(&[]);
@@ -417,7 +417,7 @@ fn imports_lead_to_their_files_and_texts_of_the_editor_come_first() {
     let found = client.diagnostics(&uri("main.sa"));
     assert_eq!(found[0]["code"], "wrong-arguments");
 
-    // What is on the disk is not what the editor has.
+    // The file on the disk differs from the open document.
     client.open(&uri("towers.sa"), pattern);
     assert_eq!(client.diagnostics(&uri("main.sa")), [Value::Null; 0]);
     let ask = place(&uri("main.sa"), main, "towers.sa", 0);
@@ -476,7 +476,7 @@ fn what_nobody_uses_is_marked_as_unnecessary() {
     };
     let found = tags(&client.diagnostics(URI));
     let unnecessary = || json!([1]);
-    // The cell that is taken is no use of a number, but until it is mended nothing is said of it.
+    // The occupied cell does not use the number. Until it is fixed, the number causes no warning.
     assert_eq!(
         found,
         [
@@ -490,7 +490,7 @@ fn what_nobody_uses_is_marked_as_unnecessary() {
     assert_eq!(found, [("unused-let".to_owned(), unnecessary())]);
 }
 
-/// A program imports from its own folder, and from those that the editor has open.
+/// A program imports from its own folder, and from folders that the editor has opened.
 #[test]
 fn imports_stay_within_the_folders_that_are_open() {
     let folder = tempfile::tempdir().unwrap();

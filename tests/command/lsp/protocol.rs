@@ -1,4 +1,4 @@
-//! The conversation itself.
+//! Tests the messages of the protocol.
 use serde_json::{Value, json};
 
 use crate::lsp::client::{Client, place, shown};
@@ -15,7 +15,7 @@ fn the_exit_status_says_whether_the_client_said_goodbye() {
     assert_eq!(Client::start().hang_up(), 1);
 }
 
-/// The stream is open still, as where a process that the client has begun has it from it.
+/// The stream stays open, for example because a child process of the client has inherited it.
 #[cfg(unix)]
 #[test]
 fn the_server_ends_with_the_process_of_its_client() {
@@ -101,7 +101,7 @@ fn what_nobody_understands_does_no_harm() {
 #[test]
 fn a_request_can_be_cancelled_before_its_turn() {
     let mut client = Client::new(&[]);
-    // Long enough to be under way when the rest comes in.
+    // The program is long enough that its check still runs when the other requests arrive.
     let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up ->> T[1..200000] } }";
     client.open(URI, text);
     let first = client.request("textDocument/hover", place(URI, text, "M.up", 0));
@@ -112,7 +112,7 @@ fn a_request_can_be_cancelled_before_its_turn() {
         client.answer(&json!(second)),
         client.ask("shutdown", Value::Null),
     ];
-    // Whichever was quicker; it is answered once, and so is the other.
+    // Either may be faster. Each request is answered exactly once.
     let answer = answers[0].take();
     let cancelled = answer["error"]["code"] == -32800;
     assert!(cancelled || answer["result"].is_object(), "{answer}");
@@ -137,7 +137,7 @@ fn diagnostics_follow_the_text() {
             .starts_with("cannot find block `B`\n")
     );
 
-    // `B` becomes `A`, by a change of one character.
+    // A change of one character replaces `B` with `A`.
     let range = json!({
         "start": { "line": 3, "character": 24 },
         "end": { "line": 3, "character": 25 },

@@ -1,4 +1,4 @@
-//! New names, and those that are refused.
+//! Tests renaming, and names that are rejected.
 use serde_json::{Value, json};
 
 use crate::lsp::client::{Client, edited, place};
@@ -90,7 +90,7 @@ fn what_would_change_the_program_is_refused() {
     }
 }
 
-/// `check` advises it.
+/// `check` recommends the underscore.
 #[test]
 fn an_underscore_before_an_unused_name_is_no_change_of_meaning() {
     let unused = format!("let spare = 3\n{TEXT}");
@@ -109,7 +109,7 @@ fn an_underscore_before_an_unused_name_is_no_change_of_meaning() {
     }
 }
 
-/// An assembly that names no scene runs in the one called `hemisphere`.
+/// An assembly without a scene uses the scene called `hemisphere`.
 #[test]
 fn a_scene_is_not_renamed_so_that_others_run_in_another() {
     let text = |name: &str| {

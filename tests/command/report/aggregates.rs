@@ -1,4 +1,4 @@
-//! Reports on aggregates, in which nobody captures anything.
+//! Tests reports on aggregates, whose blocks capture nothing.
 use std::fs;
 use std::path::Path;
 
@@ -49,7 +49,7 @@ fn an_aggregate_has_the_sections_that_fit_and_none_that_are_empty() {
             "survival.svg"
         ]
     );
-    // The last size is that with which it is complete.
+    // The last size completes the aggregate.
     let rows = |name: &str| fields(&fs::read_to_string(figures.join(name)).unwrap());
     let ticks = |name: &str, column: &str, value: &str| -> Vec<String> {
         let rows = rows(name).into_iter();

@@ -1,4 +1,4 @@
-//! The command: where it writes, what it refuses, and with which exit status.
+//! Tests `report`: output location, rejected input, and exit status.
 use std::fs;
 use std::path::Path;
 
@@ -7,12 +7,12 @@ use stochc::results::Manifest;
 
 use crate::stochc::{command, path, said, stochc_with};
 
-/// Takes what is known of the files of a folder away, as if somebody had changed them on purpose.
+/// Removes the checksums of a folder, as for files that were changed on purpose.
 fn unseal(out: &str) {
     fs::remove_file(path(out.as_ref(), "checksums.json")).unwrap();
 }
 
-/// A journal of another ensemble, with the checksums that it would have.
+/// Returns a journal of another ensemble with valid checksums.
 fn renamed(journal: &str, before: &str, after: &str) -> String {
     let lines = journal.lines().map(|line| {
         let (object, _) = line.rsplit_once(",\"crc\"").unwrap();
@@ -21,7 +21,7 @@ fn renamed(journal: &str, before: &str, after: &str) -> String {
     lines.collect()
 }
 
-/// A finished ensemble in `out` below a folder.
+/// Simulates an ensemble in a folder. Returns its path.
 fn simulated(folder: &Path, name: &str, more: &[&str]) -> String {
     let out = path(folder, name);
     let simulate = "simulate --quiet --model shuffle --runs 4 tests/fixtures/tower.sa";
@@ -77,7 +77,7 @@ fn a_chain_has_the_way_of_news_in_it() {
         ends[run] = to;
         news += if event == "news" { to - from } else { 0 };
     }
-    // To the plate, and over it to the other tower.
+    // The message goes down to the plate, and over it to the other tower.
     assert_eq!(news, 3 * 2 * 50, "{chains}");
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     assert!(
@@ -114,7 +114,7 @@ fn a_replay_that_is_there_is_linked() {
         page.contains("stochc replay &#39;"),
         "the others are not there"
     );
-    // By the name of the assembly as well, and with several programs only so.
+    // Replays can also be named by assembly. With several programs they must be.
     let both = simulated(folder.path(), "both", &["tests/fixtures/importing.sa"]);
     for name in ["replay-tower-0.html", "replay-1.html"] {
         fs::write(path(both.as_ref(), name), "").unwrap();
@@ -122,10 +122,13 @@ fn a_replay_that_is_there_is_linked() {
     stochc_with("report", &[&both]);
     let page = fs::read_to_string(path(both.as_ref(), "report.html")).unwrap();
     assert!(page.contains("<a href=\"replay-tower-0.html\">Watch run 0</a>"));
-    assert!(!page.contains("\"replay-1.html"), "whose is it?");
+    assert!(
+        !page.contains("\"replay-1.html"),
+        "the program is ambiguous"
+    );
     let line = format!("stochc replay {both} --run 1 --program tower</code>");
     assert!(page.contains(&line), "{page}");
-    // From a page elsewhere, as far as a relative address goes.
+    // Pages in other folders link with relative addresses.
     let elsewhere = path(folder.path(), "page.html");
     stochc_with("report", &[&out, "--out", &elsewhere]);
     let page = fs::read_to_string(&elsewhere).unwrap();
@@ -146,7 +149,7 @@ fn what_is_no_results_folder_is_refused() {
         assert!(said.err.contains(&told), "{}", said.err);
     }
     assert_eq!(stochc_with("report", &[]).status, 2, "no folder at all");
-    // A manifest of another layout.
+    // A manifest with changed whitespace.
     let manifest = path(out.as_ref(), "manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();
     fs::write(&manifest, text.replace("\"format\": 1", "\"format\": 99")).unwrap();
@@ -162,7 +165,7 @@ fn what_is_no_results_folder_is_refused() {
     );
 }
 
-/// The journal is what is read; cut short, it holds fewer runs.
+/// The report reads the journal. A truncated journal contains fewer runs.
 #[test]
 fn an_ensemble_that_is_not_finished_is_told_of_as_such() {
     let folder = tempfile::tempdir().unwrap();
@@ -182,12 +185,12 @@ fn an_ensemble_that_is_not_finished_is_told_of_as_such() {
     );
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     assert!(page.contains("<strong>not finished</strong>: 2 of 4 runs are there"));
-    // Nothing but the first line: there is still something to say.
+    // Only the first line remains. The report is still written.
     fs::write(&journal, format!("{}\n", lines[0])).unwrap();
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     assert!(page.contains("No run of it is finished."));
-    // A journal that belongs to something else.
+    // A journal of another ensemble.
     fs::write(&journal, "{\"ensemble\":\"0\"}\n").unwrap();
     let said = stochc_with("report", &[&out]);
     assert_eq!(said.status, 2);
@@ -227,7 +230,7 @@ fn another_version_is_told_of() {
     );
 }
 
-/// A folder holds programs as they were compiled: nothing is compiled again to tell of it.
+/// A folder contains compiled programs, so a report compiles nothing.
 #[test]
 fn a_report_needs_no_text() {
     let folder = tempfile::tempdir().unwrap();
@@ -255,7 +258,7 @@ fn a_report_needs_no_text() {
 fn a_report_that_was_stopped_is_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out", &[]);
-    // What a kill leaves: some figures, a file without its name, and no page.
+    // A kill leaves some figures, a draft file, and no page.
     let figures = Path::new(&out).join("report-figures");
     fs::create_dir(&figures).unwrap();
     fs::write(figures.join("survival.svg"), "<svg").unwrap();
@@ -307,7 +310,7 @@ fn other_peoples_files_stay() {
     }
 }
 
-/// What an earlier report had and this one has not would be taken for a part of it.
+/// Figures that an earlier report had and this one does not have are removed.
 #[test]
 fn figures_of_an_earlier_report_go() {
     let folder = tempfile::tempdir().unwrap();
@@ -323,7 +326,7 @@ fn figures_of_an_earlier_report_go() {
     assert!(figures.join("waits-1.svg").is_file() && figures.join("notes.txt").is_file());
 }
 
-/// All that would be told of the mean is where the timeout is.
+/// If no run completes, the mean would only be the timeout.
 #[test]
 fn a_program_that_no_run_completes_has_no_mean_in_short() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Figures for print.
+//! Tests figures for print.
 use stochc::report::figures::Medium;
 
 use crate::layout::check;
@@ -15,7 +15,7 @@ fn the_command_writes_figures_for_print() {
     let figures = folder.path().join("out/report-figures");
     let is_there = |name: &str| figures.join(name).is_file();
     assert!(is_there("survival.pdf") && !is_there("survival.svg"));
-    // Those of the report before go.
+    // Figures of the previous report are removed.
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     assert!(!is_there("survival.pdf") && is_there("survival.svg"));
     for wrong in ["89", "20mm", "wide"] {
@@ -25,7 +25,7 @@ fn the_command_writes_figures_for_print() {
     }
 }
 
-/// That there is a figure in a folder for print, 89 mm wide, in both forms.
+/// Checks that a folder contains a figure for print, 89 mm wide, in both formats.
 fn is_printed(folder: &str, name: &str) {
     let read =
         |form: &str| std::fs::read(path(folder.as_ref(), &format!("{name}.{form}"))).unwrap();
@@ -55,7 +55,7 @@ fn figures_of_a_sweep_are_for_print_as_well() {
     assert_eq!(stochc_with("resume --quiet --runs 4", &[&out]).status, 0);
     let svg = std::fs::read_to_string(path(out.as_ref(), "sweep.svg")).unwrap();
     check("sweep", &svg, Medium::Screen);
-    // An ensemble without axes has no such figure, and neither has one without a folder.
+    // The options are rejected without axes and without a folder.
     let alone = "simulate --quiet --model shuffle --runs 3 tests/fixtures/tower.sa";
     let none = path(folder.path(), "none");
     let said = stochc_with(alone, &[&["--out", &none], &PRINTED[..]].concat());

@@ -1,4 +1,4 @@
-//! Reports that the command writes.
+//! Tests reports of the command.
 mod aggregates;
 mod command;
 mod figures;

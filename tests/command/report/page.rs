@@ -1,4 +1,4 @@
-//! The page as the command writes it.
+//! Tests the page that the command writes.
 use crate::reading::parsed;
 use crate::stochc::{path, stochc_with};
 
@@ -48,7 +48,7 @@ fn the_commands_on_the_page_work() {
     assert_eq!(simulated, 2);
 }
 
-/// Thirteen waits of one tick each are not worth thirteen sentences.
+/// Thirteen waits of one tick each are summarized in one sentence.
 #[test]
 fn a_long_chain_of_equal_waits_is_told_in_one_sentence() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What a report says of real ensembles, against sums over their Parquet tables.
+//! Compares reports on real ensembles with sums over their Parquet tables.
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::Path;
@@ -28,7 +28,7 @@ fn reader(folder: &str, table: &str) -> SerializedFileReader<File> {
     SerializedFileReader::new(File::open(path(folder.as_ref(), table)).unwrap()).unwrap()
 }
 
-/// The rows of a table that are of a program; each by the names of its columns.
+/// Returns the rows of a table for one program, by column name.
 fn table(folder: &str, table: &str, program: &str) -> Vec<BTreeMap<String, Field>> {
     let reader = reader(folder, table);
     let rows = reader.get_row_iter(None).unwrap().map(Result::unwrap);
@@ -55,7 +55,7 @@ fn whole(field: &Field) -> u64 {
     }
 }
 
-/// The ticks of every completed run of a program.
+/// Returns the ticks of every completed run of a program.
 fn runs(folder: &str, program: &str) -> BTreeMap<u64, u64> {
     let rows = table(folder, "runs.parquet", program).into_iter();
     rows.map(|row| {
@@ -65,7 +65,7 @@ fn runs(folder: &str, program: &str) -> BTreeMap<u64, u64> {
     .collect()
 }
 
-/// The captures of a program, none of which is censored.
+/// Returns the captures of a program. Panics if one is censored.
 fn bonds(folder: &str, program: &str) -> Vec<Bond> {
     let rows = table(folder, "bonds.parquet", program).into_iter();
     rows.map(|row| Bond {
@@ -81,13 +81,13 @@ fn bonds(folder: &str, program: &str) -> Vec<Bond> {
     .collect()
 }
 
-/// A capture as the program writes it.
+/// Returns a capture as the program writes it.
 fn capture(row: &BTreeMap<String, Field>) -> String {
     let [parent, face, child] = ["parent", "face", "child"].map(|name| text(&row[name]));
     format!("{parent}.{face} -> {child}")
 }
 
-/// The rows of a table beside a page.
+/// Returns the rows of a table next to a page.
 fn csv(folder: &str, name: &str) -> Vec<BTreeMap<String, String>> {
     let file = Path::new(folder).join("report-figures").join(name);
     fields(&fs::read_to_string(file).unwrap())
@@ -147,7 +147,7 @@ fn a_report_says_what_the_tables_say() {
     assert!(released > 0);
     assert_eq!(told, released);
 
-    // The share of a capture is the sum of its links over all time.
+    // The share of a capture is the sum of its links divided by the total time.
     let chains = csv(&out, "chains.csv");
     let total: u64 = runs.values().sum();
     for row in &waits {
@@ -162,7 +162,8 @@ fn a_report_says_what_the_tables_say() {
     chains_fill(&chains, &runs, &bonds);
 }
 
-/// If runs are stopped, `show --captures`, the report and the table of bonds have the same waiting times. None is left out.
+/// If runs are stopped, `show --captures`, the report and the table of bonds have the same waiting
+/// times. None is left out.
 #[test]
 fn stopped_runs_have_the_same_waits_in_every_table() {
     let folder = tempfile::tempdir().unwrap();
@@ -213,15 +214,16 @@ fn stopped_runs_have_the_same_waits_in_every_table() {
         assert_eq!(row["half_width"], maybe(expected.half_width));
         stopped += expected.incomplete;
     }
-    // As many as there are faces that were on when a run was stopped.
+    // The number of unfinished waits equals the number of faces that were on when a run was
+    // stopped.
     let rows = table(&out, "runs.parquet", name);
     let under_way: u64 = rows.iter().map(|row| whole(&row["under_way"])).sum();
     assert!(under_way >= 6, "{under_way}");
     assert_eq!(stopped as u64, under_way);
 }
 
-/// In a world without physics every order of events comes up, with releases of all kinds: the links
-/// of every run meet end to end, from its first tick to its last, and each is a wait of the tables.
+/// A world without physics produces every order of events, with all kinds of releases. The links of
+/// every run meet end to end, from its first tick to its last. Each link is a wait of the tables.
 #[test]
 fn chains_fill_the_runs_of_every_small_program() {
     let folder = tempfile::tempdir().unwrap();
