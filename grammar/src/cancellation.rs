@@ -1,4 +1,4 @@
-//! Cancellation of work whose result is no longer needed.
+//! Cancellation of work, if its result is not needed any more.
 use std::fmt;
 
 /// Asks the caller of long work, again and again, whether the result is still wanted.

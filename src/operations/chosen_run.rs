@@ -115,7 +115,8 @@ impl ChosenRun {
         self.known.as_ref().map(|known| &known.record)
     }
 
-    /// Returns the file name `before`, assembly, `-`, run number, `behind`.
+    /// Returns the name of a file about this run: the assembly and the run number between two
+    /// texts.
     pub fn file_name(&self, before: &str, behind: &str) -> String {
         // Uses the assembly, which is a word. The program's name may be any text in an edited
         // manifest.

@@ -224,7 +224,7 @@ impl EnsembleResults<'_> {
         let programs = self.manifest.programs.iter().zip(names);
         for ((program, name), waits) in programs.zip(self.waits) {
             if program.tables().aggregate.is_some() {
-                let none = "an aggregate, has no captures: its blocks bond where they meet.";
+                let none = "an aggregate, has no captures: its blocks bond when they meet.";
                 text += &format!("\n{}", paragraph(&format!("{name}, {none}"), width));
                 continue;
             }

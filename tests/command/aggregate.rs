@@ -72,7 +72,7 @@ fn its_phases_are_the_sizes_that_it_reaches() {
     // The three programs are columns of one table.
     assert_eq!(said.row("Construction phases"), ["1", "3", "1"]);
     assert_eq!(said.row("Total units involved"), ["2", "4", "1"]);
-    let none = "\ntwo, an aggregate, has no captures: its blocks bond where they meet.\n";
+    let none = "\ntwo, an aggregate, has no captures: its blocks bond when they meet.\n";
     assert!(said.out.contains(none), "{}", said.out);
     assert_eq!(said.out.matches("capture by capture").count(), 1);
     let journal = fs::read_to_string(path(folder.path(), "runs/journal.jsonl")).unwrap();

@@ -63,7 +63,7 @@ fn a_number_is_swept_in_one_folder() {
     assert_eq!((again.status, again.out), (0, said.out), "finished already");
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     let page = text(&out, "report.html");
-    assert!(page.contains("What was varied"), "{page}");
+    assert!(page.contains("Sweeps"), "{page}");
     assert!(page.contains("--vary free=50,100,150 --out"), "the command");
     assert!(text(&out, "report-figures/sweep-1.svg").contains("over free"));
 }
@@ -126,7 +126,7 @@ fn two_numbers_meet_each_other() {
     let said = stochc_with("report", &[&out]);
     assert_eq!(said.status, 0, "{}", said.err);
     let page = text(&out, "report.html");
-    assert!(page.contains("24 points of sweeps are told together"));
+    assert!(page.contains("24 points of sweeps are summarized together"));
     assert!(
         !page.contains("id=\"program-1\""),
         "no section for each of many points"

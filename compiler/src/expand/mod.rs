@@ -587,7 +587,7 @@ impl<'a> Expander<'a, '_> {
                     Code::EmptyPhase,
                     format!("phase `{}` has no captures or releases", planned.name),
                 )
-                .label(location, "the phase ends in the tick in which it starts")
+                .label(location, "the phase ends in its first tick")
                 .help("remove it, or check the ranges of its loops");
                 if phase.body.is_empty() && item.docs.0.is_none() {
                     diagnostic.fix = self.without(item);

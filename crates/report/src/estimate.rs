@@ -65,7 +65,7 @@ pub struct Share {
     pub event: String,
     /// Name of its phase.
     pub phase: String,
-    /// Share of the total time in which only this event was waited for.
+    /// Share of the total time with only this event on the critical path.
     pub share: f64,
 }
 

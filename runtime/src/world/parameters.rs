@@ -27,7 +27,7 @@ pub(crate) struct WorldParameters {
 /// Elastic shell about a point above the centre of the plate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shell {
-    /// Distance from the shell's centre at which blocks are pushed back \[block lengths\].
+    /// Distance from the shell's centre outside which blocks are pushed back \[block lengths\].
     pub radius: f64,
     /// Height of the shell's centre \[block lengths\].
     pub height: f64,

@@ -81,7 +81,7 @@ fn what_would_change_the_program_is_refused() {
         ("A at", 0, "2x", "does not begin with a digit"),
         ("A at", 0, "\u{b5}", "does not begin with a digit"),
         ("A at", 0, "", "does not begin with a digit"),
-        ("seed", 0, "x", "no name here"),
+        ("seed", 0, "x", "no name at this position"),
     ] {
         match rename(words, nth, new) {
             Err(error) => assert!(!why.is_empty() && error.contains(why), "{new}: {error}"),

@@ -388,7 +388,7 @@ fn a_sweep_of_several_programs_is_told_to_have_them() {
     let (_, rest) = page.split_once("These are runs of ").unwrap();
     let told = rest.split_once("</p>").unwrap().0;
     assert!(
-        told.contains("; those of one program differ in nothing but ")
+        told.contains("; runs of one program differ only in ")
             && told.contains("free</bdi></code> and <code"),
         "{told}"
     );

@@ -389,7 +389,7 @@ impl ProgramTally {
 mod tests {
     use super::*;
 
-    /// Checks five runs, the last of which is stopped at its completion. Mean and interval are
+    /// Checks five runs if the last one is stopped at its completion. Mean and interval are
     /// unchanged.
     #[test]
     fn an_interval_is_of_one_kind_whether_or_not_a_run_is_stopped() {

@@ -96,8 +96,8 @@ impl Observed {
     }
 }
 
-/// Returns the latest censoring time up to which enough runs were observed. Equal to the limit if
-/// all runs have the same.
+/// Returns the latest censoring time that enough runs reached under observation. Equal to the limit
+/// if all runs have the same limit.
 ///
 /// Returns `None` if enough runs were observed to completion.
 fn horizon(runs: &[Observation]) -> Option<f64> {

@@ -1,7 +1,7 @@
 //! Significance of the difference of two programs: Student's t test on comparable means.
 //!
-//! There is one estimate and one test. If times are censored, both means are restricted to the last
-//! time up to which both samples are observed. Each run counts with its contribution to the mean
+//! There is one estimate and one test. If times are censored, both means are restricted to the time
+//! range that both samples cover. Each run counts with its contribution to the mean
 //! ([`super::KaplanMeier::contributions`]), which is its time if all are known. Estimate, interval
 //! and p are thus consistent, and do not change abruptly with the first censored run.
 use serde::Serialize;
@@ -24,8 +24,8 @@ pub const POWER: f64 = 0.8;
 pub struct Difference {
     /// Test that gave `p`.
     pub test: Test,
-    /// Upper limit of the times that count, the last up to which both samples are observed. `None`
-    /// if all are known.
+    /// Upper limit of the times that count: the end of the time range that both samples cover.
+    /// `None` if all times are known.
     pub horizon: Option<f64>,
     /// Mean of the first sample minus that of the second, in the unit of the times.
     pub difference: f64,

@@ -27,9 +27,9 @@ struct MeanEstimate {
 /// Compares the means of two samples as a ratio. Returns `None` without times, or if the second
 /// mean is 0.
 ///
-/// The interval follows from the logarithm of the ratio by the delta method, with the degrees of
-/// freedom of Welch and Satterthwaite. With censoring, both means are restricted to the last time
-/// up to which both are known.
+/// The interval follows from the logarithm of the ratio by the delta method. It has the degrees of
+/// freedom of Welch and Satterthwaite. With censoring, both means are restricted to the time range
+/// that both samples cover.
 pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relative> {
     let both = comparable(first, second)?;
     let [a, b] = both.values;

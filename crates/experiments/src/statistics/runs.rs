@@ -51,7 +51,7 @@ pub(super) struct Comparable {
 /// Returns values whose means are the restricted means of both samples. Returns `None` if a sample
 /// is empty.
 ///
-/// The horizon is the last time up to which both curves are known. If some runs never complete, it
+/// The horizon is the end of the time range with both curves known. If some runs never complete, it
 /// is at most the last observed time of both samples.
 pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Option<Comparable> {
     let curves = [KaplanMeier::new(first)?, KaplanMeier::new(second)?];

@@ -23,7 +23,7 @@ use super::{Observation, Status};
 pub struct KaplanMeier {
     steps: Vec<SurvivalStep>,
     last: f64,
-    /// Last time up to which the curve is known.
+    /// End of the known part of the curve.
     reach: f64,
 }
 
@@ -144,7 +144,7 @@ impl KaplanMeier {
         self.quantile(0.5)
     }
 
-    /// Returns the time at which a share of the runs has completed. Returns `None` if the estimate
+    /// Returns the time when a share of the runs has completed. Returns `None` if the estimate
     /// stays below this share.
     ///
     /// If the estimate equals the share between two completions, the result is the midpoint of the
@@ -239,9 +239,9 @@ impl KaplanMeier {
         if known.is_finite() { known } else { self.last }
     }
 
-    /// Returns the last time \[time\] up to which the curve is known, infinite without censoring.
-    /// If the last run completed and others were censored, the curve ends at 0. The remaining times
-    /// of the censored runs are then unknown.
+    /// Returns the end of the known part of the curve, infinite without censoring. If the last run
+    /// completed and others were censored, the curve ends at 0. The remaining times of the censored
+    /// runs are then unknown.
     pub fn reach(&self) -> f64 {
         self.reach
     }

@@ -172,7 +172,7 @@ fn by(program: &Program) -> String {
     } else {
         let (usual, most) = GUESS_ERROR;
         format!(
-            "a first guess of rates (off by a factor of {usual}, at most {most} where it was measured)"
+            "an uncalibrated estimate of rates (off by a factor of {usual}, at most {most} in tests)"
         )
     }
 }

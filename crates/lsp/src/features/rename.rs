@@ -20,7 +20,7 @@ use crate::workspace::documents::Documents;
 /// If there is nothing to rename, or the program does not define the name.
 pub fn renameable(analysis: &Analysis, at: usize) -> Result<SourceLocation, RequestFailure> {
     let Some(name) = analysis.name_at(at) else {
-        return Err(RequestFailure::request_failed("there is no name here"));
+        return Err(RequestFailure::request_failed("no name at this position"));
     };
     let names = &analysis.names;
     let declared = names

@@ -37,7 +37,7 @@ pub(crate) enum SegmentKind {
     Reports,
 }
 
-/// Ticks at which an event of a run became possible and happened.
+/// Ticks when an event of a run became possible and happened.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct EventTiming {
     /// Tick of the magnetization of the face, or of the request for the release. `None` means never.

@@ -84,8 +84,8 @@ impl Events {
     }
 }
 
-/// Returns a topological order in which each event directly follows its last dependency if
-/// possible. This keeps chains together.
+/// Returns a topological order with each event directly after its last dependency if possible. This
+/// keeps chains together.
 ///
 /// Otherwise the order is that of the indices. Both keep events of one phase together.
 fn side_by_side(graph: &EventGraph) -> Vec<u32> {

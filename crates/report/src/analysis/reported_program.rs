@@ -264,7 +264,7 @@ impl<'a> ReportedProgram<'a> {
         Ok(())
     }
 
-    /// Adds the times at which the largest group reached each size. Failed runs add nothing.
+    /// Adds the times when the largest group reached each size. Failed runs add nothing.
     fn add_sizes(&mut self, record: &RunRecord) {
         let Some(status) = completion_status(&record.outcome) else {
             return;

@@ -1,4 +1,4 @@
-//! HTML in which foreign text is always escaped.
+//! Writes HTML and escapes all foreign text.
 use std::fmt::Write as _;
 
 use stochc_text::escaped;

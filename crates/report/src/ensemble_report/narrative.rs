@@ -114,7 +114,7 @@ pub(super) fn lead(of: &NarrativeContext, run: &FinishedRun) -> Option<String> {
     (share >= 0.25).then(|| format!("{told} alone took {} of it.", whole_percent(share)))
 }
 
-/// Returns the times at which the largest group of an aggregate reached each size, as list items.
+/// Returns the times when the largest group of an aggregate reached each size, as list items.
 pub(super) fn sizes(of: &NarrativeContext, run: &FinishedRun) -> Vec<String> {
     let mut tick: u64 = 0;
     let phases = of.program.phases().iter().zip(&run.record.phase_ticks);

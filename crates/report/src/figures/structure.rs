@@ -44,7 +44,7 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
         count => format!("phase {}: {count} blocks", phase.name),
     });
     let description = if corners.is_empty() {
-        "Chance decides what it looks like.".to_owned()
+        "The structure grows at random.".to_owned()
     } else {
         format!(
             "At the end of {}.",

@@ -142,7 +142,7 @@ fn thinned(estimate: &KaplanMeier, x: &Scale) -> Vec<SurvivalPoint> {
     kept
 }
 
-/// Returns the index of the third of a unit in which a time is drawn.
+/// Returns the position of a time in thirds of a drawing unit.
 fn column(x: &Scale, time: f64) -> i64 {
     (3.0 * x.at(time)) as i64
 }

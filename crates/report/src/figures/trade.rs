@@ -66,7 +66,7 @@ pub fn trade(medium: Medium, trade: &Trade) -> Drawing {
     let names: Vec<&str> = trade.programs.iter().map(|p| p.name.as_str()).collect();
     let title = format!("What accuracy costs: {}", names.join(", "));
     let below = match trade.reference.as_ref().zip(trade.reference_candidate()) {
-        None => "nothing to hold it against".to_owned(),
+        None => "no reference".to_owned(),
         Some((reference, candidate)) => {
             let known = match reference.convergence {
                 Convergence::Converged => format!("converged within {}", percent(CLOSE)),

@@ -110,7 +110,7 @@ pub(crate) fn waits(
     }
     if waits.len() > shown.len() {
         let note = format!(
-            "{} of {} captures: those that decided most",
+            "{} of {} captures, with the largest shares",
             shown.len(),
             waits.len()
         );

@@ -173,8 +173,8 @@ pub(super) fn mean(time: Option<&Time>, tick: Tick) -> String {
     })
 }
 
-/// Returns a mean with its half-width in ticks followed by `beside`, after `≥` if it is a lower
-/// bound.
+/// Returns a mean with its half-width in ticks, then the text `beside`. A lower bound starts with
+/// `≥`.
 pub(super) fn in_ticks(time: &Time, beside: &str) -> String {
     let half_width = time.half_width.map(|half| format!(" ± {}", ticks(half)));
     let text = ticks(time.mean) + &half_width.unwrap_or_default() + beside;

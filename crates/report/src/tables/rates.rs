@@ -105,7 +105,7 @@ fn examples(rates: &Rates) -> TextTable {
             Box::new(tower(0, 4)),
         ),
         (
-            "the top of a tower of 2 beside one of 4",
+            "the top of a tower of 2 next to one of 4",
             at(0, 3),
             Face::Up,
             { Box::new(move |cell| tower(0, 2)(cell) || tower(1, 4)(cell)) },

@@ -18,8 +18,8 @@ pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
     text
 }
 
-/// Returns the table with times in the unit of the sweep. With `beside`, ticks are followed by
-/// seconds.
+/// Returns the table with times in the unit of the sweep. If `beside` is set, seconds follow the
+/// ticks.
 pub(super) fn sweep_rows(sweep: &Sweep, beside: bool) -> TextTable {
     let tick = |point: &SweepPoint| sweep.tick(point).filter(|_| beside);
     let time = |point: &SweepPoint, value: f64| match tick(point) {

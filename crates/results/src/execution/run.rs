@@ -119,9 +119,7 @@ pub fn run(
         Destination::Memory(manifest) => {
             let all = Mutex::new(Vec::new());
             let keep = |done| {
-                all.lock()
-                    .expect("nobody panics while it is held")
-                    .push(done);
+                all.lock().expect("no code panics with the lock").push(done);
                 Ok::<(), Infallible>(())
             };
             let pending = PendingRuns::all(manifest, 0..manifest.total(), None);

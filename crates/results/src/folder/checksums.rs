@@ -100,9 +100,7 @@ impl FolderChecksums {
                 if format!("{:08x}", sum.crc32) != entry.crc32
                     || !grows && length > entry.bytes =>
             {
-                Some(format!(
-                    "`{shown}` is not what was written: its checksum differs"
-                ))
+                Some(format!("`{shown}` was changed: its checksum differs"))
             }
             Ok(_) => None,
         }

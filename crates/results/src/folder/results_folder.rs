@@ -1,4 +1,4 @@
-//! The folder of an ensemble: who may write to it, and what it holds already.
+//! The results folder of an ensemble: its files, and exclusive access to it.
 //!
 //! | file | what |
 //! |---|---|

@@ -23,7 +23,7 @@ impl<'m> RecordValidator<'m> {
     /// Returns why a record is not of a run of the manifest. `None` means it may be.
     pub fn inconsistency(&self, number: usize, record: &RunRecord) -> Option<String> {
         let Some(program) = self.manifest.programs.get(number) else {
-            return Some(format!("there is no program {number}"));
+            return Some(format!("program {number} does not exist"));
         };
         if record.run >= self.manifest.runs {
             return Some(self.manifest.no_such_run(record.run));

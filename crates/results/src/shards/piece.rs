@@ -332,7 +332,7 @@ pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<PieceFile,
     let found = match journal::read_header(file) {
         Ok(Some(found)) => found,
         Ok(None) => {
-            let what = "is damaged: its first line is not what was written";
+            let what = "is damaged: its first line was changed";
             return Ok(PieceFile::Damaged(what.to_owned()));
         }
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(PieceFile::Nothing),

@@ -175,7 +175,7 @@ fn what_cannot_be_is_told_and_left_out() {
             "beyond `--max-ticks` (1000)",
         ),
         ("\"docked\":", "\"docked\":9999", "after its end"),
-        ("\"program\":0", "\"program\":2", "there is no program 2"),
+        ("\"program\":0", "\"program\":2", "program 2 does not exist"),
         ("\"run\":0", "\"run\":4", "run 4 is not among runs 0..3"),
         ("\"child\":1", "\"child\":7", "no such role"),
         ("\"phase\":0", "\"phase\":7", "no such phase"),

@@ -31,8 +31,8 @@ pub struct ShuffleWorld {
     lattice: LatticeStructure,
     /// Accessible open faces, six numbers per seat.
     open: RankedSet,
-    /// Accessible faces that are off: those of the plate, and those of blocks above it. Only used
-    /// for stray captures.
+    /// Accessible faces that are off, of the plate and of blocks above it. Used only for stray
+    /// captures.
     exposed: [ExposedFaces; 2],
 }
 

@@ -149,7 +149,7 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
             .limited(
                 |_| 0.1,
                 |steps| carried / steps,
-                "blocks run deeply into what stands before a contact turns them away",
+                "blocks overlap deeply before a contact repels them",
             ),
         );
     }
@@ -431,7 +431,7 @@ fn settling(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
             settling.height / radius,
         ));
     }
-    let meaning = "mean height of all blocks above where they settle, in sides";
+    let meaning = "mean height of all blocks above their resting place, in block lengths";
     out.push(DimensionlessGroup::new(
         "⟨z⟩ / a",
         meaning,
@@ -439,7 +439,7 @@ fn settling(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
     ));
     out.push(DimensionlessGroup::new(
         "n(a) / n",
-        "part of the blocks that is kept a side or more from where they settle",
+        "share of blocks a block length or more above their resting place",
         settling.above(scene.block.side),
     ));
 }

@@ -23,11 +23,11 @@ struct Words {
 const CONTACT: Words = Words {
     symbols: ["F / (k a), contact", "v √(m/k) / a, contact"],
     meanings: [
-        "block lengths that weight and drag press a block into what it lies on",
+        "block lengths that weight and drag press a block into its support",
         "block lengths that a block at the speed v goes into what it meets",
     ],
     beyond: [
-        "blocks at rest overlap what they lie on, or sink through it",
+        "blocks at rest overlap their support, or sink through it",
         "blocks pass through each other, the structure and the floor",
     ],
     remedy: "give `contact` a larger `stiffness`",

@@ -17,7 +17,7 @@ pub(super) fn maps(parts: &Parts, index: usize, out: &mut Html, drawings: &mut V
     let Some(maps) = &parts.maps[index] else {
         return;
     };
-    out.heading(3, &format!("maps-of-{n}"), "Where blocks are");
+    out.heading(3, &format!("maps-of-{n}"), "Positions of blocks");
     let mut warn = |text: String| out.raw(&format!("<p class=\"warn\">{text}</p>\n"));
     for (run, reason) in maps.left_out.iter().take(TOLD) {
         let reason = name(reason);
@@ -90,7 +90,7 @@ fn near(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut Vec
             })
         });
     let columns: Vec<MapColumn> = columns.collect();
-    let title = format!("{label}: what is near the structure");
+    let title = format!("{label}: free blocks near the structure");
     let told = "Free blocks in each cell on average over time, and how often blocks enter the reach of a \
                 face that waits, at the cell that it fills.";
     let file = format!("near-{n}");

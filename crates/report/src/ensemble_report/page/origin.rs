@@ -13,7 +13,7 @@ use crate::svg::Drawing;
 
 /// Adds the origin section with the commands to repeat the ensemble.
 pub(super) fn origin(parts: &Parts, out: &mut Html) {
-    out.heading(2, "origin", "What was run");
+    out.heading(2, "origin", "Programs and settings");
     for (folder, input) in parts.inputs.iter().enumerate() {
         let manifest = &input.manifest;
         out.raw(&format!("<h3>{}</h3>\n", name(&input.path)));

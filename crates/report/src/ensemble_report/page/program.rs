@@ -83,7 +83,7 @@ fn sizes(
         .collect();
     let title = format!("{}: runs without a group of each size yet", subject.label);
     let axis = subject.time_axis("time");
-    let without = PlotAxis::new("runs without a group of so many blocks yet", "%");
+    let without = PlotAxis::new("runs without a group of this size yet", "%");
     let file = format!("sizes-{n}");
     let figure = |medium| {
         picture::survival(
@@ -95,7 +95,7 @@ fn sizes(
             Colours::Phases,
         )
     };
-    let caption = "From the beginning of each run to the first group of so many blocks.";
+    let caption = "From the beginning of each run to its first group of each size.";
     show(parts, out, drawings, figure, caption, &["sizes.csv"]);
     let rows = curves.iter().enumerate().map(|(number, curve)| {
         let observed = subject.size_times(number);

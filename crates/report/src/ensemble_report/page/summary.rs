@@ -62,7 +62,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
     let left_out = parts.subjects.len() - parts.detailed().count();
     if left_out > 0 {
         items.push(format!(
-            "{left_out} points of sweeps are told together: <a href=\"#sweeps\">What was varied</a>."
+            "{left_out} points of sweeps are summarized together: <a href=\"#sweeps\">Sweeps</a>."
         ));
     }
     out.list("ul", &items);
@@ -77,13 +77,13 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         sections.push(("differences", "Differences".into()));
     }
     if !parts.sweeps.is_empty() {
-        sections.push(("sweeps", "What was varied".into()));
+        sections.push(("sweeps", "Sweeps".into()));
     }
     let ids: Vec<(String, String)> = (parts.detailed())
         .map(|(number, subject)| (format!("program-{}", number + 1), subject.label.clone()))
         .collect();
     sections.extend(ids.iter().map(|(id, label)| (id.as_str(), label.clone())));
-    sections.push(("origin", "What was run".into()));
+    sections.push(("origin", "Programs and settings".into()));
     sections.push(("methods", "How to read this, and data".into()));
     let links: Vec<String> = (sections.iter())
         .map(|(id, text)| format!("<a href=\"#{id}\">{}</a>", name(text)))

@@ -13,7 +13,7 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
     if parts.sweeps.is_empty() {
         return;
     }
-    out.heading(2, "sweeps", "What was varied");
+    out.heading(2, "sweeps", "Sweeps");
     for (i, sweep) in parts.sweeps.iter().enumerate() {
         out.paragraph(&differences(sweep));
         let prefix = format!("sweep-{}", i + 1);
@@ -46,10 +46,10 @@ fn differences(sweep: &Sweep) -> String {
     let programs: Vec<String> = sweep.programs().into_iter().map(name).collect();
     let differing = match programs.len() {
         1 => ", which",
-        _ => "; those of one program",
+        _ => "; runs of one program",
     };
     format!(
-        "These are runs of {}{differing} differ in nothing but {} of its scene.",
+        "These are runs of {}{differing} differ only in {} of its scene.",
         series(&programs, "and"),
         series(&numbers, "and"),
     )

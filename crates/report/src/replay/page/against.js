@@ -1,4 +1,4 @@
-// A second run beside the first: one camera, and clocks that go together by tick or by phase.
+// Shows a second run next to the first. Both share the camera, and their clocks are synchronized by tick or by phase.
 
 class Against {
   /** `wake` is told that something moves, `select` the block that is clicked. */

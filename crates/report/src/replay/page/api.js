@@ -1,4 +1,4 @@
-// `window.replay`: the page, driven from outside (docs/guides/replay.md).
+// `window.replay`: an interface to control the page from outside (docs/guides/replay.md).
 
 function api({ about, recording, history, scene, painter, camera, player, fetch, draw, select, against }) {
   const show = async tick => {
@@ -70,7 +70,7 @@ function api({ about, recording, history, scene, painter, camera, player, fetch,
     },
     screen: body => scene.screen(centre(body)),
     pixel: (x, y) => {
-      // What was drawn is gone once it has been shown.
+      // The drawing buffer is lost after the picture has been shown.
       draw(performance.now());
       const scale = painter.canvas.width / painter.canvas.clientWidth;
       return painter.pixel(Math.round(x * scale), Math.round(y * scale));

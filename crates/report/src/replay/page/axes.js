@@ -1,4 +1,4 @@
-// What says where one looks and how large things are: the directions, and a length.
+// Axes that show the directions and a length.
 
 const DIRECTIONS = { E: NORMALS.east, N: NORMALS.north, up: NORMALS.up };
 
@@ -8,14 +8,14 @@ function drawAxes(sheet, camera, { width, height }, side, look, sharp) {
   // Narrow pages have lines of text below.
   const level = height - (width < 600 ? 80 : 26);
   const [x, y, long] = [width - 46, level - 48, 26];
-  // At the point that one looks at.
+  // At the point in the centre of the view.
   const scale = height / (2 * camera.distance * Math.tan(camera.angle / 2));
   const sides = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].findLast(sides => sides * scale <= 130) ?? 1;
   const [from, to] = [width - 16 - sides * scale, width - 16];
   const length = `${count(sides, 'side')} = ${metres(sides * side)}`;
   const font = '600 11px system-ui, sans-serif';
   pen.font = font;
-  // Arrows with their names reach so far, and a line of text so far from its middle.
+  // Lengths of the arrows with their names, and half the height of a line of text.
   const [reach, line] = [long + 9 + pen.measureText('up').width, 11];
   const first = Math.min(x - reach, from, to - pen.measureText(length).width);
   sheet.cover([[first - 2, y - reach - line, width, level + 11 + line]], { width, height }, sharp);
@@ -27,7 +27,7 @@ function drawAxes(sheet, camera, { width, height }, side, look, sharp) {
   pen.font = font;
   for (const [name, way] of Object.entries(DIRECTIONS)) {
     const [u, v] = [dot(way, right), -dot(way, up)];
-    // Those that point away are fainter.
+    // Axes that point away are fainter.
     pen.globalAlpha = dot(way, back) < -0.1 ? 0.55 : 1;
     pen.beginPath();
     pen.moveTo(x, y);

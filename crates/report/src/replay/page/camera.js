@@ -1,4 +1,4 @@
-// Where one looks from: drag turns, two fingers or the right button shift, wheel and pinch come closer.
+// The camera. Dragging turns it, two fingers or the right button move it, wheel and pinch change the distance.
 
 class Camera {
   /** Sees all of the structure, and some of the cloud. */
@@ -13,7 +13,7 @@ class Camera {
     }
     this.middle = [0, 0, high / 2];
     this.reach = 8 + 2.2 * Math.max(wide, high);
-    // Without a plate nothing grows: the shell is what there is to be seen.
+    // Without a plate no structure grows, so the camera shows the shell.
     if (!width && about.radius) {
       this.middle = [0, 0, about.lift];
       this.reach = 2.8 * about.radius;
@@ -37,7 +37,7 @@ class Camera {
   set view([azimuth, height, distance, ...at]) {
     this.azimuth = azimuth;
     this.height = height;
-    // Within the same limits as by hand.
+    // Uses the same limits as manual control.
     this.turn(0, 0);
     this.distance = distance;
     this.zoom(1);
@@ -139,7 +139,7 @@ function steer(element, camera, moved, clicked) {
   });
   const up = event => {
     if (!pointers.delete(event.pointerId)) return;
-    // A finger is never quite still.
+    // A finger never rests completely still.
     if (event.type === 'pointerup' && pointers.size === 0 && travelled < 6) clicked(place(event));
   };
   element.addEventListener('pointerup', up);

@@ -1,4 +1,4 @@
-// The order in which free blocks are drawn: from the far end, because they let light through.
+// Sorts free blocks from far to near for drawing, because they are transparent.
 
 const SHELLS = 2048;
 

@@ -1,4 +1,4 @@
-// What is shown instead of a blank page.
+// Shows an error instead of a blank page.
 
 /** Something about the recording or the browser that the reader can be told in words. */
 class Unreadable extends Error {}

@@ -1,4 +1,4 @@
-// The dependency graph beside the arena: what waits for what, lit up as it happens.
+// Draws the dependency graph next to the arena. Events light up when they happen.
 
 const SVG = 'http://www.w3.org/2000/svg';
 /** Between events [px]. */
@@ -25,7 +25,7 @@ class Graph {
       count.className = 'count';
       title.append(dot, `${number + 1} ${phase.name}`, count);
       section.append(title);
-      // Only the graph of a phase that is open is drawn.
+      // Draws only the graph of the open phase.
       section.addEventListener('toggle', () => {
         section.querySelector('svg')?.remove();
         if (section.open) section.append(this.picture(number));
@@ -45,7 +45,7 @@ class Graph {
       moved = false;
       for (const { id, after } of events) {
         for (const { event, enough } of after) {
-          // Another one may do as well, and this one even come later.
+          // Another event may satisfy the dependency, and this event may even come later.
           if (enough) continue;
           if (column.get(event) >= column.get(id)) {
             column.set(id, column.get(event) + 1);
@@ -98,7 +98,7 @@ class Graph {
       node.addEventListener('click', go);
       node.addEventListener('keydown', press => {
         if (press.key !== 'Enter' && press.key !== ' ') return;
-        // A space would scroll.
+        // The space bar would scroll the page.
         press.preventDefault();
         go();
       });

@@ -1,4 +1,4 @@
-// Free blocks that are bonded to each other: which groups there are, and how large.
+// Groups of bonded free blocks, with their sizes.
 
 /** Sizes from which a group has the next colour of the scale. */
 const SIZES = [2, 3, 5, 9, 17];
@@ -108,7 +108,7 @@ class Groups {
 
   /** The groups at a tick. */
   at(tick) {
-    // They change only at events.
+    // Groups change only at events.
     const step = lastAtOrBefore(this.ticks, tick);
     if (step !== this.known.step) {
       const partition = new Partition();

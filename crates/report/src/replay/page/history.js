@@ -1,4 +1,4 @@
-// What happened, as stretches of time: all that is shown at a tick depends on the tick alone.
+// Events of the run as intervals of time. The view at a tick depends only on the tick.
 
 const NORMALS = {
   east: [1, 0, 0], west: [-1, 0, 0], north: [0, 1, 0], south: [0, -1, 0], up: [0, 0, 1], down: [0, 0, -1],
@@ -73,7 +73,7 @@ class History {
         const [, , body, role] = row;
         const hold = this.holds[body].at(-1);
         if (hold) hold.to = tick;
-        // A block that goes takes along the faces that it had on.
+        // The open faces of a released block are switched off with it.
         for (const stretch of this.faces) if (stretch.body === body && stretch.to > tick) stretch.to = tick;
         const deed = this.turn(`release ${phase} ${this.roles[role]}`);
         if (deed !== undefined) this.deeds.set(deed, { from: tick, done: tick });

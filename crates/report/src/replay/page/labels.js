@@ -1,4 +1,4 @@
-// Names, and the axes, on sheets above the arena.
+// Draws names and axes on sheets above the arena.
 
 /** With more blocks than this in the structure, those in front are not looked for. */
 const MANY = 400;
@@ -21,7 +21,7 @@ class Labels {
    */
   draw(scene, view, { blocks, opaque, glass, moves }, look, scale) {
     const { width, height } = scene.painter;
-    // While the view and the structure are the same, so is what is on the sheets, which are not drawn anew for nothing.
+    // Skips drawing while the view and the structure stay the same.
     const around = `${view.join()} ${width} ${height} ${scale} ${look.ink}`;
     if (around !== this.around) drawAxes(this.axes, scene.camera, { width, height }, scene.about.scene.block.side, look, scale);
     const who = blocks.map(({ body }) => (body === null ? '' : `${body} ${scene.history.nameAt(body, scene.tick)}`));
@@ -37,7 +37,7 @@ class Labels {
       pen.font = name.font = `600 ${size}px system-ui, sans-serif`;
       name.half = [pen.measureText(name.text).width / 2 + 2, size / 2 + 2];
     }
-    // With room for the halo, and for letters that are higher than most.
+    // Leaves space for the halo, and for letters that are higher than most.
     const boxes = this.shown.map(({ x, y, half: [wide, high] }) => [x - wide - 2, y - 2 * high, x + wide + 2, y + 2 * high]);
     this.names.cover(boxes, { width, height }, scale);
     pen.textAlign = 'center';
@@ -72,7 +72,7 @@ function visible(scene, view, blocks, opaque, eye) {
   const shown = [];
   const named = scene.named ? blocks.filter(block => block.named) : [];
   for (const block of named) {
-    // Of a block of the plate only the upper side is seen.
+    // Only the upper side of a plate's block is visible.
     const middle = block.body < 0 ? add(block.centre, [0, 0, 0.5]) : block.centre;
     const at = scene.screen(middle, view);
     if (!at || at.scale < 13 || (named.length <= MANY && hidden(middle, block, opaque, eye))) continue;
@@ -84,7 +84,7 @@ function visible(scene, view, blocks, opaque, eye) {
 /** Whether one of the others is in front of a block, on the way to its middle. */
 function hidden(middle, block, others, eye) {
   const direction = unit(minus(middle, eye));
-  // Blocks that touch overlap a little.
+  // Touching blocks overlap slightly.
   const surface = meets(eye, direction, block.centre, block.turn) - 0.02;
   return others.some(other => other !== block && meets(eye, direction, other.centre, other.turn) < surface);
 }

@@ -1,4 +1,4 @@
-// The address of the page: the tick, the chosen block, where one looks from, and whether there are controls.
+// Stores tick, selected block, view and controls in the address of the page.
 
 /** What the address asks for; `null`: nothing. */
 function readLink() {
@@ -24,6 +24,6 @@ function writeLink({ tick, body, view, embedded }) {
   try {
     window.history.replaceState(null, '', hash);
   } catch {
-    // Some browsers do not let a file change its own address.
+    // Some browsers do not let a local file change its address.
   }
 }

@@ -43,7 +43,7 @@ function product(a, b) {
 
 /** How far along a ray a cube of side 1 is met; Infinity: it is not. */
 function meets(origin, direction, centre, turn) {
-  // Most are far from the ray: half of a cube's diagonal is 0.87.
+  // Most blocks are far from the ray. Half of a cube's diagonal is 0.87.
   const way = minus(centre, origin);
   const along = dot(way, direction);
   if (along < -0.9 || dot(way, way) - along * along > 0.76) return Infinity;

@@ -1,4 +1,4 @@
-// The whole arena, small and from above: where the structure and the free blocks are, and from where one looks.
+// Small view of the whole arena from above: structure, free blocks and camera.
 
 /** Free blocks that are drawn, at most. */
 const DOTS = 2000;
@@ -6,7 +6,7 @@ const DOTS = 2000;
 class Overview {
   constructor(canvas) {
     this.canvas = canvas;
-    // Drawn without the graphics processor, which may be none.
+    // Drawn without the graphics processor, which may be missing.
     this.pen = canvas.getContext('2d', { willReadFrequently: true });
   }
 
@@ -18,9 +18,9 @@ class Overview {
     const size = canvas.clientWidth;
     if (!size) return;
     const wide = Math.round(size * scale);
-    // To set it again would make the sheet anew.
+    // Setting the size again would clear the canvas.
     if (canvas.width !== wide) canvas.width = canvas.height = wide;
-    // Without a shell, all that there was at first.
+    // Without a shell, shows the initial extent of the blocks.
     this.reach ??= scene.radius || places.reduce((most, place, i) => (i % 7 < 2 ? Math.max(most, Math.abs(place)) : most), 4);
     const half = size / 2;
     const unit = (half - 12) / this.reach;
@@ -46,7 +46,7 @@ class Overview {
       pen.fillStyle = colour;
       spot(centre, Math.max(2, unit));
     }
-    // The eye, or the way to it, and the point that it looks at.
+    // The camera, or the direction to it, and its centre of view.
     const [x, y] = times(camera.eye, unit);
     const inside = Math.min(1, (half - 4) / (Math.hypot(x, y) || 1));
     pen.strokeStyle = pen.fillStyle = look.ink;

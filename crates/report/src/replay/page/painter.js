@@ -14,9 +14,9 @@ class Painter {
     this.gl = gl;
     this.canvas = canvas;
     this.lost = false;
-    // A graphics processor has corners to spare, and smooths the edges of cubes only.
+    // A graphics processor is fast enough for many corners, and smooths only the edges of cubes.
     this.small = slow && gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1] >= 4 * SMALL ? SMALL : 0;
-    // A browser takes the graphics away when the machine sleeps, or too many pages want them, and gives them back empty.
+    // A browser drops the graphics context in standby or if too many pages use one. It returns an empty context.
     canvas.addEventListener('webglcontextlost', event => {
       event.preventDefault();
       this.lost = true;
@@ -26,7 +26,7 @@ class Painter {
       this.prepare();
       restored();
     });
-    // To ask for it at every picture would have the page laid out every time.
+    // Reading this value for every picture would force a layout of the page.
     this.width = canvas.clientWidth;
     this.height = canvas.clientHeight;
     new ResizeObserver(() => {
@@ -68,7 +68,7 @@ class Painter {
     this.camera = camera;
     const { gl } = this;
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
-    // Without this, the depths of the last picture would stay.
+    // Otherwise the depths of the last picture would remain.
     gl.depthMask(true);
     gl.clearColor(...rgb(background), 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
@@ -181,7 +181,7 @@ function program(gl, corners, paint) {
   if (!gl.getProgramParameter(made, gl.LINK_STATUS)) {
     throw new Unreadable(`The graphics of this browser refuse to draw: ${gl.getProgramInfoLog(made)}`);
   }
-  // To ask for their places at every picture would take longer than to set them.
+  // Looking up the locations for every picture would take longer than setting them.
   const places = {};
   for (let i = 0; i < gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS); i++) {
     const { name } = gl.getActiveUniform(made, i);

@@ -1,4 +1,4 @@
-// What is known of one block: its name, its history, and its event table.
+// Shows the name, the history and the event table of one block.
 
 class Panel {
   constructor(element, history, jump) {
@@ -12,7 +12,7 @@ class Panel {
   show(body, tick, scene) {
     const { history } = this;
     const role = body === null ? null : this.roleAt(body, tick);
-    // It changes only at events.
+    // The panel changes only at events.
     const beyond = body === null || body < 0 ? [] : scene.beyond(body);
     const key = `${body} ${role} ${lastAtOrBefore(history.steps, tick)} ${beyond.join()}`;
     if (key === this.key) return;

@@ -1,4 +1,4 @@
-// Pictures and films of the arena, of any size.
+// Saves pictures and films of the arena in any size.
 
 /** The arena with its names, on a sheet of some width and height [px]; `sheet` may be one that was used before. */
 function painted(scene, width, height, sheet = new OffscreenCanvas(width, height)) {
@@ -9,7 +9,7 @@ function painted(scene, width, height, sheet = new OffscreenCanvas(width, height
   if (!sizes.every(size => Number.isInteger(size) && size > 0)) throw new Unreadable('A picture has a width and a height in whole pixels.');
   if (sizes.some(size => size > most)) throw new Unreadable(`The graphics of this browser draw ${most} x ${most} pixels at most.`);
   const shown = [painter.width, painter.height];
-  // As high as the arena is on the page, in its units, so that letters and lines have the same share of the picture.
+  // Uses the height of the arena on the page as unit, so that letters and lines keep their relative size.
   const scale = height / painter.height;
   [painter.width, painter.height] = [width / scale, height / scale];
   try {
@@ -43,7 +43,7 @@ async function film(scene, { from, to, width, height, speed, secondsPerTick, at 
   const parts = [];
   recorder.addEventListener('dataavailable', ({ data }) => parts.push(data));
   const stopped = new Promise(stop => recorder.addEventListener('stop', stop));
-  // Now and then it hands over what it has.
+  // The recorder returns its data at intervals.
   recorder.start(100);
   const begun = performance.now();
   for (let tick = from; tick < to; ) {
@@ -52,7 +52,7 @@ async function film(scene, { from, to, width, height, speed, secondsPerTick, at 
     await at(tick);
     painted(scene, width, height, sheet);
   }
-  // On a busy machine it may not have seen any picture yet; without one, there is no film.
+  // On a busy machine there may be no picture yet. Without pictures there is no film.
   for (let wait = 0; wait < 300 && !parts.some(({ size }) => size > 0); wait++) {
     painted(scene, width, height, sheet);
     await new Promise(passed => setTimeout(passed, 50));

@@ -14,7 +14,7 @@ class Player {
     this.changed = changed;
     this.tick = 0;
     this.playing = false;
-    // The whole run in about a minute and a half.
+    // Plays the whole run in about a minute and a half.
     this.speed = nearest((history.end * secondsPerTick) / 90);
     this.last = null;
   }
@@ -61,7 +61,7 @@ class Player {
   /** Time passes, if `ready` is: what is to be seen has been unpacked. */
   pass(now, ready) {
     if (!this.playing) return;
-    // After a pause of the browser's own, nothing is skipped.
+    // After a pause of the browser, the replay continues without skipping.
     const seconds = this.last === null ? 0 : Math.min(0.1, (now - this.last) / 1000);
     this.last = now;
     if (!ready) return;
@@ -90,7 +90,7 @@ function keys(player, does) {
   };
   addEventListener('keydown', event => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    // What has the focus has its own use for some keys, the slider for none.
+    // The focused element uses some keys itself, except the slider.
     if (event.target.matches('select, input:not([type=range])')) return;
     if (event.key === ' ' && event.target.matches('button, summary, [role=button]')) return;
     const act = actions[event.key];

@@ -1,4 +1,4 @@
-// The text of the program: what is under way is lit, and what has happened has the colour of its phase.
+// Shows the source of the program. Running events are highlighted, finished ones have the colour of their phase.
 
 class ProgramText {
   /** `jump` is told the tick of a statement that the reader picks. */

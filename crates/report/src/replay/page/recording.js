@@ -100,7 +100,7 @@ class Recording {
     const entry = this.cache.get(chunk);
     if (!entry) this.unpack(chunk);
     else {
-      // Used last, thrown away last.
+      // Marks the chunk as most recently used.
       this.cache.delete(chunk);
       this.cache.set(chunk, entry);
     }

@@ -1,4 +1,4 @@
-// The part of the page that saves pictures and films.
+// Controls to save pictures and films.
 
 /** `replay` gives `window.replay`, once there is one. */
 function save(about, recording, player, replay) {

@@ -1,4 +1,4 @@
-// What is to be seen at a tick, and drawing it.
+// Computes and draws the view at a tick.
 
 /** From how far on a block is said to be in the floor, and, by its centre, outside of the shell [side]. */
 const [SUNK, OUT] = [0.05, -0.5];
@@ -7,7 +7,7 @@ class Scene {
   constructor(about, recording, history, painter, labels, camera) {
     Object.assign(this, { about, recording, history, painter, labels, camera });
     const { width, depth } = about.tables.plate;
-    // The centre of cell (0, 0, 0): the origin is the centre of the plate's upper side.
+    // The centre of cell (0, 0, 0). The origin is the centre of the plate's upper side.
     this.corner = [-(width - 1) / 2, -(depth - 1) / 2, -0.5];
     this.seeds = about.tables.blocks.flatMap((block, role) => (block.seed ? [{ body: -1 - role, cell: block.seed }] : []));
     const seeded = new Set(this.seeds.map(({ cell }) => cell.join()));
@@ -46,7 +46,7 @@ class Scene {
   /** How far a free block reaches into the floor, and its centre out of the shell [side]; negative: it does not. */
   depths(body) {
     const [px, py, pz, x, y, z, w] = this.places.subarray(7 * body, 7 * body + 7);
-    // How far it reaches from its centre along the vertical.
+    // Vertical distance from the block's centre to its farthest point.
     const reach = Math.abs(x * z - w * y) + Math.abs(y * z + w * x) + Math.abs(0.5 - x * x - y * y);
     return this.radius ? { sunk: reach - pz, out: Math.hypot(px, py, pz - this.lift) - this.radius } : { sunk: -1, out: -1 };
   }
@@ -163,7 +163,7 @@ class Scene {
       const middle = add(this.place(body).centre, times(normal, 0.5));
       centres.set(`${body} ${face}`, middle);
       shapes.square(add(middle, times(normal, 0.012)), normal, 0.46, [...red, 1]);
-      // A glow around it, and above.
+      // Draws a glow around and above the block.
       shapes.square(add(middle, times(normal, 0.02)), normal, 0.95, [...red, 0.65], [...red, 0]);
       const [u, v] = sides(normal);
       for (const [a, b] of [[u, v], [v, u]]) {
@@ -192,7 +192,7 @@ class Scene {
       for (const cell of this.target) if (!taken.has(cell.join())) sketch.box(this.centre(cell), 0.46, [...rgb(look.ink), 0.28]);
       return sketch;
     };
-    // It changes only at events.
+    // The structure changes only at events.
     const step = lastAtOrBefore(this.history.steps, this.tick);
     this.painter.drawSketch(edges, { lines: true, name: 'target', of: `${themeName()} ${step}` });
   }

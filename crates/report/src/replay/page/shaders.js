@@ -1,4 +1,4 @@
-// What the graphics processor does.
+// Programs of the graphics processor.
 
 /** How bright a face is, by its direction. */
 const LIGHT = `
@@ -23,7 +23,7 @@ void dress(vec4 paint, float marked, float light, float near) {
   rim = vec4(marked > 1.5 ? pulledColour : ownRim ? markColour : base.rgb * edgeShade, paint.a);
   within = ownRim ? 0.84 : 0.91;
   if (paint.a < 1.0) {
-    // What lets light through does not stand in the way, and is fainter far off.
+    // Transparent blocks do not hide others, and are fainter at a distance.
     base.a *= smoothstep(3.0, 12.0, near) * mix(1.0, 0.45, smoothstep(15.0, 50.0, near));
     rim.a = 1.4 * base.a;
   }
@@ -53,7 +53,7 @@ vec3 turned(vec3 v) {
   return v + 2.0 * cross(turn.xyz, cross(turn.xyz, v) + turn.w * v);
 }
 void main() {
-  // The eye, in the block's own directions: of each pair of faces, it can see one at most.
+  // The camera in the block's own axes. It can see at most one face of each opposite pair.
   vec3 way = eye - centre;
   vec3 seen = way + 2.0 * cross(-turn.xyz, cross(-turn.xyz, way) + turn.w * way);
   vec3 side = vec3(seen.x < 0.0 ? -1.0 : 1.0, seen.y < 0.0 ? -1.0 : 1.0, seen.z < 0.0 ? -1.0 : 1.0);
@@ -98,7 +98,7 @@ vec3 turned(vec3 v, vec3 by) {
 }
 void main() {
   vec3 way = eye - centre;
-  // The eye, and the rays of the picture, in the block's own directions.
+  // The camera and the rays of the picture in the block's own axes.
   from = turned(way, -turn.xyz);
   vec3[3] own = vec3[3](turned(basis[0], -turn.xyz), turned(basis[1], -turn.xyz), turned(basis[2], -turn.xyz));
   right = own[0] * lens.x;
@@ -110,11 +110,11 @@ void main() {
     normal[axis] = side[axis];
     lights[axis] = lightOn(turned(normal, turn.xyz));
   }
-  // Each of its faces has a light of its own.
+  // Each face of a block has its own brightness.
   dress(colour, mark, 1.0, length(way));
   ownRim = mark > 0.5 ? 1.0 : 0.0;
   gl_Position = view * vec4(centre, 1.0);
-  // How far it reaches from its centre: to the right, up, and to the eye, which makes it larger.
+  // Extent of the block from its centre: to the right, up, and towards the camera, which enlarges it.
   vec3 reach = vec3(dot(abs(own[0]), vec3(0.5)), dot(abs(own[1]), vec3(0.5)), dot(abs(own[2]), vec3(0.5)));
   vec2 off = abs(gl_Position.xy / gl_Position.w) * lens;
   vec2 most = (reach.xy + off * reach.z) / (gl_Position.w - reach.z) / lens * pixels;
@@ -138,14 +138,14 @@ ${EDGE}
 void main() {
   vec2 at = gl_FragCoord.xy / pixels * 2.0 - 1.0;
   vec3 ray = ahead + right * at.x + up * at.y;
-  // Where the ray meets the planes of the faces that the eye can see: the last of them is the one, if it meets the block.
+  // Intersections of the ray with the visible faces' planes. The last one is on the block, if the ray meets it.
   vec3 side = vec3(from.x < 0.0 ? -1.0 : 1.0, from.y < 0.0 ? -1.0 : 1.0, from.z < 0.0 ? -1.0 : 1.0);
   vec3 far = (side * 0.5 - from) / ray;
   vec3 met = vec3(abs(from.x) > 0.5 ? far.x : -1.0, abs(from.y) > 0.5 ? far.y : -1.0, abs(from.z) > 0.5 ? far.z : -1.0);
   float most = max(met.x, max(met.y, met.z));
   vec3 a = abs(from + most * ray) * 2.0;
   float light = most == met.x ? lights.x : most == met.y ? lights.y : lights.z;
-  // On a face one of these is 1; at an edge the second is, too.
+  // On a face one of these is 1. At an edge two of them are 1.
   float highest = max(a.x, max(a.y, a.z));
   float edge = edgeAt(a.x + a.y + a.z - highest - min(a.x, min(a.y, a.z)));
   vec4 lit = vec4(light, light, light, 1.0);

@@ -1,4 +1,4 @@
-// Corners of what is drawn.
+// Vertices of the shapes to draw.
 
 /**
  * Three faces of a cube of side 1: those to the east, north and up, each of four corners with the
@@ -77,7 +77,7 @@ class Sketch {
 function ground(radius, colour) {
   const sketch = new Sketch();
   const at = i => [radius * Math.cos((Math.PI * i) / 64), radius * Math.sin((Math.PI * i) / 64), -0.02];
-  // A few wide triangles take less time than many narrow ones, where there is no graphics processor: each begins where two corners of the rim are joined.
+  // Few wide triangles are faster than many narrow ones without a graphics processor. Each joins two corners of the rim.
   const fill = (from, to) => {
     const middle = (from + to) / 2;
     for (const i of [from, middle, to]) sketch.point(at(i), colour);
@@ -90,7 +90,7 @@ function ground(radius, colour) {
 /** The shell, whose centre is `lift` over the ground, and rings on the ground every five sides, as lines. */
 function wires(radius, lift, rings, shell) {
   const sketch = new Sketch();
-  // Where the ground cuts the shell, as an angle below its middle.
+  // Angle below the shell's centre at its intersection with the ground.
   const low = Math.asin(lift / radius);
   for (let r = 5; r < radius * Math.cos(low); r += 5) sketch.ring(r, 0, rings);
   for (let part = Math.ceil((-8 * low) / Math.PI); part < 4; part++) {

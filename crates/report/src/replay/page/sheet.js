@@ -1,4 +1,4 @@
-// A transparent sheet above an arena, no larger than what is drawn on it: the browser blends each of its pixels into every picture.
+// A transparent sheet above an arena. It is as small as possible, because the browser blends all its pixels.
 
 /** Sheets grow and shrink by so many pixels, so that few changes make one anew. */
 const GRAIN = 64;
@@ -25,11 +25,11 @@ class Sheet {
     const most = (side, i) => side(...boxes.map(box => box[i]));
     const [left, right] = wide(most(Math.min, 0), most(Math.max, 2), width);
     const [top, bottom] = wide(most(Math.min, 1), most(Math.max, 3), height);
-    // An empty list is everywhere and nowhere.
+    // An empty list has no bounds.
     canvas.hidden = !boxes.length || right === left || bottom === top;
     if (canvas.hidden) return;
     Object.assign(this, { left, top });
-    // To set it again would make the sheet anew.
+    // Setting the size again would clear the canvas.
     if (canvas.width !== right - left) canvas.width = right - left;
     if (canvas.height !== bottom - top) canvas.height = bottom - top;
     const place = { left, top, width: right - left, height: bottom - top };

@@ -1,4 +1,4 @@
-// Which blocks the eye can see: those that are not are not drawn.
+// Selects the blocks that the camera can see. Only these are drawn.
 
 /** From the centre of a block to its corners [side]. */
 const CORNER = 0.87;
@@ -12,7 +12,7 @@ class Sight {
     this.far = far;
     const row = i => [view[i], view[4 + i], view[8 + i], view[12 + i]];
     const last = row(3);
-    // Left, right, below, above and too near, as planes: what is inside has a positive distance from each.
+    // Planes at the left, right, bottom, top and front. Visible points have a positive distance from each.
     const pairs = [[0, 1], [0, -1], [1, 1], [1, -1], [2, 1]];
     this.planes = pairs.map(([axis, sign]) => {
       const plane = row(axis).map((number, i) => last[i] + sign * number);

@@ -1,4 +1,4 @@
-// Puts the page together.
+// Assembles the page.
 
 const element = id => document.getElementById(id);
 
@@ -78,12 +78,12 @@ async function start() {
     program.show(scene.tick);
     timeline.draw();
     legend.show(scene.tick);
-    // It is small: nobody sees its dots move.
+    // The overview is too small to show the motion of its dots.
     if (!player.playing || now - state.surveyed > 500) {
       state.surveyed = now;
       overview.draw(scene);
     }
-    // Ten times a second is as fast as anybody reads.
+    // Ten updates per second are as fast as people can read.
     if (!player.playing || now - state.told > 100) {
       state.told = now;
       controls();

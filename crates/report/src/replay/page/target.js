@@ -1,4 +1,4 @@
-// The structure that the program builds.
+// The final structure of the program.
 
 /** The cells that are filled when all has happened as the program says. */
 function target(about) {
@@ -11,7 +11,7 @@ function target(about) {
   const cells = new Map();
   for (const { name, events } of about.graph.phases) {
     const goes = events.filter(({ kind }) => kind === 'release').map(({ block }) => block);
-    // Whoever stands is let go before its name is taken; who is not there yet is captured first.
+    // A block in the structure is released before its name is reused. Other blocks are captured first.
     const brief = goes.filter(block => !cells.has(block));
     for (const block of goes) cells.delete(block);
     for (const { parent, face, block } of events) {

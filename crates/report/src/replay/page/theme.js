@@ -1,4 +1,4 @@
-// Colours of what is drawn, from the palette that all of stochc has; those of the page around it are in style.css.
+// Colours of drawings, from the palette of stochc. The colours of the page are in style.css.
 
 /** `ghost`: how opaque a free block is; `edge`: how dark the edges of blocks are. */
 const THEMES = {

@@ -43,7 +43,7 @@ class Timeline {
       pen.globalAlpha = 1;
       pen.font = '11px system-ui, sans-serif';
       const room = at(to) - at(from) - 4;
-      // The number tells phases apart where there is no room for names.
+      // If there is no space for names, numbers distinguish the phases.
       const name = [`${phase + 1} ${history.phases[phase]}`, String(phase + 1)].find(name => pen.measureText(name).width < room);
       if (name) {
         pen.fillStyle = THEMES[themeName()].ink;
@@ -85,7 +85,7 @@ class Timeline {
       }
       pen.lineTo(at(this.history.end), level(before));
       pen.stroke();
-      // A piece of the line, and what it is.
+      // A segment of the line, and its label.
       pen.beginPath();
       pen.moveTo(x, 6);
       pen.lineTo(x + 18, 6);

@@ -1,4 +1,4 @@
-// The chain of events that decided how long the run took, told one after the other while the view moves to each.
+// A tour of the critical path: the view moves from event to event.
 
 /** Seconds of the reader's that a step takes: as long as it is read. */
 const reading = text => 2 + text.length / 18;
