@@ -24,7 +24,7 @@ const CONTACT: Words = Words {
     symbols: ["F / (k a), contact", "v √(m/k) / a, contact"],
     meanings: [
         "block lengths that weight and drag press a block into its support",
-        "block lengths that a block at the speed v goes into what it meets",
+        "block lengths that a block at the speed v penetrates other bodies",
     ],
     beyond: [
         "blocks at rest overlap their support, or sink through it",

@@ -255,7 +255,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
     .absent(NoTerm("nothing is ever captured")),
     braces!("messages" [field!(HOP), field!(LOSS).absent(NoTerm("no message is lost"))])
         .means("duration and loss of messages")
-        .absent(NoTerm("a message arrives in the tick in which it is sent"))
+        .absent(NoTerm("a message arrives in the tick of its sending"))
         .make(|s| s.messages = Some(Messages { hop: 0, loss: None }))
         .equations(&[&HOPS, &LOSSES]),
 ];

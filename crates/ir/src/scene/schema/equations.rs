@@ -120,7 +120,7 @@ macro_rules! equations {
 
 // Meaning; formula; symbols; condition on the scene.
 equations! {
-    TICKS "the clock: kicks fall, messages travel and times are told once a tick"
+    TICKS "the clock: kicks fall, messages travel and times advance once per tick"
         None; [N(&TICK)];
     CUBES "the blocks are cubes, their mass spread evenly"
         Some("I = m a² / 6 about every axis"); [N(&BLOCK_SIDE), N(&BLOCK_MASS), D(&INERTIA), N(&BLOCK_FACES)];
@@ -156,7 +156,7 @@ equations! {
         Some("v' = -γ v, by v *= exp(-γ dt) in each step"); [N(&DRAG_RATE)];
     RIGID "blocks, structure and floor do not overlap; they collide, and rub"
         Some("along the normal u -> -e u; across it at most μ times that impulse"); [N(&CONTACT_RESTITUTION), N(&CONTACT_FRICTION)];
-    COMPLIANT "blocks, structure and floor repel where they overlap by a depth d, and rub"
+    COMPLIANT "blocks, structure and floor repel if they overlap by a depth d, and rub"
         Some("f = max(0, k d + c d') along the normal, at the deepest point; across it at most μ f"); [N(&CONTACT_STIFFNESS), N(&CONTACT_DAMPING), N(&CONTACT_FRICTION)];
     PULLING "pulls the nearest face of every free block in reach of a magnetized face"
         Some("|f| = F on the centre of that face, towards the magnetized one's"); [N(&PULL), N(&PULL_WITHIN)];
