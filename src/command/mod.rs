@@ -18,6 +18,7 @@ pub(crate) mod interrupt;
 pub mod levels;
 pub mod lsp;
 pub mod man;
+mod narrative;
 pub mod new;
 mod new_file;
 pub mod plan;

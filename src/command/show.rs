@@ -8,10 +8,10 @@ use stochc_text::Markup;
 use stochc_text::counted;
 
 use super::host::Terminal;
+use super::narrative::show_runs;
 use super::presentation::PresentationOptions;
 use super::run_options::ResultsOptions;
 use super::terminal::{output_width, print, warn};
-use super::trace::show_runs;
 use crate::exit::{Exit, Failure};
 use crate::operations::results::{ensemble_results, read_contents};
 

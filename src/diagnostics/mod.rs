@@ -4,7 +4,7 @@ mod json;
 mod sarif;
 mod short;
 
-use stochc_compiler::{Checked, SourceLocation, Sources};
+use stochc_compiler::Checked;
 
 pub use graphical::DiagnosticCounts;
 pub use json::CheckDocument;
@@ -57,9 +57,4 @@ pub fn drawn_errors(checked: &Checked, colour: bool, width: usize) -> String {
     let mut tally = DiagnosticCounts::default();
     tally.add(checked);
     graphical::show_errors(checked, colour, width) + &tally.lines()
-}
-
-/// Returns the line and column of a byte of a file. Both count from 1; the column counts characters.
-fn position(sources: &Sources, location: SourceLocation, at: u32) -> (usize, usize) {
-    sources.file(location.file).position(at)
 }

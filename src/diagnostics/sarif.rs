@@ -11,8 +11,6 @@ use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, Label};
 use stochc_compiler::{Allowed, Checked, SourceLocation, Sources, without_dots};
 use stochc_files::address::address;
 
-use super::position;
-
 /// The schema that the document follows.
 const SCHEMA: &str =
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
@@ -176,8 +174,8 @@ impl SarifLog {
 
 /// Returns a region (section 3.30). The unit of its columns is declared by the run.
 fn region(sources: &Sources, location: SourceLocation) -> Value {
-    let (start_line, start_column) = position(sources, location, location.span.start);
-    let (end_line, end_column) = position(sources, location, location.span.end);
+    let (start_line, start_column) = sources.file(location.file).position(location.span.start);
+    let (end_line, end_column) = sources.file(location.file).position(location.span.end);
     json!({
         "startLine": start_line,
         "startColumn": start_column,

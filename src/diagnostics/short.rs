@@ -2,8 +2,6 @@
 use stochc_compiler::diagnostic::{Diagnostic, visible};
 use stochc_compiler::{Checked, Sources};
 
-use super::position;
-
 pub fn show(checked: &Checked) -> String {
     let lines = checked.diagnostics.iter();
     lines
@@ -23,7 +21,9 @@ pub fn warning_lines(checked: &Checked) -> String {
 fn line(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let severity = diagnostic.severity.name();
     let place = diagnostic.labels.first().map_or_else(String::new, |label| {
-        let (line, column) = position(sources, label.location, label.location.span.start);
+        let (line, column) = sources
+            .file(label.location.file)
+            .position(label.location.span.start);
         let name = stochc_text::visible(&sources.file(label.location.file).name);
         format!("{name}:{line}:{column}: ")
     });

@@ -1,7 +1,7 @@
 //! Aggregates: a phase for each size that a group of free blocks reaches.
 use stochc_grammar::tree::Aggregate;
 
-use super::Expander;
+use super::expander::Expander;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::PlanPhase;
 

@@ -3,7 +3,7 @@ use stochc_grammar::Span;
 use stochc_grammar::tree::{Argument, Expr, ExprKind, Instance, Name, Pattern, Place};
 use stochc_text::suggest::nearest;
 
-use super::Expander;
+use super::expander::Expander;
 use super::place::face_meant;
 use super::scope::BoundValue;
 use super::uses::Uses;

@@ -1,7 +1,7 @@
 //! Evaluates arithmetic expressions.
 use stochc_grammar::tree::{Expr, ExprKind, Name, Operator};
 
-use super::Expander;
+use super::expander::Expander;
 use super::scope::BoundValue;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::names::ValueKind;

@@ -2,7 +2,7 @@
 //! evaluated.
 use stochc_grammar::tree::{Item, ItemKind, Place};
 
-use super::Expander;
+use super::expander::Expander;
 
 impl Expander<'_, '_> {
     /// Records that the block or instance with this name may or may not exist.

@@ -3,8 +3,8 @@ use stochc_grammar::tree::{Place, Segment, Subscript};
 use stochc_ir::Face;
 use stochc_text::suggest::{Suggestion, nearest};
 
+use super::expander::{Expander, Pass};
 use super::scope::BoundValue;
-use super::{Expander, Pass};
 use crate::diagnostic::{self, Code, Diagnostic, Fix};
 use crate::expand::members::members;
 use crate::names::ValueKind;

@@ -4,7 +4,8 @@ use stochc_grammar::tree::{Expr, Item, ItemKind, Seat};
 use stochc_ir::Cell;
 use stochc_ir::table::{PLANTED, Plate};
 
-use super::{Expander, Pass, Seeding, duplicate};
+use super::duplicate;
+use super::expander::{Expander, Pass, Seeding};
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::{PlanPhase, PlanSeed};

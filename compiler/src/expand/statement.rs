@@ -5,8 +5,8 @@ use stochc_ir::Face;
 use stochc_ir::table::RoleId;
 use stochc_text::counted;
 
+use super::expander::{Expander, Pass};
 use super::scope::BoundValue;
-use super::{Expander, Pass};
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic, Fix, meant};
 use crate::plan::{AfterConstraint, EventId, EventKind, NameKey, PlanEvent};

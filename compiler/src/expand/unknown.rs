@@ -2,7 +2,7 @@
 use stochc_grammar::tree::{Item, ItemKind, Name};
 use stochc_grammar::{Span, Symbol};
 
-use super::Expander;
+use super::expander::Expander;
 use super::scope::BoundValue;
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic, meant, parameter_hint};

@@ -8,12 +8,15 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_estimate::{beside_gap, gap_entrances};
 use stochc_ir::Face;
 
+use super::analysis::ReachAnalysis;
 use super::descendants::{DescendantIndex, Descendants};
+use super::graph_paths::before;
 use super::moving_cube::MovingCube;
 use super::path_search::SearchOutcome;
-use super::{Cell, EventId, ReachAnalysis, before};
 use crate::dependencies::graph::LocatedDependency;
+use crate::plan::EventId;
 use crate::plan::EventKind;
+use stochc_ir::Cell;
 
 /// A capture whose block must enter through a one-block gap.
 pub struct NarrowCapture {

@@ -3,10 +3,10 @@ use std::borrow::Cow;
 
 use rustc_hash::FxHashSet;
 
-use super::EventId;
 use super::descendants::DescendantIndex;
 use super::reachable::Dismantled;
 use crate::dependencies::graph::DependencyGraph;
+use crate::plan::EventId;
 
 /// A phase with captures whose cells can be closed.
 pub struct ClosablePhase<'a> {

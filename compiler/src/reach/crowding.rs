@@ -3,7 +3,7 @@ use petgraph::graph::NodeIndex;
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
-use super::ReachAnalysis;
+use super::analysis::ReachAnalysis;
 use super::descendants::DescendantIndex;
 use crate::diagnostic::{Code, Diagnostic, report};
 use crate::plan::EventId;

@@ -7,7 +7,7 @@ use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 
-use super::SearchEffort;
+use super::effort::SearchEffort;
 use crate::dependencies::graph::DependencyGraph;
 use crate::plan::EventId;
 

@@ -2,15 +2,19 @@
 use stochc_ir::Face;
 use stochc_text::{counted, series};
 
+use super::analysis::ReachAnalysis;
 use super::closable_phase::ClosablePhase;
 use super::descendants::DescendantIndex;
 use super::edit::CaptureStatement;
+use super::graph_paths::{all_before, before};
 use super::occupancy::Has;
 use super::path_search::SearchOutcome;
+use super::picture;
+use super::proposal::Proposal;
 use super::sealed::BlockedCapture;
-use super::trial::Proposal;
-use super::{Cell, EventId, ReachAnalysis, all_before, before, picture};
 use crate::diagnostic::{Code, Diagnostic, Fix, report};
+use crate::plan::EventId;
+use stochc_ir::Cell;
 
 /// Largest number of blocks around a cell that are labelled.
 const MAX_WALLS: usize = 6;

@@ -3,8 +3,9 @@ use stochc_grammar::tree::{Chain, Expr, ExprKind, Item, ItemKind, Operator, Plac
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::table::RoleId;
 
-use super::{EventId, SoundProgram};
+use super::SoundProgram;
 use crate::diagnostic::Edit;
+use crate::plan::EventId;
 use crate::plan::{EventKind, NameKey};
 use crate::{FileId, SourceLocation};
 

@@ -12,7 +12,7 @@ use std::collections::hash_map::Entry;
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use super::SearchEffort;
+use super::effort::SearchEffort;
 use super::known_paths::KnownPaths;
 use super::moving_cube::MovingCube;
 use crate::plan::EventId;

@@ -1,6 +1,6 @@
 //! Draws one layer of the structure as text.
-use super::Cell;
 use crate::diagnostic::layer_picture::layer_picture;
+use stochc_ir::Cell;
 
 /// Cells shown to each side of the one in question.
 const REACH: i32 = 4;

@@ -1,13 +1,15 @@
 //! Captures that some order reaches, and such an order.
 use rustc_hash::FxHashSet;
 
+use super::analysis::ReachAnalysis;
 use super::descendants::DescendantIndex;
+use super::graph_paths::{after, all_before, before};
 use super::moving_cube::MovingCube;
 use super::occupancy::Has;
 use super::path_search::SearchOutcome;
-use super::{EventId, ReachAnalysis, after, all_before, before};
 use crate::dependencies::face_turns::is_ready;
 use crate::dependencies::graph::DependencyGraph;
+use crate::plan::EventId;
 
 /// Order that allows removing the blocks of a phase again, the last block first.
 ///

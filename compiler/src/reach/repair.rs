@@ -4,13 +4,15 @@ use std::collections::VecDeque;
 use rustc_hash::FxHashMap;
 use stochc_ir::Face;
 
+use super::analysis::ReachAnalysis;
 use super::closable_phase::ClosablePhase;
 use super::descendants::{DescendantIndex, Descendants};
 use super::moving_cube::MovingCube;
 use super::path_search::SearchOutcome;
 use super::reachable::Dismantled;
-use super::{Cell, EventId, ReachAnalysis};
 use crate::SourceLocation;
+use crate::plan::EventId;
+use stochc_ir::Cell;
 
 /// Largest number of cells in the search for a path out of one pocket.
 const FARTHEST: usize = 20_000;

@@ -1,11 +1,14 @@
 //! The worst case of every capture.
 use stochc_ir::Face;
 
+use super::analysis::ReachAnalysis;
 use super::descendants::DescendantIndex;
+use super::graph_paths::after;
 use super::moving_cube::MovingCube;
 use super::path_search::SearchOutcome;
-use super::{Cell, EventId, ReachAnalysis, after};
 use crate::dependencies::face_turns::is_ready;
+use crate::plan::EventId;
+use stochc_ir::Cell;
 
 /// A capture that may wait forever.
 pub struct BlockedCapture {

@@ -1,23 +1,12 @@
 //! Tries remedies as changes of the source.
+use super::analysis::ReachAnalysis;
 use super::closable_phase::ClosablePhase;
 use super::edit::CaptureStatement;
-use super::{EventId, ReachAnalysis, ReportedError};
+use super::proposal::{Proposal, ReportedError};
 use crate::SourceLocation;
 use crate::check::trial::OF_AN_EVENT;
 use crate::diagnostic::{Code, Fix};
-
-/// Checks the files with changes of the program's own file. Returns its errors, sorted and not
-/// merged. Returns `None` if the changes overlap.
-pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<ReportedError>> + 'a;
-
-/// Statements that must wait for a block.
-#[derive(Clone)]
-pub struct Proposal {
-    /// Statements as written, each with the name that it must wait for.
-    pub waits: Vec<(String, String)>,
-    /// The fix to try.
-    pub fix: Fix,
-}
+use crate::plan::EventId;
 
 /// A statement that must wait.
 #[derive(Clone)]

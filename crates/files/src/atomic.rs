@@ -13,7 +13,7 @@ use tempfile::NamedTempFile;
 
 use super::budget::PROGRAM;
 use super::disk::{self, Call, look};
-use super::{is_ordinary, open, open_own, read_file};
+use super::regular::{is_ordinary, no_link, open, open_own, read_file};
 
 /// Prefix of files in progress. A killed process may leave such a file.
 const PARTIAL: &str = ".stochc-partial-";
@@ -87,7 +87,7 @@ impl Draft {
     /// # Errors
     ///
     /// Errors of the file system.
-    pub fn written(&self) -> io::Result<super::File> {
+    pub fn written(&self) -> io::Result<disk::File> {
         if !self.file.buffer().is_empty() {
             return Err(io::Error::other("the file is not flushed"));
         }
@@ -187,7 +187,7 @@ pub fn replace_text(path: &Path, old: &[u8], new: &[u8]) -> io::Result<bool> {
 
 /// Overwrites a file in place if it has other names or another owner. Keeps a copy next to it in
 /// the meantime.
-fn write_over(mut target: super::File, path: &Path, old: &[u8], new: &[u8]) -> io::Result<()> {
+fn write_over(mut target: disk::File, path: &Path, old: &[u8], new: &[u8]) -> io::Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let suffix = format!("-{name}");
     let mut builder = tempfile::Builder::new();
@@ -255,18 +255,6 @@ fn replaced(target: &Path, replaces: Replaces) -> io::Result<Option<Permissions>
             io::ErrorKind::AlreadyExists,
             "a file of this name exists and was not written by stochc; remove it, or choose another name",
         ))
-    }
-}
-
-/// Rejects a link.
-pub(super) fn no_link(metadata: &fs::Metadata) -> io::Result<()> {
-    if metadata.is_symlink() {
-        Err(io::Error::new(
-            io::ErrorKind::InvalidInput,
-            "it is a symbolic link; remove the link, or name its target",
-        ))
-    } else {
-        Ok(())
     }
 }
 

@@ -8,21 +8,14 @@ use super::super::chosen_run::choose;
 use super::super::kept_text::KeptText;
 use super::super::programs::verdict;
 use super::super::results::read;
-use super::{NotPlanned, PlanOptions, placed, refused, target};
+use super::goal::placed;
+use super::not_planned::NotPlanned;
+use super::not_planned::refused;
+use super::options::{PlanOptions, RunEnd};
+use super::target;
 use crate::exit::Failure;
 use crate::host::Host;
 use stochc_planner::{Completion, ExistingStructure, Goal, NotCompleted};
-
-/// The end of a run. The rest is planned from here.
-#[derive(Clone, Copy, Debug)]
-pub struct RunEnd<'a> {
-    /// Number of the run, from 0.
-    pub run: u64,
-    /// Name of the program. `None` means the only one of the folder.
-    pub program: Option<&'a str>,
-    /// Names of blocks that are broken: they neither capture nor pass on messages.
-    pub dead: &'a [String],
-}
 
 /// Returns the part that is missing in a program.
 ///

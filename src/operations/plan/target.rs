@@ -11,7 +11,8 @@ use stochc_planner::{UnreadableVoxels, VoxelScene, layers, magica_voxel};
 use stochc_text::{counted, listed, visible};
 
 use super::super::programs::{is_readable, verdict};
-use super::{PlanOptions, refused};
+use super::PlanOptions;
+use super::not_planned::refused;
 use crate::exit::Failure;
 use crate::host::Host;
 use stochc_planner::Goal;

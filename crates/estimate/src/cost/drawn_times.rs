@@ -1,8 +1,7 @@
 //! Event times of a program in one random sample.
-use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
-use super::events::Step;
+use super::steps::Step;
 
 /// Marks an event that waited for no other event of its phase.
 pub const NOBODY: u32 = u32::MAX;
@@ -60,9 +59,4 @@ impl DrawnTimes {
         ) = start;
         start.0
     }
-}
-
-/// Returns a draw from the exponential distribution of mean 1.
-pub fn exponential(rng: &mut ChaCha8Rng) -> f64 {
-    -libm::log1p(-rng.random::<f64>())
 }

@@ -1,13 +1,11 @@
 //! Events of a program, their dependencies and the parents of their blocks.
-use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
-use stochc_ir::graph::{Dependency, Edge, EventGraph, EventId};
+use stochc_ir::graph::{Dependency, EventGraph, EventId};
 use stochc_ir::scene::Scene;
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face, JamRisk};
 
 use super::PhaseCost;
-use super::message_times::{MessageTimes, StepMessages};
 
 /// A program to estimate: the parts of its executable.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +30,7 @@ pub type NamedBlock = (RoleId, Block);
 pub struct Events<'a> {
     pub parts: ProgramParts<'a>,
     /// All events in topological order.
-    order: Vec<EventId>,
+    pub(super) order: Vec<EventId>,
     /// For each event, its level: the number of captures on the longest chain of its phase that
     /// ends there.
     levels: Vec<u32>,
@@ -123,26 +121,6 @@ impl<'a> Events<'a> {
         self.phases().map(shape).collect()
     }
 
-    /// Returns the events of each phase in topological order.
-    pub fn steps(&self) -> Vec<Vec<Step>> {
-        let graph = self.parts.graph;
-        let messages = MessageTimes::new(self);
-        let mut steps: Vec<Vec<Step>> = self.phases().map(|_| Vec::new()).collect();
-        for &id in &self.order {
-            let phase = graph.event(id).phase;
-            let needed = graph.waits_for(id).iter().filter(|edge| !edge.unneeded);
-            let needed: Vec<&Edge> = needed.collect();
-            // Pre-attached blocks need no messages.
-            let messages = messages.as_ref().filter(|_| !self.is_planted(phase));
-            steps[phase.0 as usize].push(Step {
-                event: id.0,
-                messages: messages.map(|it| Box::new(it.of_event(id, &needed))),
-                before: needed.iter().map(|edge| edge.first.0).collect(),
-            });
-        }
-        steps
-    }
-
     /// Returns the events of a phase in source order.
     pub fn of_phase(&self, phase: PhaseId) -> Vec<PhaseEvent> {
         let graph = self.parts.graph;
@@ -187,23 +165,6 @@ fn actors(ProgramParts { tables, graph, .. }: ProgramParts<'_>) -> Vec<NamedBloc
         }
     }
     actors
-}
-
-/// An event and its predecessors.
-pub struct Step {
-    pub event: u32,
-    /// Predecessors in the same phase.
-    pub before: Vec<u32>,
-    /// Messages that the event needs. `None` if messages take no time.
-    pub messages: Option<Box<StepMessages>>,
-}
-
-impl Step {
-    /// Draws the delay until the phase knows that this event was its last \[ticks\].
-    pub fn report(&self, rng: &mut ChaCha8Rng) -> f64 {
-        let messages = self.messages.as_ref();
-        messages.map_or(0.0, |it| it.report(rng))
-    }
 }
 
 /// An event with a known cell.

@@ -6,8 +6,8 @@ use stochc_ir::graph::{Dependency, Edge, EventId};
 use stochc_ir::scene::Messages;
 use stochc_ir::table::PhaseId;
 
-use super::drawn_times::exponential;
 use super::events::{Block, Events, NamedBlock};
+use super::exponential::exponential;
 
 /// Largest number of later captures that news to the top of a growing tower may wait for. Lower
 /// blocks are captured long before.

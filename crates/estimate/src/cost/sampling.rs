@@ -5,9 +5,11 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use stochc_ir::{Cell, Draw};
 
-use super::drawn_times::{DrawnTimes, NOBODY, exponential};
-use super::events::{Events, Step};
+use super::drawn_times::{DrawnTimes, NOBODY};
+use super::events::Events;
+use super::exponential::exponential;
 use super::scarcity::ScarceBlocks;
+use super::steps::Step;
 use super::timed_phase::TimedPhase;
 use super::waits::{CaptureWait, within};
 use crate::Times;

@@ -4,7 +4,8 @@
 //! in the order of time provides it ([`super::timed_phase`]).
 use stochc_ir::graph::EventId;
 
-use super::events::{Events, Step, taken};
+use super::events::{Events, taken};
+use super::steps::Step;
 use super::waits::CaptureWait;
 use crate::{Parameters, Rates, Wait};
 

@@ -10,9 +10,10 @@ use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
-use super::drawn_times::{DrawnTimes, exponential};
-use super::events::Step;
+use super::drawn_times::DrawnTimes;
+use super::exponential::exponential;
 use super::scarcity::ScarceBlocks;
+use super::steps::Step;
 use super::waits::CaptureWait;
 use crate::{ReleaseNearby, Wait};
 

@@ -5,6 +5,7 @@ use super::groups::{
     DRAG_SYMBOL, DimensionlessGroup, ExpectedRange, ResolutionLimit, Settling, carried, groups,
     speed, turn_in_steps,
 };
+pub use super::warning_kind::SceneWarningKind;
 use super::{Agitation, Bond, Scene, Substeps};
 
 /// Warning about a scene.
@@ -20,21 +21,6 @@ pub struct SceneWarning {
     pub effect: String,
     /// Remedy for the problem.
     pub remedy: String,
-}
-
-/// Kind of warning about a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SceneWarningKind {
-    /// Weight or lift keeps free blocks away from the structure.
-    BuoyantBlocks,
-    /// No agitation moves the free blocks.
-    NoAgitation,
-    /// The time step does not resolve the motion.
-    CoarseStep,
-    /// Contacts or the shell do not keep blocks out.
-    SoftContact,
-    /// A fluid without a density has too little drag at the speed of the blocks.
-    StokesDrag,
 }
 
 /// Time step and precision of a run.

@@ -18,7 +18,8 @@ use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::RoleId;
 
-use super::{Planned, Unplanned, estimate};
+use super::price::estimate;
+use super::{Planned, Unplanned};
 use stochc_compiler::check_texts;
 
 /// A partial program with the shape to complete.

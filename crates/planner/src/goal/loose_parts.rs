@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use crate::{LoosePart, Target, TargetError, declaration};
 use stochc_ir::Cell;
 
-use super::{Goal, Repair};
+use super::definition::Goal;
+use super::existing_structure::Repair;
 
 impl Goal {
     /// Removes the loose parts from the goal, and returns them.

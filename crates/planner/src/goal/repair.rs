@@ -1,164 +1,16 @@
 //! Plans the rest of a run: the blocks at its end exist at the start, and the missing ones are
 //! planned.
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
-use crate::ExistingBlock;
 use stochc_compiler::{Checked, DeclaredShapes, Program};
-use stochc_ir::record::RunRecord;
-use stochc_ir::table::{RoleId, Tables};
-use stochc_ir::{Cell, Face};
-use thiserror::Error;
+use stochc_ir::Cell;
 
 use super::completion::existing;
+use super::definition::Goal;
+use super::existing_structure::{ExistingStructure, NoRepair};
+use super::from_program::{scene_of, seats};
+use super::no_goal::NoGoal;
 use super::scenes::WrittenScenes;
-use super::{Goal, NoGoal};
-
-/// The structure at the end of a run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ExistingStructure {
-    /// Blocks above the plate by name.
-    blocks: BTreeMap<String, BondedBlock>,
-}
-
-/// A bonded block of the structure.
-#[derive(Clone, Debug, PartialEq)]
-struct BondedBlock {
-    cell: Cell,
-    /// Direction from its parent.
-    way: Face,
-    /// Name of its parent. `None` means the plate.
-    parent: Option<String>,
-}
-
-/// Existing blocks before the first planned capture.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Repair {
-    /// Blocks that remain.
-    pub existing: Vec<ExistingBlock>,
-    /// Blocks to release.
-    pub released: Vec<ExistingBlock>,
-}
-
-/// Error of planning the rest of a structure.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum NoRepair {
-    /// A block has to be released, and no message reaches it.
-    #[error(
-        "`{wrong}` does not belong to the shape, and cannot be released with `{name}`: `{dead}` is dead, and no message comes through it"
-    )]
-    Unreachable {
-        /// Block outside of the shape.
-        wrong: String,
-        /// Block attached to it.
-        name: String,
-        /// Dead block before them.
-        dead: String,
-    },
-    /// The structure is complete.
-    #[error("nothing is missing")]
-    Complete,
-    /// The structure is complete, except that one block has to be released.
-    #[error("nothing is missing, but one block must be released")]
-    OneTooMany,
-    /// The structure is complete, except that several blocks must be released.
-    #[error("nothing is missing, but {0} blocks must be released")]
-    TooMany(usize),
-}
-
-impl ExistingStructure {
-    /// Returns the structure at the end of a run.
-    pub fn from_record(tables: &Tables, record: &RunRecord) -> ExistingStructure {
-        // Releases come before captures of the same tick, because a name is released before it is
-        // reused.
-        let captures = record
-            .bonds
-            .iter()
-            .map(|bond| (bond.docked, 1, Some(bond), bond.child));
-        let releases = record
-            .releases
-            .iter()
-            .map(|it| (it.tick, 0, None, it.child));
-        let mut events: Vec<_> = captures.chain(releases).collect();
-        events.sort_by_key(|&(tick, kind, ..)| (tick, kind));
-        let mut there = BTreeMap::new();
-        for (.., bond, child) in events {
-            match bond {
-                Some(bond) => there.insert(child, bond),
-                None => there.remove(&child),
-            };
-        }
-        let name = |role: RoleId| tables.roles[role.0 as usize].name.clone();
-        let place = |role: RoleId| {
-            let seed = tables.roles[role.0 as usize].seed;
-            seed.or_else(|| there.get(&role).map(|bond| bond.cell))
-        };
-        let blocks = there.iter().filter_map(|(&role, bond)| {
-            let from = place(bond.parent)?;
-            let way = Face::ALL
-                .into_iter()
-                .find(|&way| from.across(way) == Some(bond.cell))?;
-            let parent = there.contains_key(&bond.parent).then(|| name(bond.parent));
-            let block = BondedBlock {
-                cell: bond.cell,
-                way,
-                parent,
-            };
-            Some((name(role), block))
-        });
-        ExistingStructure {
-            blocks: blocks.collect(),
-        }
-    }
-
-    /// Returns the names of the blocks.
-    pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.blocks.keys().map(String::as_str)
-    }
-
-    /// Returns the blocks to keep and to release. A block is released if its cell, or that of an
-    /// ancestor, is not in `wanted`. A block can capture unless it or an ancestor is in `dead`,
-    /// because dead blocks pass on no messages.
-    ///
-    /// # Errors
-    /// If a block to release is dead or has a dead ancestor.
-    pub fn repair(&self, wanted: &[Cell], dead: &BTreeSet<&str>) -> Result<Repair, NoRepair> {
-        let wanted: BTreeSet<Cell> = wanted.iter().copied().collect();
-        let mut repair = Repair::default();
-        for (name, block) in &self.blocks {
-            let line: Vec<(&str, &BondedBlock)> = self.line(name).collect();
-            let cut = line.iter().find(|(name, _)| dead.contains(name));
-            let is_wrong = |(_, block): &(&str, &BondedBlock)| !wanted.contains(&block.cell);
-            let existing = ExistingBlock {
-                cell: block.cell,
-                way: block.way,
-                can_capture: cut.is_none(),
-            };
-            match (line.iter().find(|it| is_wrong(it)), cut) {
-                (None, _) => repair.existing.push(existing),
-                (Some(_), None) => repair.released.push(existing),
-                (Some((wrong, _)), Some((cut, _))) => {
-                    return Err(NoRepair::Unreachable {
-                        wrong: (*wrong).to_owned(),
-                        name: name.clone(),
-                        dead: (*cut).to_owned(),
-                    });
-                }
-            }
-        }
-        Ok(repair)
-    }
-
-    /// Returns a block and its ancestors up to the plate.
-    fn line(&self, name: &str) -> impl Iterator<Item = (&str, &BondedBlock)> {
-        let at = |name: &str| {
-            let (name, block) = self.blocks.get_key_value(name)?;
-            Some((name.as_str(), block))
-        };
-        let line =
-            std::iter::successors(at(name), move |(_, block)| at(block.parent.as_deref()?));
-        line.take(self.blocks.len())
-    }
-}
 
 impl Goal {
     /// Returns the final shape of a program as a goal: the shape with this name, the one claimed
@@ -190,8 +42,8 @@ impl Goal {
             }
         };
         goal.plate = Some(plan.plate.clone());
-        goal.seeds = super::seats(plan);
-        goal.scene = super::scene_of(program);
+        goal.seeds = seats(plan);
+        goal.scene = scene_of(program);
         Ok(goal)
     }
 

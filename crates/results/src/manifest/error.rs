@@ -1,7 +1,7 @@
 //! Errors of manifests.
 use std::str::Utf8Error;
 
-use super::{FORMAT, MAX_PROGRAMS, MAX_RUNS};
+use super::limits::{FORMAT, MAX_PROGRAMS, MAX_RUNS};
 
 /// Reason why a manifest cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

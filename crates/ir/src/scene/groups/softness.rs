@@ -1,5 +1,5 @@
 //! Penetration depths of blocks into compliant contacts and the shell.
-use super::super::warnings::SceneWarningKind;
+use super::super::warning_kind::SceneWarningKind;
 use super::super::{ContactLaw, Enclosure, Scene};
 use super::{BlockUnits, DimensionlessGroup, ExpectedRange, settling, speed};
 

@@ -1,0 +1,527 @@
+//! State of an expansion, and the items of an assembly.
+use rustc_hash::FxHashMap;
+use stochc_grammar::tree::{Assembly, Item, ItemKind, Name, PhaseDeclaration, Quantity};
+use stochc_grammar::{Cancellation, Span, Symbol, Symbols};
+use stochc_ir::table::{Plate, RoleId};
+
+use super::declared_items::DeclaredItems;
+use super::duplicate::duplicate;
+use super::limits::{ExpansionBounds, Limits, MAX_NESTING};
+use super::probe::Probe;
+use super::scope::{BoundValue, Scope};
+use super::uses;
+use crate::diagnostic::{Code, Diagnostic, Fix, LONG, has_enough_errors, removal, report};
+use crate::names::{Definition, Names};
+use crate::plan::{
+    AfterConstraint, EventId, NameKey, PlanEvent, PlanPhase, ProgramPlan, Roles, Timeout,
+};
+use crate::{FileId, SourceLocation, Sources};
+
+/// Declarations of the files.
+pub struct Declarations<'a> {
+    /// Declared patterns and shapes.
+    pub declared: DeclaredItems<'a>,
+    /// `let` declarations with their files, in source order.
+    pub lets: Vec<(FileId, &'a Item)>,
+    /// Definitions of all names.
+    pub names: &'a Names,
+}
+
+/// Mode of the expansion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pass {
+    /// Records events and names.
+    Writing,
+    /// Counts events only.
+    Counting,
+}
+
+/// Size of the expanded program so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ExpansionSize {
+    pub(super) seeds: usize,
+    pub(super) events: usize,
+    pub(super) afters: usize,
+    pub(super) instances: usize,
+    pub(super) phases: usize,
+    pub(super) claims: usize,
+}
+
+impl ExpansionSize {
+    fn total(self) -> usize {
+        let ExpansionSize {
+            seeds,
+            events,
+            afters,
+            instances,
+            phases,
+            claims,
+        } = self;
+        seeds + events + afters + instances + phases + claims
+    }
+}
+
+/// The two passes through a seed plate. Seeds have the first numbers.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Seeding {
+    /// Expands seeds.
+    Seats,
+    /// Expands pre-attached blocks.
+    Captures,
+}
+
+pub(super) struct Expander<'a, 'f> {
+    pub(super) plan: ProgramPlan,
+    pub(super) declared: DeclaredItems<'a>,
+    /// Definitions of all names.
+    pub(super) names: &'a Names,
+    pub(super) scope: Scope,
+    /// Uses of the parameters of patterns.
+    pub(super) known: uses::KnownUses,
+    /// Numbers that the files declare.
+    pub(super) lets: Vec<(FileId, &'a Item)>,
+    /// Blocks around the current statement, of the assembly and of the pattern, the outermost
+    /// first.
+    pub(super) blocks: Vec<&'a [Item]>,
+    /// File of the current statement.
+    pub(super) file: FileId,
+    /// Patterns that are being expanded, the innermost last.
+    pub(super) instances: Vec<(Symbol, SourceLocation)>,
+    /// Number of instances without a name.
+    pub(super) anonymous: u32,
+    nesting: usize,
+    pub(super) steps: usize,
+    /// Operations of expressions that are not counted as a step yet.
+    pub(super) operations: usize,
+    /// Whether the limit of errors is reached, and the number of diagnostics at the last count.
+    pub(super) errors: (usize, bool),
+    pub(super) limits: Limits,
+    pub(super) cancellation: Cancellation<'f>,
+    pub(super) pass: Pass,
+    pub(super) grown: ExpansionSize,
+    /// Whether a limit is reached and expansion has stopped.
+    pub(super) exhausted: bool,
+    /// Whether [`Limits::events`] is the exceeded limit.
+    pub(super) outgrown: bool,
+    pub(super) plate: Option<SourceLocation>,
+    phase_sites: FxHashMap<String, SourceLocation>,
+    pub(super) in_phase: bool,
+    /// Current pass through the seed plate.
+    pub(super) seeding: Option<Seeding>,
+    pub(super) sources: &'f Sources,
+    pub(super) symbols: &'f mut Symbols,
+    pub(super) diagnostics: &'f mut Vec<Diagnostic>,
+    pub(super) probe: &'f mut Probe,
+}
+
+impl<'a, 'f> Expander<'a, 'f> {
+    /// Returns an expander that knows the declarations of the files.
+    pub(super) fn new(
+        declarations: &Declarations<'a>,
+        (file, name): (FileId, Name),
+        sources: &'f Sources,
+        symbols: &'f mut Symbols,
+        bounds: ExpansionBounds<'f>,
+        diagnostics: &'f mut Vec<Diagnostic>,
+        probe: &'f mut Probe,
+    ) -> Expander<'a, 'f> {
+        let mut expander = Expander {
+            plan: ProgramPlan {
+                name: symbols.word(name.symbol).to_owned(),
+                location: SourceLocation {
+                    file,
+                    span: name.span,
+                },
+                plate: Plate { width: 0, depth: 0 },
+                seeds: Vec::new(),
+                roles: Roles::default(),
+                phases: Vec::new(),
+                events: Vec::new(),
+                afters: Vec::new(),
+                aggregate: None,
+                grown: Vec::new(),
+                steps: 0,
+                doubtful: Default::default(),
+            },
+            declared: declarations.declared.clone(),
+            names: declarations.names,
+            scope: Scope::default(),
+            known: uses::KnownUses::default(),
+            lets: declarations.lets.clone(),
+            blocks: Vec::new(),
+            file,
+            instances: Vec::new(),
+            anonymous: 0,
+            nesting: 0,
+            steps: 0,
+            operations: 0,
+            errors: (0, false),
+            limits: bounds.limits,
+            cancellation: bounds.cancellation,
+            pass: Pass::Writing,
+            grown: ExpansionSize::default(),
+            exhausted: false,
+            outgrown: false,
+            plate: None,
+            phase_sites: FxHashMap::default(),
+            in_phase: false,
+            seeding: None,
+            sources,
+            symbols,
+            diagnostics,
+            probe,
+        };
+        for &(file, item) in &declarations.lets {
+            expander.file = file;
+            expander.declaration(item);
+        }
+        expander.file = file;
+        expander
+    }
+}
+
+impl<'a> Expander<'a, '_> {
+    pub(super) fn assembly(&mut self, assembly: &'a Assembly) {
+        // Patterns and shapes may be declared after their use.
+        self.declare(&assembly.body);
+        self.items(&assembly.body);
+        if self.plate.is_none() {
+            self.diagnostics.push(
+                Diagnostic::new(
+                    Code::MissingPlate,
+                    format!("assembly `{}` has no seed plate", self.plan.name),
+                )
+                .label(self.plan.location, "every structure starts at a seed")
+                .help("add `seed plate 3 x 3 { M at (1, 1) }` before the first phase"),
+            );
+        }
+    }
+
+    pub(super) fn declare(&mut self, items: &'a [Item]) {
+        for item in items {
+            let written = (self.file, item);
+            let duplicate = (self.declared).declare(written, self.names, self.symbols);
+            self.diagnostics.extend(duplicate);
+        }
+    }
+
+    pub(super) fn items(&mut self, items: &'a [Item]) {
+        if self.nesting >= MAX_NESTING {
+            if let Some(item) = items.first() {
+                self.exhausted = true;
+                let location = self.location(item.span);
+                self.diagnostics.push(
+                    Diagnostic::new(
+                        Code::TooDeep,
+                        format!(
+                            "patterns and loops are nested more than {MAX_NESTING} levels deep"
+                        ),
+                    )
+                    .label(location, format!("this is level {}", MAX_NESTING + 1))
+                    .help("use a loop or `->>` instead of nested patterns"),
+                );
+            }
+            return;
+        }
+        self.nesting += 1;
+        self.blocks.push(items);
+        let mark = self.scope.mark();
+        for item in items {
+            if self.exhausted || !self.step(item.span) {
+                break;
+            }
+            self.item(item);
+        }
+        self.scope.restore(mark);
+        self.blocks.pop();
+        self.nesting -= 1;
+    }
+
+    /// Counts a statement. Returns whether the expansion continues.
+    pub(super) fn step(&mut self, span: Span) -> bool {
+        if self.cancellation.is_cancelled() {
+            self.exhausted = true;
+            return false;
+        }
+        self.steps += 1;
+        let most = self.limits;
+        // Names and orders take memory as well.
+        let grown = self.grown.total().max(self.plan.roles.count());
+        let told = self.diagnostics.len();
+        if self.errors.0 != told {
+            self.errors = (told, has_enough_errors(self.diagnostics));
+        }
+        let has_enough = self.errors.1;
+        if self.steps <= most.steps && grown <= most.events && !has_enough {
+            return true;
+        }
+        self.exhausted = true;
+        if has_enough {
+            if !(self.diagnostics.iter()).any(|it| it.code == Code::TooManyErrors) {
+                self.diagnostics.push(
+                    Diagnostic::new(Code::TooManyErrors, "too many errors")
+                        .label(self.location(span), "expansion stopped here")
+                        .help("fix the first ones and check again"),
+                );
+            }
+            return false;
+        }
+        let (count, what) = if self.steps > most.steps {
+            (most.steps, "statements")
+        } else {
+            self.outgrown = true;
+            (
+                most.events,
+                "captures, releases, seeds and names in `after`",
+            )
+        };
+        let mut diagnostic = Diagnostic::new(
+            Code::ExpansionLimit,
+            format!("the program has more than {count} {what}"),
+        )
+        .label(
+            self.location(span),
+            "the limit is reached in this statement",
+        );
+        for &(_, location) in self.instances.iter().rev().take(3) {
+            diagnostic = diagnostic.label(location, "in this instance");
+        }
+        let help = "check the ranges of loops, and patterns inside of patterns";
+        self.diagnostics
+            .push(diagnostic.help(self.limits.help(help)));
+        false
+    }
+
+    pub(super) fn item(&mut self, item: &'a Item) {
+        let is_chain = matches!(item.kind, ItemKind::Chain(_));
+        let belongs = match self.seeding {
+            None => true,
+            Some(Seeding::Seats) => !is_chain,
+            Some(Seeding::Captures) => {
+                is_chain || matches!(item.kind, ItemKind::For(_) | ItemKind::Let(_))
+            }
+        };
+        if !belongs {
+            return;
+        }
+        match &item.kind {
+            ItemKind::Chain(chain) => self.chain(chain),
+            ItemKind::Release(release) => self.release(release),
+            ItemKind::Instance(instance) => self.instance(instance, item.span),
+            ItemKind::For(block) => self.repeat(block),
+            ItemKind::Let(_) => self.declaration(item),
+            ItemKind::Seed(seed) => self.seed_plate(seed, item.span),
+            ItemKind::Seat(seat) => self.seat(seat, item),
+            ItemKind::Phase(phase) => self.phase(phase, item),
+            ItemKind::Yields(name) => {
+                let location = self.location(name.span);
+                self.grown.claims += 1;
+                if let Some(phase) = self.plan.phases.last_mut() {
+                    phase.claims.push((name.symbol, location));
+                }
+            }
+            // Declared before, or not a part of an assembly.
+            ItemKind::Pattern(_)
+            | ItemKind::Shape(_)
+            | ItemKind::Scene(_)
+            | ItemKind::Assembly(_)
+            | ItemKind::Aggregate(_)
+            | ItemKind::Import(_)
+            | ItemKind::Level(_) => {}
+        }
+    }
+
+    pub(super) fn declaration(&mut self, item: &'a Item) {
+        let ItemKind::Let(let_) = &item.kind else {
+            return;
+        };
+        // A number in doubt is declared without a value.
+        let value = self
+            .evaluate(&let_.value)
+            .map_or(BoundValue::Unknown, BoundValue::Number);
+        self.define(let_.name, value);
+    }
+
+    /// Gives a name a value, unless it has one in the same block.
+    pub(super) fn define(&mut self, name: Name, value: BoundValue) {
+        let location = self.location(name.span);
+        if let Some(old) = self.scope.define(self.named(name), value, location) {
+            let diagnostic = duplicate(
+                self.symbols.word(name.symbol),
+                old,
+                location,
+                "a `let`",
+                self.symbols,
+            );
+            report(self.diagnostics, diagnostic);
+        }
+    }
+
+    /// Returns the word of a name and the definition of a number, counter or parameter.
+    pub(super) fn named(&self, name: Name) -> (Symbol, Option<Definition>) {
+        (name.symbol, self.names.definition(self.file, name.span))
+    }
+
+    /// Returns the value of a name, if it has one here.
+    pub(super) fn value(&self, name: Name) -> Option<BoundValue> {
+        let (word, definition) = self.named(name);
+        self.scope.get(word, definition?).map(|(value, _)| value)
+    }
+
+    pub(super) fn phase(&mut self, phase: &'a PhaseDeclaration, item: &'a Item) {
+        // A phase inside a phase has been reported. Its statements belong to the outer one.
+        if self.in_phase {
+            return self.items(&phase.body);
+        }
+        let location = self.location(phase.name.span);
+        let Some(name) = self.single_key(&phase.name) else {
+            return self.doubt_all(&phase.body);
+        };
+        let name = self.plan.roles.name_of(name, self.symbols);
+        if let Some(&old) = self.phase_sites.get(&name) {
+            self.diagnostics
+                .push(duplicate(&name, old, location, "a phase", self.symbols));
+        }
+        if self.pass == Pass::Writing {
+            self.phase_sites.insert(name.clone(), location);
+        }
+        let timeout = self.timeout(phase.timeout.as_ref());
+        let start = self.grown.events as u32;
+        self.push_phase(PlanPhase {
+            name,
+            location,
+            timeout,
+            events: start..start,
+            planted: false,
+            claims: Vec::new(),
+        });
+        self.in_phase = true;
+        // Also after a misplaced plate, which has been reported.
+        let seeding = self.seeding.take();
+        self.items(&phase.body);
+        self.seeding = seeding;
+        self.in_phase = false;
+        let end = self.grown.events as u32;
+        if let Some(planned) = self.plan.phases.last_mut() {
+            planned.events.end = end;
+            if start == end && planned.claims.is_empty() {
+                let mut diagnostic = Diagnostic::new(
+                    Code::EmptyPhase,
+                    format!("phase `{}` has no captures or releases", planned.name),
+                )
+                .label(location, "the phase ends in its first tick")
+                .help("remove it, or check the ranges of its loops");
+                if phase.body.is_empty() && item.docs.0.is_none() {
+                    diagnostic.fix = self.without(item);
+                }
+                report(self.diagnostics, diagnostic);
+            }
+        }
+    }
+
+    /// Returns the role of a name.
+    pub(super) fn role(&mut self, key: NameKey) -> RoleId {
+        match self.pass {
+            Pass::Writing => self.plan.roles.intern(key),
+            Pass::Counting => RoleId(0),
+        }
+    }
+
+    /// Returns the scope of an instance.
+    pub(super) fn instance_of(&mut self, key: NameKey) -> u32 {
+        self.grown.instances += 1;
+        match self.pass {
+            Pass::Writing => self.plan.roles.intern_scope(key),
+            Pass::Counting => key.scope,
+        }
+    }
+
+    pub(super) fn push_event(&mut self, event: PlanEvent) -> EventId {
+        let id = EventId(self.grown.events as u32);
+        self.grown.events += 1;
+        if self.pass == Pass::Writing {
+            self.plan.events.push(event);
+        }
+        id
+    }
+
+    pub(super) fn push_after(&mut self, after: AfterConstraint) {
+        self.grown.afters += 1;
+        if self.pass == Pass::Writing {
+            self.plan.afters.push(after);
+        }
+    }
+
+    pub(super) fn push_phase(&mut self, phase: PlanPhase) {
+        self.grown.phases += 1;
+        if self.pass == Pass::Writing {
+            self.plan.phases.push(phase);
+        }
+    }
+
+    pub(super) fn timeout(&mut self, quantity: Option<&Quantity>) -> Option<Timeout> {
+        let quantity = quantity?;
+        let timeout = Timeout::from_quantity(quantity);
+        if timeout.is_none() {
+            let lacks_unit = quantity.unit.is_empty() && quantity.value != 0.0;
+            let (title, label, help) = if lacks_unit {
+                (
+                    "a timeout has no unit",
+                    "the unit is missing",
+                    format!(
+                        "write `{0} ticks` or `{0} s`; ms, min and h are known as well",
+                        quantity.value
+                    ),
+                )
+            } else if Timeout::is_in_ticks(quantity) && quantity.value > 0.0 {
+                (
+                    "a timeout in ticks must be a whole number",
+                    "not a whole number below 9e15",
+                    "write `40000 ticks`, or a time such as `800 s`".to_owned(),
+                )
+            } else if quantity.value != 0.0 && !Timeout::is_a_time(quantity) {
+                (
+                    "a timeout must be a time",
+                    "this value is not a time",
+                    "write `800 s` or `40000 ticks`; minutes are `min`".to_owned(),
+                )
+            } else {
+                (
+                    "a timeout must be more than 0",
+                    "this time is 0 or negative",
+                    "write `800 s` or `40000 ticks`".to_owned(),
+                )
+            };
+            let diagnostic = Diagnostic::new(Code::WrongDimension, title);
+            let diagnostic = diagnostic.label(self.location(quantity.span), label);
+            self.diagnostics.push(diagnostic.help(help));
+        }
+        timeout
+    }
+
+    /// Returns the removal of a block. Returns `None` if the block is not empty.
+    pub(super) fn without(&self, block: &Item) -> Option<Fix> {
+        let location = self.location(block.span);
+        if block.span.len() > LONG {
+            return None;
+        }
+        let (_, body) = self.sources.text(location).split_once('{')?;
+        let title = format!("remove {}", block.noun().replacen("a ", "the ", 1));
+        (body.trim() == "}").then(|| Fix::remove(removal(self.sources, location), title))
+    }
+
+    /// Adds the location of the current instance to a diagnostic.
+    pub(super) fn in_instance(&self, diagnostic: Diagnostic) -> Diagnostic {
+        match self.instances.last() {
+            Some(&(_, location)) => diagnostic.label(location, "in this instance"),
+            None => diagnostic,
+        }
+    }
+
+    pub(super) fn location(&self, span: Span) -> SourceLocation {
+        SourceLocation {
+            file: self.file,
+            span,
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Expands programs and aggregates.
+use stochc_grammar::tree::{Aggregate, Assembly};
+use stochc_grammar::{Cancellation, Cancelled, Symbols};
+
+use super::declared_items::Shapes;
+use super::expander::{Declarations, Expander, Pass};
+use super::limits::{ExpansionBounds, Limits, UNCOUNTED};
+use super::probe::Probe;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::plan::ProgramPlan;
+use crate::{FileId, Sources};
+
+/// An expanded program and the shapes that it can claim.
+pub type Expanded<'a> = (ProgramPlan, Shapes<'a>);
+
+/// Expands a program.
+///
+/// # Errors
+///
+/// Returns [`Cancelled`] if the check was cancelled.
+pub(crate) fn expand<'a>(
+    declarations: &Declarations<'a>,
+    assembly: (FileId, &'a Assembly),
+    sources: &Sources,
+    symbols: &mut Symbols,
+    bounds: ExpansionBounds<'_>,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Result<Expanded<'a>, Cancelled> {
+    let mut nowhere = Probe::default();
+    expand_probed(
+        declarations,
+        assembly,
+        sources,
+        symbols,
+        bounds,
+        diagnostics,
+        &mut nowhere,
+    )
+}
+
+/// Expands a program like [`expand`], and records the blocks that a source location names.
+pub fn expand_probed<'a>(
+    declarations: &Declarations<'a>,
+    (file, assembly): (FileId, &'a Assembly),
+    sources: &Sources,
+    symbols: &mut Symbols,
+    bounds: ExpansionBounds<'_>,
+    diagnostics: &mut Vec<Diagnostic>,
+    probe: &mut Probe,
+) -> Result<Expanded<'a>, Cancelled> {
+    let ExpansionBounds {
+        limits,
+        cancellation,
+    } = bounds;
+    let mut attempt = |limits: Limits, pass: Pass, probe: &mut Probe| {
+        let mut told = Vec::new();
+        let mut expander = Expander::new(
+            declarations,
+            (file, assembly.name),
+            sources,
+            symbols,
+            ExpansionBounds { limits, ..bounds },
+            &mut told,
+            probe,
+        );
+        expander.pass = pass;
+        expander.assembly(assembly);
+        expander.plan.steps = expander.steps;
+        let (plan, shapes, outgrown) = (expander.plan, expander.declared.shapes, expander.outgrown);
+        // A cancelled expansion is incomplete.
+        cancellation.check()?;
+        Ok((plan, shapes, outgrown, told))
+    };
+    let few = Limits {
+        events: limits.events / UNCOUNTED,
+        ..limits
+    };
+    let (mut plan, mut shapes, outgrown, mut told) = attempt(few, Pass::Writing, probe)?;
+    if outgrown {
+        (plan, shapes, _, told) = attempt(limits, Pass::Counting, &mut Probe::default())?;
+        let is_limit = |diagnostic: &Diagnostic| diagnostic.code == Code::ExpansionLimit;
+        if !told.iter().any(is_limit) {
+            (plan, shapes, _, told) = attempt(limits, Pass::Writing, probe)?;
+        }
+    }
+    diagnostics.append(&mut told);
+    Ok((plan, shapes))
+}
+
+/// Expands an aggregate to one phase for each size.
+pub fn expand_aggregate(
+    declarations: &Declarations<'_>,
+    (file, aggregate): (FileId, &Aggregate),
+    sources: &Sources,
+    symbols: &mut Symbols,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> ProgramPlan {
+    let bounds = ExpansionBounds {
+        limits: Limits::default(),
+        cancellation: Cancellation::NEVER,
+    };
+    let mut nowhere = Probe::default();
+    let mut expander = Expander::new(
+        declarations,
+        (file, aggregate.name),
+        sources,
+        symbols,
+        bounds,
+        diagnostics,
+        &mut nowhere,
+    );
+    expander.aggregate(aggregate);
+    expander.plan
+}

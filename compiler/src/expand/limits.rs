@@ -1,0 +1,65 @@
+//! Limits of an expansion.
+use stochc_grammar::Cancellation;
+
+/// Largest number of captures, releases and other results. A check of this size needs less than 300
+/// MB.
+const MAX_EVENTS: usize = 500_000;
+
+/// Limits of an expanded program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Number of captures, releases, seeds, names in `after`, instances, phases and claims
+    /// together.
+    pub events: usize,
+    /// Number of visited statements, empty rounds of loops included.
+    pub steps: usize,
+    /// Number of cells searched for access paths, in addition to 10 for every capture and release.
+    pub search: u64,
+    /// Command with higher limits, for messages.
+    pub further: Option<&'static str>,
+}
+
+impl Limits {
+    /// Limits while a program is edited.
+    pub const EDITOR: Limits = Limits {
+        events: 200_000,
+        steps: 10_000_000,
+        search: 2_000_000,
+        further: Some("stochc check"),
+    };
+
+    /// Returns the help for a program beyond the limits.
+    pub(super) fn help(self, usual: &str) -> String {
+        match self.further {
+            Some(command) => format!("{usual}; `{command}` has a higher limit"),
+            None => usual.to_owned(),
+        }
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Limits {
+        Limits {
+            events: MAX_EVENTS,
+            steps: 100_000_000,
+            search: 2_000_000,
+            further: None,
+        }
+    }
+}
+
+/// Limits and cancellation of an expansion.
+#[derive(Clone, Copy, Debug)]
+pub struct ExpansionBounds<'c> {
+    /// Limits of the program.
+    pub limits: Limits,
+    /// Cancellation of the expansion.
+    pub cancellation: Cancellation<'c>,
+}
+
+/// Programs with more than one in `UNCOUNTED` of the allowed events are counted before expansion.
+/// Programs beyond the limit then use no memory.
+pub(super) const UNCOUNTED: usize = 5;
+
+/// Largest depth of loops, instances and blocks.
+pub(crate) const MAX_NESTING: usize = 200;

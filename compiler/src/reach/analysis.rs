@@ -1,0 +1,173 @@
+//! Checks the access paths of all captures, phase by phase.
+use std::borrow::Cow;
+
+use stochc_grammar::Cancelled;
+use stochc_ir::Cell;
+
+use super::descendants::DescendantIndex;
+use super::effort::SearchEffort;
+use super::known_paths::KnownPaths;
+use super::occupancy::OccupiedCells;
+use super::program::SoundProgram;
+use super::proposal::{Proposal, ReportedError};
+use crate::dependencies::face_turns;
+use crate::dependencies::graph::DependencyGraph;
+use crate::diagnostic::{Code, Diagnostic, report};
+use crate::plan::{EventId, EventKind};
+
+/// Number of cells that may be searched for every event, in addition to the limit.
+const STEPS_PER_EVENT: u64 = 10;
+
+/// Share of the search that may be used to try remedies.
+const TRIED: u64 = 100;
+
+/// Reports captures whose cells free blocks may not reach, or only through a narrow gap.
+///
+/// `search` is the number of cells that may be searched, in addition to some for every event. 0
+/// disables the search.
+///
+/// # Errors
+///
+/// Returns [`Cancelled`] if the check was cancelled.
+pub fn check(
+    subject: SoundProgram,
+    search: u64,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Result<(), Cancelled> {
+    let plan = subject.plan;
+    let count = plan.events.len();
+    let cancellation = subject.cancellation;
+    let effort = |share| SearchEffort {
+        steps: 0,
+        budget: search / share + STEPS_PER_EVENT * count as u64 * u64::from(search > 0),
+        cancellation,
+    };
+    let mut survey = ReachAnalysis {
+        subject,
+        occupancy: OccupiedCells::with_capacity(count + plan.seeds.len()),
+        is_safe: vec![false; count],
+        known_paths: Default::default(),
+        proof: effort(1),
+        warning: effort(10),
+        remedies: effort(1),
+        trials: SearchEffort {
+            steps: 0,
+            budget: search / TRIED,
+            cancellation,
+        },
+        untouched: None,
+        proposed: Vec::new(),
+    };
+    let events = subject.order.by_phase(plan);
+    for (number, events) in events.iter().enumerate() {
+        cancellation.check()?;
+        let first = plan.phases[number].events.start;
+        let descendants = DescendantIndex::new(subject.certain, first, events);
+        survey.phase(number, events, &descendants, diagnostics);
+    }
+    // A cancelled search has stopped early.
+    cancellation.check()?;
+    let is_undecided = |diagnostic: &Diagnostic| diagnostic.code == Code::ReachUndecided;
+    if survey.warning.is_spent() && !diagnostics.iter().any(is_undecided) {
+        let title = "stochc could not decide for all blocks whether they enter through narrow gaps";
+        let diagnostic = Diagnostic::new(Code::ReachUndecided, title)
+            .label(plan.location, "the search for gaps reached its limit")
+            .help("split the program, or build it in fewer phases");
+        report(diagnostics, diagnostic);
+    }
+    Ok(())
+}
+
+pub(super) struct ReachAnalysis<'a> {
+    pub(super) subject: SoundProgram<'a>,
+    /// Occupied cells in the worst order of the current phase.
+    pub(super) occupancy: OccupiedCells,
+    /// Whether each capture has been shown to have a path in every order.
+    pub(super) is_safe: Vec<bool>,
+    /// Known paths of cubes of one and of two block lengths.
+    pub(super) known_paths: [KnownPaths; 2],
+    /// Work for the proof and for the warnings.
+    pub(super) proof: SearchEffort<'a>,
+    pub(super) warning: SearchEffort<'a>,
+    /// Work for messages and remedies, and for trials of remedies.
+    pub(super) remedies: SearchEffort<'a>,
+    pub(super) trials: SearchEffort<'a>,
+    /// Errors of the unchanged files, once a remedy was tried.
+    pub(super) untouched: Option<Vec<ReportedError>>,
+    /// Proposed remedies, each with the errors that remain.
+    pub(super) proposed: Vec<(Vec<ReportedError>, Proposal)>,
+}
+
+impl ReachAnalysis<'_> {
+    pub(super) fn phase(
+        &mut self,
+        number: usize,
+        events: &[EventId],
+        descendants: &DescendantIndex,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) {
+        for &id in events {
+            if let (Some(cell), true) = (self.cell(id), self.is_capture(id)) {
+                self.occupancy.fill(cell, id);
+            }
+        }
+        // Pre-attached blocks need no path.
+        if self.subject.plan.phases[number].planted {
+            return;
+        }
+        self.known_paths
+            .iter_mut()
+            .for_each(KnownPaths::begin_phase);
+        let blocked = self.blocked(events, descendants);
+        if !blocked.is_empty() {
+            self.report_sealed(events, descendants, &blocked, diagnostics);
+        }
+        if blocked.is_empty() {
+            self.report_narrow(number, events, descendants, diagnostics);
+            self.report_crowded(number, events, descendants, diagnostics);
+        }
+        for &id in events {
+            if !self.is_capture(id) {
+                self.depart(id);
+            }
+        }
+    }
+
+    /// Removes a block whose release certainly happens.
+    pub(super) fn depart(&mut self, release: EventId) {
+        let on = self.subject.layout.parents[release.0 as usize];
+        if let (Some(cell), Some(on)) = (self.cell(release), on) {
+            self.occupancy.empty(cell, on.capture);
+        }
+    }
+
+    pub(super) fn cell(&self, id: EventId) -> Option<Cell> {
+        self.subject.layout.cells[id.0 as usize]
+    }
+
+    pub(super) fn is_capture(&self, id: EventId) -> bool {
+        matches!(self.subject.plan.event(id).kind, EventKind::Capture { .. })
+    }
+
+    /// Returns whether a capture has a choice of events to wait for.
+    pub(super) fn has_choice(&self) -> bool {
+        !self.subject.order.unneeded.is_empty()
+    }
+}
+
+impl<'a> ReachAnalysis<'a> {
+    /// Returns the graph with every choice made, so that as few events as possible follow the
+    /// `late` ones. An event that can happen before all of them has no path from them.
+    pub(super) fn straight(&self, is_late: impl Fn(EventId) -> bool) -> Cow<'a, DependencyGraph> {
+        let graph = self.subject.graph;
+        if !self.has_choice() {
+            return Cow::Borrowed(graph);
+        }
+        let length = |i: usize| match EventId(i as u32) {
+            id if is_late(id) => f64::INFINITY,
+            id => f64::from(u8::from(self.is_capture(id))),
+        };
+        let unneeded = face_turns::unneeded(graph, &face_turns::earliest(graph, length));
+        Cow::Owned(face_turns::straight(graph, &unneeded))
+    }
+}

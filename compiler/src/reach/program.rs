@@ -1,0 +1,46 @@
+//! Input of the check of access paths.
+use stochc_grammar::tree::Assembly;
+use stochc_grammar::{Cancellation, Symbols};
+
+use super::proposal::Trial;
+use crate::blocks::liveness::Liveness;
+use crate::dependencies::graph::DependencyGraph;
+use crate::dependencies::order::Order;
+use crate::expand::Patterns;
+use crate::plan::ProgramPlan;
+use crate::shapes::layout::Layout;
+use crate::{FileId, Sources};
+
+/// A program without errors of the earlier stages.
+#[derive(Clone, Copy)]
+pub struct SoundProgram<'a> {
+    /// Expanded program.
+    pub plan: &'a ProgramPlan,
+    /// Attachment of each block over time.
+    pub liveness: &'a Liveness,
+    /// Cells of all blocks.
+    pub layout: &'a Layout,
+    /// Dependency graph, including choices.
+    pub graph: &'a DependencyGraph,
+    /// Dependencies that hold in every order.
+    pub certain: &'a DependencyGraph,
+    /// An order of the events.
+    pub order: &'a Order,
+    /// Syntax tree of the assembly.
+    pub assembly: &'a Assembly,
+    /// Patterns of all files.
+    pub patterns: &'a Patterns<'a>,
+    /// File of the assembly.
+    pub file: FileId,
+    /// Checks the files with a change. `None` inside such a check, where only titles of diagnostics
+    /// matter.
+    pub trial: Option<&'a Trial<'a>>,
+    /// Whether blocks are known to [pass gaps](stochc_estimate::Rates::passes_gaps) in the scene.
+    pub has_passable_gaps: bool,
+    /// Sources of the files.
+    pub sources: &'a Sources,
+    /// Words of the files.
+    pub symbols: &'a Symbols,
+    /// Cancellation of the check.
+    pub cancellation: Cancellation<'a>,
+}

@@ -1,0 +1,18 @@
+//! Proposed remedies, and the trial of a change.
+use crate::diagnostic::{Code, Fix};
+
+/// Code and title of an error.
+pub type ReportedError = (Code, String);
+
+/// Checks the files with changes of the program's own file. Returns its errors, sorted and not
+/// merged. Returns `None` if the changes overlap.
+pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<ReportedError>> + 'a;
+
+/// Statements that must wait for a block.
+#[derive(Clone)]
+pub struct Proposal {
+    /// Statements as written, each with the name that it must wait for.
+    pub waits: Vec<(String, String)>,
+    /// The fix to try.
+    pub fix: Fix,
+}

@@ -1,0 +1,87 @@
+//! Estimates the times of a program from random samples.
+use rustc_hash::FxHashMap;
+use stochc_ir::graph::EventId;
+
+use super::costs::{CaptureCost, Cost};
+use super::events::{Events, ProgramParts};
+use super::waits::CaptureWait;
+use super::{sampling, scarcity, waits};
+use crate::{Interaction, LowerBoundReasons, Rates, Times, Wait};
+
+/// Estimates the times of a program. Returns `None` if its graph has a cycle.
+pub fn estimate(program: ProgramParts<'_>, rates: Option<&Rates>) -> Option<Cost> {
+    let events = Events::new(program)?;
+    let timeouts = events.timeouts();
+    Some(estimate_within(&events, rates, &timeouts))
+}
+
+/// Estimates the times of a program as if its phases had no timeouts.
+pub fn estimate_without_timeouts(program: ProgramParts<'_>, rates: &Rates) -> Option<Cost> {
+    let events = Events::new(program)?;
+    let timeouts = vec![f64::INFINITY; program.tables.phases.len()];
+    Some(estimate_within(&events, Some(rates), &timeouts))
+}
+
+fn estimate_within(events: &Events<'_>, rates: Option<&Rates>, timeouts: &[f64]) -> Cost {
+    let mut cost = Cost {
+        phases: events.shapes(),
+        total: None,
+        has_rates: rates.is_some(),
+        draws: Vec::new(),
+        interaction: Interaction::Apart,
+        lower_bound: LowerBoundReasons::default(),
+        captures: Vec::new(),
+    };
+    let Some(rates) = rates else {
+        return cost;
+    };
+    let ProgramParts {
+        graph, jam_risks, ..
+    } = events.parts;
+    cost.lower_bound = LowerBoundReasons::new(jam_risks, rates, graph.largest_structure());
+    let waits = waits::waits(events, rates);
+    if (waits.iter().flatten()).any(|waits| waits.wait.rate <= 0.0) {
+        return cost;
+    }
+    let steps = events.steps();
+    let scarce = scarcity::scarce_blocks(events, &steps, &waits, rates);
+    let sampled = sampling::sample(events, &steps, timeouts, &waits, scarce);
+    let complete = sampled.draws.iter().filter(|draw| draw.is_complete);
+    let complete: Vec<f64> = complete.map(|draw| draw.ticks).collect();
+    let never = sampled.draws.len() - complete.len();
+    cost.total = Times::new(complete, never);
+    cost.draws = sampled.draws;
+    for (phase, sampled) in cost.phases.iter_mut().zip(sampled.phases) {
+        phase.times = sampled.times;
+        phase.timed_out = sampled.timed_out;
+    }
+    let has_releases = graph.events.iter().any(|event| !event.action.is_capture());
+    cost.interaction = if sampled.has_race {
+        Interaction::Racing
+    } else if has_releases {
+        Interaction::Releases
+    } else {
+        Interaction::Apart
+    };
+    let captures = waits.iter().zip(sampled.shares).zip(sampled.waits);
+    // Many captures have the same surroundings, so means are cached.
+    let mut means: FxHashMap<[u64; 2], f64> = FxHashMap::default();
+    let mut mean = |wait: &Wait| {
+        let key = [wait.rate.to_bits(), wait.docking.to_bits()];
+        *means.entry(key).or_insert_with(|| wait.mean())
+    };
+    cost.captures = (0..)
+        .map(EventId)
+        .zip(captures)
+        .filter_map(|(event, ((wait, share), drawn))| {
+            let CaptureWait {
+                wait, head_starts, ..
+            } = wait.as_ref()?;
+            let drawn = drawn.filter(|_| !head_starts.is_empty());
+            let wait = drawn.unwrap_or_else(|| mean(wait));
+            Some(CaptureCost { event, wait, share })
+        })
+        .collect();
+    (cost.captures).sort_by(|a, b| b.share.total_cmp(&a.share));
+    cost
+}

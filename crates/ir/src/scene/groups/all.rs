@@ -1,0 +1,344 @@
+//! All dimensionless numbers of a scene.
+use super::block_units::BlockUnits;
+use super::gas::Gas;
+use super::number::{DimensionlessGroup, ExpectedRange};
+use super::settling::Settling;
+use super::softness;
+use super::speed::{self, speed};
+use crate::scene::warning_kind::SceneWarningKind;
+use crate::scene::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene};
+
+/// Returns the dimensionless numbers of a scene's terms.
+pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
+    let units = BlockUnits::from_scene(scene);
+    let v = speed(scene).rms.map(|rms| units.speed(rms));
+    let v = v.filter(|&v| v > 0.0);
+    let energetic = speed::energetic(scene).map(|rms| units.speed(rms));
+    let energetic = energetic.filter(|&v| v > 0.0);
+    let push = Push::from_scene(scene);
+    let mut out = Vec::new();
+    if let Some(v) = v {
+        out.push(
+            DimensionlessGroup::new("v τ / a", "sides that a block moves in a tick", v).limited(
+                |steps| match scene.agitation {
+                    Some(Agitation::Brownian { .. }) => 0.2 - 0.1 * push.left(steps),
+                    _ => 0.1,
+                },
+                |steps| units.speed(speed::in_steps(scene, steps).unwrap_or(0.0)) / steps,
+                "blocks overlap deeply before a contact parts them, and slip through narrow gaps",
+            ),
+        );
+        let kick = speed::kick(scene);
+        if kick > 0.0 {
+            out.push(DimensionlessGroup::new(
+                "j / v",
+                "a kick against the speed",
+                kick / v,
+            ));
+        }
+    }
+    let carried = units.speed(speed::carried(scene));
+    if carried > 0.0 {
+        out.push(
+            DimensionlessGroup::new(
+                "u τ / a",
+                "sides that the mean flow takes a block in a tick, at most",
+                carried,
+            )
+            .limited(
+                |_| 0.1,
+                |steps| carried / steps,
+                "blocks overlap deeply before a contact repels them",
+            ),
+        );
+    }
+    if let Some(drag) = &scene.drag {
+        let rate = units.rate(drag.rate);
+        out.push(
+            DimensionlessGroup::new(DRAG_SYMBOL, "what drag takes from a speed in a tick", rate)
+                .limited(
+                    |_| DRAG,
+                    |steps| rate / steps,
+                    "blocks that a steady force moves fall short of their terminal speed",
+                ),
+        );
+    }
+    fluid(scene, v, &mut out);
+    if let Some(Bond::Reject {
+        magnets, anchor, ..
+    }) = &scene.bond
+    {
+        let (hold, depth) = (units.force(magnets.hold), units.length(magnets.depth));
+        out.push(push.anchoring(hold, units.length(anchor.within)));
+        if let Some(v) = energetic {
+            out.push(DimensionlessGroup::new(
+                "F δ / (3 m v² / 2)",
+                "energy of a bond against that of two blocks' motion to each other",
+                hold * depth / 3.0 / (v * v / 2.0),
+            ));
+        }
+    }
+    if let Some(Bond::Attract { pull, anchor, .. }) = &scene.bond {
+        let (force, reach) = (units.force(pull.force), units.length(pull.within));
+        out.push(push.anchoring(force, units.length(anchor.within)));
+        if let Some(v) = energetic {
+            out.push(DimensionlessGroup::new(
+                "F r / (m v² / 2)",
+                "work of the pull within its reach against the energy of motion",
+                force * reach / (v * v / 2.0),
+            ));
+        }
+    }
+    if let Some(Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) =
+        &scene.enclosure
+    {
+        let symbols = ["k τ² / m, shell", "φ k τ² / m, shell"];
+        let beyond = "the shell throws blocks back with another energy";
+        out.push(push.spring(
+            symbols,
+            "stiffness of the shell",
+            units.stiffness(*wall),
+            beyond,
+        ));
+    }
+    contact(scene, push, &mut out);
+    gas(scene, v, &mut out);
+    settling(scene, &mut out);
+    softness::softness(scene, &mut out);
+    out
+}
+
+/// Effect of a force over a step.
+#[derive(Clone, Copy)]
+struct Push {
+    /// Fraction of a velocity that viscous drag removes per tick.
+    pub(super) drag: f64,
+}
+
+impl Push {
+    fn from_scene(scene: &Scene) -> Push {
+        Push {
+            drag: speed::viscous(scene),
+        }
+    }
+
+    /// Returns the displacement of a block at rest by a unit force in one step \[block lengths\]: φ
+    /// / steps², with the mean fraction φ that drag leaves.
+    fn displacement(self, steps: f64) -> f64 {
+        self.left(steps) / (steps * steps)
+    }
+
+    /// Returns φ, the mean fraction of a force that drag leaves in one step. 1 without drag.
+    fn left(self, steps: f64) -> f64 {
+        speed::mean_left(self.drag / steps)
+    }
+
+    /// Returns the symbol with or without drag.
+    fn symbol(self, [free, slowed]: [&'static str; 2]) -> &'static str {
+        if self.drag > 0.0 { slowed } else { free }
+    }
+
+    /// Returns the number of a force \[block lengths / tick^2\] and a capture distance \[block
+    /// lengths\].
+    fn anchoring(self, force: f64, within: f64) -> DimensionlessGroup {
+        let value = force / within;
+        DimensionlessGroup::new(
+            self.symbol(["F τ² / (m d)", "φ F τ² / (m d)"]),
+            "anchoring distances that the pull moves a block at rest in its first tick",
+            value * self.displacement(1.0),
+        )
+        .limited(
+            // Without drag the motion is faster in the next step. With strong drag the window is
+            // two distances wide.
+            |steps| 2.0 - self.left(steps),
+            |steps| value * self.displacement(steps),
+            "a pulled block jumps over the place where it would be anchored",
+        )
+        .of_faces()
+    }
+
+    /// Returns the number of a spring \[1 / tick^2\].
+    fn spring(
+        self,
+        symbols: [&'static str; 2],
+        meaning: &'static str,
+        stiffness: f64,
+        beyond: &'static str,
+    ) -> DimensionlessGroup {
+        let value = |steps| stiffness * self.displacement(steps);
+        DimensionlessGroup::new(self.symbol(symbols), meaning, value(1.0)).limited(
+            |steps| 1.0 - (1.0 - SPRING) * self.left(steps),
+            value,
+            beyond,
+        )
+    }
+}
+
+fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
+    let Some(fluid) = &scene.fluid else {
+        return;
+    };
+    let (units, side) = (BlockUnits::from_scene(scene), scene.block.side);
+    let Some(viscosity) = fluid.viscosity else {
+        return;
+    };
+    let friction = Fluid::friction(viscosity, side);
+    out.push(DimensionlessGroup::new(
+        "6 π η 0.6607 a τ / m",
+        "what viscous drag takes from a speed in a tick; exact for any step",
+        units.damping(friction),
+    ));
+    let is_carried = matches!(scene.agitation, Some(Agitation::Turbulence(_)));
+    match (fluid.density, v) {
+        (Some(density), Some(v)) => out.push(DimensionlessGroup::new(
+            "ρ v a / η",
+            "Reynolds number of a block at the speed v",
+            units.density(density) * v / units.viscosity(viscosity),
+        )),
+        (None, Some(v)) if !is_carried => out.push(
+            DimensionlessGroup::new(
+                "m v / (a² η)",
+                "Reynolds number of a block at the speed v in a fluid as dense as the block",
+                v / units.viscosity(viscosity),
+            )
+            .expected(STOKES),
+        ),
+        _ => {}
+    }
+    if let Some(Agitation::Brownian { temperature }) = scene.agitation {
+        out.push(DimensionlessGroup::new(
+            "D τ / a²",
+            match scene.drag {
+                Some(_) => "diffusion in a tick, `drag` apart, which makes it less",
+                None => "diffusion in a tick",
+            },
+            units.diffusion(BOLTZMANN * temperature / friction),
+        ));
+    }
+}
+
+/// Range of Stokes' drag alone: at 10, a cube's drag is twice that.
+///
+/// # Source
+///
+/// A. Haider and O. Levenspiel, Powder Technology 58, 63 (1989).
+const STOKES: ExpectedRange = ExpectedRange {
+    most: 10.0,
+    beyond: "Stokes' drag alone slows blocks too little",
+    remedy: "give the `fluid` its `density`, which adds the drag of wakes",
+    kind: SceneWarningKind::StokesDrag,
+};
+
+/// Symbol of the fraction of a speed that `drag` removes per tick.
+pub(crate) const DRAG_SYMBOL: &str = "γ τ";
+
+/// Limit of the fraction that drag removes per step. Forces act before drag, so terminal speeds
+/// lack half of it.
+const DRAG: f64 = 0.2;
+
+/// Limit for springs: the phase √(k/m) τ per step is below half a radian. With strong drag, a step
+/// does not overshoot, so the number is below 1.
+const SPRING: f64 = 0.25;
+
+fn contact(scene: &Scene, push: Push, out: &mut Vec<DimensionlessGroup>) {
+    let Some(contact) = &scene.contact else {
+        return;
+    };
+    let ContactLaw::Compliant { stiffness, damping } = contact.law else {
+        return;
+    };
+    let units = BlockUnits::from_scene(scene);
+    let (stiffness, damping) = (units.stiffness(stiffness), units.damping(damping));
+    out.push(push.spring(
+        ["k τ² / m, contact", "φ k τ² / m, contact"],
+        "stiffness of a contact",
+        stiffness,
+        "a collision is over within a step or two",
+    ));
+    if damping > 0.0 {
+        let value = |steps: f64| damping * steps * push.displacement(steps);
+        let symbols = ["c τ / m, contact", "φ c τ / m, contact"];
+        out.push(
+            DimensionlessGroup::new(push.symbol(symbols), "damping of a contact", value(1.0))
+                .limited(
+                    |_| 0.5,
+                    value,
+                    "damping turns a motion round instead of braking it",
+                ),
+        );
+    }
+    out.push(DimensionlessGroup::new(
+        "c / (2 √(k m)), contact",
+        "damping ratio of a block against something fixed",
+        speed::damping_ratio(stiffness, damping),
+    ));
+    out.push(DimensionlessGroup::new(
+        "e, two blocks",
+        "restitution that this amounts to, head-on",
+        speed::restitution(scene, contact, true),
+    ));
+}
+
+fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
+    let Some(gas) = Gas::from_scene(scene) else {
+        return;
+    };
+    out.push(DimensionlessGroup::new(
+        "N a³ / V",
+        "part of the enclosure that free blocks fill",
+        gas.density,
+    ));
+    if scene.contact.is_none() {
+        return;
+    }
+    out.push(DimensionlessGroup::new(
+        "ℓ / a",
+        "mean free path between other blocks",
+        gas.free_path(),
+    ));
+    if let Some(v) = v {
+        out.push(DimensionlessGroup::new(
+            "ν τ",
+            "collisions of a block with others in a tick",
+            gas.meetings(v),
+        ));
+    }
+}
+
+fn settling(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
+    let Some(settling) = Settling::from_scene(scene) else {
+        return;
+    };
+    let units = BlockUnits::from_scene(scene);
+    if let Some(speeds) = settling.speeds {
+        let meaning = "speed of sinking against the vertical speed of the eddies";
+        out.push(DimensionlessGroup::new("w / α σ", meaning, speeds));
+    }
+    let meaning = "height over which sinking thins the blocks that are lifted to 1/e, in sides";
+    out.push(DimensionlessGroup::new(
+        "h / a",
+        meaning,
+        units.length(settling.height),
+    ));
+    if let Some(Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) =
+        &scene.enclosure
+    {
+        let meaning = "the same over the enclosure's radius";
+        out.push(DimensionlessGroup::new(
+            "h / R",
+            meaning,
+            settling.height / radius,
+        ));
+    }
+    let meaning = "mean height of all blocks above their resting place, in block lengths";
+    out.push(DimensionlessGroup::new(
+        "⟨z⟩ / a",
+        meaning,
+        units.length(settling.mean()),
+    ));
+    out.push(DimensionlessGroup::new(
+        "n(a) / n",
+        "share of blocks a block length or more above their resting place",
+        settling.above(scene.block.side),
+    ));
+}

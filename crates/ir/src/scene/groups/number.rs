@@ -1,0 +1,166 @@
+//! A dimensionless number of a scene, and its limits.
+use serde::Serialize;
+
+use crate::scene::Substeps;
+use crate::scene::warning_kind::SceneWarningKind;
+
+/// Dimensionless number.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DimensionlessGroup {
+    /// Definition in the symbols of the terms.
+    pub symbol: &'static str,
+    /// Meaning.
+    pub meaning: &'static str,
+    /// Value with one step per tick.
+    pub value: f64,
+    /// Limit that the time step must resolve, if there is one.
+    pub limit: Option<ResolutionLimit>,
+    /// Range that it should be in at any time step.
+    pub expected: Option<ExpectedRange>,
+    /// Whether it concerns blocks near an open face, which may take shorter steps.
+    pub of_faces: bool,
+}
+
+/// Largest value that the time step resolves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ResolutionLimit {
+    /// Approximate value with one step per tick.
+    pub most: f64,
+    /// Smallest number of substeps within the limit. `None` if there is none.
+    pub substeps: Option<u32>,
+    /// Consequence beyond it, as a clause.
+    pub beyond: &'static str,
+}
+
+/// Largest value for a working scene, at any time step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ExpectedRange {
+    /// Approximate value.
+    pub most: f64,
+    /// Consequence beyond it, as a clause.
+    pub beyond: &'static str,
+    /// Remedy.
+    pub remedy: &'static str,
+    /// Kind of the warning.
+    #[serde(skip)]
+    pub kind: SceneWarningKind,
+}
+
+impl DimensionlessGroup {
+    /// Returns whether this number of steps per tick is too small.
+    pub fn is_exceeded(&self, substeps: u32) -> bool {
+        let needed = |limit: ResolutionLimit| limit.substeps;
+        (self.limit).is_some_and(|limit| needed(limit).is_none_or(|needed| substeps < needed))
+    }
+
+    /// Returns the steps per tick of the blocks concerned.
+    pub fn steps_of(&self, steps: Substeps) -> u32 {
+        if self.of_faces {
+            steps.near
+        } else {
+            steps.longest()
+        }
+    }
+
+    /// Returns the smallest number of substeps within the limit. `None` without limit, or if there
+    /// is no such number.
+    pub fn substeps(&self) -> Option<u32> {
+        self.limit?.substeps
+    }
+
+    /// Returns the range if the value is outside of it.
+    pub fn disappoints(&self) -> Option<ExpectedRange> {
+        self.expected.filter(|expected| self.value > expected.most)
+    }
+}
+
+/// Returns the smallest number from 1 that fulfils a monotone condition, or `None` if there is
+/// none.
+fn fewest(is_enough: impl Fn(u32) -> bool) -> Option<u32> {
+    const MAX: u32 = u32::MAX / 2;
+    let mut enough = 1;
+    while !is_enough(enough) {
+        enough = enough.checked_mul(2).filter(|&n| n <= MAX)?;
+    }
+    let mut few = enough / 2;
+    while enough - few > 1 {
+        let middle = few + (enough - few) / 2;
+        if is_enough(middle) {
+            enough = middle
+        } else {
+            few = middle
+        }
+    }
+    Some(enough)
+}
+
+impl DimensionlessGroup {
+    pub(super) const fn new(
+        symbol: &'static str,
+        meaning: &'static str,
+        value: f64,
+    ) -> DimensionlessGroup {
+        DimensionlessGroup {
+            symbol,
+            meaning,
+            value,
+            limit: None,
+            expected: None,
+            of_faces: false,
+        }
+    }
+
+    pub(super) const fn of_faces(mut self) -> DimensionlessGroup {
+        self.of_faces = true;
+        self
+    }
+
+    /// Adds a limit: `at` is the value with a number of steps per tick, and `most` its limit then.
+    pub(super) fn limited(
+        mut self,
+        most: impl Fn(f64) -> f64,
+        at: impl Fn(f64) -> f64,
+        beyond: &'static str,
+    ) -> DimensionlessGroup {
+        self.limit = Some(ResolutionLimit {
+            most: most(1.0),
+            substeps: fewest(|steps| at(steps.into()) <= most(steps.into())),
+            beyond,
+        });
+        self
+    }
+
+    pub(super) const fn expected(mut self, expected: ExpectedRange) -> DimensionlessGroup {
+        self.expected = Some(expected);
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fewest_steps_that_resolve_a_group_are_told() {
+        for (value, most, power, substeps) in [
+            (0.05, 0.1, 1, Some(1)),
+            (0.1, 0.1, 1, Some(1)),
+            (0.2636, 0.1, 1, Some(3)),
+            (6.0, 1.0, 2, Some(3)),
+            (4.0, 1.0, 2, Some(2)),
+            (4.0001, 1.0, 2, Some(3)),
+            (1e12, 1.0, 1, None),
+            (f64::INFINITY, 1.0, 2, None),
+        ] {
+            let at = |steps: f64| value / steps.powi(power);
+            let group = DimensionlessGroup::new("", "", value).limited(|_| most, at, "");
+            assert_eq!(group.substeps(), substeps, "{value}");
+            assert_eq!(group.is_exceeded(1), substeps != Some(1), "{value}");
+            if let Some(substeps) = substeps {
+                assert!(!group.is_exceeded(substeps) && !group.is_exceeded(substeps + 1));
+                assert!(substeps == 1 || group.is_exceeded(substeps - 1), "{value}");
+            }
+        }
+        assert_eq!(DimensionlessGroup::new("", "", 1e9).substeps(), None);
+    }
+}

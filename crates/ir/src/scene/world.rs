@@ -1,0 +1,216 @@
+//! Scenes as plain values.
+use serde::{Deserialize, Serialize};
+
+use super::bond::Bond;
+use super::medium::{Agitation, Drag, Flow, Fluid};
+use crate::Cell;
+use crate::table::plate::Plate;
+
+/// World of free blocks around a seed plate, or without one.
+///
+/// The ground is the plane z = 0 through the plate's upper faces, with the centre of the plate at
+/// the origin. Blocks float above it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    /// Name in the program.
+    pub name: String,
+    /// Tick \[s\]: interval of random impulses and message hops, and unit of reported times.
+    pub tick: f64,
+    /// Blocks.
+    pub block: Block,
+    /// Free blocks at the start.
+    pub free: Free,
+    /// Enclosure of the free blocks.
+    pub enclosure: Option<Enclosure>,
+    /// Gravity \[m/s^2\]. A fluid with a density adds buoyancy.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<f64>,
+    /// Fluid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<Fluid>,
+    /// Mean flow.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flow: Option<Flow>,
+    /// Agitation.
+    pub agitation: Option<Agitation>,
+    /// Drag between collisions.
+    pub drag: Option<Drag>,
+    /// Contact between blocks and with the ground. `None` lets them pass through each other.
+    pub contact: Option<Contact>,
+    /// Capture by a magnetized face.
+    pub bond: Option<Bond>,
+    /// Message parameters. `None` delivers a message in the tick of its sending.
+    pub messages: Option<Messages>,
+}
+
+impl Scene {
+    /// Returns the mass of a block including the added mass of fluid \[kg\].
+    pub fn inertial_mass(&self) -> f64 {
+        let fluid = self.fluid.as_ref();
+        self.block.mass + fluid.map_or(0.0, |fluid| fluid.taken_along(self.block.side))
+    }
+}
+
+/// Block properties. All blocks are equal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Block {
+    /// Block length \[m\].
+    pub side: f64,
+    /// Mass \[kg\], uniformly distributed.
+    pub mass: f64,
+    /// Number of faces that one block can magnetize at the same time, 1 to 5.
+    pub faces: u8,
+}
+
+/// Free blocks at the start, at rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Free {
+    /// Number of free blocks.
+    pub count: u32,
+    /// Arrangement of the free blocks at the start.
+    pub arrangement: Arrangement,
+}
+
+/// Positions of the free blocks at tick 0, equal in all runs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Arrangement {
+    /// Cubic lattice that fills the enclosure.
+    Uniform,
+    /// Horizontal circle about the vertical axis at half height of the enclosure, evenly spaced.
+    /// The first block is in the east.
+    Ring {
+        /// Radius of the circle through the blocks' centres \[m\].
+        radius: f64,
+    },
+}
+
+/// Enclosure of the free blocks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Enclosure {
+    /// Hemisphere on the ground: a flat solid floor at z = 0, and an elastic shell.
+    Hemisphere {
+        /// Radius of the shell \[m\].
+        radius: f64,
+        /// Inward force per depth on the centre of a block outside the shell \[N/m\].
+        wall: f64,
+    },
+    /// Sphere, cut off by the ground so that the cut circumscribes the plate. Without a plate it
+    /// touches the ground. See [`Enclosure::centre_height`].
+    Sphere {
+        /// Radius of the shell \[m\].
+        radius: f64,
+        /// Inward force per depth on a block whose inscribed sphere extends beyond the shell
+        /// \[N/m\].
+        wall: f64,
+    },
+}
+
+impl Enclosure {
+    /// Returns the radius of the shell \[m\].
+    pub fn radius(&self) -> f64 {
+        let (Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) = *self;
+        radius
+    }
+
+    /// Returns the largest distance of a block's centre from the shell's centre without a force
+    /// \[m\].
+    pub fn reach(&self, side: f64) -> f64 {
+        match *self {
+            Enclosure::Hemisphere { radius, .. } => radius,
+            Enclosure::Sphere { radius, .. } => radius - side / 2.0,
+        }
+    }
+
+    /// Returns the height of the shell's centre above the ground \[m\], for a plate of blocks of
+    /// this length \[m\].
+    pub fn centre_height(&self, plate: &Plate, side: f64) -> f64 {
+        match *self {
+            Enclosure::Hemisphere { .. } => 0.0,
+            Enclosure::Sphere { radius, .. } => {
+                let corner = f64::from(plate.width).hypot(f64::from(plate.depth)) / 2.0 * side;
+                (radius * radius - corner * corner).max(0.0).sqrt()
+            }
+        }
+    }
+
+    /// Returns the distance from the shell's centre to the farthest point of a block in `cell`
+    /// \[m\], for blocks of this length \[m\].
+    pub fn distance_to(&self, cell: Cell, plate: &Plate, side: f64) -> f64 {
+        let middle = self.centre_height(plate, side) / side;
+        let centre = |edge: u32| (f64::from(edge) - 1.0) / 2.0;
+        let x = (f64::from(cell.x) - centre(plate.width)).abs() + 0.5;
+        let y = (f64::from(cell.y) - centre(plate.depth)).abs() + 0.5;
+        let (top, bottom) = (f64::from(cell.z), f64::from(cell.z) - 1.0);
+        let z = (top - middle).abs().max((bottom - middle).abs());
+        (x * x + y * y + z * z).sqrt() * side
+    }
+}
+
+/// Contacts of blocks with each other, the structure and the ground.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// Law of the normal force.
+    #[serde(flatten)]
+    pub law: ContactLaw,
+    /// Coefficient of Coulomb friction.
+    pub friction: f64,
+}
+
+/// Law of the normal force.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum ContactLaw {
+    /// Bodies do not overlap, except for errors of the time step.
+    Rigid {
+        /// Coefficient of restitution. 0: inelastic, 1: elastic.
+        restitution: f64,
+    },
+    /// Bodies with an overlap d repel by `stiffness d + damping d'`, never attract. The force acts
+    /// at the deepest point.
+    Compliant {
+        /// Force per depth \[N/m\], more than 0.
+        stiffness: f64,
+        /// Force per rate of the depth \[N s/m\], at least 0.
+        damping: f64,
+    },
+}
+
+/// Timing and loss of messages.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Messages {
+    /// Time of a hop between parent and child \[ticks\].
+    pub hop: u32,
+    /// Probability of loss of a hop, and of its acknowledgement. `None` if nothing is lost.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loss: Option<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_contact_in_json_names_the_fields_of_its_kind() {
+        for (json, law) in [
+            (
+                r#"{"restitution":0.0,"friction":0.2}"#,
+                ContactLaw::Rigid { restitution: 0.0 },
+            ),
+            (
+                r#"{"stiffness":25.0,"damping":5.0,"friction":0.2}"#,
+                ContactLaw::Compliant {
+                    stiffness: 25.0,
+                    damping: 5.0,
+                },
+            ),
+        ] {
+            let contact = Contact { law, friction: 0.2 };
+            assert_eq!(serde_json::to_string(&contact).unwrap(), json);
+            assert_eq!(serde_json::from_str::<Contact>(json).unwrap(), contact);
+        }
+        let neither = serde_json::from_str::<Contact>(r#"{"friction":0.2}"#);
+        assert!(neither.is_err(), "{neither:?}");
+    }
+}

@@ -1,0 +1,161 @@
+//! All tables: their rows, written as Parquet or given group by group.
+use std::io;
+use std::io::Write;
+
+use ::parquet::errors::ParquetError;
+
+use super::column::{ColumnValues, TableShape};
+use super::row::rows;
+use super::{about, bonds, phases, releases, runs, unplanned};
+use crate::manifest::SweepAxes;
+use crate::{Finished, FolderError, JournalError, Manifest, Records};
+
+/// Approximate number of captures, releases, phases and other rows per row group. Limits the memory
+/// for writing tables.
+pub(super) const GROUP: usize = 1 << 17;
+
+/// Tables: index, columns, and rows of a run.
+macro_rules! for_each_table {
+    ($do:ident) => {
+        $do!(0, runs, |_| [()]);
+        $do!(1, phases, phases::reached);
+        $do!(2, bonds, bonds::bonds);
+        $do!(3, releases, |run| &run.record.releases);
+        $do!(4, unplanned, |run| &run.record.unplanned_bonds);
+    };
+}
+
+/// Writes the tables of runs to the outputs that `begin` returns for their names. `io` converts
+/// errors.
+pub(crate) fn write<W: Write + Send>(
+    manifest: &Manifest,
+    finished: &Records,
+    begin: impl Fn(&str) -> io::Result<W>,
+    io: impl Fn(io::Error) -> FolderError,
+) -> Result<Vec<(String, W)>, FolderError> {
+    let about = about::about(manifest);
+    let axes = &manifest.swept();
+    let mut files = Vec::new();
+    macro_rules! begin_file {
+        ($number:expr, $table:ident, $of:expr) => {
+            let table = $table::table(axes);
+            let name = format!("{}.parquet", table.name);
+            let out = begin(&name).map_err(&io)?;
+            let file = table.begin(out, &about);
+            files.push((name, file.map_err(|error| io(plain(error)))?));
+        };
+    }
+    for_each_table!(begin_file);
+    let mut add = |group: &[Finished], is_last: bool| -> Result<(), ParquetError> {
+        macro_rules! add_rows {
+            ($number:expr, $table:ident, $of:expr) => {
+                let rows = rows(manifest, group, $of);
+                let file = &mut files[$number].1;
+                // A table without rows has one empty group.
+                if !rows.is_empty() || is_last && file.is_empty() {
+                    file.add(&$table::table(axes), &rows)?;
+                }
+            };
+        }
+        for_each_table!(add_rows);
+        Ok(())
+    };
+    each_group(finished, |group, is_last| {
+        add(group, is_last).map_err(|error| io(plain(error)))
+    })?;
+    let files = files.into_iter();
+    let files = files.map(|(name, file)| Ok((name, file.finish()?)));
+    let files: Result<_, ParquetError> = files.collect();
+    files.map_err(|error| io(plain(error)))
+}
+
+/// Calls `show` with groups of runs, at least one, and whether it is the last one.
+fn each_group<E: From<JournalError>>(
+    finished: &Records,
+    mut show: impl FnMut(&[Finished], bool) -> Result<(), E>,
+) -> Result<(), E> {
+    let (mut group, mut size) = (Vec::new(), 0);
+    finished.try_take_each(|done| {
+        let record = &done.record;
+        let parts = [
+            record.phase_ticks.len(),
+            record.bonds.len(),
+            record.waiting.len(),
+            record.releases.len(),
+            record.unplanned_bonds.len(),
+        ];
+        size += 1 + parts.iter().sum::<usize>();
+        group.push(done.into_owned());
+        if size >= GROUP {
+            show(&group, false)?;
+            (group, size) = (Vec::new(), 0);
+        }
+        Ok::<(), E>(())
+    })?;
+    show(&group, true)
+}
+
+/// Calls `show` with the columns of a table, row group by row group as in its file, at least one.
+/// `table` is its index in [`tables`].
+///
+/// # Errors
+///
+/// Errors of `show`, and of reading the runs.
+pub fn each_row_group<E: From<JournalError>>(
+    (manifest, finished): (&Manifest, &Records),
+    table: usize,
+    mut show: impl FnMut(Vec<ColumnValues<'_>>) -> Result<(), E>,
+) -> Result<(), E> {
+    let axes = &manifest.swept();
+    each_group(finished, |group, _| {
+        macro_rules! show_rows {
+            ($number:expr, $table:ident, $of:expr) => {
+                if table == $number {
+                    let (rows, table) = (rows(manifest, group, $of), $table::table(axes));
+                    let columns = table.columns.iter();
+                    show(columns.map(|column| column.values(&rows)).collect())?;
+                }
+            };
+        }
+        for_each_table!(show_rows);
+        Ok(())
+    })
+}
+
+/// Returns the metadata of table files about their ensemble, as pairs of keys and values.
+pub fn table_metadata(manifest: &Manifest) -> Vec<(&'static str, String)> {
+    about::about(manifest)
+}
+
+/// Converts an error to that of the file system.
+pub(super) fn plain(error: ParquetError) -> io::Error {
+    match error {
+        ParquetError::External(error) => match error.downcast::<io::Error>() {
+            Ok(error) => *error,
+            Err(error) => io::Error::other(error),
+        },
+        error => io::Error::other(error),
+    }
+}
+
+/// Returns the descriptions of the tables of a results folder. Tables of a sweep have additional
+/// columns.
+pub fn tables() -> Vec<TableShape> {
+    shapes(&SweepAxes::default())
+}
+
+/// Returns the descriptions of the tables of an ensemble.
+pub fn tables_of(manifest: &Manifest) -> Vec<TableShape> {
+    shapes(&manifest.swept())
+}
+
+pub(super) fn shapes(axes: &SweepAxes<'_>) -> Vec<TableShape> {
+    let mut shapes = Vec::new();
+    macro_rules! shape {
+        ($number:expr, $table:ident, $of:expr) => {
+            shapes.push($table::table(axes).shape());
+        };
+    }
+    for_each_table!(shape);
+    shapes
+}

@@ -1,0 +1,100 @@
+//! Errors of planning, with the options that help.
+use std::fmt::Display;
+
+use stochc_planner::{LoosePart, TargetError, Unplanned};
+use stochc_text::visible;
+
+use super::options::{PlanOptions, PlanScope};
+use crate::exit::{Exit, Failure};
+use crate::host::Host;
+use crate::operations::programs::verdict;
+
+/// Returns the error that a target cannot be planned for this reason.
+pub(super) fn refused(target: &str, reason: impl Display) -> Failure {
+    Failure::error(Exit::InvalidProgram, format!("`{target}`: {reason}"))
+}
+
+/// Returns the error that a target cannot be built, with the options that help.
+pub(super) fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Failure {
+    let mut failure = refused(options.target, error);
+    // Blocks of an existing structure cannot be left out.
+    let stands =
+        matches!(error, TargetError::Sealed(_)) && !matches!(options.extent, PlanScope::Whole);
+    if let Some(help) = error.help().filter(|_| !stands) {
+        let option = option_for(error, options.extent);
+        failure.message += &format!("help: {}{option}\n", visible(&help));
+    }
+    failure
+}
+
+/// Returns a hint with the options that help.
+fn option_for(error: &TargetError, extent: PlanScope<'_>) -> &'static str {
+    match (error, extent) {
+        (TargetError::Loose(parts), PlanScope::Whole)
+            if parts.iter().any(LoosePart::rests_on_plate) =>
+        {
+            " (`--plate`, `--offset`); `--supports` adds such cells, `--drop-loose` leaves the parts out"
+        }
+        (TargetError::Loose(_), PlanScope::Whole) => {
+            "; `--supports` adds such cells, `--drop-loose` leaves the parts out"
+        }
+        (TargetError::TooFewBlocks { .. }, PlanScope::Whole | PlanScope::Rest(_)) => {
+            " (`--free`, `--scene`)"
+        }
+        _ => "",
+    }
+}
+
+/// The reason why there is no plan.
+#[derive(Debug)]
+pub struct NotPlanned {
+    /// Message and exit status of the command.
+    pub failure: Failure,
+    /// The error in the target. `None` if something else failed.
+    pub refused: Option<TargetError>,
+}
+
+impl From<Failure> for NotPlanned {
+    fn from(failure: Failure) -> NotPlanned {
+        NotPlanned {
+            failure,
+            refused: None,
+        }
+    }
+}
+
+impl From<NotPlanned> for Failure {
+    fn from(not_planned: NotPlanned) -> Failure {
+        not_planned.failure
+    }
+}
+
+impl NotPlanned {
+    pub(super) fn impossible(options: &PlanOptions<'_>, error: TargetError) -> NotPlanned {
+        NotPlanned {
+            failure: impossible(options, &error),
+            refused: Some(error),
+        }
+    }
+
+    pub(super) fn new(
+        unplanned: Unplanned,
+        options: &PlanOptions<'_>,
+        host: &dyn Host,
+    ) -> NotPlanned {
+        match unplanned {
+            Unplanned::Refused(TargetError::Cancelled) => NotPlanned::from(Failure {
+                exit: Exit::Interrupted,
+                message: "stopped before there was a plan\n".to_owned(),
+            }),
+            Unplanned::Refused(error) => NotPlanned::impossible(options, error),
+            Unplanned::Wrong(checked) => {
+                // A denied warning also prevents a program.
+                NotPlanned::from(Failure {
+                    exit: Exit::InvalidProgram.or_worse(verdict(&checked)),
+                    message: host.draw(&checked),
+                })
+            }
+        }
+    }
+}

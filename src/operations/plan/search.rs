@@ -1,0 +1,160 @@
+//! Reads and plans a target.
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use stochc_compiler::diagnostic::Severity;
+use stochc_compiler::{Limits, LintLevels};
+use stochc_grammar::Cancellation;
+use stochc_planner::{
+    Completion, Goal, PlanSearch, Planned, TargetError, Unplanned, untrue_claims,
+};
+use stochc_results::now;
+use stochc_text::visible;
+
+use super::budget::Budget;
+use super::goal::goal;
+use super::not_planned::NotPlanned;
+use super::options::{PlanOptions, PlanScope};
+use super::{race, rest};
+use crate::exit::Failure;
+use crate::host::{Host, during};
+use crate::operations::rates::of_files_for;
+use crate::progress::WorkProgress;
+use crate::reader::DiskReader;
+
+/// Checks that a completed program is also correct at another path, because imports are relative.
+///
+/// # Errors
+/// If the program has errors at that path. Claims that the plan does not fulfil yet are ignored.
+pub fn is_right_at(path: &Path, planned: &Planned, imports: &[PathBuf]) -> Result<(), Failure> {
+    let text = &planned.text;
+    let path = path.to_string_lossy();
+    let mut reader = DiskReader::new(&path, Some(text.as_bytes()), imports);
+    let (limits, levels) = (Limits::default(), LintLevels::default());
+    let checked = stochc_compiler::check_with(&path, &mut reader, limits, &levels);
+    if untrue_claims(&checked).is_some_and(|untrue| untrue <= planned.untrue) {
+        return Ok(());
+    }
+    let mut found = checked.diagnostics.iter();
+    match found.find(|found| found.severity == Severity::Error) {
+        None => Ok(()),
+        Some(error) => Err(Failure::usage(format!(
+            "in `{}` the program would not be right: {}; write it into the folder of the program that it completes",
+            visible(&path),
+            error.title
+        ))),
+    }
+}
+
+/// A target that has been read.
+#[derive(Debug)]
+pub enum PlanTarget {
+    /// A shape, or the rest of a run.
+    Goal(Goal),
+    /// A partial program.
+    Completion(Completion),
+}
+
+/// Reads the target.
+///
+/// # Errors
+/// If it cannot be read, or contains nothing to plan.
+pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<PlanTarget, NotPlanned> {
+    match options.extent {
+        PlanScope::Whole => Ok(PlanTarget::Goal(goal(options, host)?)),
+        PlanScope::Completion => rest::completion(options, host).map(PlanTarget::Completion),
+        PlanScope::Rest(end) => Ok(PlanTarget::Goal(rest::goal(options, &end, host)?)),
+    }
+}
+
+/// Plans a target.
+///
+/// # Errors
+/// If the target cannot be built, or the user interrupts before the first plan.
+pub fn plan(
+    read: &PlanTarget,
+    options: &PlanOptions<'_>,
+    host: &dyn Host,
+) -> Result<Planned, NotPlanned> {
+    // The plan reports errors of a scene.
+    let (missing, scene) = match read {
+        PlanTarget::Goal(goal) => (goal.cells.len(), goal.scene().ok()),
+        PlanTarget::Completion(completion) => {
+            (completion.missing(), Some(completion.scene().clone()))
+        }
+    };
+    let rates = of_files_for(options.rates, scene.iter(), host)?;
+    let planned = search(missing, options, host, |search| match read {
+        PlanTarget::Goal(goal) => goal.plan(&rates, search),
+        PlanTarget::Completion(completion) => completion.plan(&rates, search),
+    })?;
+    match (read, options.race) {
+        (PlanTarget::Goal(goal), Some(runs)) => {
+            let rivals = goal.plans_that_may_jam(&rates, options.seed);
+            let rivals = rivals.map_err(|error| NotPlanned::new(error, options, host))?;
+            Ok(race::winner(planned, rivals, runs, options, host)?)
+        }
+        _ => Ok(planned),
+    }
+}
+
+/// Searches for a plan of this number of cells within the budget.
+pub(super) fn search(
+    cells: usize,
+    options: &PlanOptions<'_>,
+    host: &dyn Host,
+    plan: impl Fn(PlanSearch<'_>) -> Result<Planned, Unplanned> + Sync,
+) -> Result<Planned, NotPlanned> {
+    let stop = host.stop();
+    let start = now();
+    let budget = options.budget.unwrap_or_else(|| Budget::of_cells(cells));
+    let (tried, best) = (AtomicU64::new(0), AtomicU64::new(0));
+    let is_over = || {
+        let is_late = matches!(budget, Budget::Time(time) if start.elapsed() >= time);
+        is_late || stop.load(Ordering::Relaxed)
+    };
+    let is_half_over = || {
+        let is_late = matches!(budget, Budget::Time(time) if start.elapsed() >= time / 2);
+        is_late || stop.load(Ordering::Relaxed)
+    };
+    let is_stopped = || stop.load(Ordering::Relaxed);
+    let count = |rounds: u64, ticks: f64| {
+        tried.store(rounds, Ordering::Relaxed);
+        best.store(ticks as u64, Ordering::Relaxed);
+    };
+    let search = PlanSearch {
+        objective: options.objective,
+        rounds: budget.tries(),
+        seed: options.seed,
+        halfway: Cancellation::new(&is_half_over),
+        enough: Cancellation::new(&is_over),
+        cancellation: Cancellation::new(&is_stopped),
+        keeps_scaffolds: options.keeps_scaffolds,
+        tried: &count,
+    };
+    let is_refused = AtomicBool::new(false);
+    let state = |elapsed| {
+        let tried = tried.load(Ordering::Relaxed);
+        WorkProgress {
+            share: budget.share(tried, elapsed),
+            // If the target cannot be planned, the error is sufficient.
+            done: if is_refused.load(Ordering::Relaxed) {
+                String::new()
+            } else {
+                format!("{tried} plans tried")
+            },
+            more: match best.load(Ordering::Relaxed) {
+                0 => String::new(),
+                best => format!("; the best takes about {best} ticks"),
+            },
+        }
+    };
+    let planned = during(host, state, || {
+        let planned = plan(search);
+        let refused =
+            matches!(&planned, Err(Unplanned::Refused(error)) if *error != TargetError::Cancelled);
+        is_refused.store(refused, Ordering::Relaxed);
+        planned
+    });
+    planned.map_err(|unplanned| NotPlanned::new(unplanned, options, host))
+}
