@@ -1,4 +1,4 @@
-//! How much memory is taken: by programs beyond the limits, and by showing large ones.
+//! Measures the memory of programs beyond the limits, and of output of large programs.
 use std::fmt::{Display, Write as _};
 use std::io::{Write as _, sink};
 use std::num::NonZeroUsize;
@@ -23,7 +23,7 @@ static MEMORY: PeakAlloc = PeakAlloc;
 
 const MIB: usize = 1 << 20;
 
-/// What `work` gives, and the bytes that it took at its peak beside those that were there before.
+/// Returns the result of `work`, and its peak of additional memory in bytes.
 fn peak<T>(work: impl FnOnce() -> T) -> (T, usize) {
     let before = MEMORY.current_usage();
     MEMORY.reset_peak_usage();
@@ -31,7 +31,7 @@ fn peak<T>(work: impl FnOnce() -> T) -> (T, usize) {
     (result, MEMORY.peak_usage().saturating_sub(before))
 }
 
-/// The counter is that of the whole process: one test at a time.
+/// The counter is shared by the whole process, so only one test runs at a time.
 static TURN: Mutex<()> = Mutex::new(());
 
 fn checked(text: &str) -> Checked {
@@ -39,8 +39,8 @@ fn checked(text: &str) -> Checked {
     check("large.sa", &mut reader, Limits::default())
 }
 
-/// `towers` towers of four in a square on a plate, written out; or one tower of `4 * towers` blocks in
-/// one statement.
+/// Returns `towers` towers of four in a square on a plate as separate statements, or one tower of
+/// `4 * towers` blocks in one statement.
 fn program(towers: usize, in_one: bool) -> String {
     let edge = (towers as f64).sqrt().ceil() as usize;
     let mut text = format!(
@@ -139,12 +139,12 @@ fn a_program_beyond_the_limits_takes_little_memory() {
     }
 }
 
-/// Ensembles stay in their files: more runs take a few bytes each while they are made, summed up and reported, where a
-/// record of this program has 2 kB.
+/// Ensembles are stored in files. While runs are made, summarized and reported, each additional run
+/// takes only a few bytes. A record of this program has 2 kB.
 #[test]
 fn memory_hardly_grows_with_the_number_of_runs() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    // Both have more runs than a group of rows of a table.
+    // Both have more runs than a row group of a table.
     let few = of_ensemble(10_000);
     let many = of_ensemble(24_000);
     let grown = many.saturating_sub(few);
@@ -155,7 +155,8 @@ fn memory_hardly_grows_with_the_number_of_runs() {
     );
 }
 
-/// Bytes that it takes at its peak to make so many runs in a folder, to sum them up, and to report on them.
+/// Returns the peak memory in bytes of simulating `runs` runs in a folder, summarizing and
+/// reporting them.
 fn of_ensemble(runs: u64) -> usize {
     let text =
         "assembly line { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up ->> T[1..13] } }";
@@ -203,7 +204,7 @@ fn of_ensemble(runs: u64) -> usize {
     bytes
 }
 
-/// Short texts at the limits of the language.
+/// Tests short texts at the limits of the language.
 #[test]
 fn no_short_text_takes_more_than_300_mib() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,4 +1,4 @@
-//! The cluster, and what is done to it.
+//! Emulated Slurm cluster, and operations on it.
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead as _, BufReader};
@@ -11,22 +11,24 @@ use tempfile::TempDir;
 
 use crate::skipped::skipped;
 
-/// Longer than any wait can take on a busy machine.
+/// Time limit that exceeds every wait on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(180);
 
-/// A program with physics, so that there is time to hold it in between.
+/// Command with physics, slow enough to stop the process during a run.
 pub const SLOW: &str = "simulate examples/line.sa --max-ticks 2500 --seed 3 --runs 8";
-/// The same, without physics, in no time.
+/// Command without physics that takes almost no time.
 pub const FAST: &str = "simulate tests/fixtures/tower.sa --model shuffle --seed 3 --runs 12";
 
-/// A Slurm of two nodes, `n1` and `n2`, with one processor each, and arrays of five tasks at most.
+/// Slurm cluster of two nodes, `n1` and `n2`, with one processor each and arrays of at most five
+/// tasks.
 pub struct Cluster {
     configuration: PathBuf,
-    /// Ends with the pipe to it.
+    /// Process that ends when its input pipe is closed.
     _run: Child,
 }
 
-/// The cluster that all tests share, one after the other; `None`: Slurm is not installed.
+/// Returns the cluster that all tests share, one after the other. Returns `None` if Slurm is not
+/// installed.
 pub fn cluster() -> Option<MutexGuard<'static, Cluster>> {
     static CLUSTER: OnceLock<Option<Mutex<Cluster>>> = OnceLock::new();
     let cluster = CLUSTER
@@ -43,7 +45,7 @@ pub fn cluster() -> Option<MutexGuard<'static, Cluster>> {
     Some(cluster)
 }
 
-/// Waits until something is so.
+/// Waits until a condition holds.
 pub fn until(what: &str, so: impl Fn() -> bool) {
     let start = Instant::now();
     while !so() {
@@ -53,7 +55,7 @@ pub fn until(what: &str, so: impl Fn() -> bool) {
 }
 
 impl Cluster {
-    /// Starts one; `None`: it is not installed.
+    /// Starts a cluster. Returns `None` if Slurm is not installed.
     pub fn start() -> Option<Cluster> {
         let mut run = Command::new("tests/cluster/run");
         run.args(["sh", "-c", "echo \"$SLURM_CONF\"; exec cat"]);
@@ -64,7 +66,11 @@ impl Cluster {
         let out = run.stdout.as_mut().unwrap();
         BufReader::new(out).read_line(&mut line).unwrap();
         if line.is_empty() {
-            assert_eq!(run.wait().unwrap().code(), Some(2), "it does not start");
+            assert_eq!(
+                run.wait().unwrap().code(),
+                Some(2),
+                "the cluster does not start"
+            );
             return None;
         }
         let configuration = PathBuf::from(line.trim());
@@ -75,35 +81,35 @@ impl Cluster {
         })
     }
 
-    /// The script that runs it.
+    /// Returns the script that runs the cluster.
     pub fn script(&mut self) -> &mut Child {
         &mut self._run
     }
 
-    /// Its folder.
+    /// Returns the folder of the cluster.
     pub fn folder(&self) -> &Path {
         self.configuration.parent().unwrap()
     }
 
-    /// A program that sees it, with the words of a line.
+    /// Returns a command that uses the cluster, from the words of a line.
     pub fn command(&self, line: &str) -> Command {
         let mut words = line.split_whitespace();
         let mut command = Command::new("env");
-        // Whoever runs the tests may ignore some.
+        // The caller of the tests may ignore some signals.
         command.arg("--default-signal=INT,TERM,HUP");
         command.args(words.next().map(|program| match program {
             "stochc" => env!("CARGO_BIN_EXE_stochc"),
             program => program,
         }));
         command.args(words).env("SLURM_CONF", &self.configuration);
-        // Jobs get the environment of whoever submits them.
+        // Jobs inherit the environment of the submitting process.
         command.env_remove("RUST_BACKTRACE");
         command.stdin(Stdio::null());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }
 
-    /// What such a program prints.
+    /// Returns the output of such a command.
     pub fn ask(&self, line: &str) -> String {
         String::from_utf8(self.command(line).output().unwrap().stdout).unwrap()
     }
@@ -119,7 +125,7 @@ impl Cluster {
         end(self.start_submit(folder, options))
     }
 
-    /// Runs `stochc shard submit`, which has to submit this number of shards.
+    /// Runs `stochc shard submit`, which must submit this number of shards.
     #[track_caller]
     pub fn submits(&self, folder: &Path, shards: u64) {
         let (status, said) = self.submit(folder, "");
@@ -133,7 +139,7 @@ impl Cluster {
         until("end of all jobs", || self.ask(&line).is_empty());
     }
 
-    /// How many job arrays of this name were submitted, and have not been forgotten.
+    /// Returns the number of submitted job arrays of this name that Slurm still lists.
     pub fn arrays(&self, name: &str) -> usize {
         let jobs = self.ask("squeue --noheader --states=all --format=%F|%j");
         let arrays = jobs.lines().filter_map(|line| line.split_once('|'));
@@ -141,7 +147,7 @@ impl Cluster {
         arrays.collect::<std::collections::BTreeSet<_>>().len()
     }
 
-    /// The name of the job arrays of a folder, before it is whole.
+    /// Returns the name of the job arrays of a folder that is not merged yet.
     pub fn name(&self, folder: &Path) -> String {
         let shown = self
             .command("stochc shard submit --dry-run")
@@ -155,17 +161,17 @@ impl Cluster {
     }
 }
 
-/// An ensemble in pieces, in a folder of its own.
+/// Sharded ensemble in a temporary folder.
 pub struct Ensemble {
     /// Its folder.
     pub path: PathBuf,
-    /// What is in the folder of one machine.
+    /// Files of the same ensemble made on one machine.
     expected: BTreeMap<PathBuf, Vec<u8>>,
     _folder: TempDir,
 }
 
 impl Ensemble {
-    /// Of the runs that a line says, in so many pieces.
+    /// Splits the runs of a command into shards.
     pub fn cut(line: &str, shards: u64) -> Ensemble {
         static MADE: Mutex<BTreeMap<String, BTreeMap<PathBuf, Vec<u8>>>> =
             Mutex::new(BTreeMap::new());
@@ -184,14 +190,14 @@ impl Ensemble {
         let expected =
             expected.or_insert_with(|| files(&make("plain", &format!("{line} --threads 1"))));
         Ensemble {
-            // Names of others.
+            // The name contains special characters of the shell and of Slurm.
             path: make("it's 100 %A \\ \"of\"\n$HOME", &split),
             expected: expected.clone(),
             _folder: folder,
         }
     }
 
-    /// Waits until it is merged. It then has to be the folder of one machine.
+    /// Waits until it is merged. Then checks that it equals the folder of one machine.
     #[track_caller]
     pub fn is_made(&self) {
         until("merged ensemble", || {
@@ -201,7 +207,7 @@ impl Ensemble {
     }
 }
 
-/// Every file below a folder, but for the lock.
+/// Returns every file below a folder, except the lock.
 pub fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -232,7 +238,7 @@ pub fn end(child: Child) -> (i32, String) {
     (status.code().unwrap(), text)
 }
 
-/// Processes whose arguments and environment are such, by their ids.
+/// Returns the ids of processes with matching arguments and environment.
 fn processes(is_meant: impl Fn(&[&[u8]], &[&[u8]]) -> bool) -> Vec<String> {
     let mut found = Vec::new();
     for entry in fs::read_dir("/proc").unwrap().flatten() {
@@ -248,11 +254,11 @@ fn processes(is_meant: impl Fn(&[&[u8]], &[&[u8]]) -> bool) -> Vec<String> {
     found
 }
 
-/// A process that makes a piece and has finished some of its runs; it is held.
+/// Stopped process that runs a shard and has finished some of its runs.
 pub struct Held(pub String);
 
 impl Held {
-    /// The one that makes this piece.
+    /// Waits for the process of this shard and stops it.
     pub fn making(folder: &Path, piece: &str) -> Held {
         let path = folder.as_os_str().as_encoded_bytes();
         let find = || {
@@ -282,23 +288,26 @@ impl Held {
                 .map(lines)
                 .any(|lines| lines > 1)
         };
-        until("process that makes a piece", || {
+        until("process that makes a shard", || {
             !find().is_empty() && has_run()
         });
         let id = find().pop().expect("the shard has several runs");
         signal("-STOP", std::slice::from_ref(&id));
         let whole = folder.join("shards").join(format!("{piece}.jsonl"));
-        assert!(!whole.exists(), "a piece was made too fast to be held");
+        assert!(
+            !whole.exists(),
+            "a shard was finished before its process was stopped"
+        );
         Held(id)
     }
 
-    /// Lets it go on.
+    /// Lets the process continue.
     pub fn goes_on(self) {
         signal("-CONT", &[self.0]);
     }
 }
 
-/// Sends a signal to processes, of which some may have ended.
+/// Sends a signal to processes. Some of them may have ended.
 pub fn signal(signal: &str, ids: &[String]) {
     let _ = Command::new("kill")
         .arg(signal)
@@ -307,7 +316,7 @@ pub fn signal(signal: &str, ids: &[String]) {
         .status();
 }
 
-/// Processes that belong to a cluster: with a node's name, those on that node.
+/// Returns the processes of a cluster. With the name of a node, returns those on that node.
 pub fn members(cluster: &Cluster, node: Option<&str>) -> Vec<String> {
     let configuration = format!("SLURM_CONF={}", cluster.configuration.display());
     let node = node.map(|node| format!("SLURMD_NODENAME={node}"));
@@ -321,7 +330,7 @@ pub fn members(cluster: &Cluster, node: Option<&str>) -> Vec<String> {
     })
 }
 
-/// The id of a daemon.
+/// Returns the process id of a daemon.
 pub fn daemon(cluster: &Cluster, name: &str) -> String {
     let id = fs::read_to_string(cluster.folder().join(format!("{name}.pid")));
     id.unwrap().trim().to_owned()

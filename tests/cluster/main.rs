@@ -1,9 +1,10 @@
-//! Ensembles on a real Slurm: `tests/cluster/run` starts it, with two emulated nodes on this machine. After a failure,
-//! a second `stochc shard submit` completes the ensemble, the same to the byte as on one machine.
+//! Tests ensembles on a real Slurm: `tests/cluster/run` starts it, with two emulated nodes on this
+//! machine. After a failure, a second `stochc shard submit` completes the ensemble. The result
+//! equals that of one machine, byte for byte.
 #![cfg(target_os = "linux")]
 #![allow(
     clippy::disallowed_methods,
-    reason = "the tests look at what the command has written, and wait for others"
+    reason = "the tests read files of the command and wait for processes"
 )]
 mod emulated;
 mod recovering;

@@ -1,4 +1,4 @@
-//! Submissions without failures, and what Slurm refuses.
+//! Tests submissions without failures, and submissions that Slurm refuses.
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -8,7 +8,7 @@ use crate::emulated::{Cluster, Ensemble, FAST, cluster, end, members, until};
 #[test]
 fn of_two_that_submit_one_does() {
     let Some(cluster) = cluster() else { return };
-    // The site takes five tasks.
+    // The site allows five tasks.
     let ensemble = Ensemble::cut(FAST, 12);
     let name = cluster.name(&ensemble.path);
     let both = [(); 2].map(|()| cluster.start_submit(&ensemble.path, "--at-most 1"));
@@ -77,7 +77,7 @@ fn the_document_can_be_followed() {
 
 #[test]
 fn a_cluster_that_is_killed_leaves_nothing() {
-    // In its own processes.
+    // This test uses its own cluster.
     let Some(mut cluster) = Cluster::start() else {
         crate::skipped::skipped("slurm-wlm", "slurmctld");
         return;

@@ -1,11 +1,12 @@
-//! Where dependencies come from, and under which licences: what `deny.toml` says, without the tool that reads it.
+//! Tests the sources and licences of dependencies against `deny.toml`, without the tool that reads
+//! it.
 use std::process::Command;
 
 use serde_json::Value;
 
 const REGISTRY: &str = "registry+https://github.com/rust-lang/crates.io-index";
 
-/// The licences that `deny.toml` allows.
+/// Returns the licences that `deny.toml` allows.
 fn allowed() -> Vec<String> {
     let text = std::fs::read_to_string("deny.toml").unwrap();
     let (_, list) = text.split_once("\nallow = [").unwrap();
@@ -14,7 +15,7 @@ fn allowed() -> Vec<String> {
     licences.map(str::to_owned).collect()
 }
 
-/// Whether a licence expression (SPDX) holds with some of these licences.
+/// Returns whether a licence expression (SPDX) is satisfied by some of these licences.
 fn is_allowed(expression: &str, allowed: &[String]) -> bool {
     let any = |text: &str| {
         let mut parts = text.split(" OR ").flat_map(|part| part.split('/'));
@@ -25,7 +26,7 @@ fn is_allowed(expression: &str, allowed: &[String]) -> bool {
         })
     };
     let parts: Vec<&str> = expression.split(" AND ").collect();
-    // No expression of ours has more than one pair of brackets.
+    // No expression of our dependencies has more than one pair of brackets.
     assert!(expression.matches('(').count() <= 1, "{expression}");
     parts.into_iter().all(any)
 }
@@ -57,7 +58,7 @@ fn dependencies_come_from_one_registry_under_licences_that_are_allowed() {
         .unwrap();
     let failed = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() && failed.contains("offline") {
-        // Crates of other platforms need not have been downloaded.
+        // Crates for other platforms may not be downloaded.
         return assert_sources();
     }
     assert!(output.status.success(), "{failed}");
@@ -75,7 +76,7 @@ fn dependencies_come_from_one_registry_under_licences_that_are_allowed() {
     assert_sources();
 }
 
-/// Every package of the lock file is ours, or one of the registry with its checksum.
+/// Checks that every package of the lock file is ours, or is from the registry and has a checksum.
 fn assert_sources() {
     let lock = std::fs::read_to_string("Cargo.lock").unwrap();
     let mut packages = lock.split("\n[[package]]\n");

@@ -1,5 +1,5 @@
-//! The documents can be followed: every command in them is run, in their order, as a reader would who has just cloned
-//! the project, and shows what the documents show.
+//! Tests the documents: runs every command in order, as a reader who has just cloned the project,
+//! and compares the output with the documents.
 #![allow(
     clippy::disallowed_methods,
     reason = "the tests read documents and prepare folders for the commands in them"
@@ -16,7 +16,7 @@ use std::process::{Command, Output, Stdio};
 
 use page::{Block, blocks, commands};
 
-/// What a document may hold besides commands (`sh`); blocks of `python` are run by `python/test`.
+/// Languages of blocks that are not commands (`sh`). `python/tests` runs blocks of `python`.
 const NOT_COMMANDS: [&str; 8] = [
     "lua",
     "py",
@@ -28,7 +28,7 @@ const NOT_COMMANDS: [&str; 8] = [
     "toml",
 ];
 
-/// The README and all pages of `docs/`, by name.
+/// Returns the README and all pages of `docs/`, by name.
 fn documents() -> BTreeMap<String, String> {
     let mut pages = vec![PathBuf::from("README.md")];
     markdown_files(Path::new("docs"), &mut pages);
@@ -50,8 +50,8 @@ fn markdown_files(folder: &Path, pages: &mut Vec<PathBuf>) {
     }
 }
 
-/// A folder as after a fresh clone, a home of its own, and in front of all other commands a `stochc`, which is the one
-/// under test, and a `cargo` that runs it.
+/// Folder as after a fresh clone, with a separate home. Its commands include the tested `stochc`,
+/// and a `cargo` that runs it.
 struct Reader {
     folder: tempfile::TempDir,
     path: std::ffi::OsString,
@@ -74,7 +74,7 @@ impl Reader {
         Reader { folder, path }
     }
 
-    /// What a shell does with a command.
+    /// Runs a command in a shell.
     fn run(&self, command: &str) -> Output {
         let mut shell = Command::new("bash");
         shell
@@ -93,14 +93,13 @@ fn executable(path: &Path, script: &str) {
     std::fs::set_permissions(path, PermissionsExt::from_mode(0o755)).unwrap();
 }
 
-/// Whether a shell can do with a text what it says, so that no further line belongs to it.
+/// Returns whether a shell accepts a text as complete, so that the next line is a new command.
 fn is_whole(text: &str) -> bool {
     let parsed = Command::new("bash").args(["-nc", text]).output().unwrap();
     parsed.status.success()
 }
 
-/// What goes wrong when a reader follows a document.
-/// Copies a folder with all that is in it.
+/// Copies a folder recursively.
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap() {
@@ -116,6 +115,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
+/// Follows a document as a reader would. Returns the failures.
 fn follow(name: &str, page: &str) -> Vec<String> {
     let reader = Reader::new();
     let blocks = blocks(page);
@@ -142,7 +142,7 @@ fn follow(name: &str, page: &str) -> Vec<String> {
             && !said.contains(&tidy(shown.text))
         {
             wrong.push(format!(
-                "{name}:{}: shows something else than\n{said}",
+                "{name}:{}: the output differs from\n{said}",
                 shown.line
             ));
         }
@@ -150,7 +150,8 @@ fn follow(name: &str, page: &str) -> Vec<String> {
     wrong
 }
 
-/// The block that shows what the commands before it say: the next one, of `text` and in the same section.
+/// Returns the block with the output of the previous commands: the next `text` block of the
+/// section.
 fn shown_behind<'a>(blocks: &'a [Block<'a>]) -> Option<&'a Block<'a>> {
     let next = blocks.first()?;
     (next.language == "text" && !next.begins_section).then_some(next)
@@ -160,7 +161,7 @@ fn lossy(bytes: &[u8]) -> String {
     tidy(&String::from_utf8_lossy(bytes))
 }
 
-/// A text without blanks at the ends of lines.
+/// Removes spaces at the ends of lines.
 fn tidy(text: &str) -> String {
     text.lines().fold(String::new(), |mut tidied, line| {
         tidied += line.trim_end();
@@ -207,7 +208,7 @@ fn what_is_not_run_is_known() {
             let known = language == "sh" || NOT_COMMANDS.contains(&language);
             assert!(
                 known,
-                "{name}:{line}: `{language}` may hold commands that nobody runs"
+                "{name}:{line}: `{language}` may contain commands that are not run"
             );
             if language != "sh" {
                 continue;
@@ -254,7 +255,7 @@ fn a_command_that_fails_or_shows_something_else_is_told() {
         "{wrong:#?}"
     );
     assert!(
-        wrong[1].starts_with("page:8: shows something else than\none"),
+        wrong[1].starts_with("page:8: the output differs from\none"),
         "{wrong:#?}"
     );
 }

@@ -1,21 +1,23 @@
-//! The fenced blocks of a document, and what is said of them.
+//! The fenced blocks of a document, and comments about them.
 
 /// A fenced block of a page.
 pub struct Block<'a> {
-    /// The line of its opening fence, from 1.
+    /// Line number of its opening fence, from 1.
     pub line: usize,
-    /// What it is written in: what stands behind the fence.
+    /// Language after the opening fence.
     pub language: &'a str,
-    /// What stands between the fences.
+    /// Text between the fences.
     pub text: &'a str,
-    /// The reason of an HTML comment `<!-- not run: REASON -->` on the line above.
+    /// Reason in an HTML comment `<!-- not run: REASON -->` on the line above.
     pub not_run: Option<&'a str>,
-    /// Whether a heading stands between this block and the one before.
+    /// Whether a heading separates this block from the previous one.
     pub begins_section: bool,
 }
 
-/// All fenced blocks of a page, in their order. Panics at a fence that is not closed, and at a `not run` that no block
-/// of commands follows.
+/// Returns all fenced blocks of a page in order.
+///
+/// # Panics
+/// Panics if a fence is not closed, or if no block of commands follows a `not run`.
 pub fn blocks(page: &str) -> Vec<Block<'_>> {
     let mut blocks = Vec::new();
     let mut open: Option<(usize, &str, usize, Option<&str>)> = None;
@@ -57,23 +59,23 @@ pub fn blocks(page: &str) -> Vec<Block<'_>> {
         let commands = block.language == "sh";
         assert!(
             commands || block.not_run.is_none(),
-            "line {}: `not run` of what is not run anyway",
+            "line {}: `not run` before a block without commands",
             block.line
         );
     }
     blocks
 }
 
-/// A command of a block, as a shell takes it.
+/// A command of a block for a shell.
 pub struct Command<'a> {
-    /// Its line or lines.
+    /// One or more lines.
     pub text: &'a str,
-    /// The exit status that its comment names, else 0.
+    /// Exit status in its comment, otherwise 0.
     pub status: i32,
 }
 
-/// The commands of a block: as many lines at a time as a shell needs. `is_whole` says whether a shell understands
-/// a text as it is.
+/// Returns the commands of a block. Each consists of as many lines as the shell needs. `is_whole`
+/// returns whether the shell accepts a text as complete.
 pub fn commands(block: &str, is_whole: impl Fn(&str) -> bool) -> Vec<Command<'_>> {
     let mut commands = Vec::new();
     let (mut from, mut at) = (0, 0);

@@ -1,47 +1,23 @@
-//! Counts phrases that are hard to read, and long sentences, in everything that a person reads.
+//! Counts phrases that are hard to read, and long sentences, in all text for people.
 //!
-//! `limits.txt` has the largest number that is allowed for each kind of text. It only goes down: texts may get better
-//! without a change here, but a number that is far below its limit has to become the limit.
+//! `limits.txt` lists the largest allowed number for each kind of text. Limits only decrease. Texts
+//! may improve without a change here, but a number far below its limit requires a lower limit.
 //! `STOCHC_WRITE_DOCS=1 cargo test --workspace --test documents prose` lowers the limits.
-//! `STOCHC_PROSE=PATH cargo test --workspace --test documents prose` lists all places in the files below `PATH`.
+//! `STOCHC_PROSE=PATH cargo test --workspace --test documents prose` lists all places in the files
+//! below `PATH`.
 use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 const LIMITS: &str = "tests/documents/limits.txt";
 
-/// Phrases that are always counted. `/` separates alternative words.
-const PHRASES: [&str; 24] = [
-    "is/are/was/were/be/been told",
-    "tell/tells/told/telling of/what/which/how/whether/that/by",
-    "say/says/said/speak/speaks/spoken of",
-    "what is/are/was/were/has/have/had/comes/stands/hangs/lies/follows/happens/does/needs/waits/remains/cannot",
-    "what may/can/must/will/would/no/all/that/there/they/it/one",
-    "of/in/by/to/with/from/for/through/behind/than/at/on which/whom/whose/what",
-    "where there/it/they/that/this/no/none/run/runs/block/blocks/any/all/some/both/nothing/nobody",
-    "nobody/whoever/somebody/anybody",
-    "beside/behind",
-    "go/goes/gone/going/went on",
-    "anew/unasked/besides/thereof/hitherto/rubbish/amiss",
-    "for ever",
-    "so many/much/often/few/long of/runs/blocks/ticks/steps/times/as",
-    "every so many",
-    "for so long",
-    "nothing/none/all/anyone/anything/nowhere but",
-    "but for",
-    "let/lets/letting go",
-    "let/lets/letting it/one/them/block/blocks go",
-    "is/are no unit/name/recording/number/file/folder/program/block/scene/path/model",
-    "held/hold/holds against/this/them",
-    "under way",
-    "mend/mends/mended/mending",
-    "gone wrong",
-];
+/// Phrases that are always counted, one per line. `/` separates alternative words.
+const PHRASES: &str = include_str!("phrases.txt");
 
-/// Words with which no sentence starts.
+/// Words that must not start a sentence.
 const STARTS: [&str; 5] = ["what", "who", "whose", "of", "where"];
 
-/// A kind of text that people read.
+/// Kind of text that people read.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum Kind {
     Documents,
@@ -51,7 +27,7 @@ enum Kind {
 }
 
 impl Kind {
-    /// The number of words that a sentence may have.
+    /// Returns the largest allowed number of words in a sentence.
     fn max_words(self) -> usize {
         match self {
             Kind::Comments => 20,
@@ -60,7 +36,7 @@ impl Kind {
     }
 }
 
-/// A paragraph: no sentence goes beyond it.
+/// A paragraph. Sentences do not cross its end.
 struct Paragraph {
     kind: Kind,
     path: PathBuf,
@@ -68,7 +44,7 @@ struct Paragraph {
     text: String,
 }
 
-/// Writes out every choice of a phrase.
+/// Expands all alternatives of a phrase.
 fn written_out(phrase: &str) -> Vec<String> {
     phrase.split(' ').fold(vec![String::new()], |begun, word| {
         let with = |begun: &String, word: &str| [begun, word].join(" ").trim().to_owned();
@@ -108,7 +84,7 @@ fn hits(paragraph: &Paragraph, phrases: &HashSet<String>) -> [Vec<String>; 2] {
     [hard, long]
 }
 
-/// Joins a piece of text to the sentence before it if no space stands between them, as in `0.5`.
+/// Joins a part of a text to the sentence before it if no space separates them, as in `0.5`.
 fn join_within_words(mut sentences: Vec<String>, piece: &str) -> Vec<String> {
     match sentences.last_mut() {
         Some(last) if !piece.starts_with([' ', ')', '"']) => last.push_str(piece),
@@ -224,7 +200,7 @@ fn of_rust(path: &Path, source: &str) -> Vec<Paragraph> {
     found
 }
 
-/// Returns where a string ends.
+/// Returns the end of a string.
 fn unescaped_quote(text: &str) -> Option<usize> {
     let mut escaped = false;
     text.char_indices().find_map(|(at, character)| {
@@ -266,7 +242,7 @@ fn texts(folder: &Path, found: &mut Vec<Paragraph>) {
     }
 }
 
-/// The largest number of hard phrases, and of long sentences, of each kind.
+/// Returns the largest allowed numbers of hard phrases and of long sentences, by kind.
 fn limits() -> BTreeMap<String, [usize; 2]> {
     let text = std::fs::read_to_string(LIMITS).unwrap();
     let rows = text.lines().filter(|line| !line.starts_with('#'));
@@ -284,7 +260,7 @@ fn limits() -> BTreeMap<String, [usize; 2]> {
 
 #[test]
 fn texts_get_no_harder_to_read() {
-    let phrases: HashSet<String> = PHRASES.iter().flat_map(|it| written_out(it)).collect();
+    let phrases: HashSet<String> = PHRASES.lines().flat_map(written_out).collect();
     let mut all = Vec::new();
     texts(Path::new("."), &mut all);
     let wanted = std::env::var_os("STOCHC_PROSE");
@@ -349,8 +325,8 @@ fn texts_get_no_harder_to_read() {
 
 #[test]
 fn hard_phrases_and_long_sentences_are_found() {
-    let phrases: HashSet<String> = PHRASES.iter().flat_map(|it| written_out(it)).collect();
-    let source = "/// What is left, of `a which` and 0.5 m,\n/// in which nobody waits. It runs.\nlet a = \"also // so long as\"; // go on\n";
+    let phrases: HashSet<String> = PHRASES.lines().flat_map(written_out).collect();
+    let source = include_str!("hard_source.txt");
     let found: Vec<_> = (of_rust(Path::new("a.rs"), source).iter())
         .flat_map(|paragraph| hits(paragraph, &phrases)[0].clone())
         .collect();

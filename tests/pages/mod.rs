@@ -1,14 +1,14 @@
-//! Pages of the documentation, or parts of them, that are made from the code.
-#![allow(dead_code, reason = "no test has all kinds of them")]
+//! Pages of the documentation, or parts of them, that are generated from the code.
+#![allow(dead_code, reason = "each test uses only some of these functions")]
 #![allow(
     clippy::disallowed_methods,
-    reason = "pages are compared with what they should be, or written"
+    reason = "pages are compared with the expected text, or written"
 )]
 
-/// The variable that lets a test write its page instead of comparing it.
+/// Variable that makes a test write its page instead of comparing it.
 const SWITCH: &str = "STOCHC_WRITE_DOCS";
 
-/// Holds a page against what it should be, or writes it.
+/// Compares a page with the expected text, or writes it.
 #[track_caller]
 pub fn assert_page(path: &str, expected: &str) {
     if std::env::var_os(SWITCH).is_some() {
@@ -18,15 +18,15 @@ pub fn assert_page(path: &str, expected: &str) {
     let page = std::fs::read_to_string(path).unwrap_or_default();
     for (number, (here, expected)) in page.lines().zip(expected.lines()).enumerate() {
         let line = number + 1;
-        assert_eq!(here, expected, "{path}:{line}; {SWITCH}=1 writes it anew");
+        assert_eq!(here, expected, "{path}:{line}; {SWITCH}=1 rewrites it");
     }
     assert!(
         page == expected,
-        "{path} has another end; {SWITCH}=1 writes it anew"
+        "{path} has a different end; {SWITCH}=1 rewrites it"
     );
 }
 
-/// The same for what stands between two marks.
+/// Compares or writes the part between two marks.
 #[track_caller]
 pub fn assert_part(path: &str, [begin, end]: [&str; 2], expected: &str) {
     let page = std::fs::read_to_string(path).expect("the page exists");
@@ -35,7 +35,7 @@ pub fn assert_part(path: &str, [begin, end]: [&str; 2], expected: &str) {
     assert_page(path, &format!("{before}{begin}{expected}{end}{after}"));
 }
 
-/// The same for the table with the same head.
+/// Compares or writes the table with the same header.
 #[track_caller]
 pub fn assert_table(path: &str, table: &str) {
     let page = std::fs::read_to_string(path).expect("the page exists");

@@ -1,4 +1,4 @@
-//! A real browser, without a window, driven through two pipes by its own protocol for tools.
+//! Headless browser, controlled through two pipes by the DevTools protocol.
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::page_under_test::{Mouse, SETTLED};
 use crate::skipped::skipped;
 
-/// Longer than anything takes on a slow machine.
+/// Time limit that exceeds every step on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A browser with one page.
@@ -21,14 +21,14 @@ pub struct Browser {
     from: Receiver<Value>,
     session: String,
     calls: u64,
-    /// Addresses that were asked for.
+    /// Requested addresses.
     pub requests: Vec<String>,
-    /// Exceptions that nobody caught, and what was written to the console.
+    /// Uncaught exceptions and console messages.
     pub complaints: Vec<String>,
     folder: tempfile::TempDir,
 }
 
-/// A browser; `None`, with a note, where there is none and none is required.
+/// Returns a browser. Returns `None` with a note if it is missing and not required.
 #[track_caller]
 pub fn browser(more: &[&str]) -> Option<Browser> {
     let name = ["chromium", "chromium-browser", "google-chrome"]
@@ -53,7 +53,7 @@ impl Browser {
         let [to, from] = ["to", "from"].map(|name| folder.path().join(name));
         let made = Command::new("mkfifo").args([&to, &from]).status().unwrap();
         assert!(made.success());
-        // Opened both ways, a pipe does not wait for its other end.
+        // A pipe that is opened for reading and writing does not wait for its other end.
         let open = |path: &Path| {
             OpenOptions::new()
                 .read(true)
@@ -79,7 +79,7 @@ impl Browser {
             .arg("about:blank")
             .env("TO", &to)
             .env("FROM", &from)
-            // What a browser leaves behind that is killed.
+            // Folder for the temporary files of a killed browser.
             .env("TMPDIR", folder.path())
             .stdin(Stdio::null())
             .stdout(Stdio::null())
@@ -130,7 +130,7 @@ impl Browser {
         browser
     }
 
-    /// A method of the protocol, and what it gives.
+    /// Calls a method of the protocol and returns its result.
     pub fn call(&mut self, method: &str, params: &Value) -> Value {
         self.calls += 1;
         let id = self.calls;
@@ -168,14 +168,14 @@ impl Browser {
         }
     }
 
-    /// The size of the page.
+    /// Sets the size of the page.
     pub fn size(&mut self, width: u32, height: u32) {
         let size =
             json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
         self.call("Emulation.setDeviceMetricsOverride", &size);
     }
 
-    /// The value of an expression, or of the promise that it is.
+    /// Returns the value of an expression. Awaits promises.
     pub fn value(&mut self, expression: &str) -> Value {
         let evaluate =
             json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
@@ -187,9 +187,9 @@ impl Browser {
         done["result"]["value"].clone()
     }
 
-    /// Opens a file with something after its name; waits until it shows a replay or a message.
+    /// Opens a file with a suffix after its name. Waits until it shows a replay or a message.
     pub fn open(&mut self, file: &Path, hash: &str) {
-        // With another address first, a mere change of the hash loads the page as well.
+        // Opening another address first makes a mere change of the hash load the page.
         self.call("Page.navigate", &json!({ "url": "about:blank" }));
         let file = file.to_str().unwrap().replace(' ', "%20");
         self.call(
@@ -213,7 +213,7 @@ impl Browser {
         }
     }
 
-    /// Does something with the left button.
+    /// Performs an action with the left button.
     pub fn mouse(&mut self, what: Mouse, x: f64, y: f64) {
         let (kind, buttons) = match what {
             Mouse::Press => ("mousePressed", 1),
@@ -224,7 +224,7 @@ impl Browser {
         self.call("Input.dispatchMouseEvent", &event);
     }
 
-    /// Draws one finger over the page.
+    /// Drags one finger over the page.
     pub fn swipe(&mut self, from: (f64, f64), to: (f64, f64)) {
         let point = |(x, y): (f64, f64)| json!([{ "x": x, "y": y }]);
         for (kind, points) in [
@@ -244,7 +244,7 @@ impl Drop for Browser {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
-        // Its processes may still be writing there.
+        // Processes of the browser may still write there.
         let _ = std::fs::remove_dir_all(self.folder.path());
     }
 }

@@ -1,5 +1,5 @@
-//! What is drawn around the arena is right at its tick, and from where one looks: the directions, the length, the small view from above,
-//! the statements of the program, and which blocks are in the floor or outside of the shell.
+//! Checks the drawings around the arena for a tick and a view: axes, scale bar, overview,
+//! statements of the program, and blocks in the floor or outside of the shell.
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
@@ -17,10 +17,10 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-/// Half of the angle that is seen, up and down \[rad\].
+/// Half of the vertical angle of view \[rad\].
 const HALF: f64 = 0.35;
 
-/// To the right and up, for somebody who looks from some direction and height \[rad\].
+/// Returns the directions right and up for a viewer at an azimuth and height \[rad\].
 fn basis(azimuth: f64, height: f64) -> [[f64; 3]; 2] {
     let (sin, cos) = azimuth.sin_cos();
     let right = [-sin, cos, 0.0];
@@ -32,7 +32,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| a[i] * b[i]).sum()
 }
 
-/// Arrows point to east, north and up.
+/// Checks that arrows point to east, north and up.
 fn check_axes(page: &mut impl Page) {
     let ways = [
         ("E", [1.0, 0.0, 0.0]),
@@ -48,7 +48,7 @@ fn check_axes(page: &mut impl Page) {
                 .iter()
                 .position(|it| it[0] == "fillText" && it[2] == name);
             let at = at.unwrap_or_else(|| panic!("no {name} in {drawn:?}"));
-            // A name stands behind the end of its arrow.
+            // Each label follows the end of its arrow.
             let [from, to] = [&drawn[at - 2], &drawn[at - 1]];
             assert_eq!((&from[0], &to[0]), (&"moveTo".into(), &"lineTo".into()));
             let arrow = [2, 3].map(|i| number(&to[i]) - number(&from[i]));
@@ -65,12 +65,13 @@ fn check_axes(page: &mut impl Page) {
     }
 }
 
-/// The bar is as long as so many sides where one looks, and says how long that is.
+/// Checks that the scale bar has the length that its label states.
 fn check_scale(page: &mut impl Page) {
     let size = page.value("(({ clientWidth, clientHeight }) => [clientWidth, clientHeight])(document.getElementById('arena'))");
     let mut told = BTreeSet::new();
     for distance in [6.0, 9.0, 20.0, 45.0, 110.0] {
-        // From the south, at the middle between the seeds A and B, which are two sides apart.
+        // View from the south, at the middle between the seeds A and B, which are two block lengths
+        // apart.
         let look = format!(
             "replay.look([{}, 0, {distance}, 0, -1, -0.5])",
             -std::f64::consts::FRAC_PI_2
@@ -90,11 +91,11 @@ fn check_scale(page: &mut impl Page) {
             (long - sides * apart / 2.0).abs() < 1e-6 * long,
             "{text}: {long} px, and two sides are {apart}"
         );
-        // Upright pictures see as much to the sides as square ones.
+        // Tall pictures have the same horizontal angle as square ones.
         let least = number(&size[0]).min(number(&size[1]));
         let scale = least / (2.0 * distance * HALF.tan());
         assert!((long - sides * scale).abs() < 1e-6 * long, "{text}");
-        // A side of the scene is 20 cm.
+        // A block length of the scene is 20 cm.
         let metres = 0.2 * sides;
         let words = if metres < 1.0 {
             format!("{} cm", (100.0 * metres).round())
@@ -108,7 +109,7 @@ fn check_scale(page: &mut impl Page) {
     assert!(told.len() >= 4, "{told:?}");
 }
 
-/// What a tick of a recording says of blocks.
+/// State of the blocks at a tick of a recording.
 struct Moment {
     structure: BTreeMap<u32, u32>,
     pulled: BTreeSet<u32>,
@@ -140,13 +141,13 @@ impl Moment {
     }
 }
 
-/// From above, north up: every block where it is and in its colour, and from where one looks.
+/// Checks the overview, with north up: position and colour of every block, and the view direction.
 fn check_overview(page: &mut impl Page, recording: &Recording, tables: &Tables) {
     let theme: &Theme = match page.value("themeName()").as_str().unwrap() {
         "dark" => &DARK,
         _ => &LIGHT,
     };
-    // Of the scene: 5 m, and a side is 20 cm.
+    // The radius is 5 m, and a block length is 20 cm.
     let radius = 25.0;
     let frames: Vec<_> = recording.frames().collect();
     let mut pulls = 0;
@@ -192,7 +193,7 @@ fn check_overview(page: &mut impl Page, recording: &Recording, tables: &Tables) 
                 frame.tick
             );
         }
-        // The way to the eye begins at what is looked at, and the disc is on it.
+        // The line to the eye begins at the point of interest, and the disc is on this line.
         let [azimuth, height, distance, x, y, _] = view;
         let flat = distance * height.cos();
         let eye = [x + flat * azimuth.cos(), y + flat * azimuth.sin()];
@@ -217,10 +218,10 @@ fn check_overview(page: &mut impl Page, recording: &Recording, tables: &Tables) 
     assert!(pulls > 0, "the test needs a block that is pulled");
 }
 
-/// From when an event of the graph is under way, and when it happens.
+/// Start of an event of the graph, and the tick when it happens.
 type Deed = (u64, Option<u64>);
 
-/// The deeds of a recording, by the events of the graph of a page.
+/// Returns the start and end of events of a recording, by the events of the graph of a page.
 fn deeds(recording: &Recording, tables: &Tables, graph: &Value) -> BTreeMap<u64, Deed> {
     let mut known: BTreeMap<String, Vec<u64>> = BTreeMap::new();
     for (number, phase) in graph["phases"].as_array().unwrap().iter().enumerate() {
@@ -294,7 +295,7 @@ fn deeds(recording: &Recording, tables: &Tables, graph: &Value) -> BTreeMap<u64,
     deeds
 }
 
-/// The statements at work have a frame, and those that are done a line.
+/// Checks that statements in progress have a frame, and completed ones a line.
 fn check_statements(page: &mut impl Page, recording: &Recording, tables: &Tables) {
     let about = page.value("(({ graph, text }) => ({ graph, text }))(JSON.parse(document.getElementById('about').textContent))");
     let deeds = deeds(recording, tables, &about["graph"]);
@@ -354,7 +355,8 @@ fn check_statements(page: &mut impl Page, recording: &Recording, tables: &Tables
     );
 }
 
-/// Blocks in the floor and outside of the shell are counted, and each says why it is there.
+/// Checks that blocks in the floor and outside of the shell are counted, and that each has an
+/// explanation.
 fn check_beyond(page: &mut impl Page, recording: &Recording) {
     let frames: Vec<_> = recording.frames().collect();
     let mut kinds = [0, 0];
@@ -362,7 +364,7 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
         let frame = &frames[(frames.len() - 1) * part / 14];
         let reach = |place: &[f64; 7]| {
             let [.., x, y, z, w] = *place;
-            // The vertical in the block's own directions.
+            // The vertical direction in the block's own frame.
             let own = [
                 2.0 * (x * z - w * y),
                 2.0 * (y * z + w * x),
@@ -414,7 +416,8 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
     page.value("replay.select(null)");
 }
 
-/// A capture has the colour of its own phase in the bar, when the next phase begins at that tick as well.
+/// Checks that a capture has the colour of its own phase in the bar, even if the next phase begins
+/// at that tick.
 fn check_strokes(page: &mut impl Page, recording: &Recording) {
     let anew = "document.getElementById('theme').click()";
     let drawn = page.drawn("#timeline", anew);
@@ -435,7 +438,7 @@ fn check_strokes(page: &mut impl Page, recording: &Recording) {
     assert!(is_close, "the test needs a capture that ends its phase");
 }
 
-/// The program's target is the structure that the compiler says stands in the end.
+/// Checks that the target of the program is the final structure that the compiler computes.
 fn check_target(page: &mut impl Page, program: &str) {
     let results = Results::from_records(program, "--record 0");
     page.open(&results.page(0), "");
@@ -461,7 +464,7 @@ fn cells_that_are_filled_in_the_end_are_those_of_the_compiler() {
     assert_eq!(browser.complaints, [""; 0]);
 }
 
-/// All that is drawn around the arena, of a run of [`PROGRAM`].
+/// Checks all drawings around the arena, for a run of [`PROGRAM`].
 pub fn check_all(page: &mut impl Page, results: &Results) {
     let (recording, tables) = (results.recording(0), results.tables());
     page.open(&results.page(0), "");

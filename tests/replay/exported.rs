@@ -1,4 +1,4 @@
-//! The ways of blocks in other programs' formats.
+//! Tests trajectories of blocks in formats of other programs.
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -19,14 +19,14 @@ fn export(results: &Results, options: &str, name: &str) -> PathBuf {
     file
 }
 
-/// The places that the recording has at the ticks that are no others.
+/// Returns the recorded positions at every `every`th tick.
 fn recorded(results: &Results, every: u64) -> BTreeMap<u64, Frame> {
     let frames = results.recording(0).frames().collect::<Vec<_>>();
     let frames = frames.into_iter().filter(|frame| frame.tick % every == 0);
     frames.map(|frame| (frame.tick, frame)).collect()
 }
 
-/// Half a step of a recorded coordinate in an arena of 50 sides.
+/// Half a step of a recorded coordinate in an arena of 50 block lengths.
 const ROUNDED: f64 = 1.0 / 1024.0;
 
 #[test]
@@ -68,7 +68,7 @@ fn a_table_has_every_block_at_every_tick() {
         let part = |i: usize| f64::from(row.get_float(5 + i).unwrap());
         let product: f64 = (0..4).map(|i| part(i) * place[3 + i]).sum();
         assert!(product.abs() > 1.0 - 1e-6, "{product} at {tick}");
-        // Who it is: the last that has happened to it.
+        // The identity follows from the block's last event.
         let last = (recording.events().iter().rev())
             .filter(|happening| happening.tick <= tick as u64)
             .find_map(|happening| match happening.event {
@@ -116,7 +116,7 @@ impl Glb {
         }
     }
 
-    /// The numbers of an accessor, which has to lie within the file.
+    /// Returns the numbers of an accessor. Panics if it is not within the file.
     fn numbers(&self, accessor: &Value) -> Vec<f64> {
         let accessor = &self.json["accessors"][accessor.as_u64().unwrap() as usize];
         let view = &self.json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
@@ -145,12 +145,12 @@ fn an_animation_moves_every_block_as_the_run_did() {
     let results = Results::from_records(PROGRAM, "--record 0 --record-every 40");
     let glb = Glb::read(&export(&results, "--format gltf --every 40", "ways.glb"));
     let recording = results.recording(0);
-    // Both keep every 40th tick, and those that change the structure.
+    // Both contain every 40th tick, and the ticks that change the structure.
     let frames: BTreeMap<u64, Frame> =
         (recording.frames().map(|frame| (frame.tick, frame))).collect();
     let nodes = glb.json["nodes"].as_array().unwrap();
     let bodies = recording.header().bodies as usize;
-    // The plate, the blocks, and all of them turned upright.
+    // The plate, the blocks, and the root that turns all of them upright.
     assert_eq!(nodes.len(), 9 + bodies + 1);
     assert_eq!(
         nodes[9 + bodies]["children"].as_array().unwrap().len(),
@@ -184,7 +184,7 @@ fn an_animation_moves_every_block_as_the_run_did() {
             }
         }
     }
-    // At the tick of every capture, the block is there.
+    // At the tick of every capture there is a keyframe.
     for bond in &recording.record().bonds {
         let second = bond.docked as f64 * 0.02;
         assert!(
@@ -192,7 +192,7 @@ fn an_animation_moves_every_block_as_the_run_did() {
             "{second}"
         );
     }
-    // What is captured has the name and the colour of that.
+    // A captured block has the name of its role and the colour of its phase.
     let last = recording.record().bonds.last().unwrap();
     let node = &nodes[9 + last.body as usize];
     let name = &results.tables().roles[last.child.0 as usize].name;

@@ -1,4 +1,4 @@
-//! The page in Firefox, which draws on a screen that is only in memory.
+//! Tests the page in Firefox, on a virtual screen.
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::Path;
@@ -13,7 +13,7 @@ use crate::page_under_test::{Mouse, SETTLED};
 use crate::skipped::skipped;
 use crate::{drawn, grouped, hostile, looking, page, telling, unreadable};
 
-/// Longer than anything takes on a slow machine.
+/// Time limit that exceeds every step on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 const SETTINGS: &str = "\
@@ -23,7 +23,7 @@ user_pref(\"browser.shell.checkDefaultBrowser\", false);
 user_pref(\"datareporting.policy.dataSubmissionEnabled\", false);
 ";
 
-/// Firefox, driven by its own protocol for tests: Marionette.
+/// Firefox, controlled by its protocol for tests: Marionette.
 pub struct Firefox {
     child: Child,
     stream: BufReader<TcpStream>,
@@ -32,7 +32,8 @@ pub struct Firefox {
 }
 
 impl Firefox {
-    /// `None`, with a note, where it, or what it draws on, is missing and not required.
+    /// Starts Firefox. Returns `None` with a note if Firefox or its virtual screen is missing and
+    /// not required.
     #[track_caller]
     pub fn start() -> Option<Firefox> {
         let there = |name: &str| {
@@ -83,7 +84,7 @@ impl Firefox {
         Some(firefox)
     }
 
-    /// A message: its length, a colon and JSON.
+    /// Reads a message: its length, a colon and JSON.
     fn message(&mut self) -> Value {
         let mut length = Vec::new();
         self.stream.read_until(b':', &mut length).unwrap();
@@ -108,10 +109,10 @@ impl Firefox {
         self.call("WebDriver:Navigate", &json!({ "url": address }));
     }
 
-    /// Opens a file with something after its name; waits until it shows a replay or a message.
+    /// Opens a file with a suffix after its name. Waits until it shows a replay or a message.
     pub fn open(&mut self, page: &Path, hash: &str) {
         let page = page.to_str().unwrap().replace(' ', "%20");
-        // With another address first, a mere change of the hash loads the page as well.
+        // Opening another address first makes a mere change of the hash load the page.
         for url in ["about:blank".to_owned(), format!("file://{page}{hash}")] {
             self.go(&url);
         }
@@ -128,13 +129,13 @@ impl Firefox {
         self.call("WebDriver:ExecuteScript", &params);
     }
 
-    /// The size of the page.
+    /// Sets the size of the page.
     pub fn size(&mut self, width: u32, height: u32) {
-        // Without anybody who manages windows, a change is waited for in vain, for seconds.
+        // Without a window manager, a change to the same size would never be reported.
         if self.value("[innerWidth, innerHeight]") == json!([width, height]) {
             return;
         }
-        // Of the window with its frame, which is as wide as it was before.
+        // The size includes the frame of the window, whose width is constant.
         let frame = self.value("[outerWidth - innerWidth, outerHeight - innerHeight]");
         let with = |of: u32, i: usize| u64::from(of) + frame[i].as_u64().unwrap();
         let rect = json!({ "width": with(width, 0), "height": with(height, 1) });
@@ -152,7 +153,8 @@ impl Firefox {
 
     /// Presses and releases a key.
     pub fn key(&mut self, key: &str) {
-        // Keys without a letter have places of their own: <https://www.w3.org/TR/webdriver2/#keyboard-actions>.
+        // Keys without a letter have code points:
+        // <https://www.w3.org/TR/webdriver2/#keyboard-actions>.
         let value = match key {
             "ArrowLeft" => "\u{e012}",
             "ArrowRight" => "\u{e014}",
@@ -165,7 +167,7 @@ impl Firefox {
         self.act(&json!({ "type": "key", "id": "keys", "actions": both }));
     }
 
-    /// Does something with the left button, which is released where it is: on the way to another place it would drag.
+    /// Performs an action with the left button. Releases it at its position: moving it would drag.
     pub fn mouse(&mut self, what: Mouse, x: f64, y: f64) {
         let actions = match what {
             Mouse::Press => vec![moved((x, y)), json!({ "type": "pointerDown", "button": 0 })],
@@ -175,7 +177,7 @@ impl Firefox {
         self.act(&json!({ "type": "pointer", "id": "mouse", "actions": actions }));
     }
 
-    /// Draws one finger over the page.
+    /// Drags one finger over the page.
     pub fn swipe(&mut self, from: (f64, f64), to: (f64, f64)) {
         let (down, up) = (
             json!({ "type": "pointerDown", "button": 0 }),
@@ -187,7 +189,7 @@ impl Firefox {
         }));
     }
 
-    /// The value of an expression, or of the promise that it is.
+    /// Returns the value of an expression. Awaits promises.
     pub fn value(&mut self, expression: &str) -> Value {
         let script = format!(
             "const told = arguments[0]; (async () => ({expression}))().then(told, error => told(`failed: ${{error}}`))"
@@ -197,14 +199,14 @@ impl Firefox {
     }
 }
 
-/// To a point of the page, in whole pixels.
+/// Returns a movement to a point of the page, in whole pixels.
 fn moved((x, y): (f64, f64)) -> Value {
     json!({ "type": "pointerMove", "duration": 0, "x": x.round() as i64, "y": y.round() as i64 })
 }
 
 impl Drop for Firefox {
     fn drop(&mut self) {
-        // The whole of it: what was started is the screen.
+        // Quits the browser itself: the child process is only the screen.
         let text = json!([0, 0, "Marionette:Quit", { "flags": ["eForceQuit"] }]).to_string();
         let _ = write!(self.stream.get_mut(), "{}:{text}", text.len());
         let _ = self.child.wait();
@@ -225,7 +227,7 @@ fn firefox_shows_the_same() {
     for (shown, kept) in shown.iter().zip(frame.places.iter().flatten()) {
         assert!((shown.as_f64().unwrap() - kept).abs() < 1e-12);
     }
-    // The last block has the same colour there as anywhere.
+    // The last block has the same colour in every browser.
     let last = recording.record().bonds.last().unwrap();
     firefox.value(&format!("replay.seek({})", last.docked));
     let shown = firefox.value(&format!(

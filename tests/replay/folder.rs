@@ -1,33 +1,33 @@
-//! Folders of results to look at.
+//! Results folders for replays.
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use stochc::ir::table::Tables;
 use stochc::results::recording::{Recording, path};
 
-/// A program whose structure grows and is taken apart again.
+/// Program whose structure grows and is released again.
 pub const PROGRAM: &str = "examples/five_tower_reconfigured.sa";
 
-/// Blocks that are attached by hand, and a name that passes from one of them to another block.
+/// Program with pre-attached blocks. A name passes from one of them to another block.
 pub const PASSED_ON: &str = "tests/fixtures/passed_on.sa";
 
 /// Free blocks that bond to each other.
 pub const SWARM: &str = "tests/fixtures/swarm.sa";
 
-/// A folder of results that is gone with this.
+/// Temporary results folder.
 pub struct Results {
     folder: tempfile::TempDir,
     program: String,
 }
 
-/// What a command said.
+/// Outcome of a command.
 pub struct Said {
     pub status: i32,
     pub out: String,
     pub err: String,
 }
 
-/// Does the command with the words of `line`, and then `more`.
+/// Runs the command with the words of `line`, and then `more`.
 pub fn stochc(line: &str, more: &[&Path]) -> Said {
     let output = Command::new(env!("CARGO_BIN_EXE_stochc"))
         .args(line.split_whitespace())
@@ -43,7 +43,7 @@ pub fn stochc(line: &str, more: &[&Path]) -> Said {
 }
 
 impl Results {
-    /// Two runs of a program by the fast model, with more options.
+    /// Makes two runs of a program with the fast model, with more options.
     pub fn from_records(program: &str, options: &str) -> Results {
         let folder = tempfile::tempdir().unwrap();
         let line = format!("simulate --substeps 1 --runs 2 --quiet {options} {program} --out");
@@ -57,7 +57,7 @@ impl Results {
         self.folder.path().join("results")
     }
 
-    /// Where the recording of a run is, or would be.
+    /// Returns the path of the recording of a run, which may be missing.
     pub fn recording_path(&self, run: u64) -> PathBuf {
         path(&self.path(), 0, run)
     }

@@ -1,4 +1,4 @@
-//! Free blocks that bond to each other: the page shows the groups that the recording tells of.
+//! Tests free blocks that bond to each other: the page shows the groups of the recording.
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
@@ -15,7 +15,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-/// Bonds by the tick from which they are those that hold.
+/// Returns the existing bonds after each tick with a change.
 fn bonds(recording: &Recording) -> BTreeMap<u64, Vec<FreeBond>> {
     let mut now: Vec<FreeBond> = Vec::new();
     let mut all = BTreeMap::from([(0, Vec::new())]);
@@ -30,7 +30,7 @@ fn bonds(recording: &Recording) -> BTreeMap<u64, Vec<FreeBond>> {
     all
 }
 
-/// The groups that bonds make, in rising order.
+/// Returns the groups that bonds make, in rising order.
 fn groups(bonds: &[FreeBond]) -> Vec<Vec<u32>> {
     let mut groups: Vec<Vec<u32>> = Vec::new();
     for bond in bonds {
@@ -46,7 +46,7 @@ fn groups(bonds: &[FreeBond]) -> Vec<Vec<u32>> {
     groups
 }
 
-/// Groups, legend and colours at the ticks of bonds, forth and back.
+/// Checks groups, legend and colours at the ticks of bonds, forwards and backwards.
 fn check_groups(page: &mut impl Page, recording: &Recording) {
     let bonds = bonds(recording);
     let ticks: Vec<u64> = bonds.keys().copied().collect();
@@ -56,7 +56,7 @@ fn check_groups(page: &mut impl Page, recording: &Recording) {
         "dark" => DARK,
         _ => LIGHT,
     };
-    // Those alone hide what is behind them; without them the colours are all there is.
+    // The cloud is switched off, because it would blend with the colours.
     page.value("[1, 2].forEach(() => document.getElementById('cloud').click())");
     let mut coloured = BTreeMap::new();
     for tick in order {
@@ -105,7 +105,7 @@ fn check_groups(page: &mut impl Page, recording: &Recording) {
     page.value("document.getElementById('cloud').click()");
 }
 
-/// The strip shows the size of the largest group and the number of groups over time.
+/// Checks that the strip shows the size of the largest group and the number of groups over time.
 fn check_strip(page: &mut impl Page, recording: &Recording) {
     let drawn = page.drawn("#timeline", "document.getElementById('theme').click()");
     let width = number(&page.value("document.getElementById('timeline').clientWidth"));
@@ -116,7 +116,7 @@ fn check_strip(page: &mut impl Page, recording: &Recording) {
         let largest = groups.iter().map(Vec::len).max().unwrap_or(1);
         course.push((tick as f64, [largest, groups.len()]));
     }
-    // A line begins with a `moveTo`; those of a legend have two points.
+    // A line begins with a `moveTo`. Lines of a legend have two points.
     let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
     for it in drawn
         .iter()
@@ -165,7 +165,7 @@ fn check_strip(page: &mut impl Page, recording: &Recording) {
     page.value("document.getElementById('theme').click()");
 }
 
-/// A block's history has its bonds at their ticks.
+/// Checks that a block's history lists its bonds at their ticks.
 fn check_history(page: &mut impl Page, recording: &Recording) {
     let torn = (recording.events().iter()).find_map(|happening| match happening.event {
         ObservedEvent::Unbonded { bond, .. } => Some(bond.bodies[0]),
@@ -226,7 +226,7 @@ fn check_history(page: &mut impl Page, recording: &Recording) {
     assert_eq!(shown, expected);
 }
 
-/// All that the page shows of groups, of a run of [`SWARM`].
+/// Checks everything that the page shows about groups, for a run of [`SWARM`].
 pub fn check_all(page: &mut impl Page, results: &Results) {
     let recording = results.recording(0);
     page.open(&results.page(0), "");

@@ -1,4 +1,4 @@
-//! Whatever is in a name is text, and nothing else.
+//! Checks that names are shown only as text.
 use std::fs::File;
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use crate::browser::browser;
 use crate::folder::Results;
 use crate::page_under_test::Page;
 
-/// Ends a script, begins others, and turns the text around it.
+/// Name that ends a script, begins others, and turns the text around it.
 const HOSTILE: &str = "<meta http-equiv='refresh' content='0;url=about:blank'></script><script>document.title='broken'</script><img src=x onerror=\"document.title='broken'\">'\"\u{202e}\u{2028}`${1}\\";
 
 #[test]
@@ -18,11 +18,11 @@ fn hostile_names_are_shown_as_text() {
     assert_eq!(browser.complaints, [""; 0]);
 }
 
-/// A page of names that are none is the page that it was made to be.
+/// Checks that the page is not changed by hostile names.
 pub fn check(browser: &mut impl Page) {
     let results = Results::from_records("tests/fixtures/dense.sa", "--record 0");
     let page = results.page(0);
-    // The compiler takes no such names; a manifest that somebody has edited may have them.
+    // The compiler rejects such names, but an edited manifest may contain them.
     let manifest = std::fs::read_to_string(results.path().join("manifest.json")).unwrap();
     let mut manifest = stochc::results::Manifest::from_json(&manifest).unwrap();
     manifest.stochc = HOSTILE.to_owned();

@@ -1,4 +1,4 @@
-//! Recording runs, and looking at them again.
+//! Tests recordings of runs, and their replays.
 #![allow(
     clippy::disallowed_methods,
     reason = "the tests write what the command is to read"

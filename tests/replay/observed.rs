@@ -1,4 +1,4 @@
-//! What an observer of a run sees.
+//! Tests the events that an observer of a run receives.
 use std::ops::ControlFlow;
 
 use stochc::ir::record::{BondRecord, RunRecord};
@@ -7,12 +7,12 @@ use stochc::runtime::observe::{ObservedEvent, Observer};
 use stochc::runtime::world::{Arena, Body, FreeBond};
 use stochc::runtime::{Model, RunError, Settings, observe, run};
 
-/// Writes everything down.
+/// Observer that stores all events.
 #[derive(Default)]
 struct Notes {
     ticks: Vec<u64>,
     events: Vec<(u64, ObservedEvent)>,
-    /// For every capture, how far the block is from the cell that the event names.
+    /// For every capture, distance of the block from the cell that the event names.
     misplaced: Vec<f64>,
 }
 
@@ -33,7 +33,7 @@ impl Observer for Notes {
 fn observed(file: &str, model: Model) -> (RunRecord, RunRecord, Notes) {
     let program = stochc::check(file).programs.remove(0);
     let (tables, scene) = (program.tables.unwrap(), program.scene.unwrap());
-    // Who enters and leaves within a tick is seen by nobody who looks at its end.
+    // An observer looks at the end of a tick and misses blocks that enter and leave within it.
     let settings = Settings::new(model, 1);
     let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
     let mut notes = Notes::default();
@@ -45,7 +45,8 @@ fn observed(file: &str, model: Model) -> (RunRecord, RunRecord, Notes) {
 #[test]
 fn a_run_is_the_same_whether_somebody_looks_on_or_not() {
     let dense = "tests/fixtures/dense.sa";
-    // Whoever looks on sees every hop of a report; otherwise reports may be at the plate at once.
+    // With an observer, every hop of a report is visible. Otherwise reports may reach the plate at
+    // once.
     for (file, model) in [
         (dense, Model::Rapier),
         (dense, Model::Rigid),
@@ -98,7 +99,7 @@ fn the_events_tell_what_the_record_counts() {
         "{:?}",
         notes.misplaced
     );
-    // Nobody sees who enters a field in the tick at whose end it is gone.
+    // The observer misses entries into a field in the last tick of the field.
     let [mut seen, mut counted] = [0, 0];
     for bond in &record.bonds {
         let entries = entries(&notes, bond);
@@ -109,7 +110,7 @@ fn the_events_tell_what_the_record_counts() {
     assert!(10 * seen > 8 * counted, "{seen} of {counted}");
 }
 
-/// The entries into the field of a face from when it was on to when it took a block.
+/// Returns the number of entries into the field of a face, from its activation to its capture.
 fn entries(notes: &Notes, bond: &BondRecord) -> u32 {
     let mut open = None;
     let mut entries = 0;
@@ -170,7 +171,7 @@ fn a_model_without_places_has_no_observer() {
     assert_eq!(refused, Err(RunError::Nowhere(Model::Shuffle)));
 }
 
-/// Holds what the events tell of bonds among free blocks against the groups of the world, at every tick.
+/// Observer that compares bond events of free blocks with the groups of the world, at every tick.
 #[derive(Default)]
 struct Groups {
     bonds: Vec<FreeBond>,
@@ -203,7 +204,7 @@ impl Observer for Groups {
                 _ => {}
             }
         }
-        // A tree of bonds for each group, and none between two of them.
+        // The bonds of each group are a tree, and no bond connects two groups.
         let mut known: Vec<Vec<u32>> = Vec::new();
         for FreeBond { bodies, .. } in &self.bonds {
             assert!(bodies[0] < bodies[1]);
@@ -221,7 +222,7 @@ impl Observer for Groups {
         }
         known.sort_unstable();
         assert_eq!(known, groups, "at {}", arena.tick());
-        // The faces that meet point to each other's centres.
+        // The bonded faces point to the centre of the other block.
         for FreeBond { bodies, faces } in &self.bonds {
             let [first, second] = bodies.map(|id| arena.state(id));
             let between = second.position - first.position;

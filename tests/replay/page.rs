@@ -1,4 +1,4 @@
-//! The page in a browser: it shows what was recorded.
+//! Tests the page in a browser: it shows the recorded data.
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::browser::{Browser, browser};
 use crate::folder::{PASSED_ON, PROGRAM, Results};
 use crate::page_under_test::Page;
 
-/// What the page says of a tick.
+/// Moves to a tick. Returns the state of the page.
 fn seek(page: &mut impl Page, tick: u64) -> Value {
     page.value(&format!("replay.seek({tick})"))
 }
@@ -22,7 +22,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     values.iter().map(|value| value.as_f64().unwrap()).collect()
 }
 
-/// Who is part of the structure at a tick: body and role.
+/// Returns the blocks of the structure at a tick, with their roles.
 fn structure(recording: &Recording, tick: u64) -> Vec<(u32, u32)> {
     use stochc::runtime::observe::ObservedEvent;
     let mut structure = std::collections::BTreeMap::new();
@@ -67,7 +67,7 @@ fn the_page_shows_what_was_recorded() {
             .map(|(body, role)| json!([body, tables.roles[role as usize].name]))
             .collect();
         assert_eq!(state["structure"], json!(names), "at {tick}");
-        // Whatever has been looked at before, a tick is always the same.
+        // A tick always looks the same, whatever was shown before.
         let known = seen.entry(tick).or_insert_with(|| state.clone());
         assert_eq!(*known, state);
     }
@@ -78,7 +78,7 @@ fn the_page_shows_what_was_recorded() {
         .map(|phase| phase["events"].as_array().unwrap().len())
         .sum();
     assert_eq!(state["done"].as_array().unwrap().len(), events);
-    // Between two places it is on the way from one to the other.
+    // Between two recorded positions a block is interpolated.
     let pair = frames
         .windows(2)
         .find(|pair| pair[1].tick == pair[0].tick + 4)
@@ -114,7 +114,7 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
     let results = Results::from_records(PROGRAM, "--record 0");
     let recording = results.recording(0);
     browser.open(&results.page(0), "");
-    // Without the cloud and the names, nothing stands in the way.
+    // Without the cloud and the names, nothing covers the block.
     for key in ["c", "c", "l"] {
         browser.key(key);
     }
@@ -127,7 +127,7 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
         let at = browser.value(&place);
         numbers(&browser.value(&format!("replay.pixel({}, {})", at["x"], at["y"])))
     };
-    // In the colour of its phase, under some light, from the tick of its capture on.
+    // From its capture on, it has the colour of its phase, under some light.
     let shown = pixel(&mut browser, last.docked);
     let light: Vec<f64> = shown
         .iter()
@@ -139,7 +139,7 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
         light.iter().all(|part| (part - light[0]).abs() < 0.03),
         "{shown:?} for {colour:?}"
     );
-    // The same place, a tick earlier, is empty: the block has not docked, and the cloud is off.
+    // One tick earlier the position is empty: the block has not docked, and the cloud is off.
     seek(&mut browser, last.docked);
     let at = browser.value(&place);
     seek(&mut browser, last.docked - 1);
@@ -165,7 +165,7 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
     assert!(text.contains(&format!("as {name}, ")), "{text}");
     assert!(text.contains("docks on"), "{text}");
     assert!(text.contains("in the field"), "{text}");
-    // Where nothing is, nothing is chosen.
+    // A click on an empty place selects nothing.
     browser.click(20.0, 600.0);
     assert_eq!(browser.value("replay.state().selected"), Value::Null);
     // A block of the plate.
@@ -192,7 +192,7 @@ fn what_was_attached_by_hand_did_not_wait() {
     let of_all = of_all.as_str().unwrap();
     let expected = format!("P is attached by hand to A.up: block {attached}");
     assert!(of_all.contains(&expected), "{of_all}");
-    // This one goes at once.
+    // This block is released at once.
     let other = "X is attached by hand to P.up";
     assert!(of_all.contains(other), "{of_all}");
     let of_one = told(&format!("#tick=5&block={attached}"));
@@ -215,7 +215,7 @@ fn faces_and_pulled_blocks_are_those_of_the_recording() {
     check_faces(&mut browser, &results.recording(0), &results.tables());
 }
 
-/// Which faces are on, and whom they pull, at the ticks at which that changes.
+/// Checks the faces that are on, and the blocks that they pull, at every change.
 pub fn check_faces(page: &mut impl Page, recording: &Recording, tables: &Tables) {
     use stochc::runtime::observe::ObservedEvent;
     let number = |body: Body| match body {
@@ -225,7 +225,7 @@ pub fn check_faces(page: &mut impl Page, recording: &Recording, tables: &Tables)
             -1 - i64::from(role.unwrap().0.0)
         }
     };
-    // Solid, whatever stands in the way is what is meant at its place.
+    // All blocks are solid, so the front block is picked.
     page.value("['cloud', 'names'].forEach(id => document.getElementById(id).click())");
     let mut faces = [0, 0];
     let mut owners = BTreeSet::new();
@@ -260,7 +260,7 @@ pub fn check_faces(page: &mut impl Page, recording: &Recording, tables: &Tables)
             let shown = state["lit"].as_array().unwrap().iter();
             let shown: BTreeSet<String> = shown.map(Value::to_string).collect();
             assert_eq!(shown, expected, "at {}", happening.tick);
-            // A face that is on is seen in its colour, and one that is off is not: those that face the eye.
+            // A face that is on has its colour, if it faces the eye. A face that is off has not.
             let facing = [
                 (Face::Up, "up"),
                 (Face::East, "east"),
@@ -310,7 +310,7 @@ fn keys_links_and_fingers_move_it() {
     assert_eq!(browser.complaints, [""; 0]);
 }
 
-/// Keys, the slider and fingers.
+/// Checks keys, the slider and fingers.
 pub fn check_moves(browser: &mut impl Page, results: &Results) {
     let recording = results.recording(0);
     let page = results.page(0);
@@ -325,7 +325,7 @@ pub fn check_moves(browser: &mut impl Page, results: &Results) {
         browser.key(key);
         assert_eq!(browser.value(now)["tick"], tick, "{key}");
     }
-    // From event to event of the structure, there and back.
+    // From event to event of the structure, forwards and backwards.
     use stochc::runtime::observe::ObservedEvent;
     let mut ticks: Vec<u64> = (recording.events().iter())
         .filter(|happening| {
@@ -352,7 +352,7 @@ pub fn check_moves(browser: &mut impl Page, results: &Results) {
     );
     browser.key("Escape");
     assert_eq!(browser.value(now)["selected"], Value::Null);
-    // It plays, and stops.
+    // The replay plays, and stops.
     browser.key(" ");
     browser.value("new Promise(done => setTimeout(done, 700))");
     let state = browser.value(now);
@@ -367,7 +367,7 @@ pub fn check_moves(browser: &mut impl Page, results: &Results) {
     // The slider.
     browser.value("(bar => { bar.value = 77; bar.dispatchEvent(new Event('input')); })(document.getElementById('tick'))");
     assert_eq!(browser.value(now)["tick"], 77);
-    // A finger turns the view, and does not choose a block.
+    // A finger turns the view, and does not select a block.
     let before = browser.value("replay.screen(0)");
     browser.swipe((300.0, 300.0), (380.0, 300.0));
     let state = browser.value(now);
@@ -376,7 +376,7 @@ pub fn check_moves(browser: &mut impl Page, results: &Results) {
     browser.key("r");
     browser.value(now);
     assert_eq!(browser.value("replay.screen(0)"), before);
-    // Whoever is followed stays in the middle.
+    // A followed block stays in the middle.
     browser.open(&page, "#tick=1000&block=7");
     browser.key("f");
     browser.value(now);
@@ -388,7 +388,7 @@ pub fn check_moves(browser: &mut impl Page, results: &Results) {
     check_focus(browser, &page);
 }
 
-/// What has the focus gets its own keys.
+/// Checks that the focused element receives its keys.
 fn check_focus(browser: &mut impl Page, page: &Path) {
     browser.open(page, "#tick=77");
     let state = "replay.settled().then(({ tick, playing }) => [tick, playing, document.getElementById('speed').value])";

@@ -1,4 +1,4 @@
-//! What every browser can be asked.
+//! Interface of all tested browsers.
 use std::path::Path;
 
 use serde_json::Value;
@@ -6,41 +6,41 @@ use serde_json::Value;
 use crate::browser::Browser;
 use crate::firefox::Firefox;
 
-/// Whether a page shows a replay or a message, or has been cut short.
+/// Condition for a page to show a replay or a message, or to be truncated.
 pub const SETTLED: &str = "document.readyState === 'complete' && location.protocol === 'file:' && \
      (document.body.dataset.ready === 'yes' || document.body.classList.contains('failed') || \
       !document.getElementById('whole'))";
 
-/// What is done with the left button.
+/// Action with the left button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mouse {
     Press,
-    /// Held down.
+    /// Moves with the button pressed.
     Drag,
     Release,
 }
 
-/// A browser with a page of a replay in it.
+/// A browser with a replay page.
 pub trait Page {
-    /// Opens a file with something after its name; waits until it shows a replay or a message.
+    /// Opens a file with a suffix after its name. Waits until it shows a replay or a message.
     fn open(&mut self, file: &Path, hash: &str);
 
-    /// The value of an expression, or of the promise that it is.
+    /// Returns the value of an expression. Awaits promises.
     fn value(&mut self, expression: &str) -> Value;
 
     /// Runs a script in the page.
     fn run(&mut self, script: &str);
 
-    /// The size of the page.
+    /// Sets the size of the page.
     fn size(&mut self, width: u32, height: u32);
 
     /// Presses and releases a key.
     fn key(&mut self, key: &str);
 
-    /// Does something with the left button.
+    /// Performs an action with the left button.
     fn mouse(&mut self, what: Mouse, x: f64, y: f64);
 
-    /// Draws one finger over the page.
+    /// Drags one finger over the page.
     fn swipe(&mut self, from: (f64, f64), to: (f64, f64));
 
     /// Clicks with the left button.
@@ -49,7 +49,8 @@ pub trait Page {
         self.mouse(Mouse::Release, x, y);
     }
 
-    /// What is drawn by `act` on a flat sheet, of which there is a selector: each as `[what, style, numbers or a text and numbers]`, in the units of the page.
+    /// Returns the drawing calls of `act` on a canvas, given by a selector. Each is `[what, style,
+    /// numbers or a text and numbers]`, in the units of the page.
     fn drawn(&mut self, sheet: &str, act: &str) -> Vec<Value> {
         let drawn = self.value(&format!(
             "(async () => {{

@@ -1,4 +1,4 @@
-//! Recordings in a folder of results, made at once or afterwards.
+//! Tests recordings in a results folder, made during the simulation or afterwards.
 use std::fs;
 
 use stochc::files::checksum::sealed;
@@ -19,14 +19,14 @@ fn a_recording_made_afterwards_is_the_same_to_the_bit() {
     let [first, second] = [&at_once, &later].map(|of| fs::read(of.recording_path(1)).unwrap());
     assert!(first == second);
     assert!(!later.recording_path(0).exists());
-    // Nor does recording change what is recorded.
+    // Recording does not change the results.
     for table in ["journal.jsonl", "runs.parquet", "bonds.parquet"] {
         let [first, second] = [&at_once, &later].map(|of| fs::read(of.path().join(table)).unwrap());
         if table != "journal.jsonl" {
             assert!(first == second, "{table}");
         }
     }
-    // And the page is one and the same.
+    // The pages are identical.
     let [first, second] = [&at_once, &later].map(|of| fs::read(of.page(1)).unwrap());
     assert!(first == second);
 }
@@ -88,7 +88,7 @@ fn anchored_blocks_are_where_their_cells_are() {
                 centre(bond.cell.y, tables.plate.depth),
                 f64::from(bond.cell.z) - 0.5,
             ];
-            // Half a step of a 16-bit coordinate in an arena of 50 sides.
+            // The limit is half a step of a 16-bit coordinate in an arena of 50 block lengths.
             let far = [x - cell[0], y - cell[1], z - cell[2]];
             assert!(far.iter().all(|far| far.abs() <= 1.0 / 1024.0), "{far:?}");
         }
@@ -109,10 +109,10 @@ fn an_ensemble_that_goes_on_records_what_it_makes() {
     assert!(!left.exists());
 }
 
-/// The sections of a file: name and payload.
+/// Returns the sections of a file: name and payload.
 fn sections(bytes: &[u8]) -> Vec<(&str, &[u8])> {
     let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
-    // Behind each part are four bytes of its checksum.
+    // Each part is followed by the four bytes of its checksum.
     let mut at = 16 + number(12) + 4;
     let mut sections = Vec::new();
     while at < bytes.len() {
@@ -133,7 +133,7 @@ fn a_long_run_is_written_piece_by_piece() {
         .filter(|(name, _)| *name == "POSE")
         .map(|(_, payload)| u32::from_le_bytes(payload[8..12].try_into().unwrap()) as usize)
         .collect();
-    // 300 blocks of 7 numbers: half a million numbers are 250 ticks.
+    // 300 blocks have 7 numbers each, so half a million numbers are about 250 ticks.
     let recording = results.recording(0);
     assert_eq!(recording.header().bodies, 300);
     assert!(ticks.iter().all(|ticks| *ticks <= 250), "{ticks:?}");
@@ -151,9 +151,9 @@ fn bonds_among_free_blocks_are_recorded() {
     let rows: usize = (recording.events().iter())
         .filter(|happening| matches!(happening.event, ObservedEvent::Bonded { .. }))
         .count();
-    // A group of n has n - 1 bonds.
+    // A group of n blocks has n - 1 bonds.
     assert!(rows as u32 + 1 >= recording.record().blocks_used, "{rows}");
-    // A phase begins at the tick of the bond that made a group so large.
+    // A phase begins at the tick of the bond that made a group of its size.
     let begins = (recording.events().iter())
         .filter(|happening| matches!(happening.event, ObservedEvent::Phase(PhaseId(1..))));
     let mut looked = 0;
@@ -180,7 +180,7 @@ fn no_damage_is_more_than_a_message() {
         for change in [0x01, 0x80, 0xFF] {
             let mut bytes = bytes.clone();
             bytes[at] ^= change;
-            // Also the corner and the step of a chunk, its ticks, and the header.
+            // The changes include the corner and the step of a chunk, its ticks, and the header.
             let read = Recording::read(&bytes[..], &tables);
             assert!(read.is_err(), "byte {at}, change {change}");
         }
@@ -190,7 +190,7 @@ fn no_damage_is_more_than_a_message() {
     assert!(Recording::read(&longer[..], &tables).is_err());
 }
 
-/// What `replay` says of a folder in which something has been changed.
+/// Returns the message of `replay` about a changed folder.
 fn error(results: &Results) -> String {
     let page = results.path().join("page.html");
     let said = stochc("replay --run 0 --out", &[&page, &results.path()]);
@@ -222,7 +222,7 @@ fn a_recording_that_cannot_be_used_is_told_of() {
     assert!(with(&|bytes| bytes[middle] ^= 0x10).contains("damaged"));
     let other = fs::read(results.recording_path(1)).unwrap();
     assert!(with(&|bytes| bytes.clone_from(&other)).contains("another run"));
-    // Without it, the run is made again.
+    // Without the recording, the run is repeated.
     fs::remove_file(&path).unwrap();
     results.page(0);
     assert!(fs::read(&path).unwrap() == whole);
@@ -233,18 +233,18 @@ fn a_program_that_has_changed_is_refused() {
     let results = Results::from_records(DENSE, "");
     let manifest = results.path().join("manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();
-    // What stands in the folder counts, and all of it belongs together.
+    // The folder's own program counts, and all files must be consistent.
     fs::write(&manifest, text.replace("T[1..2]", "T[1..3]")).unwrap();
     let said = error(&results);
     assert!(said.contains("changed by hand"), "{said}");
-    // Also where it has been changed on purpose.
+    // The same holds for deliberate changes.
     fs::remove_file(results.path().join("checksums.json")).unwrap();
     let said = error(&results);
     assert!(
         said.contains("does not belong to the `manifest.json`"),
         "{said}"
     );
-    // Even where the journal says nothing against it, what cannot be run is not.
+    // Even without a journal, an invalid program is not run.
     fs::remove_file(results.path().join("journal.jsonl")).unwrap();
     let damaged = text.replacen("\"duties\":[{\"role\":0", "\"duties\":[{\"role\":900", 1);
     assert_ne!(damaged, text);
@@ -258,7 +258,7 @@ fn a_run_that_does_not_come_out_as_it_did_is_refused() {
     let results = Results::from_records(DENSE, "");
     let journal = results.path().join("journal.jsonl");
     let text = fs::read_to_string(&journal).unwrap();
-    // With the checksums that another build would have written.
+    // The lines have the checksums that another build would have written.
     let lines = text.lines().map(|line| {
         let (object, _) = line.rsplit_once(",\"crc\"").unwrap();
         sealed(object.replace("\"hops\":", "\"hops\":1") + "}") + "\n"
@@ -309,7 +309,7 @@ fn what_is_asked_wrongly_is_told() {
 #[test]
 fn a_folder_that_cannot_be_written_to_is_shown_too() {
     let results = Results::from_records(DENSE, "");
-    // A file in the place of the folder for recordings, for those who may write everywhere.
+    // A file blocks the folder for recordings, even for root.
     fs::write(results.path().join("recordings"), "").unwrap();
     let page = results.page(0);
     assert!(fs::metadata(page).unwrap().len() > 10_000);

@@ -1,4 +1,4 @@
-//! Two runs in one page, a tour of one, and what is taken along.
+//! Tests two runs in one page, the tour of a run, and exported links, pictures and films.
 use serde_json::{Value, json};
 use stochc::results::recording::Recording;
 use stochc::text::palette::{DARK, LIGHT};
@@ -11,7 +11,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-/// All of it.
+/// Runs all checks.
 pub fn check_all(page: &mut impl Page) {
     check_two_runs(page);
     check_tour(page);
@@ -26,7 +26,7 @@ fn in_chromium(check: impl Fn(&mut Browser)) {
     assert_eq!(browser.complaints, [""; 0]);
 }
 
-/// The ticks at which phases begin.
+/// Returns the ticks of the starts of phases.
 fn begins(recording: &Recording) -> Vec<u64> {
     use stochc::runtime::observe::ObservedEvent;
     let events = recording.events().iter();
@@ -68,7 +68,7 @@ fn check_two_runs(browser: &mut impl Page) {
         at(&mut |asked| browser.value(asked), last),
         (here as f64, there as f64)
     );
-    // By phase, every phase begins in both at once.
+    // In the mode by phase, every phase begins in both at once.
     browser.value("document.getElementById('clocks').click()");
     for (from, to) in begins(&first).into_iter().zip(begins(&second)) {
         assert_eq!(
@@ -105,7 +105,7 @@ fn check_tour(browser: &mut impl Page) {
     browser.open(&page, "");
     let steps = browser.value("JSON.parse(document.getElementById('about').textContent).tour");
     let steps = steps.as_array().unwrap();
-    // From the beginning of the run to its end, without a gap.
+    // The tour covers the run from its beginning to its end, without a gap.
     let mut tick = 0.0;
     for step in steps {
         assert_eq!(number(&step["from"]), tick, "{step}");
@@ -123,7 +123,7 @@ fn check_tour(browser: &mut impl Page) {
     let next = "document.querySelector('#tour [aria-label=\"next step\"]').click()";
     browser.value(next);
     browser.value("new Promise(done => setTimeout(done, 600))");
-    // On a busy machine it may have come to a later step by now.
+    // On a busy machine the tour may have reached a later step.
     let state = browser.value(&format!(
         "replay.settled().then(state => [state.tick, parseInt({words})])"
     ));
@@ -168,7 +168,7 @@ fn check_taken_along(browser: &mut impl Page) {
         browser.value(size),
         json!(["image/png", 0x8950_4e47_u32, 640, 360])
     );
-    // What was drawn is what is seen: at the size of the page, pixel by pixel.
+    // The picture equals the view at the size of the page, pixel by pixel.
     let same = "(async () => {
         const [x, y] = [300, 320];
         const { clientWidth, clientHeight } = document.getElementById('arena');
@@ -178,7 +178,8 @@ fn check_taken_along(browser: &mut impl Page) {
     })()";
     let pixels = browser.value(same);
     assert_eq!(pixels[0], pixels[1]);
-    // So are names and axes: there is nothing else in their colour, which comes and goes with them.
+    // The same holds for names and axes. Nothing else has their colour, which appears and
+    // disappears with them.
     let ink = match browser.value("themeName()").as_str().unwrap() {
         "dark" => DARK.ink,
         _ => LIGHT.ink,
@@ -206,7 +207,7 @@ fn check_taken_along(browser: &mut impl Page) {
     assert_eq!(browser.value(&written), json!([true, 0, true]));
     let much = browser.value("replay.png(10 ** 7, 1).catch(({ message }) => message)");
     assert!(much.as_str().unwrap().contains("pixels at most"), "{much}");
-    // A cluster of pictures, of however many the machine draws.
+    // The film has a WebM cluster of frames, whose number depends on the machine.
     let film = "replay.film({ from: 100, to: 500, width: 320, height: 200, speed: 5 }).then(async blob => {
         const bytes = new Uint8Array(await blob.arrayBuffer());
         const has = mark => bytes.some((_, at) => mark.every((byte, i) => bytes[at + i] === byte));

@@ -1,4 +1,4 @@
-//! A page that cannot show its recording says so.
+//! Checks that a page reports if it cannot show its recording.
 use std::fs;
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::browser::browser;
 use crate::folder::Results;
 use crate::page_under_test::Page;
 
-/// What is shown in the place of the arena.
+/// Returns the message that is shown instead of the arena.
 fn message(browser: &mut impl Page, page: &Path, text: &str) -> String {
     fs::write(page, text).unwrap();
     browser.open(page, "");
@@ -27,7 +27,7 @@ fn what_is_wrong_with_a_page_is_told() {
     check(&mut browser);
 }
 
-/// Pages of other versions, damaged ones, and those that were cut short.
+/// Checks pages of other versions, corrupted pages, and truncated pages.
 pub fn check(browser: &mut impl Page) {
     let results = Results::from_records("tests/fixtures/dense.sa", "--record 0");
     let page = results.page(0);
@@ -52,7 +52,7 @@ pub fn check(browser: &mut impl Page) {
         (with(&|bytes| bytes.truncate(bytes.len() - 3)), "cut short"),
         (with(&|bytes| bytes.clear()), "cut short"),
         (with(&|bytes| bytes[0] = b'x'), "no recording"),
-        // A page that was not copied to its end: within the recording, before it, in the script.
+        // The page was copied incompletely: up to the recording, before it, or within the script.
         (text[..start + 1000].to_owned(), "cut short"),
         (text[..start - 40].to_owned(), "cut short"),
         (
@@ -67,7 +67,7 @@ pub fn check(browser: &mut impl Page) {
         let said = message(browser, &page, &text);
         assert!(said.contains(reason), "{reason}: {said}");
     }
-    // In the midst of packed places, where only the checksum tells.
+    // A byte within the packed positions is wrong. Only the checksum detects it.
     let said = message(
         browser,
         &page,

@@ -1,11 +1,15 @@
-//! What becomes of a test that asks for a program which is not installed.
+//! Reports tests that need a program that is not installed.
 use std::io::Write as _;
 
-/// Names the file in which `tests/run` counts what was skipped.
+/// Variable with the path of the file that lists skipped tests for `tests/run`.
 const RECORD: &str = "STOCHC_SKIPPED";
 
-/// Tells that the test that runs now is skipped, wholly or in part, because `command` of the package `package` cannot be
-/// run. Panics if `STOCHC_REQUIRE_` and the package's name, up to a dash, is set: where it is installed, nothing is to be skipped.
+/// Reports that the current test is skipped, wholly or in part, because `command` of the package
+/// `package` is missing.
+///
+/// # Panics
+/// Panics if `STOCHC_REQUIRE_` with the package's name, up to a dash, is set. The package
+/// is then expected to be installed.
 #[track_caller]
 pub fn skipped(package: &str, command: &str) {
     let name = package.split('-').next().unwrap_or(package);
@@ -14,7 +18,7 @@ pub fn skipped(package: &str, command: &str) {
         std::env::var_os(&required).is_none(),
         "`{command}` cannot be run, and {required} is set"
     );
-    // A test has a thread of its name, unless all of them run in the first one.
+    // The thread has the name of the test, except if all tests run in the main thread.
     let here = std::thread::current();
     let place = std::panic::Location::caller();
     let test = match here.name() {
@@ -26,7 +30,7 @@ pub fn skipped(package: &str, command: &str) {
         _ => format!("apt-get install {package}"),
     };
     let note = format!("skipped {test}: `{command}` cannot be run ({remedy})\n");
-    // Past the test's own capture, so that it is seen.
+    // Writing to standard error directly bypasses the capture of the test.
     let _ = std::io::stderr().write_all(note.as_bytes());
     if let Some(record) = std::env::var_os(RECORD) {
         let mut options = std::fs::OpenOptions::new();
