@@ -13,7 +13,7 @@ use stochc::ir::emit::{graph_text, table_text};
 use stochc::operations::codes;
 use stochc::operations::kept_text::KeptText;
 use stochc::operations::programs::{accept, is_readable, programs};
-use stochc::operations::summary::status_line;
+use stochc::operations::summary::status_lines;
 use stochc::report::figures::structure;
 use stochc::results::{EnsembleProgram, Manifest, Source};
 use stochc::runtime::Settings;
@@ -61,7 +61,7 @@ pub fn check(
         if checked.has_errors() {
             return Ok((document.text(), drawn, true, Vec::new()));
         }
-        let lines = (0..checked.programs.len()).map(|number| status_line(&checked, number));
+        let lines = (0..checked.programs.len()).map(|number| status_lines(&checked, number));
         drawn.extend(lines);
         Ok((document.text(), drawn, false, entries(checked)))
     })

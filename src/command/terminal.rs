@@ -247,7 +247,7 @@ pub fn message_width() -> usize {
 }
 
 /// Width of the output if it is not a terminal \[columns\].
-const WIDTH: usize = 100;
+const WIDTH: usize = 80;
 
 fn columns(terminal: &Term) -> Option<usize> {
     /// Narrower terminals break lines themselves.

@@ -17,7 +17,7 @@ use super::terminal::{exit_of, has_colour, message_width, print, print_folded, w
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::{is_readable, nothing_to_run, verdict};
-use crate::operations::summary::status_line;
+use crate::operations::summary::status_lines;
 use stochc_compiler::model_check::{MISTAKE, expected, shortest};
 
 /// Number of random orders for a program with too many orders.
@@ -115,7 +115,7 @@ fn explore(
         let Some(tables) = &program.tables else {
             continue;
         };
-        print_folded(&status_line(checked, number))?;
+        print_folded(&status_lines(checked, number))?;
         if tables.aggregate.is_some() {
             continue;
         }

@@ -3,20 +3,20 @@ use stochc_compiler::diagnostic::Diagnostic;
 use stochc_compiler::{Checked, Program};
 use stochc_text::counted;
 
-/// Returns the status line of a program: its size, its proof and its warnings.
-pub fn status_line(checked: &Checked, number: usize) -> String {
+/// Returns the size, the number of warnings and the proof of a program, in lines.
+pub fn status_lines(checked: &Checked, number: usize) -> String {
     let program = &checked.programs[number];
     let proof = match checked.proof(number) {
         Some(proof) => proof.to_string(),
-        None => "No proof: chance decides what an aggregate builds.".to_owned(),
+        None => "not proved: chance decides what an aggregate builds\n".to_owned(),
     };
     let warnings = warnings(checked, |it| it.programs.contains(&number));
-    let warnings = warnings.map_or_else(String::new, |it| format!(" {it}."));
-    format!(
-        "{}: {}. {proof}{warnings}\n",
-        program.plan.name,
-        size(program)
-    )
+    let warnings = warnings.map_or_else(String::new, |it| format!(", {it}"));
+    let mut lines = format!("{}: {}{warnings}\n", program.plan.name, size(program));
+    for line in proof.lines() {
+        lines += &format!("  {line}\n");
+    }
+    lines
 }
 
 /// Returns the number of warnings that `part` selects, as text. Returns `None` if there are none.

@@ -45,7 +45,7 @@ fn changes_are_shown_and_made_and_the_rest_is_told() {
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.out.contains(DIFF), "{}", said.out);
     assert!(
-        said.out.contains("a: 1 capture in 1 phase. Proved: "),
+        said.out.contains("a: 1 capture in 1 phase\n  proved: "),
         "{}",
         said.out
     );

@@ -80,7 +80,7 @@ fn what_is_finished_is_kept() {
     assert_eq!(said.status, 130, "{}", said.err);
     assert!(said.err.contains("stochc resume "), "{}", said.err);
     assert!(!said.err.contains("panicked"), "{}", said.err);
-    assert_eq!(said.row("Runs"), ["1", "0", "of", "1"]);
+    assert_eq!(said.row("Runs completed"), ["1", "of", "1", "0", "of", "1"]);
     assert_eq!(lines(), 2);
 
     let results = stochc_with("show", &[&out]);

@@ -36,7 +36,7 @@ fn an_allowed_warning_is_counted_and_not_told() {
     let said = stochc(&format!("check --allow unused-seed {CARELESS}"));
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     assert!(
-        said.out.contains("used twice. 1 warning allowed.\n"),
+        said.out.contains("1 phase, 1 warning allowed\n"),
         "{}",
         said.out
     );

@@ -73,19 +73,16 @@ fn a_timeout_is_told_and_a_status() {
     let told = "3 of 3 runs, 3 stopped in ";
     assert!(said.err.starts_with(told), "{}", said.err);
     assert_eq!(said.row("Timed out"), ["3"]);
-    let mean = said.row("Mean time to completion").join(" ");
+    let mean = said.row("Mean time").join(" ");
     assert_eq!(mean, "≥ 2, to 2");
     assert_eq!(said.row("  in seconds").join(" "), "≥ 40.0 ms");
-    assert_eq!(said.row("SD"), ["-"], "unknown");
-    assert!(
-        said.out
-            .contains("≥: some runs were stopped before they completed")
-    );
+    assert_eq!(said.row("SD (CV)"), ["-"], "unknown");
+    assert!(said.out.contains("≥: some runs did not complete"));
     // The limit of the command has the same exit status as a timeout of the program.
     let said = stochc_with(TOWER, &["--runs", "3", "--max-ticks", "2"]);
     assert_eq!(said.status, 3);
     assert!(!said.out.contains("Timed out"), "{}", said.out);
-    assert_eq!(said.row("At --max-ticks (censored)"), ["3"]);
+    assert_eq!(said.row("Censored at --max-ticks"), ["3"]);
 }
 
 #[test]

@@ -70,6 +70,11 @@ impl Said {
     }
 }
 
+/// Returns a message with the folded lines of its titles joined.
+pub fn unfolded(message: &str) -> String {
+    message.replace("\n  │ ", " ")
+}
+
 /// Returns the command that splits an ensemble into shards instead of simulating it.
 pub fn shard_new(line: &str) -> String {
     let (_, options) = line.split_once(' ').unwrap();

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::stochc::{Said, path, stochc_with, tables};
+use crate::stochc::{Said, path, stochc_with, tables, unfolded};
 
 const TOWER: &str = "sweep --model shuffle --quiet --runs 3 tests/fixtures/tower.sa";
 
@@ -278,7 +278,7 @@ fn a_swept_folder_is_made_again_and_goes_on() {
         results.err
     );
     assert!(
-        results.out.contains("Not all runs are finished"),
+        results.out.contains("Some runs are not finished."),
         "{}",
         results.out
     );
@@ -407,8 +407,7 @@ fn a_point_at_which_the_program_is_wrong_is_told() {
         said.err
     );
     assert!(
-        said.err
-            .contains("needs 3 free blocks at once, but scene `hemisphere` has 1"),
+        unfolded(&said.err).contains("needs 3 free blocks at once, but scene `hemisphere` has 1"),
         "{}",
         said.err
     );

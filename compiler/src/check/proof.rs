@@ -88,32 +88,33 @@ fn scarcity(program: &Program) -> Option<String> {
 }
 
 impl fmt::Display for Proof {
+    /// Writes a line for each property: `proved: ...`, or `not proved: ...` with the reason.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let order = if self.has_timeout {
             "completes in every order unless a phase times out"
         } else {
             "completes in every order"
         };
-        let mut proved = Vec::new();
         if self.completes {
-            proved.push(order.to_owned());
+            writeln!(f, "proved: {order}")?;
         }
         let cells = if self.no_cell_blocked {
-            "no cell blocked or used twice"
+            "no cell is blocked or used twice"
         } else {
-            "no cell used twice"
+            "no cell is used twice"
         };
-        proved.push(cells.to_owned());
+        writeln!(f, "proved: {cells}")?;
         if !self.shapes.is_empty() {
             let shapes = self.shapes.iter().map(|shape| format!("`{shape}`"));
             let shapes: Vec<String> = shapes.collect();
-            proved.push(format!("builds {}", series(&shapes, "and")));
+            writeln!(f, "proved: builds {}", series(&shapes, "and"))?;
         }
-        write!(f, "Proved: {}.", proved.join(", "))?;
-        if self.completes {
-            return Ok(());
+        if !self.completes {
+            writeln!(f, "not proved: {order}")?;
+            for reason in &self.unproved {
+                writeln!(f, "  because {reason}")?;
+            }
         }
-        let reasons = self.unproved.join("; ");
-        write!(f, " Not proved: {order}, because {reasons}.")
+        Ok(())
     }
 }

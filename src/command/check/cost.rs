@@ -7,8 +7,8 @@ use stochc_report::tables::{KNOWN_BIAS, first_guess, left_out, lower_bound};
 use stochc_report::text::event_labels;
 use stochc_runtime::rates::{CaptureCost, Cost, PhaseCost, Rates, Times};
 use stochc_runtime::world::rate::RateWorld;
-use stochc_text::percent;
 use stochc_text::{TextColumn, TextTable, paragraph};
+use stochc_text::{number, percent};
 
 use super::super::terminal::output_width;
 use crate::operations::rates::at_hand;
@@ -83,7 +83,7 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     let total = match (cost.total, &never) {
         (Some(total), _) if total.mean != Some(0.0) => total,
         (None, Some(never)) => {
-            return format!("  by rates a phase comes to its timeout in {never} of all runs\n");
+            return format!("  estimate: a phase reaches its timeout in {never} of all runs\n");
         }
         _ => return String::new(),
     };
@@ -94,7 +94,7 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     } else {
         format!(": {}", cost.lower_bound.text())
     };
-    format!("  by rates it takes {takes}{never}{reasons}; `--cost` says what decides it\n")
+    format!("  estimate: {takes}{never}{reasons}; details: `--cost`\n")
 }
 
 /// Returns the share of drawn times that include the timeout of a phase. Returns `None` if none
@@ -121,19 +121,17 @@ fn table(
     }
     text += "\n";
     let width = output_width().saturating_sub(2);
-    text += &paragraph(DEPTH_AND_WIDTH, width);
+    text += &paragraph(SERIAL_AND_PARALLEL, width);
     match cost.total {
         Some(_) => {
-            text += &paragraph(TIMES, width);
+            text += &paragraph(SHARES, width);
             text += &lower_bound(cost.lower_bound, width);
-            let mut left_out = left_out(cost.interaction);
-            left_out[..1].make_ascii_uppercase();
-            text += &paragraph(&left_out, width);
+            text += &paragraph(&left_out(cost.interaction), width);
             if let Some(stopped) = stopped(cost) {
                 text += &paragraph(
                     &format!(
-                        "A phase came to its timeout in {} of the times that were drawn: these never complete, so that there is no mean, and quantiles are \
-                         those of all.",
+                        "In {} of the samples, a phase reached its timeout. These never complete, so the mean is unknown. The \
+                         quantiles count them as the slowest.",
                         percent(stopped)
                     ),
                     width,
@@ -166,8 +164,8 @@ fn by_phase(program: &Program, cost: &Cost) -> TextTable {
     };
     let mut labels: Vec<String> = phases.iter().map(|(phase, _)| phase.name.clone()).collect();
     let mut columns = vec![
-        figures("depth", &|cost| cost.depth),
-        figures("width", &|cost| cost.width),
+        figures("serial", &|cost| cost.depth),
+        figures("parallel", &|cost| cost.width),
     ];
     if let Some(total) = cost.total {
         let is_many = phases.len() > 1;
@@ -178,22 +176,26 @@ fn by_phase(program: &Program, cost: &Cost) -> TextTable {
                 .for_each(|column| column.cells.push(String::new()));
         }
         let of: [Figure; 4] = [
-            ("mean ticks", |times| times.mean),
+            ("mean", |times| times.mean),
             ("10 %", |times| times.p10),
             ("median", |times| times.median),
             ("90 %", |times| times.p90),
         ];
-        let at_least = cost.lower_bound.prefix();
         columns.extend(of.map(|(header, of)| {
             let times = phases.iter().map(|(_, cost)| cost.times);
             let times = times.chain(is_many.then_some(Some(total)));
             let ticks = times.map(|times| times.as_ref().and_then(of));
-            let cell = |ticks: Option<f64>| ticks.map_or("-".into(), |it| format!("{it:.0}"));
-            TextColumn::figures(format!("{at_least}{header}"), ticks.map(cell).collect())
+            let cell = |ticks: Option<f64>| ticks.map_or("-".into(), |it| number(it.round()));
+            TextColumn::figures(header, ticks.map(cell).collect())
         }));
     }
     TextTable {
-        label: "phase".to_owned(),
+        label: match (cost.total, cost.lower_bound.is_empty()) {
+            (None, _) => "phase",
+            (Some(_), true) => "phase (times in ticks)",
+            (Some(_), false) => "phase (lower bounds in ticks)",
+        }
+        .to_owned(),
         labels,
         columns,
         ..TextTable::default()
@@ -209,35 +211,35 @@ fn by_capture(program: &Program, symbols: &Symbols, cost: &Cost, most: usize) ->
         (action(it), words, plan.phase_name(it.event))
     });
     let shares = shown.iter().map(|it| percent(it.share)).collect();
-    let waits = shown.iter().map(|it| format!("{:.0}", it.wait)).collect();
+    let waits = shown.iter().map(|it| number(it.wait.round())).collect();
     TextTable {
         label: "capture".to_owned(),
         labels: event_labels(cost.captures.iter().map(action), labelled),
         columns: vec![
-            TextColumn::figures("of the time", shares),
-            TextColumn::figures("mean wait", waits),
+            TextColumn::figures("share", shares),
+            TextColumn::figures("waiting time", waits),
         ],
         ..TextTable::default()
     }
 }
 
-const DEPTH_AND_WIDTH: &str = "depth: captures one after the other; width: captures side by side, at most, if all take equally \
-    long.";
+const SERIAL_AND_PARALLEL: &str = "serial: the longest chain of captures; parallel: the largest number of simultaneous captures, if \
+    all take equally long.";
 
-const TIMES: &str = "of the time: the part of it in which nothing but this capture is waited for; \
-    mean wait: ticks from when its face opens.";
+const SHARES: &str = "share: the part of the completion time spent waiting for this capture only; waiting time: mean \
+    number of ticks from when its face is switched on.";
 
 /// Returns the reason why times are missing, and what to do.
 fn no_times(program: &Program, cost: &Cost) -> String {
     let unsupported = program.scene.as_ref().and_then(RateWorld::unsupported);
     match (unsupported, cost.has_rates) {
         (Some(unsupported), _) => format!("No times: {unsupported}."),
-        (None, false) => "No times: the rates of this scene are not known. `stochc calibrate FILE --out X.rates` measures \
-             them for `--rates X.rates`."
+        (None, false) => "No times: this scene has no calibrated rates. Measure them with `stochc calibrate FILE --out X.rates`, and pass \
+             them with `--rates X.rates`."
             .to_owned(),
         (None, true) if cost.draws.is_empty() => {
-            "No times: no block is left for one of the captures.".to_owned()
+            "No times: one capture has no free block left.".to_owned()
         }
-        (None, true) => "No times: nine times in ten or more, a phase comes to its timeout.".to_owned(),
+        (None, true) => "No times: a phase reaches its timeout in at least 90 % of the samples.".to_owned(),
     }
 }

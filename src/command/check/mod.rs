@@ -25,7 +25,7 @@ use crate::diagnostics::{CheckDocument, DiagnosticCounts, Format, SarifLog, show
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::{cannot_read, is_readable, verdict};
 use crate::operations::rates::{UnusedRates, of_files};
-use crate::operations::summary::{status_line, warnings};
+use crate::operations::summary::{status_lines, warnings};
 use crate::reader::DiskReader;
 
 /// Arguments of `check`.
@@ -218,13 +218,13 @@ fn check(file: &str, text: Option<Vec<u8>>, options: &CheckArguments) -> Result<
 fn summary(name: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) -> String {
     if checked.programs.is_empty() {
         let warnings = warnings(checked, |_| true);
-        let warnings = warnings.map_or_else(String::new, |it| format!(" {it}."));
-        return format!("{name}no assembly or aggregate to prove anything about.{warnings}\n");
+        let warnings = warnings.map_or_else(String::new, |it| format!(", {it}"));
+        return format!("{name}no assembly or aggregate to check{warnings}\n");
     }
     let mut out = String::new();
     for (number, program) in checked.programs.iter().enumerate() {
         out.push_str(name);
-        out.push_str(&status_line(checked, number));
+        out.push_str(&status_lines(checked, number));
         out.push_str(&chains(program, checked));
         if cost.is_none() {
             out.push_str(&summed_up(program, rates));
@@ -239,27 +239,25 @@ fn summary(name: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) 
     out
 }
 
-/// Returns lines with the longest serial chain of each phase and of the program.
+/// Returns the longest serial chain of each phase, in lines.
 fn chains(program: &Program, checked: &Checked) -> String {
     let plan = &program.plan;
     let Some(order) = program.order.as_ref().filter(|_| plan.aggregate.is_none()) else {
         return String::new();
     };
-    let width = plan.phases.iter().map(|phase| phase.name.len()).max();
-    let width = width.unwrap_or(0);
-    let mut out = String::new();
-    for (phase, chain) in plan
-        .phases
+    let phases = || plan.phases.iter().filter(|phase| !phase.planted);
+    let width = phases().map(|phase| phase.name.len()).max().unwrap_or(0);
+    let total: usize = order
+        .chains
         .iter()
-        .zip(&order.chains)
-        .filter(|(phase, _)| !phase.planted)
-    {
+        .map(|chain| Order::length(plan, chain))
+        .sum();
+    let mut out = format!("  longest serial chain (critical path), {total} in total:\n");
+    let chains = plan.phases.iter().zip(&order.chains);
+    for (phase, chain) in chains.filter(|(phase, _)| !phase.planted) {
         let describe = |at: usize| plan.describe(chain[at], &checked.symbols);
         let length = Order::length(plan, chain);
-        let mut line = format!(
-            "  phase {:width$}  longest serial chain {length}: ",
-            phase.name
-        );
+        let mut line = format!("    {:width$}  {length}: ", phase.name);
         let whole = chain_text(chain, |&id| plan.describe(id, &checked.symbols));
         let is_wide = line.chars().count() + whole.chars().count() > output_width();
         if is_wide && chain.len() > 2 {
@@ -268,20 +266,6 @@ fn chains(program: &Program, checked: &Checked) -> String {
             line += &whole;
         }
         out.push_str(&(line + "\n"));
-    }
-    let all: usize = order
-        .chains
-        .iter()
-        .map(|chain| Order::length(plan, chain))
-        .sum();
-    if let Some((number, chain)) = order.longest(plan)
-        && !plan.phases[number].planted
-    {
-        out.push_str(&format!(
-            "  the program's longest serial chain is {} (phase {}); one phase after the other, {all}\n",
-            Order::length(plan, chain),
-            plan.phases[number].name,
-        ));
     }
     out
 }

@@ -1,5 +1,6 @@
 //! Statistics of times.
 use serde::Serialize;
+use stochc_text::number;
 
 use crate::LowerBoundReasons;
 
@@ -57,10 +58,17 @@ impl Times {
         let at_least = bound.prefix();
         if let (Some(mean), Some(p10), Some(p90)) = (self.mean, self.p10, self.p90) {
             return format!(
-                "{at_least}{mean:.0} ticks on average, {p10:.0} to {p90:.0} in eight of ten runs"
+                "{at_least}{} ticks on average, {} to {} in 80 % of the runs",
+                number(mean.round()),
+                number(p10.round()),
+                number(p90.round())
             );
         }
-        let within = [(self.p10, "one"), (self.median, "five"), (self.p90, "nine")];
+        let within = [
+            (self.p10, "10 %"),
+            (self.median, "50 %"),
+            (self.p90, "90 %"),
+        ];
         let is_estimate = bound.is_empty();
         let within = within.into_iter().filter_map(|(time, runs)| {
             let most = if is_estimate {
@@ -68,9 +76,9 @@ impl Times {
             } else {
                 "no less than"
             };
-            Some(format!("{most} {:.0} ticks in {runs}", time?))
+            Some(format!("{most} {} ticks in {runs}", number(time?.round())))
         });
-        within.collect::<Vec<_>>().join(", ") + " of ten runs"
+        within.collect::<Vec<_>>().join(", ") + " of the runs"
     }
 }
 

@@ -16,7 +16,7 @@ pub fn captures_to_text(captures: &[CaptureSummary], tick: f64, width: usize) ->
     let or_none = |text: Option<String>| text.unwrap_or(NONE.to_owned());
     let mut columns = vec![
         column("n", &|capture| capture.wait.completed.to_string()),
-        column("wait", &|capture| mean(Some(&capture.wait), tick)),
+        column("waiting time", &|capture| mean(Some(&capture.wait), tick)),
         column("CV", &|capture| {
             or_none(capture.wait.cv.map(|cv| format!("{cv:.2}")))
         }),
@@ -26,19 +26,14 @@ pub fn captures_to_text(captures: &[CaptureSummary], tick: f64, width: usize) ->
         column("docking", &|capture| {
             or_none(capture.docking.map(|it| ticks(it) + &tick.beside(it)))
         }),
-        column("released before", &|capture| {
-            let share = |&(ref role, n): &(String, usize)| {
-                let share = percent(n as f64 / capture.wait.completed as f64);
-                format!("{role} {share}")
-            };
-            let shares: Vec<_> = capture.released.iter().map(share).collect();
-            shares.join(", ")
-        }),
     ];
+    if captures.iter().any(|capture| !capture.released.is_empty()) {
+        columns.push(column("released before", &released));
+    }
     let is_censored = captures.iter().any(|capture| capture.wait.incomplete > 0);
     if is_censored {
         let cell = |capture: &CaptureSummary| capture.wait.incomplete.to_string();
-        columns.insert(1, column("under way", &cell));
+        columns.insert(1, column("censored", &cell));
     }
     let table = TextTable {
         labels: captures.iter().map(CaptureSummary::label).collect(),
@@ -47,9 +42,19 @@ pub fn captures_to_text(captures: &[CaptureSummary], tick: f64, width: usize) ->
     };
     let mut text = table.text(width, false);
     if is_censored {
-        let note = "under way: waits that the end of a run cut short. They are censored: the mean is \
-                    then one of min(wait, horizon), a lower bound (≥).";
+        let note = "censored: waiting times that the end of a run cut short. The mean is then that of \
+                    min(waiting time, horizon), a lower bound (≥).";
         text += &paragraph(note, width);
     }
     text
+}
+
+/// Returns the shares of captures that bonded a block after its release from a role.
+fn released(capture: &CaptureSummary) -> String {
+    let share = |&(ref role, n): &(String, usize)| {
+        let share = percent(n as f64 / capture.wait.completed as f64);
+        format!("{role} {share}")
+    };
+    let shares: Vec<_> = capture.released.iter().map(share).collect();
+    shares.join(", ")
 }

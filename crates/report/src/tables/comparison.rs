@@ -1,6 +1,6 @@
 //! Table of a comparison, in the layout of the paper's Tables I and II.
 use stochc_experiments::{Comparison, Pair, ProgramSummary, Time};
-use stochc_text::Tick;
+use stochc_text::{Tick, number};
 
 use crate::text::sentence;
 use stochc_text::{TextColumn, TextTable, paragraph};
@@ -15,63 +15,32 @@ const NONE: &str = "-";
 ///
 /// `width` is the width of the terminal \[characters\]. Columns that do not fit follow below.
 pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
-    let mut rows = ComparisonTableBuilder::new(&comparison.programs);
-    rows.add("Construction phases", |c| c.phases.to_string());
-    rows.add("Total units involved", |c| c.captures.to_string());
-    rows.add("Different blocks used", |c| {
-        c.blocks_used.map_or(NONE.into(), |n| format!("{n:.1}"))
+    let programs = &comparison.programs;
+    let mut rows = ComparisonTableBuilder::new(programs);
+    rows.add("Runs completed", |c| {
+        format!("{} of {}", c.completed, c.runs)
     });
-    if comparison.programs.iter().any(|c| c.unplanned.is_some()) {
-        rows.add("Unplanned bonds", |c| {
-            c.unplanned.map_or(NONE.into(), |n| format!("{n:.1}"))
-        });
-    }
-    rows.add("Runs", |c| {
-        if c.finished == c.runs {
-            c.runs.to_string()
-        } else {
-            format!("{} of {}", c.finished, c.runs)
-        }
-    });
-    rows.add("Mean time to completion", |c| {
+    rows.add("Mean time", |c| {
         c.time
             .as_ref()
             .map_or(NONE.into(), |time| in_ticks(time, ""))
     });
     rows.add(SECONDS, |c| in_seconds(c, c.time.as_ref()));
-    rows.add("Min time to completion", |c| figure(c, |t| t.min));
-    rows.add("Max time to completion", |c| figure(c, |t| t.max));
-    rows.add("SD", |c| figure(c, |t| t.sd));
     rows.add("Median", |c| figure(c, |t| t.median));
-    rows.add("CV", |c| {
-        let cv = c.time.as_ref().and_then(|time| time.cv);
-        cv.map_or(NONE.into(), |cv| format!("{cv:.2}"))
+    rows.add("Min – max", |c| range(c.time.as_ref()));
+    rows.add("SD (CV)", |c| spread(c.time.as_ref()));
+    rows.add_if_any("Timed out", |c| c.timed_out);
+    rows.add_if_any("Censored at --max-ticks", |c| c.censored);
+    rows.add_if_any("Failed", |c| c.failed);
+    rows.add_if_any("Not finished", |c| c.runs - c.finished);
+    add_phases(&mut rows);
+    rows.add("Captures", |c| c.captures.to_string());
+    rows.add("Different blocks", |c| {
+        c.blocks_used.map_or(NONE.into(), |n| format!("{n:.1}"))
     });
-    if comparison.programs.iter().any(|c| c.timed_out > 0) {
-        rows.add("Timed out", |c| c.timed_out.to_string());
-    }
-    if comparison.programs.iter().any(|c| c.censored > 0) {
-        rows.add("At --max-ticks (censored)", |c| c.censored.to_string());
-    }
-    if comparison.programs.iter().any(|c| c.failed > 0) {
-        rows.add("Failed", |c| c.failed.to_string());
-    }
-    let phases = comparison
-        .programs
-        .iter()
-        .map(|c| c.phases)
-        .max()
-        .unwrap_or(0);
-    for i in 0..phases {
-        rows.add(&format!("Mean of phase {}", i + 1), |c| {
-            c.phase_times.get(i).map_or(String::new(), |phase| {
-                let mean = (phase.time.as_ref()).map_or(NONE.into(), |time| in_ticks(time, ""));
-                format!("{}: {mean}", phase.name)
-            })
-        });
-        rows.add(SECONDS, |c| {
-            let phase = c.phase_times.get(i);
-            in_seconds(c, phase.and_then(|phase| phase.time.as_ref()))
+    if programs.iter().any(|c| c.unplanned.is_some()) {
+        rows.add("Unplanned bonds", |c| {
+            c.unplanned.map_or(NONE.into(), |n| format!("{n:.1}"))
         });
     }
     let mut text = rows.table.text(width, false);
@@ -105,7 +74,16 @@ pub(super) fn pair_sentences(comparison: &Comparison) -> impl Iterator<Item = St
 }
 
 /// Note on runs ended by a timeout.
-pub(super) const NEVER_COMPLETES: &str = "Runs that a timeout of their program has ended never complete: they count as incomplete to the end.";
+pub(super) const NEVER_COMPLETES: &str =
+    "Timed out: a phase of the program reached its timeout. These runs never complete.";
+
+/// Note on unfinished ensembles.
+pub(super) const UNFINISHED: &str =
+    "Some runs are not finished. The slowest runs are missing, so the times are too short.";
+
+/// Note on right-censored runs.
+pub(super) const LOWER_BOUND: &str = "≥: some runs did not complete, so the mean is that of min(time, horizon), a lower bound. The median is \
+     the Kaplan-Meier estimate.";
 
 /// Returns the notes on the values.
 fn notes(comparison: &Comparison) -> Vec<String> {
@@ -120,24 +98,37 @@ fn notes(comparison: &Comparison) -> Vec<String> {
         _ => "ticks, each of its own scene".to_owned(),
     };
     let mut notes = vec![format!(
-        "Times in {tick}, and in brackets or below in seconds; ± is half of a 95 % interval."
+        "Times in {tick}; ± is the 95 % confidence interval of the mean."
     )];
     if comparison.programs.iter().any(|c| c.finished < c.runs) {
-        let note = "Not all runs are finished; those under way longest are missing, so that \
-                    times are too short.";
-        notes.push(note.to_owned());
+        notes.push(UNFINISHED.to_owned());
     }
     let censored = |c: &ProgramSummary| c.timed_out + c.censored > 0;
     if comparison.programs.iter().any(censored) {
-        let note = "≥: some runs were stopped before they completed, so that the mean is one \
-                    of min(time, horizon), a lower bound; the median is Kaplan and Meier's, \
-                    and SD, CV and the longest time are unknown.";
-        notes.push(note.to_owned());
+        notes.push(format!(
+            "{LOWER_BOUND} The SD, the CV and the longest time are unknown."
+        ));
     }
     if comparison.programs.iter().any(|c| c.timed_out > 0) {
         notes.push(NEVER_COMPLETES.to_owned());
     }
     notes
+}
+
+/// Adds the mean time of each phase, unless every program has only one.
+fn add_phases(rows: &mut ComparisonTableBuilder) {
+    let phases = rows.programs.iter().map(|c| c.phases).max().unwrap_or(0);
+    if phases < 2 {
+        return;
+    }
+    for i in 0..phases {
+        rows.add(&format!("Mean of phase {}", i + 1), |c| {
+            c.phase_times.get(i).map_or(String::new(), |phase| {
+                let mean = (phase.time.as_ref()).map_or(NONE.into(), |time| in_ticks(time, ""));
+                format!("{}: {mean}", phase.name)
+            })
+        });
+    }
 }
 
 /// A table under construction.
@@ -155,6 +146,13 @@ impl<'a> ComparisonTableBuilder<'a> {
                 columns: columns.collect(),
                 ..TextTable::default()
             },
+        }
+    }
+
+    /// Adds a row of counts unless all are 0.
+    fn add_if_any(&mut self, label: &str, count: impl Fn(&ProgramSummary) -> u64) {
+        if self.programs.iter().any(|program| count(program) > 0) {
+            self.add(label, |program| count(program).to_string());
         }
     }
 
@@ -192,18 +190,36 @@ fn in_seconds(column: &ProgramSummary, time: Option<&Time>) -> String {
     })
 }
 
+/// Returns a statistic in ticks.
 fn figure(column: &ProgramSummary, of: impl Fn(&Time) -> Option<f64>) -> String {
     let figure = column.time.as_ref().and_then(of);
-    figure.map_or(NONE.to_owned(), |figure| {
-        ticks(figure) + &Tick(column.tick).beside(figure)
-    })
+    figure.map_or(NONE.to_owned(), ticks)
 }
 
-/// Returns ticks as whole numbers, small ones with decimals.
+/// Returns the shortest and the longest time.
+fn range(time: Option<&Time>) -> String {
+    let ends = |time: &Time| Some((time.min?, time.max));
+    match time.and_then(ends) {
+        None => NONE.to_owned(),
+        Some((min, None)) => format!("{} – ?", ticks(min)),
+        Some((min, Some(max))) => format!("{} – {}", ticks(min), ticks(max)),
+    }
+}
+
+/// Returns the standard deviation and the coefficient of variation.
+fn spread(time: Option<&Time>) -> String {
+    let spread = |time: &Time| Some((time.sd?, time.cv?));
+    match time.and_then(spread) {
+        None => NONE.to_owned(),
+        Some((sd, cv)) => format!("{} ({cv:.2})", ticks(sd)),
+    }
+}
+
+/// Returns ticks as a whole number with commas between thousands, and small ones with a decimal.
 pub(super) fn ticks(ticks: f64) -> String {
     if ticks.abs() < 100.0 && ticks.fract() != 0.0 {
         format!("{ticks:.1}")
     } else {
-        format!("{ticks:.0}")
+        number(ticks.round())
     }
 }

@@ -1,5 +1,5 @@
 //! Prints estimates as tables.
-use stochc_text::percent;
+use stochc_text::{number, percent};
 
 use stochc_runtime::rates::{Interaction, LowerBoundReasons, Times};
 
@@ -47,16 +47,16 @@ pub fn estimates_to_text(estimates: &[CompletionEstimate], most: usize, width: u
 fn origin(estimate: &CompletionEstimate) -> String {
     let all = estimate.completed + estimate.incomplete;
     let mut text = match (estimate.method, all) {
-        (Method::Graph { .. }, 0) => return "No block is left for one of the captures.".to_owned(),
+        (Method::Graph { .. }, 0) => return "One capture has no free block left.".to_owned(),
         (Method::Graph { interaction, .. }, _) => format!(
-            "Added up along the graph, {all} times: {}",
+            "{all} samples of the dependency graph. {}",
             left_out(interaction)
         ),
-        (Method::Runs, _) => format!("From {all} runs by rates."),
+        (Method::Runs, _) => format!("{all} runs of the rate model."),
     };
     if estimate.incomplete > 0 {
         text += &format!(
-            " {} of these did not complete, so that there is no mean; they count as slower than all others.",
+            " {} of these did not complete, so the mean is unknown. The quantiles count them as the slowest.",
             estimate.incomplete
         );
     }
@@ -78,9 +78,11 @@ pub fn lower_bound(reasons: LowerBoundReasons, width: usize) -> String {
 /// Returns a sentence on the interactions that the sum along a graph ignores, with the resulting
 /// error.
 pub fn left_out(interaction: Interaction) -> String {
-    let (meaning, error) = (interaction.meaning(), percent(interaction.error()));
+    let mut meaning = interaction.meaning().to_owned();
+    meaning[..1].make_ascii_uppercase();
+    let error = percent(interaction.error());
     format!(
-        "{meaning}. In such programs, means differed from runs by rates (`stochc estimate --runs N`) by at most {error}."
+        "{meaning}. In such programs, means differed by at most {error} from runs of the rate model (`stochc estimate --runs N`)."
     )
 }
 
@@ -97,23 +99,15 @@ fn times(estimate: &CompletionEstimate) -> TextTable {
         let cell = |times: &Option<Times>| match times.as_ref().map(value) {
             None => "?".to_owned(),
             Some((None, _)) => "-".to_owned(),
-            Some((Some(value), Some(half))) if half > 0.0 => format!("{value:.0} ± {half:.0}"),
-            Some((Some(value), _)) => format!("{value:.0}"),
+            Some((Some(value), Some(half))) if half > 0.0 => {
+                format!("{} ± {}", number(value.round()), number(half.round()))
+            }
+            Some((Some(value), _)) => number(value.round()),
         };
         TextColumn::figures(header, rows.iter().map(|(_, times)| cell(times)).collect())
     };
     TextTable {
-        label: format!(
-            "{}{}",
-            estimate.lower_bound.prefix(),
-            match estimate.method {
-                Method::Graph {
-                    is_first_guess: true,
-                    ..
-                } => "by a first guess of rates",
-                _ => "by rates",
-            }
-        ),
+        label: label(estimate).to_owned(),
         columns: vec![
             column("mean", &|it| (it.mean, it.half_width)),
             column("10 %", &|it| (it.p10, it.p10_half_width)),
@@ -122,6 +116,23 @@ fn times(estimate: &CompletionEstimate) -> TextTable {
         ],
         labels: rows.iter().map(|(name, _)| name.clone()).collect(),
         ..TextTable::default()
+    }
+}
+
+/// Returns the header of the first column: what kind of times these are.
+fn label(estimate: &CompletionEstimate) -> &'static str {
+    let is_calibrated = !matches!(
+        estimate.method,
+        Method::Graph {
+            is_first_guess: true,
+            ..
+        }
+    );
+    match (is_calibrated, estimate.lower_bound.is_empty()) {
+        (true, true) => "estimate",
+        (true, false) => "lower bound",
+        (false, true) => "uncalibrated estimate",
+        (false, false) => "uncalibrated lower bound",
     }
 }
 
@@ -136,7 +147,7 @@ fn shares(estimate: &CompletionEstimate, most: usize) -> TextTable {
         )
     });
     TextTable {
-        label: "waited for, and for nothing else".to_owned(),
+        label: "waiting for this capture only".to_owned(),
         labels: event_labels(all, labelled),
         columns: vec![TextColumn::figures(
             "of the time",

@@ -6,11 +6,12 @@ use stochc_runtime::rates::{GUESS_ERROR, Neighbourhood, Parameters, Rates};
 use stochc_text::visible;
 use stochc_text::{number, percent};
 
+use super::comparison::ticks;
 use stochc_text::{TextColumn, TextTable};
 
-/// Note on all times by rates.
-pub const KNOWN_BIAS: &str = "Times are by rates: in the default scene, means of other programs were 3 % off those with physics on average and 7 % at most; \
-     in other scenes up to 20 % (docs/validation/rates.md).";
+/// Note on the accuracy of the rate model.
+pub const KNOWN_BIAS: &str = "Times are estimates of the rate model. In the default scene, its means differed from simulations by 3 % on \
+     average and by at most 7 %; in other scenes by up to 20 % (docs/validation/rates.md).";
 
 /// Returns a sentence for each program of an ensemble by rates whose times are lower bounds.
 pub fn lower_bounds(manifest: &Manifest) -> Vec<String> {
@@ -31,9 +32,10 @@ pub fn lower_bounds(manifest: &Manifest) -> Vec<String> {
 pub fn first_guess() -> String {
     let (usual, most) = GUESS_ERROR;
     format!(
-        "The rates of the scene are a first guess from kinetic theory: mean waits were off those of measured scenes by a factor of {usual} as a root mean \
-         square, and of {most} at most (docs/validation/rates.md). `stochc calibrate FILE --out X.rates` \
-         measures them for `--rates X.rates`."
+        "The scene has no calibrated rates: these are uncalibrated estimates from kinetic theory. In \
+         calibrated scenes, such estimates of mean waiting times were off by a factor of {usual} (root mean \
+         square), and of at most {most} (docs/validation/rates.md). Measure the rates with \
+         `stochc calibrate FILE --out X.rates`, and pass them with `--rates X.rates`."
     )
 }
 
@@ -130,13 +132,10 @@ fn examples(rates: &Rates) -> TextTable {
         labels: rows.iter().map(|(name, ..)| (*name).to_owned()).collect(),
         columns: vec![
             TextColumn::figures(
-                "mean wait, ticks",
-                waits.iter().map(|it| format!("{:.0}", it.0)).collect(),
+                "mean waiting time, ticks",
+                waits.iter().map(|it| ticks(it.0)).collect(),
             ),
-            TextColumn::figures(
-                "SD",
-                waits.iter().map(|it| format!("{:.0}", it.1)).collect(),
-            ),
+            TextColumn::figures("SD", waits.iter().map(|it| ticks(it.1)).collect()),
         ],
         ..TextTable::default()
     }
@@ -147,24 +146,21 @@ fn head_starts(rates: &Rates) -> TextTable {
     let places = all.iter().map(|it| {
         let distance = number(f64::from(it.squared_distance).sqrt());
         match it.before {
-            0 if it.late => format!("{distance}, which opens a moment later"),
+            0 if it.late => format!("{distance}, opening a moment later"),
             0 => distance,
             before if before > 0 => format!("{distance}, {before} before it"),
-            before => format!("{distance}, {} behind it", -before),
+            before => format!("{distance}, {} after it", -before),
         }
     });
     TextTable {
-        label: "released so many sides from an open cell".to_owned(),
+        label: "distance of the release from an open cell".to_owned(),
         labels: places.collect(),
         columns: vec![
             TextColumn::figures(
                 "docks there",
                 all.iter().map(|it| percent(it.probability)).collect(),
             ),
-            TextColumn::figures(
-                "in ticks",
-                all.iter().map(|it| format!("{:.0}", it.ticks)).collect(),
-            ),
+            TextColumn::figures("in ticks", all.iter().map(|it| ticks(it.ticks)).collect()),
         ],
         ..TextTable::default()
     }

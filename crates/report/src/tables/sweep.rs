@@ -2,7 +2,7 @@
 use stochc_experiments::sweep::{Sweep, SweepPoint};
 use stochc_text::{number, percent};
 
-use super::comparison::{NEVER_COMPLETES, mean, ticks};
+use super::comparison::{LOWER_BOUND, NEVER_COMPLETES, UNFINISHED, mean, ticks};
 use stochc_text::{TextColumn, TextTable, paragraph};
 
 /// Cell of an undefined value.
@@ -50,8 +50,10 @@ pub(super) fn sweep_rows(sweep: &Sweep, beside: bool) -> TextTable {
         column("per capture", &|point| {
             maybe(point.time_per_capture.map(|it| time(point, it)))
         }),
-        column("released", &|point| share(point.released)),
     ];
+    if sweep.points.iter().any(|point| point.released > Some(0.0)) {
+        columns.push(column("released", &|point| share(point.released)));
+    }
     if sweep.points.iter().any(|point| point.failed > 0) {
         let failed = column("failed", &|point| point.failed.to_string());
         columns.insert(1, failed);
@@ -69,24 +71,23 @@ pub(super) fn sweep_rows(sweep: &Sweep, beside: bool) -> TextTable {
 
 fn notes(sweep: &Sweep) -> Vec<String> {
     let mut notes = vec![format!(
-        "Times in {}; ± is half of a 95 % interval. Per capture: the time of all runs over the \
-         captures they made; released: the part of these that took a block which had been \
-         let go.",
+        "Times in {}; ± is the 95 % confidence interval of the mean. Per capture: the time of all runs \
+         over their number of captures.",
         match sweep.unit {
             "s" => "seconds, because the points differ in the length of a tick",
             _ => "ticks, and in brackets in seconds",
         }
     )];
     let points = || sweep.points.iter();
-    if points().any(|point| (point.finished() as u64) < point.runs) {
-        let note = "Not all runs are finished; those under way longest are missing, so that times \
-                    are too short.";
+    if points().any(|point| point.released > Some(0.0)) {
+        let note = "Released: the share of captures that bonded a released block.";
         notes.push(note.to_owned());
     }
+    if points().any(|point| (point.finished() as u64) < point.runs) {
+        notes.push(UNFINISHED.to_owned());
+    }
     if points().any(|point| point.timed_out + point.censored > 0) {
-        let note = "≥: some runs were stopped before they completed, so that the mean is one of \
-                    min(time, horizon), a lower bound; the median is Kaplan and Meier's.";
-        notes.push(note.to_owned());
+        notes.push(LOWER_BOUND.to_owned());
     }
     if points().any(|point| point.timed_out > 0) {
         notes.push(NEVER_COMPLETES.to_owned());
