@@ -187,7 +187,7 @@ fn a_bias_of_times_up_to_a_horizon_is_no_bound() {
         text.lines().find(is_meant).unwrap()
     };
     let slow = of("rigid 1");
-    assert!(slow.contains("≥ 1005") && !slow.contains("≥ 0"), "{slow}");
+    assert!(slow.contains("≥ 1,005") && !slow.contains("≥ 0"), "{slow}");
     // The candidate has no stopped run, but the reference has one.
     assert!(of("rate").contains(" * "), "{text}");
     let text = text.replace("\n  ", " ");
