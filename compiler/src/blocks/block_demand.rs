@@ -10,7 +10,7 @@ use crate::dependencies::order::Order;
 use crate::plan::{EventId, EventKind, PlanPhase, ProgramPlan};
 use crate::shapes::layout::Layout;
 
-/// Edges that are followed in search of a capture that asks for too many.
+/// Largest number of edges to follow in the search for an event that needs too many blocks.
 const SEARCHED: usize = 5_000_000;
 
 /// Returns the first event that needs more than `free` anchored blocks in every order, and the
@@ -33,7 +33,7 @@ pub fn first_beyond(
     let free = free as usize;
     let sizes = layout.sizes.iter().map(|&size| size as usize);
     let begins: Vec<usize> = std::iter::once(0).chain(sizes).collect();
-    // Nearly always there are more than all captures together take.
+    // Most scenes have more free blocks than all captures together need.
     let is_enough = |(phase, before): (&PlanPhase, &usize)| before + phase.events.len() <= free;
     if plan.phases.iter().zip(&begins).all(is_enough) {
         return Ok(None);

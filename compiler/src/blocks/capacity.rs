@@ -1,4 +1,4 @@
-//! Whether the scene has the blocks and the room.
+//! Checks that the scene has enough blocks and space.
 use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::scene::room::NoRoom;
 use stochc_ir::scene::{BondKind, Enclosure, Scene};
@@ -139,7 +139,7 @@ pub fn check(
     Ok(())
 }
 
-/// Returns `1 block is` or `3 blocks are`.
+/// Returns the start of a sentence: `1 block is` or `3 blocks are`.
 fn are(size: u32) -> String {
     let verb = if size == 1 { "is" } else { "are" };
     format!("{} {verb}", counted(size as usize, "block"))

@@ -246,7 +246,7 @@ impl Checker<'_> {
         state
     }
 
-    /// Notes the captures and releases of this phase.
+    /// Records the captures and releases of this phase.
     fn enter(&mut self, id: EventId, stamp: u32) {
         let event = *self.plan.event(id);
         let state = *self.state(event.role, stamp);
@@ -282,7 +282,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Checks an event against all events of its phase.
+    /// Resolves the names of an event against all events of its phase.
     fn resolve(&mut self, id: EventId, stamp: u32) {
         let event = *self.plan.event(id);
         if !event.sound {
@@ -391,7 +391,7 @@ impl Checker<'_> {
         report(self.diagnostics, diagnostic);
     }
 
-    /// Updates the names at the end of the phase.
+    /// Updates the state of the names at the end of the phase.
     fn leave(&mut self, id: EventId) {
         let event = *self.plan.event(id);
         if !event.sound {
@@ -400,8 +400,8 @@ impl Checker<'_> {
         let context = self.liveness.contexts[id.0 as usize];
         let state = &mut self.states[event.role.0 as usize];
         match event.kind {
-            // A name that is freed and captured again ends up taken. In the other order, it ends up
-            // free.
+            // If a name is released and captured again, a block has it at the end. In the other
+            // order, none has it.
             EventKind::Capture { .. } => {
                 if state.released.is_none() || context.freed_by.is_some() {
                     state.holder = Some(BlockOrigin::Capture(id));
@@ -540,7 +540,7 @@ impl Checker<'_> {
             return;
         }
         if self.is_doubtful(role) {
-            // So its own block is in doubt as well.
+            // The event's own block may therefore be missing too.
             let own = self.plan.roles.key(self.plan.event(id).role).word;
             self.plan.doubtful.insert(own);
             return;
@@ -650,7 +650,7 @@ impl Checker<'_> {
         if let Some(label) = diagnostic.labels.first_mut() {
             "no seed or capture has this name".clone_into(&mut label.text);
         }
-        // Similar names take long to find.
+        // The search for similar names is slow.
         if is_repeated(self.diagnostics, &diagnostic) {
             return None;
         }
@@ -688,7 +688,7 @@ impl Checker<'_> {
     fn around(&mut self, role: RoleId, location: SourceLocation) -> Option<Diagnostic> {
         let key = self.plan.roles.key(role);
         let grown = self.grown(key.scope)?;
-        // Elsewhere, the name of the instance comes before it.
+        // In other patterns, the name of the instance comes before the block's name.
         let word = self.symbols.word(key.word);
         let behind = self.sources.text(location).strip_prefix(word)?;
         if behind.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_') {

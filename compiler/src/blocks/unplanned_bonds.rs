@@ -1,4 +1,4 @@
-//! Warnings about hardware whose faces always attract: unplanned bonds, and releases towards
+//! Warnings for hardware whose faces always attract: unplanned bonds, and releases near other
 //! blocks.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
@@ -38,7 +38,7 @@ pub fn check(
         last: &last,
     };
     let mut structure = StructureModules::of_seeds(plan);
-    // The first of the phases with the most exposed faces.
+    // Phase with the most exposed faces, the first one of several.
     let mut worst: Option<(usize, usize)> = None;
     for number in 0..plan.phases.len() {
         cancellation.check()?;

@@ -137,7 +137,7 @@ impl Declared<'_> {
         let mut diagnostic = Diagnostic::new(self.code, title)
             .label(location(self.name.span), label)
             .help(help);
-        // Its documentation would document something else.
+        // Otherwise its documentation would belong to the next item.
         if self.item.docs.0.is_none() {
             let removed = removal(sources, location(self.item.span));
             let is_certain = self.code == Code::UnusedLet && self.is_local;

@@ -112,7 +112,7 @@ pub(super) struct AssemblyInput<'a> {
     pub trial: Option<&'a reach::Trial<'a>>,
     /// Model and time steps for the check of scenes. `None` if runs have no physics.
     pub stepping: Option<Stepping>,
-    /// Place of the name of the scene.
+    /// Location of the scene's name.
     pub scene_location: SourceLocation,
     /// Words in parts that could not be read.
     pub doubtful: &'a FxHashSet<Symbol>,
@@ -158,7 +158,7 @@ impl<'a> AssemblyInput<'a> {
                 self.compare(&subject, &shapes, whole, scene_of, symbols, &mut later)?;
         }
         let jam_risks = jam_risks(&later);
-        // The missing blocks may use them.
+        // The missing blocks may use these seeds.
         if (later.iter()).any(|diagnostic| diagnostic.code == Code::ShapeMismatch) {
             errors.retain(|diagnostic| {
                 !matches!(diagnostic.code, Code::UnusedSeed | Code::EmptyPhase)

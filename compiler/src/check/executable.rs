@@ -34,7 +34,7 @@ impl Program {
         EventGraph::new(events, edges, chains)
     }
 
-    /// Returns what the estimate reads. `None` unless everything is right.
+    /// Returns the parts that an estimate needs. Returns `None` if the program has errors.
     pub(crate) fn parts<'a>(&'a self, graph: &'a EventGraph) -> Option<ProgramParts<'a>> {
         Some(ProgramParts {
             tables: self.tables.as_ref()?,
@@ -49,7 +49,8 @@ impl Program {
         stochc_estimate::estimate(self.parts(&self.event_graph())?, rates)
     }
 
-    /// Returns the program as a value that needs no compiler; `None` unless everything is right.
+    /// Returns the program as a value that does not depend on the compiler. Returns `None` if the
+    /// program has errors.
     pub fn into_executable(self) -> Option<Executable> {
         self.order.as_ref()?;
         let graph = self.event_graph();

@@ -81,7 +81,7 @@ fn unhurried(limits: Limits) -> ExpansionBounds<'static> {
     }
 }
 
-/// Returns the result of work that cannot be cancelled.
+/// Returns the result of work that is never cancelled.
 fn to_its_end<T>(result: Result<T, Cancelled>) -> T {
     match result {
         Ok(result) => result,
@@ -190,7 +190,7 @@ fn check_all(
     for diagnostic in diagnostics.iter_mut().chain(allowed_ones) {
         attribute_by_place(diagnostic, &tree);
     }
-    // A warning becomes an error too late to keep a program from being compiled.
+    // A denied warning becomes an error only after the tables are written. They are removed here.
     if diagnostics.iter().any(Diagnostic::is_denied) {
         programs
             .iter_mut()
@@ -221,7 +221,7 @@ fn doubt_fixes(diagnostics: &mut [Diagnostic], syntax: usize) {
     }
 }
 
-/// Facts for every assembly of a file.
+/// Input that all assemblies of a file share.
 struct About<'a> {
     sources: &'a Sources,
     /// Whether all files could be read.

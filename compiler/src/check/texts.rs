@@ -1,4 +1,4 @@
-//! Checks of texts in memory.
+//! Checks sources that are held in memory.
 use stochc_ir::scene::scalars::ScalarChange;
 
 use crate::check::checked::Checked;

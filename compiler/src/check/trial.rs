@@ -16,7 +16,7 @@ use crate::{FileId, Sources};
 /// Largest number of further checks of a program.
 const MAX: usize = 64;
 
-/// Largest number of bytes of source and events of plans that are checked again.
+/// Limit of the total size of repeated checks, in bytes of source and events.
 const WORK: usize = 1 << 21;
 
 /// Number of statements whose check takes as long as that of one event.
@@ -169,7 +169,7 @@ pub(crate) fn resolves(
         let Some(old) = old.0.get_mut(&key) else {
             return false;
         };
-        // Both are sorted by place.
+        // Both lists are sorted by location.
         let mut old = old.iter();
         (places.iter()).all(|place| old.any(|old| old.0 <= place.0 && place.1 <= old.1))
     })

@@ -69,7 +69,7 @@ pub fn earliest(graph: &DependencyGraph, length: impl Fn(usize) -> f64) -> Earli
             _ => missing.0 += 1,
         }
     }
-    // Numbers that are not negative have the order of their bits.
+    // The bits of numbers that are not negative sort like the numbers.
     let mut open: BinaryHeap<Reverse<(u64, u32)>> = (0..count)
         .filter(|&i| missing[i] == (0, 0))
         .map(|i| Reverse((length(i).to_bits(), i as u32)))

@@ -15,7 +15,7 @@ pub struct TextChange<'a> {
 }
 
 impl<'a> TextChange<'a> {
-    /// Returns no change of a file.
+    /// Creates an empty change of a file.
     pub fn new(file: FileId, text: &'a str) -> TextChange<'a> {
         TextChange {
             file,
@@ -67,7 +67,8 @@ impl<'a> TextChange<'a> {
         out
     }
 
-    /// Reads the files of a program with this change, and other files with `reader`.
+    /// Returns a reader that applies this change to the files of a program. Other files are read
+    /// with `reader`.
     pub(crate) fn over<'r>(
         &'r self,
         sources: &'r Sources,
@@ -242,7 +243,7 @@ mod tests {
         let places = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10];
         let carried = [
             (0, 0),
-            // Anywhere in the four letters that have come.
+            // Position anywhere in the four inserted letters.
             (1, 5),
             (1, 5),
             (5, 5),

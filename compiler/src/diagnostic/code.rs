@@ -1,17 +1,17 @@
 use serde::{Serialize, Serializer};
 
-/// Severity of a diagnostic, the worst first.
+/// Severity of a diagnostic. Errors come first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// The program cannot be run.
     Error,
-    /// The program can be run, but something in it is probably not meant.
+    /// The program can be run, but a part of it is probably a mistake.
     Warning,
 }
 
 impl Severity {
-    /// Returns the word that messages begin with.
+    /// Returns the word at the start of messages.
     pub const fn name(self) -> &'static str {
         match self {
             Severity::Error => "error",
@@ -31,7 +31,7 @@ macro_rules! codes {
         }
 
         impl Code {
-            /// Every code, by topic.
+            /// All codes, sorted by topic.
             pub const ALL: &'static [Code] = &[$($(Code::$variant,)*)*];
 
             /// All topics with their codes.
@@ -43,7 +43,7 @@ macro_rules! codes {
                 match self { $($(Code::$variant => $name,)*)* }
             }
 
-            /// Returns the severity, unless the file or the command line changes it.
+            /// Returns the default severity. The file or the command line can change it.
             pub const fn severity(self) -> Severity {
                 match self { $($(Code::$variant => Severity::$severity,)*)* }
             }

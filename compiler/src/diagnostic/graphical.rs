@@ -186,7 +186,7 @@ impl MietteDiagnostic for Picture<'_> {
     }
 }
 
-/// A file whose lines are found by its index. Long lines are cut.
+/// A file with an index of its lines. Long lines are truncated.
 #[derive(Debug)]
 struct Excerpt<'a>(&'a SourceFile);
 

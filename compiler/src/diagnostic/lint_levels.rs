@@ -20,7 +20,7 @@ pub enum Level {
     Deny,
 }
 
-/// Levels of warnings that no file sets. By default, all are reported.
+/// Levels of warnings that have none in a file. By default, all are reported.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LintLevels {
     said: Vec<(Option<Code>, Level)>,
@@ -56,7 +56,8 @@ impl LintLevels {
         self.stepping
     }
 
-    /// Returns whether a check finds every warning of this code.
+    /// Returns whether a warning of this code can be found by a check, so that its absence is
+    /// certain.
     fn are_about(&self, code: Code) -> bool {
         !code.is_of_runs() || self.stepping == Some(Stepping::DEFAULT)
     }
@@ -92,9 +93,9 @@ struct Set {
     verdict: LintDirectiveKind,
     code: Code,
     reason: String,
-    /// Place of the code.
+    /// Location of the code.
     location: SourceLocation,
-    /// Place of the whole statement.
+    /// Location of the whole statement.
     whole: SourceLocation,
     /// Whether a statement without effect is reported.
     reported: bool,
@@ -113,7 +114,7 @@ struct LintScope {
     set: FxHashMap<Code, usize>,
 }
 
-/// Position of a walk through a file.
+/// Position during the traversal of a file.
 #[derive(Clone, Copy)]
 struct LevelScope {
     file: FileId,
@@ -215,7 +216,7 @@ impl FileLevels {
         sources: &Sources,
     ) -> (Vec<Diagnostic>, Vec<Allowed>) {
         let (mut told, mut allowed) = (Vec::new(), Vec::new());
-        // Errors keep some warnings from being found.
+        // Errors may hide warnings.
         let complete = !diagnostics.iter().any(Diagnostic::is_error);
         for diagnostic in diagnostics {
             self.decide(diagnostic, levels, &mut told, &mut allowed);

@@ -74,7 +74,7 @@ pub struct Edit {
 /// A location with a statement about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
-    /// Place in the source.
+    /// Location in the source.
     pub location: SourceLocation,
     /// Statement about the location.
     pub text: String,
@@ -217,7 +217,7 @@ impl Diagnostic {
         self
     }
 
-    /// Sets what to do.
+    /// Sets the advice.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Diagnostic {
         self.help = Some(text.into());
@@ -258,7 +258,7 @@ impl Diagnostic {
         self.is_error() && self.code.severity() == Severity::Warning
     }
 
-    /// Returns whether the program is wrong, not merely suspicious.
+    /// Returns whether the diagnostic is an error.
     pub fn is_error(&self) -> bool {
         self.severity == Severity::Error
     }

@@ -59,7 +59,7 @@ impl Subjects {
 pub struct Others {
     /// Number of merged diagnostics.
     pub count: usize,
-    /// Subjects of the first few.
+    /// The first few subjects of merged diagnostics.
     pub first: Vec<String>,
 }
 
@@ -67,7 +67,8 @@ impl Others {
     /// Largest number of subjects that are named.
     const NAMED: usize = 2;
 
-    /// Returns ``; the same for `T[5]`, `T[6]` and 494 more``, or an empty text.
+    /// Returns the text for merged diagnostics, such as ``; the same for `T[5]`, `T[6]` and 494
+    /// more``. Empty if there are none.
     pub(super) fn text(&self) -> String {
         if self.first.is_empty() {
             String::new()
@@ -93,7 +94,7 @@ impl Diagnostic {
         let Some(subject) = subjects.and_then(|(ours, theirs)| ours.difference(theirs)) else {
             return false;
         };
-        // Both are about the same source, so one change cannot fix both.
+        // Both diagnostics are about the same source, so one change cannot fix both.
         if self.fix != other.fix {
             self.fix = None;
         }

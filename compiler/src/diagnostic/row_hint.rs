@@ -1,10 +1,10 @@
-//! A loop whose rounds capture through one face, as the row of blocks that was meant.
+//! Suggests a row of blocks instead of a loop whose rounds all capture with the same face.
 use super::{Fix, LONG};
 use crate::{SourceLocation, Sources, Span};
 
-/// Returns the row that a loop with one capture was meant to be, and the change that writes it.
+/// Returns the row that a loop with one capture probably means, and the change that writes it.
 ///
-/// `for i in 1..3 { A.up -> L[i] }` becomes `A.up ->> L[1..3]`. `None` for any other loop.
+/// `for i in 1..3 { A.up -> L[i] }` becomes `A.up ->> L[1..3]`. Returns `None` for any other loop.
 pub(crate) fn row_hint(sources: &Sources, capture: SourceLocation) -> Option<(String, Fix)> {
     let text = &*sources.file(capture.file).text;
     let (start, end) = (capture.span.start as usize, capture.span.end as usize);

@@ -1,4 +1,4 @@
-//! Errors of the grammar as diagnostics.
+//! Converts syntax errors to diagnostics.
 use stochc_grammar::{
     BYTE_ORDER_MARK, MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, SyntaxError,
     SyntaxErrorKind as K, is_comment,
@@ -11,7 +11,7 @@ use super::{Code, Diagnostic, Edit, Fix};
 use crate::{FileId, SourceLocation, Span};
 
 impl Diagnostic {
-    /// Returns the diagnostic for an error of syntax in `text`, which is a whole file.
+    /// Returns the diagnostic of a syntax error. `text` is the source of the whole file.
     pub fn from_syntax(file: FileId, error: &SyntaxError, text: &str) -> Diagnostic {
         let location = SourceLocation {
             file,

@@ -1,4 +1,4 @@
-//! Advice and fixes for the most frequent errors of syntax.
+//! Advice and fixes for the most frequent syntax errors.
 use stochc_grammar::is_unit;
 use stochc_ir::scene::quantity::QuantityKind;
 use stochc_ir::scene::units::unit_meant;
@@ -9,7 +9,7 @@ use crate::{SourceLocation, Span};
 
 /// An unexpected word with its context.
 pub struct SyntaxHint<'a> {
-    /// Place of the word.
+    /// Location of the word.
     pub location: SourceLocation,
     /// The word, shortened.
     pub found: &'a str,

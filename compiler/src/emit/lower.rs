@@ -1,4 +1,4 @@
-//! Writes event tables from the dependency graph: what each block must know to keep the order.
+//! Writes event tables from the dependency graph: the rules that make each block respect the order.
 use petgraph::Direction::{Incoming, Outgoing};
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
@@ -125,14 +125,14 @@ impl Lowering<'_> {
         self.notify(id, phase);
     }
 
-    /// Returns what an event waits for, as the acting block sees it.
+    /// Returns the conditions of an event from the point of view of the acting block.
     fn conditions_of(&self, id: EventId, actor: Holder) -> Vec<Condition> {
         let node = NodeIndex::new(id.0 as usize);
         let mut conditions: Vec<Condition> = (self.graph.edges_directed(node, Incoming))
             .filter_map(|edge| {
                 let first = self.graph[edge.source()];
                 match edge.weight() {
-                    // The duty begins with it.
+                    // The duty begins when the block is anchored.
                     LocatedDependency::Anchored => None,
                     // Physics ensures it, except for a face that is switched off and on again.
                     LocatedDependency::Vacated => {
@@ -199,7 +199,7 @@ impl Lowering<'_> {
         let mut receivers: Vec<RoleId> = (self.graph.edges_directed(node, Outgoing))
             .filter(|edge| edge.weight().is_told())
             .map(|edge| self.liveness.actor(self.plan, self.graph[edge.target()]))
-            // A block notices its own capture.
+            // A block notices its own capture without a message.
             .filter(|actor| *actor != witness && actor.since != Some(id))
             .map(|actor| actor.role)
             .collect();

@@ -1,4 +1,4 @@
-//! The structure in a form to read: text, JSON and SVG. Tables and graphs are shown by [`stochc_ir::emit`].
+//! Prints the structure as text, JSON and SVG. [`stochc_ir::emit`] prints tables and graphs.
 pub(crate) mod lower;
 mod structure;
 

@@ -1,4 +1,4 @@
-//! Structures at the ends of phases, as text, as JSON and for drawings.
+//! Prints the structures at the ends of phases as text, JSON and drawings.
 use std::fmt::{self, Display, Formatter};
 use std::rc::Rc;
 
@@ -20,7 +20,8 @@ fn find(blocks: &[PlacedBlock], cell: Cell) -> Option<&PlacedBlock> {
     at.ok().map(|at| &blocks[at])
 }
 
-/// Returns the structure after each phase in the syntax of a `shape`, the cells in use only.
+/// Returns the structure after each phase in the syntax of a `shape`. Only rows and columns with
+/// blocks are included.
 pub fn structure_text(plan: &ProgramPlan, layout: &Layout) -> impl Display {
     Text(move |out: &mut Formatter<'_>| write_layers(out, plan, layout))
 }

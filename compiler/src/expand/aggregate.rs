@@ -1,4 +1,5 @@
-//! Aggregates: a phase for each size that a group of free blocks reaches.
+//! Expands aggregates. An aggregate has one phase for each size of the largest group of free
+//! blocks.
 use stochc_grammar::tree::Aggregate;
 
 use super::expander::Expander;

@@ -14,7 +14,7 @@ pub type Patterns<'a> = FxHashMap<Definition, (FileId, &'a Pattern)>;
 /// Shapes with their files, by definition.
 pub type Shapes<'a> = FxHashMap<Definition, (FileId, &'a Shape)>;
 
-/// The patterns and shapes that are known.
+/// Declared patterns and shapes.
 #[derive(Clone, Default)]
 pub struct DeclaredItems<'a> {
     pub patterns: Patterns<'a>,

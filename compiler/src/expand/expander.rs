@@ -80,8 +80,8 @@ pub(super) struct Expander<'a, 'f> {
     pub(super) known: uses::KnownUses,
     /// Numbers that the files declare.
     pub(super) lets: Vec<(FileId, &'a Item)>,
-    /// Blocks around the current statement, of the assembly and of the pattern, the outermost
-    /// first.
+    /// Blocks of statements around the current statement, in the assembly and in the pattern. The
+    /// outermost comes first.
     pub(super) blocks: Vec<&'a [Item]>,
     /// File of the current statement.
     pub(super) file: FileId,
@@ -115,7 +115,7 @@ pub(super) struct Expander<'a, 'f> {
 }
 
 impl<'a, 'f> Expander<'a, 'f> {
-    /// Returns an expander that knows the declarations of the files.
+    /// Creates an expander for the declarations of the files.
     pub(super) fn new(
         declarations: &Declarations<'a>,
         (file, name): (FileId, Name),
@@ -245,7 +245,7 @@ impl<'a> Expander<'a, '_> {
         }
         self.steps += 1;
         let most = self.limits;
-        // Names and orders take memory as well.
+        // Names and dependencies use memory as well.
         let grown = self.grown.total().max(self.plan.roles.count());
         let told = self.diagnostics.len();
         if self.errors.0 != told {
@@ -320,7 +320,7 @@ impl<'a> Expander<'a, '_> {
                     phase.claims.push((name.symbol, location));
                 }
             }
-            // Declared before, or not a part of an assembly.
+            // These items have been declared before, or are not a part of an assembly.
             ItemKind::Pattern(_)
             | ItemKind::Shape(_)
             | ItemKind::Scene(_)
@@ -342,7 +342,7 @@ impl<'a> Expander<'a, '_> {
         self.define(let_.name, value);
     }
 
-    /// Gives a name a value, unless it has one in the same block.
+    /// Defines a name in the current block. Reports an error if the block already defines it.
     pub(super) fn define(&mut self, name: Name, value: BoundValue) {
         let location = self.location(name.span);
         if let Some(old) = self.scope.define(self.named(name), value, location) {
@@ -396,7 +396,7 @@ impl<'a> Expander<'a, '_> {
             claims: Vec::new(),
         });
         self.in_phase = true;
-        // Also after a misplaced plate, which has been reported.
+        // This also applies after a misplaced plate, which has been reported.
         let seeding = self.seeding.take();
         self.items(&phase.body);
         self.seeding = seeding;
@@ -419,7 +419,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// Returns the role of a name.
+    /// Returns the role of a name. Creates it if needed.
     pub(super) fn role(&mut self, key: NameKey) -> RoleId {
         match self.pass {
             Pass::Writing => self.plan.roles.intern(key),

@@ -7,11 +7,11 @@ use crate::plan::{NameKey, Roles};
 /// Largest number of names that are listed. Ranges count once.
 const MAX: usize = 4;
 
-/// The names of one word.
+/// Existing names with the same word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Members {
     word: String,
-    /// With ranges instead of single indices.
+    /// Text of the names, with ranges instead of single indices.
     names: String,
     is_single: bool,
 }

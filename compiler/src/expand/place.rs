@@ -1,4 +1,4 @@
-//! Names of blocks: paths with indices and ranges.
+//! Resolves names of blocks: paths with indices and ranges.
 use stochc_grammar::tree::{Place, Segment, Subscript};
 use stochc_ir::Face;
 use stochc_text::suggest::{Suggestion, nearest};
@@ -25,7 +25,7 @@ pub struct ResolvedPlace {
 #[derive(Clone, Copy)]
 pub struct Keys {
     key: NameKey,
-    /// First and last value of each index.
+    /// First and last value of each index, both included.
     bounds: [(i32, i32); NameKey::MAX_INDICES],
     count: usize,
 }
@@ -159,7 +159,7 @@ impl Expander<'_, '_> {
         keys.first()
     }
 
-    /// Returns the scope of a named instance. `next` is the name inside of it.
+    /// Returns the scope of a named instance. `next` is the name inside the instance.
     fn instance_scope(&mut self, scope: u32, segment: &Segment, next: &Segment) -> Option<u32> {
         let (keys, ranged) = self.keys(scope, segment)?;
         if ranged {
@@ -352,7 +352,7 @@ pub(super) fn face_meant(word: &str) -> Option<Suggestion> {
     let (face, clear) = match word {
         "top" | "above" | "upper" => (Face::Up, true),
         "bottom" | "below" | "lower" => (Face::Down, true),
-        // East is to the right only for a reader of a map.
+        // East is on the right only for a reader of a map, so this fix is unsafe.
         "right" => (Face::East, false),
         "left" => (Face::West, false),
         "back" | "behind" => (Face::North, false),

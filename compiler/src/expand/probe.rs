@@ -20,13 +20,13 @@ const MAX_KEYS: usize = 64;
 impl Probe {
     /// Records the blocks of a name if it contains the location.
     pub fn note(&mut self, file: FileId, place: &[Segment], keys: impl Iterator<Item = NameKey>) {
-        // The instances before the last name are other things, and so are the names of its indices.
+        // Instances before the last name, and names in its indices, are other names.
         if let Some(last) = place.last() {
             self.note_span(file, last.name.span, keys);
         }
     }
 
-    /// Notes the blocks of a part of the text.
+    /// Records the blocks of a source range if it contains the location.
     pub(crate) fn note_span(
         &mut self,
         file: FileId,

@@ -43,11 +43,11 @@ struct Binding {
     level: u32,
 }
 
-/// Words with values, by block.
+/// Values of words, by block of statements.
 #[derive(Debug, Default)]
 pub struct Scope {
     words: FxHashMap<Symbol, SmallVec<[Binding; 1]>>,
-    /// Definitions in order. The end of a block removes its own.
+    /// Defined words in order. The end of a block removes its own definitions.
     defined: Vec<Symbol>,
     level: u32,
     /// Nesting level of the current instance's body. 0 outside of instances.

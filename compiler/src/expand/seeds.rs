@@ -36,7 +36,7 @@ const MAX_EDGE: i64 = Plate::LONGEST as i64;
 impl<'a> Expander<'a, '_> {
     /// Expands the plate with its seeds.
     pub fn seed_plate(&mut self, seed: &'a stochc_grammar::tree::Seed, span: Span) {
-        // A plate in a phase has been reported.
+        // A plate inside a phase has been reported.
         if self.in_phase {
             return;
         }
@@ -76,7 +76,7 @@ impl<'a> Expander<'a, '_> {
         self.seeding = outer;
     }
 
-    /// Expands pre-attached blocks, as a phase before the first.
+    /// Expands pre-attached blocks as a phase before the first one.
     fn planted(&mut self, seed: &'a stochc_grammar::tree::Seed, location: SourceLocation) {
         let start = self.grown.events;
         self.in_phase = true;
@@ -162,7 +162,7 @@ impl<'a> Expander<'a, '_> {
                 .push(duplicate(&name, old, location, "a seed", self.symbols));
             return;
         }
-        // A misplaced statement may come first, which has been reported.
+        // A misplaced statement may come first. It has been reported.
         if role.0 as usize == self.plan.seeds.len() {
             let statement = item.docs.0.is_none().then(|| self.location(item.span));
             self.plan.seeds.push(PlanSeed {

@@ -1,4 +1,4 @@
-//! Captures, releases, loops and instances.
+//! Expands captures, releases, loops and instances.
 use stochc_grammar::tree::{Arrow, Chain, EventReference, For, Instance, Pattern, Place, Release};
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::Face;
@@ -91,7 +91,7 @@ impl<'a> Expander<'a, '_> {
             .help("remove the face, or add a capture: `-> X`");
             if last.place.face.is_some() {
                 let dotted = self.location(Span::new(span.start - 1, span.end));
-                // A capture may be missing after it.
+                // A capture may be missing after this place.
                 diagnostic.fix = Some(Fix::remove(dotted, "remove the face").unsafe_if(true));
             }
             self.diagnostics.push(diagnostic);
@@ -113,7 +113,7 @@ impl<'a> Expander<'a, '_> {
 
     /// Returns the advice to write a capture of a range as a row.
     fn row_help(&self, parent: &Place, child: &Place) -> String {
-        /// Longest names that are repeated.
+        /// Longest names that the advice repeats.
         const LONGEST: usize = 40;
         let text = |place: &Place| self.sources.text(self.location(place.span));
         let (parent, child) = (text(parent), text(child));
@@ -330,7 +330,7 @@ impl<'a> Expander<'a, '_> {
         self.scope.restore(mark);
     }
 
-    /// Returns the name of an instance that the program gives none.
+    /// Returns the name of an instance without a name in the program.
     fn anonymous_key(&mut self, pattern: Symbol) -> NameKey {
         let word = match self.pass {
             Pass::Writing => {

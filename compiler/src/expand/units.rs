@@ -1,4 +1,4 @@
-//! The units of a tree.
+//! Converts quantities of a syntax tree to SI units.
 use stochc_grammar::tree::Quantity;
 use stochc_ir::scene::units::{self, Dimension};
 

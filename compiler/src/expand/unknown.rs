@@ -48,7 +48,7 @@ impl Expander<'_, '_> {
         }
     }
 
-    /// Tells of a name that no number has here.
+    /// Reports a word that is not the name of a number here.
     pub(super) fn unknown_number(&mut self, word: Symbol, span: Span) {
         let name = self.symbols.word(word);
         let location = self.location(span);
@@ -86,7 +86,7 @@ impl Expander<'_, '_> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Returns the instance that is being written out.
+    /// Returns the instance that is being expanded.
     pub(super) fn grown(&self) -> Option<crate::plan::PatternInstance> {
         let number = (self.scope.instance as usize).checked_sub(1)?;
         self.plan.grown.get(number).copied()
@@ -101,7 +101,8 @@ impl Expander<'_, '_> {
         };
         let own = self.plan.location.file;
         for (number, block) in self.blocks.iter().enumerate().rev() {
-            // The outermost block is that of the assembly, all others are of the pattern that grows.
+            // The outermost block belongs to the assembly, all others to the pattern that is being
+            // expanded.
             let file = if number == 0 { own } else { self.file };
             if let Some((item, name)) = block.iter().find_map(names) {
                 let location = |span| SourceLocation { file, span };
