@@ -16,7 +16,7 @@ use crate::expand::units::to_si;
 pub struct ProgramPlan {
     /// Name of the program.
     pub name: String,
-    /// Place of the name.
+    /// Location of the name.
     pub location: SourceLocation,
     /// Seed plate.
     pub plate: Plate,
@@ -50,7 +50,7 @@ impl ProgramPlan {
         phase.events.contains(&event.0).then_some(number)
     }
 
-    /// Returns whether a block may be missing because of a wrong statement.
+    /// Returns whether a wrong statement may be the reason that the block is missing.
     pub(crate) fn is_doubtful(&self, role: RoleId) -> bool {
         self.doubtful.contains(&self.roles.key(role).word)
     }
@@ -78,11 +78,11 @@ pub struct PatternInstance {
 /// A named block of the plate.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanSeed {
-    /// Name of the seed.
+    /// Name of the seed as a role.
     pub role: RoleId,
     /// Cell of the seed, with z = 0.
     pub cell: Cell,
-    /// Place of the name.
+    /// Location of the name.
     pub location: SourceLocation,
     /// Location of the whole statement. `None` if the statement has documentation.
     pub statement: Option<SourceLocation>,
@@ -93,24 +93,24 @@ pub struct PlanSeed {
 pub struct PlanPhase {
     /// Name of the phase.
     pub name: String,
-    /// Place of the name.
+    /// Location of the name.
     pub location: SourceLocation,
-    /// Time after which the phase has failed.
+    /// Time limit of the phase. `None` without a limit.
     pub timeout: Option<Timeout>,
     /// Range of its events in [`ProgramPlan::events`].
     pub events: std::ops::Range<u32>,
     /// Whether its blocks are pre-attached. Only the first phase can be.
     pub planted: bool,
-    /// Claimed shapes with the places of the claims.
+    /// Claimed shapes, with the locations of the claims.
     pub claims: Vec<(Symbol, SourceLocation)>,
 }
 
-/// Time that a phase may take.
+/// Time limit of a phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Timeout {
-    /// Ticks of the clock of the scene.
+    /// Time in ticks of the scene.
     Ticks(u64),
-    /// Seconds.
+    /// Time in seconds.
     Seconds(f64),
 }
 
@@ -142,7 +142,7 @@ impl Timeout {
         [Dimension::TICKS, Dimension::TIME].contains(&to_si(quantity).1)
     }
 
-    /// Returns the ticks of a clock \[s\], from 1 to 9e15.
+    /// Converts the time to ticks of this length \[s\]. The result is from 1 to 9e15.
     pub fn ticks(self, tick: f64) -> u64 {
         match self {
             Timeout::Ticks(ticks) => ticks,
@@ -160,7 +160,7 @@ pub struct PlanEvent {
     pub kind: EventKind,
     /// Captured or released block.
     pub role: RoleId,
-    /// Place in the source.
+    /// Location in the source.
     pub location: SourceLocation,
     /// Whether the event is valid. Invalid events have been reported and are ignored.
     pub sound: bool,
@@ -180,7 +180,7 @@ pub enum EventKind {
     Release,
 }
 
-/// An order that `after` adds.
+/// An additional dependency by `after`.
 #[derive(Clone, Copy, Debug)]
 pub struct AfterConstraint {
     /// The waiting event.
@@ -189,20 +189,20 @@ pub struct AfterConstraint {
     pub role: RoleId,
     /// Whether the event waits for the release of the block instead of its capture.
     pub release: bool,
-    /// Place in the source.
+    /// Location in the source.
     pub location: SourceLocation,
 }
 
-/// A name without its text: scope, word and indices.
+/// A name as a value: scope, word and indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NameKey {
-    /// Instance of a pattern. 0 is the program itself.
+    /// Instance of a pattern that contains the name. 0 for the program itself.
     pub scope: u32,
     /// Word of the name.
     pub word: Symbol,
     /// Number of indices.
     pub arity: u8,
-    /// Indices.
+    /// Values of the indices.
     pub index: [i32; NameKey::MAX_INDICES],
 }
 
@@ -227,7 +227,7 @@ pub struct Roles {
 }
 
 impl Roles {
-    /// Returns the role of a name, new or known.
+    /// Returns the role of a name. Creates it if needed.
     pub fn intern(&mut self, key: NameKey) -> RoleId {
         let next = RoleId(self.keys.len() as u32);
         let role = *self.roles.entry(key).or_insert(next);
@@ -263,15 +263,15 @@ impl Roles {
         path
     }
 
-    /// Returns the pattern of an unnamed instance around a role. The program cannot name such a
-    /// role.
+    /// Returns the pattern of an unnamed instance around a role. The program cannot refer to such a
+    /// role. Returns `None` for other roles.
     pub fn nameless<'s>(&self, role: RoleId, symbols: &'s Symbols) -> Option<&'s str> {
         let path = self.path(role).into_iter();
         let mut patterns = path.filter_map(|key| symbols.word(key.word).split_once('#'));
         patterns.next().map(|(pattern, _)| pattern)
     }
 
-    /// Returns the scope of an instance, new or known.
+    /// Returns the scope of an instance. Creates it if needed.
     pub(crate) fn intern_scope(&mut self, key: NameKey) -> u32 {
         let next = self.scope_keys.len() as u32 + 1;
         let scope = *self.scopes.entry(key).or_insert(next);
@@ -331,7 +331,7 @@ impl Roles {
 }
 
 impl PlanEvent {
-    /// Returns an event without its text.
+    /// Returns an event without its source location.
     pub fn action(&self) -> EventAction {
         let child = self.role;
         match self.kind {
@@ -360,7 +360,7 @@ impl ProgramPlan {
         &self.events[id.0 as usize]
     }
 
-    /// Returns the block that acts: the capturing one, or the released one.
+    /// Returns the acting block: the capturing one, or the released one.
     pub(crate) fn actor(&self, id: EventId) -> RoleId {
         let event = self.event(id);
         match event.kind {
@@ -388,7 +388,7 @@ impl ProgramPlan {
         planted.map(|phase| phase.events.len()).sum()
     }
 
-    /// Returns an event in words: `A.up -> E` or `release E`.
+    /// Returns an event as text: `A.up -> E` or `release E`.
     pub fn describe(&self, id: EventId, symbols: &Symbols) -> String {
         let action = self.event(id).action();
         action.describe(|role| self.roles.name(role, symbols))

@@ -1,9 +1,9 @@
 //! Cancellation of work, if its result is not needed any more.
 use std::fmt;
 
-/// Asks the caller of long work, again and again, whether the result is still wanted.
+/// Function that returns whether long work should be cancelled.
 ///
-/// The question is asked about once per event, so the answer should cost no more than reading an atomic.
+/// The work calls it about once per event, so it should cost no more than reading an atomic.
 #[derive(Clone, Copy)]
 pub struct Cancellation<'a>(&'a dyn Fn() -> bool);
 
@@ -21,12 +21,12 @@ impl<'a> Cancellation<'a> {
         Cancellation(is_cancelled)
     }
 
-    /// Returns whether the result is not wanted any more.
+    /// Returns whether the work should stop.
     pub fn is_cancelled(self) -> bool {
         self.0()
     }
 
-    /// Goes on, if the result is still wanted.
+    /// Checks whether the work should continue.
     ///
     /// # Errors
     ///

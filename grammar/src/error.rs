@@ -1,15 +1,15 @@
 use crate::Span;
 
-/// An error of syntax.
+/// A syntax error.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SyntaxError {
     /// Kind of the error.
     pub kind: SyntaxErrorKind,
-    /// Place in the source.
+    /// Location in the source.
     pub span: Span,
 }
 
-/// Kind of an error of syntax.
+/// Kind of a syntax error.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SyntaxErrorKind {
     /// A word or character that is not valid here.
@@ -18,7 +18,7 @@ pub enum SyntaxErrorKind {
         found: String,
         /// Valid alternatives as text. Empty if no statement can contain the word.
         expected: Vec<&'static str>,
-        /// First word of the statement, if only that could be read, or else an empty text.
+        /// First word of the statement if it is the only one before the error. Otherwise empty.
         behind: String,
     },
     /// A block without its closing brace. The span is that of the opening one.

@@ -1,4 +1,4 @@
-//! Tree to text. The layout is the formatter's: here words and signs are put in their order.
+//! Prints trees as source. The formatter arranges the lines.
 use std::fmt::Write as _;
 
 use crate::Symbols;
@@ -246,7 +246,7 @@ impl Printer<'_> {
     fn quantity(&mut self, quantity: &Quantity) {
         put!(self, "{}", quantity.value);
         for (i, factor) in quantity.unit.iter().enumerate() {
-            // The first factor of a unit cannot be divided by; a negative power says the same.
+            // A unit cannot begin with a division. A negative power has the same meaning.
             let (sign, power) = match (i, factor.power) {
                 (0, power) => (" ", power),
                 (_, power @ ..=-1) => ("/", -power),

@@ -9,14 +9,14 @@ use string_interner::{StringInterner, Symbol as _};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Symbol(pub u32);
 
-/// The words of the language itself, which name no block, pattern, shape, scene or number.
+/// Reserved words of the language, which cannot be names.
 const RESERVED: [&str; 25] = [
     "after", "as", "assembly", "at", "for", "from", "import", "in", "layer", "let", "pattern",
     "phase", "plate", "release", "scene", "seed", "shape", "timeout", "yields", "up", "down",
     "north", "south", "east", "west",
 ];
 
-/// Every word of a program's files, each once.
+/// All words of a program's files, without duplicates.
 #[derive(Clone, Debug)]
 pub struct Symbols(StringInterner<StringBackend<SymbolU32>, BuildHasherDefault<FxHasher>>);
 
@@ -27,7 +27,7 @@ impl Default for Symbols {
 }
 
 impl Symbols {
-    /// Holds the reserved words only.
+    /// Creates a table that contains only the reserved words.
     pub fn new() -> Symbols {
         let mut symbols = Symbols(StringInterner::new());
         for word in RESERVED {

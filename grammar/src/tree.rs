@@ -126,7 +126,7 @@ pub struct Place {
     pub path: SmallVec<[Segment; 1]>,
     /// Face at the end, with its location.
     pub face: Option<(Face, Span)>,
-    /// Place of the whole path.
+    /// Range of the whole path.
     pub span: Span,
 }
 
@@ -222,7 +222,7 @@ pub enum LintDirectiveKind {
 pub struct PhaseDeclaration {
     /// Name of the phase, with an index inside a loop.
     pub name: Place,
-    /// Time after which the phase has failed.
+    /// Time limit of the phase. `None` without a limit.
     pub timeout: Option<Quantity>,
     /// Statements of the phase.
     pub body: Vec<Item>,
@@ -268,7 +268,7 @@ pub struct Aggregate {
     pub scene: Option<Name>,
     /// Number of bonded blocks that completes the aggregate.
     pub size: Expr,
-    /// Time after which the next size has failed.
+    /// Time limit for each size. `None` without a limit.
     pub timeout: Option<Quantity>,
 }
 
@@ -288,7 +288,7 @@ pub struct Shape {
 pub struct Layer {
     /// Heights above the plate.
     pub heights: Subscript,
-    /// Place from `layer` to the closing brace.
+    /// Range from `layer` to the closing brace.
     pub span: Span,
     /// Rows from north to south.
     pub rows: Vec<LayerRow>,
@@ -299,7 +299,7 @@ pub struct Layer {
 pub struct LayerRow {
     /// Cells from west to east. `true` for a block.
     pub cells: Vec<bool>,
-    /// Place of the row.
+    /// Range of the row.
     pub span: Span,
 }
 
@@ -334,7 +334,7 @@ pub struct Quantity {
     pub value: f64,
     /// Factors of the unit. Empty for a pure number.
     pub unit: Vec<UnitFactor>,
-    /// Place of the value.
+    /// Range of the value.
     pub span: Span,
 }
 
@@ -352,7 +352,7 @@ pub struct UnitFactor {
 pub struct Import {
     /// Path as written, relative to the importing file.
     pub path: String,
-    /// Place of the path.
+    /// Location of the path.
     pub path_span: Span,
 }
 
@@ -361,7 +361,7 @@ pub struct Import {
 pub struct Expr {
     /// Content of the expression.
     pub kind: ExprKind,
-    /// Place of the expression.
+    /// Range of the expression.
     pub span: Span,
 }
 
@@ -394,7 +394,7 @@ pub enum Operator {
 }
 
 impl Operator {
-    /// Returns the value. Returns `None` if it does not fit in 64 bits or does not exist.
+    /// Returns the result of the operation. Returns `None` on overflow or division by zero.
     pub fn of(self, left: i64, right: i64) -> Option<i64> {
         match self {
             Operator::Add => left.checked_add(right),
@@ -408,7 +408,7 @@ impl Operator {
 }
 
 impl LintDirectiveKind {
-    /// Returns the word in the language.
+    /// Returns the keyword of the level.
     pub const fn word(self) -> &'static str {
         match self {
             LintDirectiveKind::Allow => "allow",
@@ -463,7 +463,7 @@ impl Item {
         }
     }
 
-    /// Returns the words that messages use.
+    /// Returns the kind of the item as a noun for messages.
     pub fn noun(&self) -> &'static str {
         match &self.kind {
             ItemKind::Chain(_) => "a capture",

@@ -1,11 +1,11 @@
-//! Patterns, shapes and scenes by word.
+//! Declared patterns, shapes and scenes by word.
 use rustc_hash::FxHashMap;
 use stochc_grammar::Symbol;
 
 use super::{Definition, NameKind};
 use crate::{FileId, SourceLocation};
 
-/// A pattern or a shape.
+/// A declared pattern or shape.
 #[derive(Clone, Copy, Debug)]
 pub struct DeclaredName {
     pub definition: Definition,

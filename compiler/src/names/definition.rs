@@ -47,7 +47,7 @@ pub(crate) enum Keep {
 /// A name at a source location.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Occurrence {
-    /// Place of the name.
+    /// Location of the name.
     pub location: SourceLocation,
     /// Definition of the name.
     pub definition: Definition,
@@ -87,8 +87,8 @@ pub enum NameKind {
 }
 
 impl NameKind {
-    /// Returns whether the expansion asks for definitions of this kind. It finds names with indices
-    /// and phases by itself.
+    /// Returns whether the expansion looks up definitions of this kind. It resolves blocks,
+    /// instances and phases itself.
     pub(super) const fn is_asked_for(self) -> bool {
         matches!(
             self,
@@ -101,7 +101,7 @@ impl NameKind {
         )
     }
 
-    /// Returns the words that messages use.
+    /// Returns the kind as a noun for messages.
     pub const fn noun(self) -> &'static str {
         match self {
             NameKind::Block => "block",

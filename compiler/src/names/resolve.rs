@@ -49,7 +49,7 @@ pub fn resolve<'a>(
             resolver.top(item, &mut number);
         }
     }
-    // A cancelled walk has stopped early.
+    // A cancelled resolution is incomplete.
     cancellation.check()?;
     Ok(resolver.definitions.finish(resolver.declared))
 }
@@ -58,7 +58,7 @@ pub fn resolve<'a>(
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct BlockScope(u32);
 
-/// Surroundings of a walk.
+/// Context of a statement.
 #[derive(Clone, Copy, PartialEq)]
 enum EnclosingScope {
     /// Top level of a file.
@@ -67,7 +67,7 @@ enum EnclosingScope {
     Assembly(usize),
     /// A pattern of an assembly.
     OwnPattern(usize),
-    /// A pattern of the file. It uses the numbers of the assemblies with its instances.
+    /// A pattern of the file. It can use the numbers of all assemblies that use it.
     Pattern,
 }
 
@@ -84,16 +84,16 @@ struct Resolver<'c> {
     file: FileId,
     bindings: Bindings,
     file_numbers: FxHashMap<Symbol, Definition>,
-    /// Patterns, shapes and scenes.
+    /// Declared patterns, shapes and scenes.
     declared: DeclaredNames,
     /// Owner of the names of each pattern.
     scopes: FxHashMap<Definition, BlockScope>,
     scope_count: u32,
     /// Captured words of each pattern.
     captured: FxHashSet<(BlockScope, Symbol)>,
-    /// Blocks, instances and phases.
+    /// Definitions of blocks, instances and phases.
     blocks: FxHashMap<(BlockScope, NameKind, Symbol), Definition>,
-    /// Patterns of the instances with a name.
+    /// Patterns of each named instance.
     grown: FxHashMap<Definition, Vec<BlockScope>>,
     assemblies: Vec<OwnNumbers>,
     enclosing: EnclosingScope,
@@ -314,7 +314,8 @@ impl Resolver<'_> {
                     self.pattern(pattern, EnclosingScope::OwnPattern(number));
                 }
             }
-            // Codes are not names, numbers of shapes have none, and the others are misplaced here.
+            // Codes are not names, numbers of shapes contain none, and the others are misplaced
+            // here.
             ItemKind::Level(_)
             | ItemKind::Shape(_)
             | ItemKind::Assembly(_)
@@ -361,7 +362,7 @@ impl Resolver<'_> {
             return None;
         };
         self.indices(segment);
-        // Names inside an instance are resolved even if its own name is not kept.
+        // Names inside an instance are resolved even if the instance's name is not recorded.
         if kind != NameKind::Instance && !self.definitions.keeps(kind) {
             return None;
         }
@@ -407,7 +408,7 @@ impl Resolver<'_> {
             return;
         }
         let Some(mut scopes) = self.inside(instances) else {
-            // A block, and a word that is not a face.
+            // A block without a face: the last word is not a face.
             if let [only] = instances
                 && only.index.is_none()
                 && let Some(definition) = self.parameter(only.name.symbol)
@@ -547,7 +548,7 @@ impl Resolver<'_> {
         if seen.is_some() || self.enclosing != EnclosingScope::Pattern {
             return seen.map(|it| it.definition);
         }
-        // A pattern of the file may be used where only the assembly declares the word.
+        // A pattern of the file may be used in an assembly that declares the word.
         let own = self.declared.own.iter();
         let own: Vec<Definition> = own
             .filter_map(|own| own.get(&(kind, word)))

@@ -15,10 +15,10 @@ use crate::dependencies::graph::DependencyGraph;
 use crate::diagnostic::{Code, Diagnostic, report};
 use crate::plan::{EventId, EventKind};
 
-/// Number of cells that may be searched for every event, in addition to the limit.
+/// Number of cells that the search may visit per event, in addition to the limit.
 const STEPS_PER_EVENT: u64 = 10;
 
-/// Share of the search that may be used to try remedies.
+/// The trial of remedies may use one in this many steps of the search.
 const TRIED: u64 = 100;
 
 /// Reports captures whose cells free blocks may not reach, or only through a narrow gap.
@@ -65,7 +65,7 @@ pub fn check(
         let descendants = DescendantIndex::new(subject.certain, first, events);
         survey.phase(number, events, &descendants, diagnostics);
     }
-    // A cancelled search has stopped early.
+    // A cancelled search is incomplete.
     cancellation.check()?;
     let is_undecided = |diagnostic: &Diagnostic| diagnostic.code == Code::ReachUndecided;
     if survey.warning.is_spent() && !diagnostics.iter().any(is_undecided) {
@@ -92,7 +92,7 @@ pub(super) struct ReachAnalysis<'a> {
     /// Work for messages and remedies, and for trials of remedies.
     pub(super) remedies: SearchEffort<'a>,
     pub(super) trials: SearchEffort<'a>,
-    /// Errors of the unchanged files, once a remedy was tried.
+    /// Errors of the unchanged files. `None` before the first trial.
     pub(super) untouched: Option<Vec<ReportedError>>,
     /// Proposed remedies, each with the errors that remain.
     pub(super) proposed: Vec<(Vec<ReportedError>, Proposal)>,

@@ -1,4 +1,4 @@
-//! Paths that leave a hard cube no clearance.
+//! Warns of access paths without clearance: gaps one block wide.
 use std::collections::VecDeque;
 
 use petgraph::Direction::Incoming;
@@ -29,11 +29,11 @@ pub struct NarrowCapture {
     pub walls: Vec<EventId>,
 }
 
-/// Tight captures of a phase.
+/// Captures of a phase that must enter through a gap.
 pub struct NarrowCaptures {
-    /// Number of tight captures.
+    /// Number of such captures.
     pub count: usize,
-    /// The tightest captures, the worst first.
+    /// The tightest captures, the worst one first.
     pub worst: Vec<NarrowCapture>,
 }
 
@@ -47,7 +47,7 @@ impl ReachAnalysis<'_> {
     /// Returns the captures of a phase that enter through a gap in their worst case.
     pub fn narrow(&mut self, events: &[EventId], descendants: &DescendantIndex) -> NarrowCaptures {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
-        // Whether only events that wait for it can be above the cell of an event.
+        // For each event, whether only its descendants can be above its cell.
         let mut is_clear_above = vec![false; events.len()];
         let mut found: Vec<(u32, EventId)> = Vec::new();
         for &id in events.iter().rev() {
@@ -149,7 +149,7 @@ impl ReachAnalysis<'_> {
         };
         let is_empty = |cell: Cell| !self.occupancy.is_blocked(cell, &has);
         let is_gap = |way: &Face| beside_gap(cell, *way).all(is_empty);
-        // Most cells are decided without a look at gaps.
+        // Most cells are decided without testing gaps.
         for is_inside in [true, false] {
             let lows: Vec<Cell> = if is_inside {
                 boxes(cell).collect()
@@ -175,7 +175,7 @@ impl ReachAnalysis<'_> {
         Some(Face::ALL.iter().filter(|face| is_open(face)).count() as u32)
     }
 
-    /// Returns the captures that make the gap of a capture, the worst case of the phase assumed.
+    /// Returns the captures that form the gap of a capture, in the worst case of the phase.
     fn gap_walls(&mut self, id: EventId, descendants: &DescendantIndex) -> Vec<EventId> {
         let Some(cell) = self.cell(id) else {
             return Vec::new();
@@ -212,7 +212,8 @@ impl ReachAnalysis<'_> {
             has: &has,
             size: 2,
         };
-        // Shortest path by narrow cells. Wide cells cost nothing and go to the front.
+        // Finds the path with the fewest narrow cells. Wide cells cost nothing and go to the front
+        // of the queue.
         let mut best: FxHashMap<Cell, u32> = FxHashMap::from_iter([(start, 1)]);
         let mut queue = VecDeque::from([start]);
         let mut closed: FxHashSet<Cell> = FxHashSet::default();

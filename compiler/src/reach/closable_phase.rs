@@ -1,4 +1,4 @@
-//! A phase with captures whose cells can be closed.
+//! Data of a phase whose captures may be closed in.
 use std::borrow::Cow;
 
 use rustc_hash::FxHashSet;

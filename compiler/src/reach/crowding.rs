@@ -8,7 +8,7 @@ use super::descendants::DescendantIndex;
 use crate::diagnostic::{Code, Diagnostic, report};
 use crate::plan::EventId;
 
-/// Captures of a phase that are shown, at most.
+/// Largest number of captures of a phase in the message.
 const MAX_SHOWN: usize = 5;
 
 /// Largest number of visited squares of a phase.
@@ -92,7 +92,7 @@ impl ReachAnalysis<'_> {
             let graph = self.subject.certain;
             graph.contains_edge(node(id), node(other))
         };
-        // Most captures wait for each other directly. Descendants need a search.
+        // Most captures wait for each other directly. Indirect dependencies need a search.
         let mut others = events.iter();
         if others.any(|id| events.iter().any(|other| waits(id, other))) {
             return false;

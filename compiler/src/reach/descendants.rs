@@ -11,19 +11,19 @@ use super::effort::SearchEffort;
 use crate::dependencies::graph::DependencyGraph;
 use crate::plan::EventId;
 
-/// The order among the events of one phase.
+/// Index of descendants among the events of one phase.
 pub struct DescendantIndex {
-    /// The number of the phase's first event.
+    /// Number of the phase's first event.
     first: u32,
     /// For each event of the phase, its position in the preorder.
     place: Vec<u32>,
-    /// For every event of the phase, itself and those below it in the forest.
+    /// For each event of the phase, the size of its subtree in the forest, including itself.
     size: Vec<u32>,
     /// Edges that the forest does not imply: position of the source, and the target.
     cross: Vec<(u32, EventId)>,
 }
 
-/// An event and all that can only happen after it.
+/// An event and its descendants.
 pub struct Descendants<'a> {
     descendants: &'a DescendantIndex,
     /// Intervals of the preorder, sorted and disjoint.
@@ -54,7 +54,7 @@ impl DescendantIndex {
             }
         }
         let mut place = vec![0u32; count];
-        // Where the next child of an event goes.
+        // Position of the next child of each event.
         let mut next = vec![0u32; count];
         let mut next_root = 0;
         for (&id, parent) in events.iter().zip(&parents) {
@@ -96,7 +96,7 @@ impl DescendantIndex {
         (self.place[i], self.place[i] + self.size[i])
     }
 
-    /// Returns an event and all that can only happen after it; `steps` counts the work.
+    /// Returns an event and its descendants. `steps` counts the work.
     pub fn of(&self, id: EventId, steps: &mut u64) -> Descendants<'_> {
         let mut intervals = vec![self.interval(id)];
         self.add_cross(&mut intervals, steps, u64::MAX);
@@ -116,7 +116,7 @@ impl DescendantIndex {
         })
     }
 
-    /// Stops after this many steps.
+    /// Adds the intervals of edges outside the forest. Stops after this many steps.
     fn add_cross(&self, intervals: &mut Vec<(u32, u32)>, steps: &mut u64, most: u64) {
         if self.cross.is_empty() {
             return;
@@ -150,7 +150,7 @@ impl DescendantIndex {
 }
 
 impl Descendants<'_> {
-    /// Returns whether an event of any phase is one of them.
+    /// Returns whether the set contains an event of any phase.
     pub fn contains(&self, id: EventId) -> bool {
         if !self.descendants.has(id) {
             return false;

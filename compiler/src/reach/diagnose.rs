@@ -93,7 +93,7 @@ impl ReachAnalysis<'_> {
                 told += 1;
             }
         }
-        // After a closed cell, undecided captures say nothing more.
+        // After a closed cell, undecided captures give no further information.
         if told == 0 {
             for blocked in blocked.iter().take(most) {
                 report(diagnostics, self.undecided(blocked.capture));
@@ -119,8 +119,8 @@ impl ReachAnalysis<'_> {
         let own = all_before(subject.certain, [id]);
         let following = phase.descendants.of(id, &mut self.remedies.steps);
         let is_never = phase.never.contains(&id);
-        // Whether a block is there when the capture waits: at least, if that is too much already,
-        // or at most.
+        // Decides whether a block exists while the capture waits. Uses the smallest structure if
+        // that already closes the cell, else the largest.
         let has = |other: EventId| match is_never {
             _ if !phase.descendants.has(other) => true,
             true => other != id && own.contains(&other),
@@ -197,7 +197,7 @@ impl ReachAnalysis<'_> {
         Some(diagnostic.help(help))
     }
 
-    /// Returns a remedy, in words and as a change of the source.
+    /// Returns a remedy as text and as a change of the source.
     fn remedy(
         &mut self,
         phase: &ClosablePhase,
@@ -289,7 +289,7 @@ impl ReachAnalysis<'_> {
                 _ => return SealedOutcome::Doubtful,
             }
         }
-        // The walls come without it, whatever choices that takes.
+        // In the worst case the walls come first, whatever the choices are.
         let straight = self.straight(|other| other == id || never.contains(&other));
         let needed = all_before(&straight, walls.iter().copied());
         if needed.contains(&id) {

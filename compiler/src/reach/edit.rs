@@ -32,7 +32,7 @@ impl<'a> CaptureStatement<'a> {
         })
     }
 
-    /// Returns the source from the capturing block to the captured one.
+    /// Returns the capturing block and the captured block of the arrow.
     fn places(&self) -> (&'a Place, &'a Place) {
         let CaptureStatement { chain, link } = *self;
         let parent = link
@@ -80,7 +80,7 @@ impl<'a> CaptureStatement<'a> {
                 solve(parent, keys, &mut counters);
             }
         }
-        // Each name with its distance from the likeliest one.
+        // Each spelling with its distance from the likeliest one.
         let mut names: Vec<(u64, String)> = vec![(0, String::new())];
         for (i, key) in path[from..].iter().enumerate() {
             let word = subject.symbols.word(key.word);
@@ -102,7 +102,7 @@ impl<'a> CaptureStatement<'a> {
                 names = (names.iter())
                     .flat_map(|(cost, name)| {
                         (written.iter()).map(move |(extra, index)| {
-                            // Usually each counter is in one index.
+                            // Usually, each counter is used in one index.
                             let again = u64::from(begin == ", " && stands_in(name, index));
                             (cost + extra + again, format!("{name}{begin}{index}{end}"))
                         })
@@ -177,7 +177,7 @@ impl<'a> CaptureStatement<'a> {
     }
 }
 
-/// Largest number of names that are made up for a block.
+/// Largest number of spellings of a block's name.
 const MAX_NAMES: usize = 64;
 
 /// Returns the arrow of a chain at this source range.

@@ -1,4 +1,4 @@
-//! The cells that are full, as a phase can leave them.
+//! Occupied cells at a state of a phase.
 use std::collections::BTreeSet;
 
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -6,21 +6,21 @@ use stochc_ir::Cell;
 
 use crate::plan::EventId;
 
-/// Whether a capture has happened.
+/// Function that returns whether a capture has happened.
 pub type Has<'a> = &'a dyn Fn(EventId) -> bool;
 
 /// Occupied cells, including those that captures of the current phase fill.
 #[derive(Clone, Default)]
 pub struct OccupiedCells {
-    /// The capture that fills a cell.
+    /// Capture that fills each cell.
     cells: FxHashMap<Cell, EventId>,
-    /// Cells that a capture of the phase fills, and that the block before may not have left.
+    /// Cells that a capture of the phase fills although a previous block may still be there.
     held_over: FxHashSet<Cell>,
-    /// The highest full cell over each (x, y).
+    /// Highest occupied cell at each (x, y).
     tops: FxHashMap<(i32, i32), i32>,
     /// Occupied cells sorted by (x, y, z). Computed on demand.
     sorted: Option<BTreeSet<(i32, i32, i32)>>,
-    /// Blocks passed by in looking for ceilings.
+    /// Number of blocks visited in searches for ceilings.
     passed: std::cell::Cell<u64>,
 }
 
@@ -77,12 +77,12 @@ impl OccupiedCells {
         self.tops.get(&(x, y)).is_none_or(|&top| top < z)
     }
 
-    /// Returns the height of a column's highest full cell.
+    /// Returns the height of a column's highest occupied cell. Returns `None` for an empty column.
     pub fn top(&self, cell: Cell) -> Option<i32> {
         self.tops.get(&(cell.x, cell.y)).copied()
     }
 
-    /// Makes [`OccupiedCells::is_blocked`] and [`OccupiedCells::ceiling`] possible.
+    /// Sorts the cells, which [`OccupiedCells::is_blocked`] and [`OccupiedCells::ceiling`] require.
     pub fn sort(&mut self) {
         let cells = &self.cells;
         self.sorted
@@ -95,12 +95,12 @@ impl OccupiedCells {
         cell.z < 1 || (self.cells.get(&cell)).is_some_and(|&by| has(by) || self.is_held_over(cell))
     }
 
-    /// Returns whether the block before may still be in a cell that a capture of the phase fills.
+    /// Returns whether a previous block may still be in a cell that a capture of the phase fills.
     pub fn is_held_over(&self, cell: Cell) -> bool {
         !self.held_over.is_empty() && self.held_over.contains(&cell)
     }
 
-    /// Returns the height of the lowest blocked cell of a column from `z` on; needs
+    /// Returns the height of the lowest blocked cell of a column from `z` on. Requires
     /// [`OccupiedCells::sort`].
     pub fn ceiling(&self, x: i32, y: i32, z: i32, has: Has) -> Option<i32> {
         if self.is_clear(x, y, z) {
@@ -114,7 +114,7 @@ impl OccupiedCells {
             .map(|cell| cell.z)
     }
 
-    /// Blocks passed by in [`OccupiedCells::ceiling`] since the last call.
+    /// Returns the number of blocks visited in [`OccupiedCells::ceiling`] since the last call.
     pub fn take_passed(&self) -> u64 {
         self.passed.take()
     }

@@ -23,7 +23,7 @@ pub enum SearchOutcome {
     Out,
     /// No path exists. Has the cells along the walls in the order of the search.
     Sealed(Vec<Cell>),
-    /// The search was given up.
+    /// The search reached its limit.
     Unknown,
 }
 
@@ -38,7 +38,7 @@ impl MovingCube<'_> {
         known: &mut KnownPaths,
         effort: &mut SearchEffort<'_>,
     ) -> SearchOutcome {
-        // Where each place was reached from.
+        // Previous position of each reached position.
         let mut found: FxHashMap<Cell, Cell> = FxHashMap::default();
         let mut order = Vec::new();
         let mut queue = VecDeque::new();

@@ -2,14 +2,14 @@
 use crate::diagnostic::layer_picture::layer_picture;
 use stochc_ir::Cell;
 
-/// Cells shown to each side of the one in question.
+/// Number of cells in the picture on each side of the centre.
 const REACH: i32 = 4;
 
 /// Returns the layer around a cell, north at the top: `@` the cell, `#` full, `.` empty.
 pub fn layer(cell: Cell, is_full: impl Fn(Cell) -> bool) -> String {
     let is_full = |dx, dy| cell.offset([dx, dy, 0]).is_none_or(&is_full);
     let range = || -REACH..=REACH;
-    // As far as there is something to see.
+    // Range with occupied cells.
     let full: Vec<(i32, i32)> = range()
         .flat_map(|dy| range().map(move |dx| (dx, dy)))
         .filter(|&(dx, dy)| is_full(dx, dy))

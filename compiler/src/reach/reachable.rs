@@ -1,4 +1,4 @@
-//! Captures that some order reaches, and such an order.
+//! Finds captures that some order reaches, and such an order.
 use rustc_hash::FxHashSet;
 
 use super::analysis::ReachAnalysis;
@@ -115,7 +115,7 @@ impl ReachAnalysis<'_> {
         never
     }
 
-    /// Searches a path from a cell if only the events happened that the capture waits for.
+    /// Searches a path from a cell if only the ancestors of its capture have happened.
     pub fn way_past_its_own(
         &mut self,
         id: EventId,

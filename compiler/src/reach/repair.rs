@@ -89,7 +89,8 @@ impl ReachAnalysis<'_> {
             has: at_worst,
             size: 1,
         };
-        // Shortest way by cells that are full at worst: the others cost nothing.
+        // Finds the path with the fewest occupied cells of the worst order. Other cells cost
+        // nothing.
         let mut best: FxHashMap<Cell, (u32, Cell)> = FxHashMap::from_iter([(start, (0, start))]);
         let mut queue = VecDeque::from([start]);
         while let Some(at) = queue.pop_front() {

@@ -1,4 +1,4 @@
-//! The worst case of every capture.
+//! Checks every capture in its worst order.
 use stochc_ir::Face;
 
 use super::analysis::ReachAnalysis;
@@ -10,7 +10,7 @@ use crate::dependencies::face_turns::is_ready;
 use crate::plan::EventId;
 use stochc_ir::Cell;
 
-/// A capture that may wait forever.
+/// A capture that may wait forever because its cell is closed.
 pub struct BlockedCapture {
     /// The capture whose cell is closed.
     pub capture: EventId,
@@ -36,7 +36,8 @@ impl ReachAnalysis<'_> {
             }
             let before = open.len();
             let mut blocked = Vec::new();
-            // Those that wait for others first: they may show that the others are safe.
+            // Captures that wait for others come first, because they may show that the others are
+            // safe.
             open.reverse();
             open.retain(|&id| {
                 let is_safe = self.is_clearly_safe(id)
@@ -81,7 +82,7 @@ impl ReachAnalysis<'_> {
         {
             return true;
         }
-        // A waiting block comes to a neighbouring cell and has a path.
+        // A descendant captures a block in a neighbouring cell and has a path.
         after(self.subject.certain, id).any(|next| {
             self.is_safe[next.0 as usize]
                 && (self.cell(next))

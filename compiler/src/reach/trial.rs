@@ -12,7 +12,7 @@ use crate::plan::EventId;
 #[derive(Clone)]
 struct DelayedStatement<'a> {
     statement: CaptureStatement<'a>,
-    /// Place of the statement.
+    /// Location of the statement.
     location: SourceLocation,
     /// Name of the block that it must wait for.
     name: String,
@@ -38,7 +38,7 @@ impl<'a> ReachAnalysis<'a> {
         title: &str,
     ) -> Option<Proposal> {
         let error = (Code::SealedCavity, title.to_owned());
-        // A change for another capture may help this one as well.
+        // A proposed change for another capture may also fix this error.
         let before = self.untouched.as_deref().unwrap_or_default();
         let is_gone = |after: &[ReportedError]| count(after, &error) < count(before, &error);
         if let Some((_, known)) = self.proposed.iter().find(|(after, _)| is_gone(after)) {
@@ -49,7 +49,7 @@ impl<'a> ReachAnalysis<'a> {
         let mut barred: Vec<SourceLocation> = Vec::new();
         for i in 0..MAX_LISTS {
             let later = lists.get(i)?;
-            // The way that leaves the fewest errors, the likeliest first.
+            // The spelling with the fewest remaining errors. Of several, the likeliest one.
             let mut best: Option<(Vec<ReportedError>, Vec<DelayedStatement<'a>>)> = None;
             let mut tried = 0;
             for delayed in self.writings(id, later) {
@@ -160,7 +160,7 @@ impl<'a> ReachAnalysis<'a> {
             let is_plain = made
                 .next()
                 .is_some_and(|event| plan.roles.key(event.role).scope == 0);
-            // Such changes keep the structure and all agree with one order of the phase.
+            // Such changes keep the structure, and all agree with one order of the phase.
             fix.safe = is_plain && made.next().is_none() && phase.is_whole();
         }
         let text =

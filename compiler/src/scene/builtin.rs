@@ -1,4 +1,4 @@
-//! The scenes that every program knows, written in the language itself.
+//! Built-in scenes, written in the language itself.
 use stochc_grammar::tree::ItemKind;
 use stochc_grammar::{Symbols, parse};
 use stochc_ir::scene::Scene;
@@ -6,7 +6,7 @@ use stochc_ir::scene::Scene;
 use super::read;
 use crate::Sources;
 
-/// The built-in scenes: a name, and the text that declares it.
+/// Name and source of each built-in scene.
 pub const BUILT_IN: [(&str, &str); 6] = [
     ("hemisphere", include_str!("hemisphere.sa")),
     ("hemisphere_soft", include_str!("hemisphere_soft.sa")),
@@ -16,10 +16,10 @@ pub const BUILT_IN: [(&str, &str); 6] = [
     ("suction_tank", include_str!("suction_tank.sa")),
 ];
 
-/// The scene of an assembly that names none.
+/// Name of the default scene.
 pub const DEFAULT: &str = "hemisphere";
 
-/// Returns the built-in scene of a name.
+/// Returns the built-in scene with this name.
 pub fn built_in(name: &str) -> Option<Scene> {
     let (_, text) = BUILT_IN.into_iter().find(|&(known, _)| known == name)?;
     let mut symbols = Symbols::new();
@@ -41,7 +41,7 @@ pub fn is_built_in(name: &str) -> bool {
     BUILT_IN.iter().any(|&(known, _)| known == name)
 }
 
-/// Returns the names of the built-in scenes, for a sentence.
+/// Returns the names of the built-in scenes as a list for messages.
 pub fn built_in_names() -> String {
     BUILT_IN.map(|(name, _)| format!("`{name}`")).join(", ")
 }

@@ -1,4 +1,4 @@
-//! Reads scenes by the schema of scenes.
+//! Reads scenes according to the schema.
 mod value;
 mod word;
 
@@ -83,7 +83,7 @@ struct SceneReader<'a, 'f> {
 }
 
 impl<'a> SceneReader<'a, '_> {
-    /// Reads the rest of an entry in `clause`. Returns `None` if it is wrong, which has been
+    /// Reads the rest of an entry in `clause`. Returns `None` if it has errors, which have been
     /// reported.
     fn entry(
         &mut self,
@@ -124,7 +124,7 @@ impl<'a> SceneReader<'a, '_> {
         }
     }
 
-    /// Reads an optional word.
+    /// Reads an optional keyword with its arguments.
     fn then(
         &mut self,
         clause: Name,
@@ -215,7 +215,7 @@ impl<'a> SceneReader<'a, '_> {
         complete
     }
 
-    /// Returns the alternative that the fields choose.
+    /// Returns the alternative that the given fields select.
     fn either(
         &mut self,
         clause: Name,
@@ -278,7 +278,7 @@ impl<'a> SceneReader<'a, '_> {
             self.diagnostics,
             diagnostic.fix(Fix::replace(behind, " {", "write the `{`")),
         );
-        // Its fields may follow without braces.
+        // The fields of the unknown kind may follow without braces.
         while self.terms.next_if(|term| !is(term, &CLAUSES)).is_some() {}
     }
 
@@ -354,13 +354,13 @@ impl<'a> SceneReader<'a, '_> {
     }
 }
 
-/// Returns the first name with a word.
+/// Returns the first of these names with this word.
 fn named(names: &[Name], word: &str, symbols: &Symbols) -> Option<Name> {
     let mut names = names.iter().copied();
     names.find(|name| symbols.word(name.symbol) == word)
 }
 
-/// Returns words in backticks: `a`, `b` and `c`.
+/// Returns words in backticks as a list: `a`, `b` and `c`.
 fn quoted(words: &[&str]) -> String {
     let quoted: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
     series(&quoted, "and")

@@ -1,4 +1,4 @@
-//! Whether a scene works for a program.
+//! Checks whether a scene works for a program.
 use std::ops::RangeInclusive;
 
 use stochc_ir::scene::Scene;

@@ -1,4 +1,4 @@
-//! The scenes of a program: its own and the built-in ones.
+//! Scenes that a program can use: its own and the built-in ones.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::Name;
 use stochc_grammar::{Symbol, Symbols};
@@ -15,11 +15,11 @@ use crate::{FileId, SourceLocation};
 /// Largest number of declared scenes that a message lists.
 const MAX_LISTED: usize = 20;
 
-/// Every scene that a program may name.
+/// Scenes that a program can use.
 pub struct Scenes<'a> {
     names: &'a Names,
     read: FxHashMap<Definition, Option<Scene>>,
-    /// The built-in ones that others are based on.
+    /// Built-in scenes that others are based on.
     built_in: FxHashMap<Symbol, Option<Scene>>,
 }
 
@@ -56,7 +56,7 @@ impl<'a> Scenes<'a> {
         symbols: &Symbols,
         diagnostics: &mut Vec<Diagnostic>,
     ) {
-        // From the scene itself to the first one that is known or stands for itself.
+        // The scene, its base, and so on. Ends at a scene that has been read, or in a cycle.
         let mut line: Vec<&DeclaredScene<'_>> = Vec::new();
         let mut passed = FxHashSet::default();
         let mut base = None;

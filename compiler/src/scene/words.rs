@@ -15,7 +15,7 @@ pub struct WordContext {
 }
 
 impl WordContext {
-    /// Returns the words at a byte.
+    /// Returns the words around a byte.
     pub fn at(scene: &SceneDeclaration, symbols: &Symbols, at: u32) -> WordContext {
         within(&scene.terms, symbols, &[], &CLAUSES, at)
     }

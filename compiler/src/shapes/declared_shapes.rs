@@ -1,4 +1,4 @@
-//! The shapes that the files of a program declare.
+//! Declared shapes of the files of a program.
 use stochc_grammar::tree::{Item, ItemKind, Shape};
 
 use crate::names::{NameKind, Names};

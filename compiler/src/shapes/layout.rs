@@ -1,4 +1,4 @@
-//! Cells of all blocks.
+//! Computes the cells of all blocks.
 use rustc_hash::FxHashMap;
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::table::RoleId;
@@ -9,17 +9,17 @@ use crate::diagnostic::{Code, Diagnostic, Fix, named, report, row_hint};
 use crate::plan::{EventId, EventKind, ProgramPlan};
 use crate::{SourceLocation, Sources};
 
-/// Geometry of a program.
+/// Cells and bonds of a program's blocks.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// Cell of the block of every event. `None` if it is unknown.
+    /// Cell of each event's block. `None` if unknown.
     pub cells: Vec<Option<Cell>>,
     /// Attachment of each event's block. `None` for releases and wrong events.
     pub parents: Vec<Option<Attachment>>,
-    /// Releases that empty a cell for a capture of the same phase.
+    /// Pairs of a release that empties a cell and a capture of the same phase that fills it.
     pub vacated: Vec<(EventId, EventId)>,
-    /// For every phase, the cells above the plate that it empties, and those that it fills.
-    /// A cell can be in both.
+    /// For each phase, the cells above the plate that it empties, and those that it fills. A cell
+    /// can be in both lists.
     pub changes: Vec<(Vec<Cell>, Vec<Cell>)>,
     /// Number of blocks above the plate at the end of each phase.
     pub sizes: Vec<u32>,
@@ -46,7 +46,7 @@ struct AnchoredPosition {
     on: Option<Attachment>,
 }
 
-/// Computes the cells, and reports captures that cannot dock.
+/// Computes the cells. Reports captures that cannot dock.
 ///
 /// # Errors
 ///
@@ -114,7 +114,7 @@ struct LayoutBuilder<'a> {
     cancellation: Cancellation<'a>,
     diagnostics: &'a mut Vec<Diagnostic>,
     layout: Layout,
-    /// Blocks that are attached when the phase starts.
+    /// Cell and parent of the blocks that are attached when the phase starts.
     seats: Vec<Option<AnchoredPosition>>,
     /// Blocks by cell when the phase starts.
     taken: FxHashMap<Cell, RoleId>,
@@ -321,7 +321,8 @@ impl LayoutBuilder<'_> {
         }
     }
 
-    /// Returns the change of a face that a capture names, if it is written as it is reported.
+    /// Returns a fix that replaces the face in a capture. Returns `None` if the source has another
+    /// text there.
     fn other_face(
         &self,
         capture: SourceLocation,
@@ -334,7 +335,7 @@ impl LayoutBuilder<'_> {
         Some(Fix::replace(location, &text, format!("write `{text}`")).unsafe_if(true))
     }
 
-    /// Returns the error that two captures take one cell.
+    /// Returns the error that two captures fill the same cell.
     fn occupied(
         &self,
         id: EventId,

@@ -62,7 +62,7 @@ pub fn load(
 /// imports itself by ever new paths.
 const MAX_FILES: usize = 10_000;
 
-/// The files together have fewer bytes.
+/// Limit of the total size of all files \[bytes\].
 const MAX_BYTES: u64 = 1 << 32;
 
 /// Progress of a file.
@@ -140,7 +140,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Reports once that no more files are read.
+    /// Reports once that the limit of files is reached.
     fn too_many(&mut self, import: SourceLocation) {
         if std::mem::replace(&mut self.full, true) {
             return;
@@ -153,7 +153,7 @@ impl Loader<'_> {
         );
     }
 
-    /// Reads a file. Returns `None` if it could not, which has been reported.
+    /// Reads a file. Returns `None` and reports the error if this fails.
     fn open(
         &mut self,
         path: String,
@@ -355,7 +355,7 @@ pub fn without_dots(path: &str) -> String {
     for part in path.split('/') {
         match part {
             "." => {}
-            // Two slashes are one, except at the beginning of a path.
+            // Consecutive slashes are equal to one, except at the beginning of a path.
             "" if !path.starts_with('/') || parts.iter().any(|part| !part.is_empty()) => {}
             ".." if parts.last().is_some_and(|last| !matches!(*last, ".." | "")) => {
                 parts.pop();

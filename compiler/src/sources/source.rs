@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 use stochc_grammar::Span;
 use stochc_text::is_invisible;
 
-/// A file of a program: an index into [`Sources`].
+/// Number of a file: an index into [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FileId(pub u32);
 
@@ -13,7 +13,7 @@ pub struct FileId(pub u32);
 pub struct SourceLocation {
     /// Number of the file.
     pub file: FileId,
-    /// Place in the file.
+    /// Range in the file.
     pub span: Span,
 }
 

@@ -1,4 +1,4 @@
-//! Aligns seeds, and comments after code.
+//! Aligns seeds and trailing comments in columns.
 use super::line::{FormattedLine, LineKind, SEAT_GAP, columns};
 use super::{INDENT, WIDTH};
 
@@ -57,7 +57,7 @@ fn align_seats(lines: &mut [FormattedLine]) {
     let mut widths: Vec<usize> = Vec::new();
     for line in lines.iter().filter(|line| line.kind == LineKind::Seats) {
         for (i, cell) in line.cells.iter().enumerate() {
-            // The last one of a line pushes nothing.
+            // The last cell of a line moves no other cell.
             let width = if i + 1 < line.cells.len() {
                 columns(cell)
             } else {

@@ -24,7 +24,7 @@ pub fn lay_out(source: &TokenizedText<'_>) -> String {
     align::write(layout.lines)
 }
 
-/// The lines so far.
+/// The formatted lines so far, with the state of the layout.
 pub struct LineLayout<'s, 't> {
     pub source: &'s TokenizedText<'t>,
     pub lines: Vec<FormattedLine>,

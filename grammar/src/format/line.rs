@@ -36,7 +36,7 @@ pub enum LineKind {
 }
 
 impl FormattedLine {
-    /// Returns a line with code.
+    /// Creates a line with code.
     pub fn code(kind: LineKind, depth: usize, text: impl Into<String>) -> FormattedLine {
         FormattedLine {
             kind,

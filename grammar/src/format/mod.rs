@@ -3,9 +3,11 @@
 //! Only the space *between* tokens changes. Words, numbers and comments keep their text and order,
 //! so the tree stays the same. The parser delivers the tokens.
 //!
-//! The author decides four things, and the layout keeps them: blank lines (at most one), whether a
-//! short block is on one line, which seeds of a plate or words of a scene share a line, and which
-//! words of a scene are separated by a wider gap.
+//! The layout keeps four decisions of the author:
+//! - blank lines, at most one
+//! - whether a short block is on one line
+//! - which seeds of a plate or words of a scene share a line
+//! - which words of a scene are separated by a wider gap
 mod align;
 mod block;
 mod line;
@@ -64,7 +66,7 @@ pub fn format(text: &str) -> Result<String, FormatError> {
 /// Formats the output of [`crate::print()`], valid or not.
 pub(crate) fn lay_out(text: &str) -> Option<String> {
     let (parsed, record) = parse_recorded(text, &mut Symbols::new());
-    // Misplaced statements are part of the output, so nothing may be omitted.
+    // Misplaced statements must appear in the output, too.
     let is_whole = |error: &SyntaxError| {
         use crate::SyntaxErrorKind as K;
         matches!(

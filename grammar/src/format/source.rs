@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::parse::{Record, Rule, Token, is_comment};
 
-/// A source in pieces.
+/// A source divided into pieces.
 pub struct TokenizedText<'t> {
     pub pieces: Vec<TextPiece>,
     pub words: Vec<Word<'t>>,
@@ -13,11 +13,11 @@ pub struct TokenizedText<'t> {
     pub rest: Range<usize>,
 }
 
-/// A statement, head of a block, brace, row of cells and so on.
+/// A part of the source: a statement, the head of a block, a brace, or a row of cells.
 #[derive(Clone, Debug)]
 pub struct TextPiece {
     pub rule: Rule,
-    /// Words. The comments before the piece belong to the first one.
+    /// Indices of its words. Comments before the piece belong to the first word.
     pub words: Range<usize>,
 }
 
@@ -35,7 +35,7 @@ pub struct Word<'t> {
     pub gap: Gap,
 }
 
-/// Gap between two words of a line.
+/// Space between two words on one line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gap {
     None,
@@ -126,7 +126,7 @@ impl<'t> TokenReader<'t> {
         let first = self.notes.len();
         let mut newlines = self.between(start);
         let mut gap = self.gap_before(start);
-        // The rest of a place between its names is a dot.
+        // The source between two names of a path is a dot.
         if self.at < start {
             let at = self.at;
             self.at += 1;

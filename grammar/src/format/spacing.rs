@@ -5,13 +5,14 @@ use crate::parse::Rule;
 /// Returns whether a space separates two neighbouring words of a piece.
 pub fn is_blank(whole: Rule, left: &Word<'_>, right: &Word<'_>) -> bool {
     let (Some(first), Some(second)) = (left.rule, right.rule) else {
-        // The dot of a place.
+        // The dot of a path.
         return false;
     };
     match (first, second) {
         (Rule::paren_open | Rule::bracket_open | Rule::minus, _) => false,
         (_, Rule::paren_close | Rule::bracket_close | Rule::bracket_open | Rule::comma) => false,
-        // The arguments of a pattern, against `at (0, 0)` and `2 * (3 + 4)`.
+        // The parenthesis of a pattern's arguments has no space before it. `at (0, 0)` and `2 * (3
+        // + 4)` have one.
         (Rule::name, Rule::paren_open) => false,
         (Rule::dots, _) | (_, Rule::dots) => whole == Rule::span_of_values,
         // `20cm` and `20 cm` are both good.
@@ -28,7 +29,7 @@ pub struct Breaks {
 }
 
 impl Breaks {
-    /// Goes over a word; whether the line may break before the next one.
+    /// Counts the parentheses of a word. Returns whether the line may break before the next word.
     pub fn may_break(&mut self, whole: Rule, word: &Word<'_>, next: &Word<'_>) -> bool {
         match word.rule {
             Some(Rule::paren_open) => self.parens += 1,
@@ -37,7 +38,7 @@ impl Breaks {
             Some(Rule::bracket_close) => self.brackets = self.brackets.saturating_sub(1),
             _ => {}
         }
-        // Positions and indices stay together, lists of arguments need not.
+        // Positions and indices stay on one line. Lists of arguments may break.
         let listed = u32::from(matches!(whole, Rule::instance | Rule::pattern_head));
         if self.brackets > 0 || self.parens > listed {
             return false;

@@ -4,7 +4,7 @@ use super::source::{TextPiece, TokenizedText};
 use super::spacing::{Breaks, is_blank};
 use super::{INDENT, WIDTH};
 
-/// Words that stay together.
+/// Words without a line break between them.
 struct UnbreakableText {
     text: String,
     /// Indices of the comments before the statement.
@@ -26,7 +26,7 @@ pub fn text(source: &TokenizedText<'_>, piece: &TextPiece) -> String {
 
 /// Returns the text of a piece on one line. Returns `None` if it has more than `most` columns.
 pub fn short_text(source: &TokenizedText<'_>, piece: &TextPiece, most: usize) -> Option<String> {
-    // A word has a character at least, so most pieces that are too long are never written.
+    // A word has at least one character, so long pieces are rejected early.
     if piece.words.len() > most {
         return None;
     }
@@ -89,7 +89,7 @@ fn chunks(source: &TokenizedText<'_>, piece: &TextPiece) -> Vec<UnbreakableText>
             }
             _ => chunks.push(UnbreakableText {
                 text: word.text().into_owned(),
-                // Those before the whole piece are no part of it.
+                // Comments before the whole piece are not inside it.
                 notes: if i == 0 { 0..0 } else { word.notes.clone() },
             }),
         }

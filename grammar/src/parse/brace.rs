@@ -28,7 +28,7 @@ impl Parser<'_, '_> {
         let Some(head) = head.filter(|head| is_head(head.as_rule())) else {
             return false;
         };
-        // Repetitions may end in space, the last token does not.
+        // A repetition may end with space, but the last token does not.
         let is_token = |it: &Pair<'_, Rule>| {
             it.as_rule() != Rule::open && it.clone().into_inner().next().is_none()
         };
@@ -136,7 +136,7 @@ fn head(frame: &OpenBlock) -> Rule {
         OpenBlockContent::Scene(..) | OpenBlockContent::SceneBlock(_) => Rule::scene_head,
         OpenBlockContent::Shape(_) => Rule::shape_head,
         OpenBlockContent::Layer(_) => Rule::layer_head,
-        // It can contain anything.
+        // A broken block can contain anything.
         OpenBlockContent::Broken(_) => Rule::program,
     }
 }

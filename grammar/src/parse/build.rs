@@ -1,4 +1,4 @@
-//! Pieces to items of the tree.
+//! Builds the items of the tree from pieces.
 use pest::iterators::Pair;
 use smallvec::SmallVec;
 use stochc_ir::Face;
@@ -79,14 +79,14 @@ impl Parser<'_, '_> {
         true
     }
 
-    /// Tells of an item that does not belong in the block that is open.
+    /// Reports an item that is not valid in the open block.
     fn check_place_of(&mut self, item: &Item) {
         let outer = match self.frames.last().map(|frame| &frame.content) {
             None => None,
             Some(OpenBlockContent::Items(outer)) => Some(outer),
             Some(_) => return,
         };
-        // A loop holds what the block around it may hold.
+        // A loop can contain the same items as the block around it.
         let outer = match outer {
             Some(inner) if matches!(inner.kind, ItemKind::For(_)) => self
                 .frames
@@ -127,7 +127,7 @@ impl Parser<'_, '_> {
         if let (K::Chain(chain), Some(K::Seed(_))) = (&item.kind, outer.map(|outer| &outer.kind))
             && let Some(first) = chain.after.first()
         {
-            // All of it is there before anything happens.
+            // Pre-attached blocks exist before any event.
             wrong = Some(("an `after`", first.place.span, "a phase"));
         }
         if let Some((what, span, belongs)) = wrong {
@@ -162,7 +162,7 @@ impl Parser<'_, '_> {
         name
     }
 
-    /// Returns a word that may belong to the language.
+    /// Returns a word that may be a keyword.
     pub fn word(&mut self, pair: &Pair<'_, Rule>, base: usize) -> Name {
         Name {
             symbol: self.symbols.intern(pair.as_str()),

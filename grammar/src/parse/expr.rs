@@ -1,4 +1,4 @@
-//! Integer arithmetic: a flat list of terms and operators to a tree.
+//! Builds trees of integer arithmetic from flat lists of terms and operators.
 use pest::iterators::{Pair, Pairs};
 
 use super::{MAX_DEPTH, MAX_TERMS, Parser, Rule, span_of};
@@ -133,7 +133,7 @@ impl Parser<'_, '_> {
     }
 }
 
-/// Returns the two expressions that the grammar has promised.
+/// Returns two expressions. The grammar guarantees that there are two.
 pub fn two(exprs: Vec<Expr>) -> (Expr, Expr) {
     let mut exprs = exprs.into_iter();
     let mut next = || {

@@ -1,10 +1,10 @@
-//! Blocks that are open while a file is read.
+//! Open blocks during parsing.
 use super::{MAX_DEPTH, Parser, Rule};
 use crate::error::SyntaxErrorKind;
 use crate::tree::{Item, ItemKind, Layer, Term};
 use crate::{Span, Symbol};
 
-/// Rules for the inside of a block.
+/// Grammar mode inside a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     Block,
@@ -31,8 +31,8 @@ impl Mode {
         }
     }
 
-    /// Returns the first size of the window in bytes. A run that leaves its block is read too far,
-    /// so small blocks have small windows.
+    /// Returns the initial size of the window \[bytes\]. Small blocks have small windows, because a
+    /// sequence may read beyond its block.
     pub const fn window(self) -> usize {
         match self {
             Mode::Block => 1 << 15,
@@ -78,7 +78,7 @@ impl OpenBlock {
         }
     }
 
-    /// Returns the words that messages use.
+    /// Returns the kind of the block as a noun for messages.
     pub fn noun(&self) -> &'static str {
         match &self.content {
             OpenBlockContent::Items(item)
@@ -198,7 +198,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Notes the words of a skipped part.
+    /// Records the words of a skipped part.
     pub fn doubt(&mut self, start: usize, end: usize) {
         let part = &self.text[start..end.max(start)];
         for word in part.split(|c: char| !c.is_ascii_alphanumeric() && c != '_') {

@@ -1,4 +1,4 @@
-//! Parses sources, a run of pieces at a time.
+//! Parses a source, one sequence of pieces at a time.
 mod brace;
 mod build;
 mod expr;
@@ -72,7 +72,7 @@ pub fn parse_cancellable(
     cancellation: Cancellation<'_>,
 ) -> Result<Parsed, Cancelled> {
     let (parsed, _) = read(text, symbols, None, cancellation);
-    // A cancelled parser has stopped early.
+    // Cancelled parsing is incomplete.
     cancellation.check()?;
     Ok(parsed)
 }
@@ -149,7 +149,7 @@ pub fn is_unit(word: &str) -> bool {
 struct Parser<'t, 's> {
     text: &'t str,
     symbols: &'s mut Symbols,
-    /// The first unread byte.
+    /// Position of the first unread byte.
     at: usize,
     root: Vec<Item>,
     /// Open blocks, the outermost first.
@@ -160,7 +160,7 @@ struct Parser<'t, 's> {
     doubtful: FxHashSet<Symbol>,
     /// Whether the rest of the file is skipped.
     stopped: bool,
-    /// Number of closing braces without an opening one, once counted.
+    /// Number of closing braces without an opening one. `None` before they are counted.
     surplus: Option<i64>,
     /// Every token, if requested.
     record: Option<Record>,
@@ -216,7 +216,7 @@ impl Parser<'_, '_> {
             let end = base + pair.as_span().end();
             self.at = end;
             self.piece(pair, base);
-            // The rest of the run was read by the rules of a closed block.
+            // The rest of the sequence was read with the rules of a closed block.
             if self.mode() != mode || self.stopped {
                 return;
             }

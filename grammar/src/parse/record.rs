@@ -1,4 +1,4 @@
-//! The tokens of a file, for those who care how it is written.
+//! Tokens of a file, for the formatter.
 use pest::iterators::Pair;
 
 use super::{Rule, span_of};

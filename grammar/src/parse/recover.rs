@@ -99,7 +99,8 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Reports an `after` after a statement that cannot wait, or that has one already.
+    /// Reports an `after` at a statement that cannot wait or already has one. Returns whether there
+    /// is one.
     fn waits_in_vain(&mut self, at: usize) -> bool {
         let after = words::found(self.text, at);
         let Some(last) = self.frames.last().and_then(|frame| frame.body.last()) else {
@@ -157,7 +158,7 @@ impl Parser<'_, '_> {
         (at, false)
     }
 
-    /// Returns a block from the first words of its head.
+    /// Returns the block that these first words of its head suggest.
     fn broken_head(&mut self, start: usize, end: usize) -> OpenBlockContent {
         let head = &self.text[start..end];
         let mut words = head

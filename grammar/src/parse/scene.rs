@@ -1,4 +1,4 @@
-//! Scenes and shapes: words, values and rows of cells.
+//! Builds scenes and shapes: words, values and rows of cells.
 use pest::Parser as _;
 use pest::iterators::Pair;
 

@@ -1,4 +1,4 @@
-//! Space and comments between tokens.
+//! Skips space and comments between tokens.
 
 /// Returns the first byte from `at` on that is neither blank nor part of a comment.
 pub fn skip(text: &str, mut at: usize) -> usize {

@@ -88,7 +88,7 @@ pub fn read(text: &str, base: usize, mode: Mode) -> Read<'_> {
     }
 }
 
-/// Returns where a window can be cut: after a line end, or else after a space.
+/// Returns a position to end a window: after a line end if possible, else after a space.
 pub fn cut(text: &str, about: usize) -> usize {
     const FAR: usize = 1 << 16;
     if about >= text.len() {

@@ -1,4 +1,4 @@
-//! Rules of the grammar in words.
+//! Names of grammar rules for messages.
 use super::Rule;
 use super::frame::{OpenBlock, OpenBlockContent};
 

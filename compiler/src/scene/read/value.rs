@@ -1,4 +1,4 @@
-//! The values of a scene.
+//! Reads the values of a scene.
 use stochc_grammar::is_unit;
 use stochc_grammar::tree::{Quantity, Term};
 use stochc_ir::scene::quantity::QuantityKind;
@@ -12,7 +12,7 @@ use crate::diagnostic::{Code, Diagnostic, Edit, Fix, report};
 use crate::expand::units::to_si;
 
 impl<'a> SceneReader<'a, '_> {
-    /// Returns a value for a number.
+    /// Reads the value of a scene parameter.
     pub(super) fn number(
         &mut self,
         number: &'static SchemaNumber,
@@ -39,7 +39,7 @@ impl<'a> SceneReader<'a, '_> {
         None
     }
 
-    /// Returns a value for both ends of a range, or one for each.
+    /// Reads a range: one value for both ends, or one for each.
     pub(super) fn range(
         &mut self,
         low: &'static SchemaNumber,
@@ -102,7 +102,7 @@ impl<'a> SceneReader<'a, '_> {
         None
     }
 
-    /// Returns the values of quantities in SI units, or reports wrong units.
+    /// Converts quantities to SI units. Reports wrong units.
     fn values<const N: usize>(
         &mut self,
         quantities: [&Quantity; N],

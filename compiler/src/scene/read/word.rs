@@ -28,7 +28,7 @@ impl SceneReader<'_, '_> {
                     let title = format!("`{word}` is not a {noun}");
                     let mut meant = nearest(word, words(known));
                     if let Some(meant) = &mut meant {
-                        // Nothing is said twice.
+                        // A word that the scene already has is not suggested as a safe fix.
                         meant.clear &= named(said, &meant.word, self.symbols).is_none();
                     }
                     let diagnostic = Diagnostic::new(Code::UnknownTerm, title)
