@@ -1,12 +1,13 @@
-//! What `check --cost` says of times, against runs by rates: of both the law of waits is the same, and the program is read by
-//! different pieces.
+//! Compares the times of `check --cost` with runs of the rate model. Both use the same rates, but
+//! different code reads the program.
 use stochc_estimate::{Interaction, Rates};
 use stochc_ir::record::Outcome;
 use stochc_runtime::{Model, Settings};
 
 const RUNS: u64 = 400;
 
-/// Mean over mean of the runs, less 1, is at most what an estimate says of itself, chance apart.
+/// Checks that the mean of an estimate differs from that of runs by no more than its stated error,
+/// except for chance.
 fn agree(names: &[&str], interaction: Interaction) {
     for name in names {
         let checked = stochc::check(name);
@@ -34,7 +35,7 @@ fn agree(names: &[&str], interaction: Interaction) {
         let off = expected / mean - 1.0;
         assert!(
             off.abs() < interaction.error() + 3.5 * error,
-            "{name}: {expected:.0} instead of {mean:.0}, off by {off:.3}, of which {error:.3} by chance"
+            "{name}: {expected:.0} instead of {mean:.0}, off by {off:.3}, standard error {error:.3}"
         );
     }
 }
@@ -81,7 +82,7 @@ fn messages_take_their_time() {
     );
 }
 
-/// A face that takes the block takes it from all others.
+/// If one face captures the block, all others lose it.
 #[test]
 fn a_block_that_is_let_go_docks_once() {
     let checked = stochc::check("lab/rates/releases/turned.sa");
@@ -99,7 +100,7 @@ fn a_block_that_is_let_go_docks_once() {
         })
         .collect();
     ticks.sort_unstable();
-    // Each to some 3 %, by chance.
+    // Each value has a standard error of about 3 %.
     let off = expected / ticks[400] as f64 - 1.0;
     assert!(
         off.abs() < 0.12,

@@ -1,4 +1,5 @@
-//! Compiled programs as files: what is read is what was written, and nothing else is run.
+//! Tests files of compiled programs: reading returns the written programs, and invalid files are
+//! not run.
 use std::ops::ControlFlow;
 
 use proptest::prelude::*;
@@ -85,7 +86,7 @@ fn another_file_is_told_from_a_damaged_one() {
     }
 }
 
-/// What each part says by itself is right, and not what they say together.
+/// Each part is valid by itself, but they are not consistent.
 #[test]
 fn parts_that_do_not_go_together_are_refused_by_name() {
     type Edit<'a> = &'a dyn Fn(&mut Value);
@@ -130,7 +131,7 @@ fn parts_that_do_not_go_together_are_refused_by_name() {
     }
 }
 
-/// The places and lengths of all numbers in a JSON text.
+/// Returns positions and lengths of all numbers in a JSON text.
 fn numbers(text: &str) -> Vec<(usize, usize)> {
     let is_digit = |c: char| c.is_ascii_digit();
     let mut found = Vec::new();
@@ -147,7 +148,7 @@ fn numbers(text: &str) -> Vec<(usize, usize)> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// Whatever numbers stand in a file: it is refused, or can be run.
+    /// A file with arbitrary numbers is rejected, or can be run.
     #[test]
     fn an_edited_file_is_refused_or_run(
         example in 0usize..6,
@@ -169,7 +170,7 @@ proptest! {
                 ..Settings::new(Model::Shuffle, 1)
             };
             let mut go_on = |_, _| ControlFlow::Continue(());
-            // A scene that cannot be set up, or whatever else is told, is no panic.
+            // A scene that cannot be set up, or another error, must not panic.
             let _ = run(&program.tables, &program.scene, &settings, 1, 0, &mut go_on);
         }
     }

@@ -1,4 +1,4 @@
-//! What a user sees of wrong programs: the source and every message in one snapshot.
+//! Snapshots of the messages for invalid programs, with their sources.
 use stochc::diagnostics::{Format, show};
 
 #[test]

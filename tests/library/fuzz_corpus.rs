@@ -1,4 +1,4 @@
-//! The inputs that fuzzing has kept are answered like any other.
+//! Checks that the inputs of the fuzzing corpus are still handled.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 #[path = "../../fuzz/src/lib.rs"]
 mod files;
 
-/// The files of a folder of the corpus.
+/// Returns the files of a folder of the corpus.
 fn kept(folder: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(format!("fuzz/corpus/{folder}")).unwrap();
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
@@ -14,10 +14,10 @@ fn kept(folder: &str) -> Vec<PathBuf> {
     paths
 }
 
-/// Reads a file, and panics where something is wrong with what comes of it.
+/// Function that reads a file. It panics if the result is inconsistent.
 type Reader = fn(&[u8]);
 
-/// What reads the files of each folder.
+/// Reader for the files of each folder.
 const READERS: [(&str, Reader); 8] = [
     ("check", files::check::read),
     ("checkpoint", files::checkpoint::read),
@@ -33,7 +33,7 @@ const READERS: [(&str, Reader); 8] = [
     ("voxels", files::voxels::read),
 ];
 
-/// Whether a folder holds programs, which take long.
+/// Returns whether a folder contains programs, which take long.
 fn is_of_programs(folder: &str) -> bool {
     ["check", "parse"].contains(&folder)
 }
@@ -53,11 +53,11 @@ fn every_kept_file_is_read_or_refused() {
     }
 }
 
-/// Numbers that are always the same (Knuth's linear congruential generator).
+/// Reproducible numbers (Knuth's linear congruential generator).
 struct Numbers(u64);
 
 impl Numbers {
-    /// One of so many numbers from 0.
+    /// Returns a number from 0 to `end - 1`.
     fn below(&mut self, end: usize) -> usize {
         let (a, c) = (6_364_136_223_846_793_005, 1_442_695_040_888_963_407);
         self.0 = self.0.wrapping_mul(a).wrapping_add(c);
@@ -65,7 +65,8 @@ impl Numbers {
     }
 }
 
-/// A file with a few changes: a bit, a byte, a stretch that is taken out, moved, doubled, or another number.
+/// Returns a file with a few changes: a flipped bit, another byte or number, or a part that is
+/// removed, moved or doubled.
 fn changed(bytes: &[u8], numbers: &mut Numbers) -> Vec<u8> {
     const EXTREME: [&str; 6] = [
         "0",
@@ -116,7 +117,8 @@ fn changed(bytes: &[u8], numbers: &mut Numbers) -> Vec<u8> {
     bytes
 }
 
-/// `STOCHC_CHANGES` says how many of each kind; docs/validation/stability.md reports a longer run.
+/// `STOCHC_CHANGES` is the number of changes of each kind. docs/validation/stability.md reports a
+/// longer run.
 #[test]
 fn changed_files_are_read_or_refused() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,4 +1,5 @@
-//! docs/reference/diagnostics.md: every diagnostic, with a program that has it and its message.
+//! Generates docs/reference/diagnostics.md: every diagnostic, with a program that causes it and its
+//! message.
 use std::fmt::Write as _;
 
 use stochc::compiler::diagnostic::{Code, Diagnostic, Renderer, Severity};
@@ -22,19 +23,19 @@ of more than two million bytes and events are not checked again, so all their fi
 *This page is generated from the pages of `stochc explain` and from messages of the compiler.*
 ";
 
-/// A program that has a diagnostic.
+/// Program that causes a diagnostic.
 struct Sample {
-    /// Its files, the first of which is checked.
+    /// Its files. The first one is checked.
     files: Vec<(&'static str, Vec<u8>)>,
-    /// What is shown of it, if that is not all of it.
+    /// Source that is shown, if it differs from the file.
     shown: Option<&'static str>,
-    /// Those that it is checked with.
+    /// Limits of the check.
     limits: Limits,
-    /// Whether its tables are spoilt before they are tried out.
+    /// Whether its tables are corrupted before they are tested.
     spoilt: bool,
 }
 
-/// The folder `/home/you/towers`, in which the files of a sample lie.
+/// Folder `/home/you/towers` with the files of a sample.
 struct SampleFolder<'a>(&'a [(&'static str, Vec<u8>)]);
 
 impl Reader for SampleFolder<'_> {
@@ -91,7 +92,7 @@ impl Sample {
     }
 }
 
-/// A hall for which the default limits are too small would fill the page.
+/// Small hall. A hall that exceeds the default limits would fill the page.
 const TUNNEL: &str = "\
 // shown for a search of no cells at all: two million are allowed
 assembly tunnel {
@@ -112,7 +113,7 @@ assembly tunnel {
 }
 ";
 
-/// The same tables, but that nobody tells anybody anything: a mistake.
+/// Returns tables without messages, as if the compiler had made a mistake.
 fn without_news(tables: &Tables) -> Tables {
     let duties = tables.duties().map(|duty| {
         let rules = duty.rules().map(|rule| (rule.when.to_vec(), rule.then));
@@ -129,7 +130,7 @@ fn without_news(tables: &Tables) -> Tables {
     )
 }
 
-/// The program that shows a code; `None`: no program can.
+/// Returns the program that shows a code. Returns `None` if no program can.
 fn sample(code: Code) -> Option<Sample> {
     if let Some((_, rest)) = code.page().split_once("\nWrong:\n\n```sa\n") {
         return Some(Sample::from_text(
@@ -186,7 +187,7 @@ fn sample(code: Code) -> Option<Sample> {
         }
         Code::InternalError => {
             let mut sample = Sample::from_text(
-                "// shown for tables from which all news has been taken out\n\
+                "// shown for tables without any messages between blocks\n\
                  assembly relay {\n    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }\n    \
                  phase grow {\n        M.up -> A\n        N.up -> B after A\n    }\n}\n",
             );
@@ -208,7 +209,7 @@ fn sample(code: Code) -> Option<Sample> {
     })
 }
 
-/// The messages on a code, as drawn.
+/// Returns the rendered messages of a code.
 fn messages(code: Code, diagnostics: &[Diagnostic], sources: &Sources) -> String {
     let renderer = Renderer::new(false, 80);
     let ours = diagnostics

@@ -1,4 +1,5 @@
-//! The language reference: its examples are right programs, and its table of scenes is that of the schema.
+//! Tests the language reference: its examples are valid programs, and its table of scenes is that
+//! of the schema.
 use stochc::compiler::scene::BUILT_IN;
 use stochc::compiler::{Checked, Limits, check};
 use stochc::diagnostics::{Format, show};
@@ -37,7 +38,7 @@ fn the_reference_shows_the_built_in_scenes_as_they_are() {
     }
 }
 
-/// `STOCHC_WRITE_DOCS=1` lets it write the table instead of comparing it.
+/// `STOCHC_WRITE_DOCS=1` writes the table instead of comparing it.
 #[test]
 fn the_table_of_scenes_is_that_of_the_schema() {
     let mut table =
@@ -48,7 +49,7 @@ fn the_table_of_scenes_is_that_of_the_schema() {
     crate::pages::assert_table("docs/reference/scene-parameters.md", &table);
 }
 
-/// Likewise.
+/// `STOCHC_WRITE_DOCS=1` writes the table instead of comparing it.
 #[test]
 fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
     let mut table = "| name | short | values |\n|---|---|---|\n".to_owned();
@@ -62,7 +63,7 @@ fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
     crate::pages::assert_table("docs/reference/scene-parameters.md", &table);
 }
 
-/// A clause of the schema that no row of the model has would be physics without an equation.
+/// A clause of the schema without a row in the page would be physics without an equation.
 #[test]
 fn the_model_has_an_equation_for_every_number_of_a_scene() {
     let table = MODEL.split_once("| clause | equation").expect("the table");
@@ -75,12 +76,13 @@ fn the_model_has_an_equation_for_every_number_of_a_scene() {
                 .collect()
         })
         .collect();
-    // The clock; a limit of the hardware; only told of; the other end of a range.
+    // The clock, a limit of the hardware, a value that is only reported, and the other end of a
+    // range.
     let others = ["tick", "block.faces", "flow.force", "agitation.speed.low"];
     let missing: Vec<_> = scalars::all()
         .map(|number| number.names[0])
         .filter(|name| {
-            // A clause of a bond may have a row of its own.
+            // A clause of a bond may have a separate row.
             let words = name.split_once('.').map_or(*name, |(_, rest)| rest);
             let has_all = |clause: &Vec<&str>| words.split('.').all(|word| clause.contains(&word));
             !clauses.iter().any(has_all)
@@ -112,7 +114,7 @@ fn every_example_is_laid_out() {
     }
 }
 
-/// The programs between "```sa" and "```", with the line on which each begins.
+/// Returns the programs between "```sa" and "```" with their first line numbers.
 fn programs(page: &str) -> Vec<(usize, &str)> {
     programs_behind("\n```sa\n", page)
 }
@@ -128,7 +130,7 @@ fn programs_behind<'a>(fence: &str, page: &'a str) -> Vec<(usize, &'a str)> {
         .collect()
 }
 
-/// Warnings count as well: an example is a model.
+/// Checks that a program has no diagnostics. Warnings count as well, because readers copy examples.
 fn no_diagnostics(name: &str, program: &str) {
     let mut reader = |_: &str| Ok(program.as_bytes().to_vec());
     let checked: Checked = check(name, &mut reader, Limits::default());

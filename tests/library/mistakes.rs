@@ -1,10 +1,11 @@
-//! Mistakes in event tables are reported before the tables are written.
+//! Checks that mistakes in event tables are reported before the tables are written.
 use stochc::compiler::diagnostic::Code;
 use stochc_control::explore::Property;
 
 use crate::mutations::{explore_twice, mutants};
 
-/// Tables do not show an event that is missing in all of them, so they are compared with the graph.
+/// If an event is missing in all tables, the tables alone do not show it. So they are compared with
+/// the graph.
 #[test]
 fn no_mistake_of_the_compiler_reaches_a_user() {
     let mut checked = stochc::check("examples/five_tower_reconfigured.sa");
@@ -16,7 +17,7 @@ fn no_mistake_of_the_compiler_reaches_a_user() {
         let Some(found) = report.violation() else {
             continue;
         };
-        // Who reports is read off the tables, and the phase may end as it should all the same.
+        // The tables determine which block reports, and the phase may still end correctly.
         if found.property == Property::ReportsOnce {
             continue;
         }

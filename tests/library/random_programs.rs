@@ -1,5 +1,5 @@
-//! Random programs that are right by construction compile, and their tables, run without physics in
-//! random order, always build the structure that the program declares.
+//! Checks that random valid programs compile, and that their tables build the declared structure,
+//! without physics and in random order.
 use std::cell::Cell as Counter;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -22,7 +22,7 @@ use stochc::runtime::world::World;
 use stochc::runtime::world::rate::RateWorld;
 use stochc::runtime::world::shuffle::ShuffleWorld;
 
-/// Runs tables in a world in which nothing moves; what stands in the end.
+/// Runs tables in a world without motion. Returns the final structure.
 fn execute(
     tables: &Tables,
     mut world: impl World,
@@ -99,8 +99,8 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 
-    /// Hops that take a million ticks, beside which waits are nothing: a run takes as long as they do. News for a name that changes hands
-    /// meanwhile may make a detour, over the block that has lost it.
+    /// Hops take a million ticks, so other waits are negligible and the hops decide the time. If a
+    /// name passes to another block meanwhile, its message may take a detour over the old block.
     #[test]
     fn messages_take_as_long_as_is_estimated(
         choices in prop::collection::vec(any::<u32>(), 0..160),
@@ -136,7 +136,8 @@ proptest! {
     }
 }
 
-/// The same programs each time; `STOCHC_CASES` says how many, of which the first are always the same.
+/// Tests the same programs each time. `STOCHC_CASES` is their number, and a larger number adds
+/// programs at the end.
 #[test]
 fn reuse_holds_in_every_order() {
     let cases = std::env::var("STOCHC_CASES").map_or(3_000, |cases| cases.parse().unwrap());
@@ -189,7 +190,7 @@ fn reuse_holds_in_every_order() {
     assert!(at_once > cases / 4, "{at_once} of {cases}");
 }
 
-/// Whether, in some phase, two blocks with the same name act one after the other.
+/// Returns whether two blocks with the same name act one after the other in some phase.
 fn has_two_holders(tables: &Tables) -> bool {
     let duties: Vec<_> = (tables.duties())
         .map(|duty| (duty.role, duty.phase))

@@ -1,9 +1,9 @@
-//! Mistakes of beginners: each program with its message, in one snapshot.
+//! Snapshot of mistakes of beginners: each program with its message.
 use std::fmt::Write as _;
 
 use stochc::diagnostics::{Format, show};
 
-/// Mistakes with the program that makes them.
+/// Mistakes with a program for each.
 const MISTAKES: [(&str, &str); 28] = [
     (
         "a value with a wrong unit",

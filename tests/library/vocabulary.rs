@@ -1,4 +1,5 @@
-//! docs/reference/executable.md names every word of event tables, as each form writes it.
+//! Checks that docs/reference/executable.md lists every word of event tables, as each format writes
+//! it.
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -15,7 +16,7 @@ const A: RoleId = RoleId(1);
 const B: RoleId = RoleId(2);
 const CELL: Cell = Cell { x: 1, y: 1, z: 1 };
 
-/// The words that an enumeration has in a file, which serde lists where it finds another one.
+/// Returns the words of an enumeration in a file. Serde lists them if it reads an unknown word.
 fn words<T: DeserializeOwned>() -> Vec<String> {
     let error = serde_json::from_value::<T>(json!("no such word"));
     let error = error.err().expect("no such item").to_string();
@@ -24,7 +25,7 @@ fn words<T: DeserializeOwned>() -> Vec<String> {
     words.map(str::to_owned).collect()
 }
 
-/// The word of a value: its only one, or the key of what belongs to it.
+/// Returns the word of a value: the value itself, or the key of its content.
 fn word(value: &Value) -> &str {
     let key = value.as_object().and_then(|it| it.keys().next());
     key.map(String::as_str)
@@ -32,7 +33,7 @@ fn word(value: &Value) -> &str {
         .expect("a word, alone or with something")
 }
 
-/// Tables in which the seed `M` captures `A`, has a rule to be shown, and nothing else.
+/// Returns tables whose seed `M` captures `A` and has one rule to show.
 fn tables(bond: BondKind, trigger: Trigger, when: Vec<Condition>, then: Action) -> Tables {
     let phase = Phase {
         name: "grow".to_owned(),
@@ -58,7 +59,7 @@ fn tables(bond: BondKind, trigger: Trigger, when: Vec<Condition>, then: Action) 
     tables
 }
 
-/// The shown duty in `--json`, and its lines in the text.
+/// Returns the shown duty in `--json`, and its lines in the text.
 fn shown(tables: &Tables) -> (Value, Vec<String>) {
     let json = serde_json::to_value(table_json(tables)).expect("JSON");
     let text = table_text(tables).to_string();
@@ -132,7 +133,7 @@ fn action_rows() -> Vec<(Value, String)> {
 
 /// Returns the first cells of a row of the page: the word in an executable, in `--json`, and in the text.
 fn row(word: &impl Serialize, json: &Value, text: &str) -> String {
-    // As the file has it: its fields in their order.
+    // The file contains the fields in their order.
     let file = serde_json::to_string(word).expect("JSON");
     format!("| `{file}` | `{json}` | `{text}` | ")
 }

@@ -31,7 +31,7 @@ struct Generator {
     text: String,
 }
 
-/// Time from which names, cells and faces are reused.
+/// Earliest reuse of names, cells and faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reuse {
     /// Names are reused in a later phase, cells and faces in the same phase.

@@ -1,4 +1,4 @@
-//! From shapes to programs that build them.
+//! Tests plans of shapes and the programs that build them.
 #![allow(
     clippy::disallowed_methods,
     reason = "the tests read shapes from the disk"
@@ -19,7 +19,7 @@ use stochc_ir::{Cell, Executable};
 use stochc_planner::{BuildPlan, Goal, PlanSearch, Planned, Unplanned, layers};
 use stochc_runtime::Settings;
 
-/// The shapes of the bench, sorted by name.
+/// Returns the files of the shapes of the lab, sorted by name.
 pub fn files() -> Vec<PathBuf> {
     let files = std::fs::read_dir("../../lab/planner/shapes").unwrap();
     let mut files: Vec<PathBuf> = files.map(|file| file.unwrap().path()).collect();
@@ -27,18 +27,18 @@ pub fn files() -> Vec<PathBuf> {
     files
 }
 
-/// What one of them draws.
+/// Returns the target of a shape file.
 pub fn goal(path: &Path) -> Goal {
     let cells = layers(&std::fs::read_to_string(path).unwrap()).unwrap();
     Goal::of_cells(path.file_stem().unwrap().to_str().unwrap(), cells)
 }
 
-/// The shape of a name.
+/// Returns a target by the name of its shape.
 pub fn named(name: &str) -> Goal {
     goal(&Path::new("../../lab/planner/shapes").join(format!("{name}.txt")))
 }
 
-/// A plan after so many tries.
+/// Returns a plan after this number of rounds.
 pub fn tried(goal: &Goal, rounds: u64) -> Result<Planned, Unplanned> {
     let seed = 7;
     goal.plan(
@@ -65,7 +65,7 @@ pub fn simulate(executable: &Executable, settings: &Settings, seed: u64, run: u6
     stochc_runtime::run(tables, scene, settings, seed, run, &mut watch).unwrap()
 }
 
-/// The cells of a plan, sorted.
+/// Returns the cells of a plan, sorted.
 pub fn cells(plan: &BuildPlan) -> Vec<Cell> {
     plan.cells()
 }

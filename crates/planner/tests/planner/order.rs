@@ -1,4 +1,4 @@
-//! What plans promise, held against the graph that the compiler makes of their programs.
+//! Compares the claims of plans with the graphs that the compiler builds for their programs.
 use stochc_compiler::check_text;
 use stochc_ir::graph::{EventAction, EventGraph, EventId, GraphEvent};
 use stochc_ir::{Cell, Face};
@@ -6,7 +6,7 @@ use stochc_planner::Goal;
 
 use crate::{files, goal, named, tried};
 
-/// Of each event, all that it waits for, as bits.
+/// Returns, for each event, all events that it waits for, as bits.
 fn ancestors(graph: &EventGraph) -> Vec<Vec<u64>> {
     let count = graph.events.len();
     let mut all: Vec<Option<Vec<u64>>> = vec![None; count];
@@ -29,7 +29,7 @@ fn ancestors(graph: &EventGraph) -> Vec<Vec<u64>> {
     all.into_iter().map(Option::unwrap).collect()
 }
 
-/// The captures of a planned program, and which of them may be waited for at the same time.
+/// Captures of a planned program, and which of them can wait at the same time.
 struct Captures {
     cells: Vec<Cell>,
     ways: Vec<Face>,
@@ -57,7 +57,7 @@ impl Captures {
         !waits(a, b) && !waits(b, a)
     }
 
-    /// Pairs whose cells are so far apart along the three axes, in some order of these.
+    /// Returns pairs of cells with these distances along the three axes, in any order of the axes.
     fn pairs(&self, spread: [u32; 3]) -> Vec<(usize, usize)> {
         let count = self.cells.len();
         let all = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
@@ -70,7 +70,7 @@ impl Captures {
         all.filter(is_so_far).collect()
     }
 
-    /// The cells that share a face with both of two across a corner.
+    /// Returns the cells that share a face with both cells of a pair across a corner.
     fn between(&self, (a, b): (usize, usize)) -> Vec<usize> {
         let is_beside =
             |of: Cell, cell: Cell| Face::ALL.iter().any(|f| of.across(*f) == Some(cell));
@@ -106,7 +106,7 @@ fn no_three_faces_of_a_square_are_open_together_in_any_order() {
             }
         }
     }
-    // In the default scene two across a corner may be.
+    // In the default scene, two faces across a corner may be open together.
     assert!(seen > 1000 && open > 100, "{seen}, {open}");
 }
 
@@ -172,7 +172,7 @@ fn nothing_is_said_that_goes_without_saying() {
     }
 }
 
-/// What a plan says of its waits is what `check --cost` says of its program.
+/// The waiting times of a plan equal those of `check --cost` for its program.
 #[test]
 fn waits_are_those_of_the_program() {
     let planned = tried(&named("five_towers"), 20).unwrap();

@@ -1,4 +1,4 @@
-//! Random shapes are built, or refused with a reason.
+//! Checks that random shapes are built, or rejected with a reason.
 use proptest::prelude::*;
 use stochc_ir::Cell;
 use stochc_ir::table::Plate;
@@ -7,7 +7,7 @@ use stochc_planner::{Goal, Unplanned};
 
 use crate::{cells, tried};
 
-/// Cells that hang together and touch the plate.
+/// Generates connected cells that touch the plate.
 pub fn grown() -> impl Strategy<Value = Vec<Cell>> {
     proptest::collection::vec((any::<u16>(), 0..6u8), 0..40).prop_map(|steps| {
         let mut cells = vec![Cell::new(0, 0, 1)];
@@ -24,7 +24,7 @@ pub fn grown() -> impl Strategy<Value = Vec<Cell>> {
     })
 }
 
-/// Any cells at all, close together.
+/// Generates arbitrary cells, close together.
 fn scattered() -> impl Strategy<Value = Vec<Cell>> {
     let cell = (0..4, 0..4, 0..4).prop_map(|(x, y, z)| Cell::new(x, y, z));
     proptest::collection::vec(cell, 0..30)

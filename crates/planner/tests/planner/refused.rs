@@ -1,4 +1,4 @@
-//! What cannot be built is refused, with what would help.
+//! Checks that targets that cannot be built are rejected with advice.
 use stochc_ir::Cell;
 use stochc_ir::table::Plate;
 use stochc_planner::{Goal, Unplanned};
@@ -30,7 +30,7 @@ fn parts_in_the_air_are_refused_with_a_bridge() {
     );
 }
 
-/// The bridges of all parts together support all of them, so that one round is enough.
+/// The bridges of all parts together support all of them, so one round suffices.
 #[test]
 fn all_loose_parts_are_reported_at_once() {
     let corners = "#".repeat(31) + "\n" + &".".repeat(31);
@@ -55,7 +55,7 @@ fn all_loose_parts_are_reported_at_once() {
     assert!(tried(&goal, 1).is_ok());
 }
 
-/// Of a target on a plate of so many blocks, of which one may capture.
+/// Returns a target on a plate of this width. Only one of its blocks may capture.
 fn on_plate(text: &str, width: u32, seed: (i32, i32)) -> Goal {
     let mut goal = drawn(text);
     goal.plate = Some(Plate { width, depth: 1 });
@@ -63,7 +63,7 @@ fn on_plate(text: &str, width: u32, seed: (i32, i32)) -> Goal {
     goal
 }
 
-/// What is a part of the target is there in any case, and the plate helps what rests on it.
+/// Parts of the target are always built, and the plate supports the blocks on it.
 #[test]
 fn a_bridge_leads_through_other_parts() {
     let (_, text) = error(&on_plate("# . # . #", 5, (4, 0)));
@@ -74,7 +74,7 @@ fn a_bridge_leads_through_other_parts() {
     assert!(text.contains("with 3 more cells, "), "{text}");
 }
 
-/// The room itself is built; what floats in it is held by nothing.
+/// The room itself can be built, but nothing holds the block that floats in it.
 #[test]
 fn a_block_that_floats_in_a_sealed_room_is_refused() {
     let all = |edge: i32| 0..edge;

@@ -1,4 +1,5 @@
-//! Programs that are written in part are completed, and what a run has left is built on.
+//! Checks that partial programs are completed, and that the structure of a stopped run is
+//! continued.
 use std::collections::BTreeSet;
 
 use proptest::prelude::*;
@@ -60,7 +61,7 @@ fn executable(checked: Checked) -> Executable {
     compile(checked).remove(0)
 }
 
-/// A run, stopped after so many ticks.
+/// Makes a run that is stopped after this number of ticks.
 fn ran(executable: &Executable, model: Model, max_ticks: Option<u64>) -> RunRecord {
     let settings = Settings {
         max_ticks,
@@ -69,10 +70,11 @@ fn ran(executable: &Executable, model: Model, max_ticks: Option<u64>) -> RunReco
     simulate(executable, &settings, 3, 0)
 }
 
-/// What the planner takes for the wait in a gap, where blocks jam.
+/// Waiting time that the planner assumes for a gap that jams.
 const JAM: f64 = 15_000.0;
 
-/// What a plan says of its time is what `check --cost` says of the phase in which it is written; `None`: of the whole program.
+/// Checks that the estimate of a plan equals `check --cost` for the phase of the plan. `None`
+/// compares the whole program.
 fn has_the_times_of(planned: &Planned, whole: &Checked, phase: Option<&str>) {
     let program = &whole.programs[0];
     let rates = Rates::known_or_guessed(&[], program.scene.as_ref().unwrap());
@@ -95,7 +97,7 @@ fn has_the_times_of(planned: &Planned, whole: &Checked, phase: Option<&str>) {
         [times.mean, times.p90]
     );
     assert!(plan.widest <= plan.captures.len(), "{plan:?}");
-    // All that stands has been waited for.
+    // The other blocks already exist, so the only capture decides the time.
     if let [only] = &plan.captures[..]
         && only.wait < JAM
     {
@@ -166,7 +168,7 @@ fn a_phase_with_captures_keeps_them_and_gives_its_claim_to_one_behind() {
     assert_eq!(checked.diagnostics.len(), 0, "{:?}", checked.diagnostics);
 }
 
-/// The claim that is not true is completed, and not the first of the file.
+/// The false claim is completed, and not the first one of the file.
 #[test]
 fn the_claim_that_is_not_true_is_completed() {
     let feet = "shape foot {\n    layer 1..3 {\n        # . .\n    }\n}\n\nassembly";
@@ -184,7 +186,7 @@ fn the_claim_that_is_not_true_is_completed() {
     }
 }
 
-/// What hung on a block that goes would go with it.
+/// Blocks on a block that a later phase releases would be released with it.
 #[test]
 fn nothing_hangs_on_a_block_that_a_later_phase_releases() {
     let text = "shape bar { layer 1 { # # } layer 2 { # # } }
@@ -221,7 +223,8 @@ fn what_cannot_be_completed_is_refused_with_a_reason() {
     assert!(first.contains("phase p { yields arch }"), "{first}");
     let wrong = PART.replace("L.up", "Q.up");
     assert!(matches!(completed(&wrong), Err(NotCompleted::Wrong)));
-    // A block of an instance without a name can hold nothing that the program could write.
+    // The program cannot name a block of an instance without a name, so that block can hold
+    // nothing.
     let anonymous = "pattern tower(base) { base.up ->> T[1..2] }\nshape mast { layer 1..4 { # } }\n\
          assembly part { seed plate 1 x 1 { A at (0, 0) }\n phase one { tower(A) }\n phase rest { yields mast } }\n";
     assert_eq!(
@@ -237,7 +240,7 @@ fn what_cannot_be_completed_is_refused_with_a_reason() {
     assert!(held.text.contains("B[2].up"), "{}", held.text);
 }
 
-/// It belongs to the claim, wherever that goes.
+/// The comment belongs to the claim and moves with it.
 #[test]
 fn a_comment_on_a_claim_stays_on_it() {
     let text = "shape mast { layer 1..4 { # } }\n\
@@ -278,7 +281,7 @@ fn a_shape_is_that_of_its_assembly() {
     assert_eq!(last.cells.len(), 3);
 }
 
-/// It takes the place of the built-in one, also in the program that is written.
+/// The scene replaces the built-in one, also in the written program.
 #[test]
 fn a_scene_by_the_name_of_the_built_in_one_is_written_down() {
     let text = "scene hemisphere from hemisphere { free 40 uniform }\n\
@@ -291,7 +294,8 @@ fn a_scene_by_the_name_of_the_built_in_one_is_written_down() {
     assert_eq!(scene.unwrap().free.count, 40, "{}", planned.text);
 }
 
-/// What is left of a run of the first program of a text after so many ticks, and what its end should be.
+/// Returns the remaining target and the existing structure after a run of the first program of a
+/// text was stopped at this tick.
 fn left(text: &str, max_ticks: u64) -> (Goal, ExistingStructure) {
     let checked = check_text("run.sa", text);
     let goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
@@ -303,7 +307,7 @@ fn left(text: &str, max_ticks: u64) -> (Goal, ExistingStructure) {
     )
 }
 
-/// A mast from which something hangs where a wall is to stand.
+/// Mast with blocks in the cells of the wall.
 const WALL: &str = "\
 shape wall { layer 1..3 { # # # # } }
 assembly walls {
@@ -330,7 +334,7 @@ fn what_does_not_belong_to_the_shape_is_let_go_with_what_hangs_on_it() {
     assert_eq!(sorted, mast);
     assert!(repair.existing.iter().all(|block| block.can_capture));
 
-    // Nothing can be let go that has a dead block between it and the plate.
+    // A block cannot be released if a dead block is between it and the plate.
     let dead = BTreeSet::from(["M[2]"]);
     let reason = structure
         .repair(&wall.cells, &dead)
@@ -358,7 +362,7 @@ assembly comb {
     phase two { Q.up ->> B[1..4] }
 }
 ";
-    // Until the first tower is there, and the second is not.
+    // Stops the run when the first tower exists and the second one does not.
     let parts = (1000..40_000).step_by(500).map(|ticks| left(text, ticks));
     let mut first = parts.filter(|(_, there)| there.names().any(|name| name == "A[4]"));
     let (mut goal, structure) = first.next().expect("the first tower is built");
@@ -375,7 +379,7 @@ assembly comb {
     assert_eq!(there, Err(NoRepair::Complete));
 }
 
-/// What stands and can hold nothing does not help.
+/// Existing blocks that can hold nothing do not help.
 #[test]
 fn no_cell_that_is_full_is_named_as_a_way_out() {
     let text = "assembly line { seed plate 3 x 3 { M at (1, 1) } phase p { M.up ->> T[1..8] } }\n";
@@ -396,7 +400,8 @@ fn no_cell_that_is_full_is_named_as_a_way_out() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
-    /// Whatever a run that follows a plan leaves at some time can be built on; with dead blocks, as far as others reach.
+    /// The rest of a run that follows a plan can be built at any time. With dead blocks, it can be
+    /// built as far as other blocks reach.
     #[test]
     fn the_rest_of_a_run_is_built(
         shape in grown(),
@@ -432,7 +437,7 @@ proptest! {
         }
     }
 
-    /// A program that stops anywhere in an order that builds its shape is completed.
+    /// A program that stops anywhere in a valid order of its shape can be completed.
     #[test]
     fn what_somebody_has_begun_is_completed(shape in grown(), share in 0.0..1.0f64) {
         let goal = Goal::of_cells("grown", shape.clone());

@@ -1,4 +1,4 @@
-//! Scaffolds: built, handed over, taken down, and only where they pay.
+//! Tests scaffolds: they are built, handed over and released, and used only if they save time.
 use proptest::prelude::*;
 use stochc_compiler::check_text;
 use stochc_ir::record::Outcome;
@@ -24,7 +24,7 @@ fn planned(goal: &Goal, rounds: u64, keeps_scaffolds: bool) -> Planned {
     goal.plan(&[], search).unwrap()
 }
 
-/// How many runs out of so many are complete without a wait for a block that stays away, and the mean of the ticks.
+/// Checks that all runs complete. Returns their mean number of ticks.
 fn executed(planned: &Planned, model: Model, runs: u64) -> f64 {
     let checked = check_text("planned.sa", &planned.text);
     assert!(checked.diagnostics.is_empty(), "{:?}", checked.diagnostics);
@@ -58,13 +58,13 @@ fn a_serpentine_grows_from_masts() {
     insta::with_settings!({ omit_expression => true }, {
         insta::assert_snapshot!("program_serpentine", planned.text);
     });
-    // What is handed over is captured twice.
+    // Blocks that are handed over are captured twice.
     let told = stochc_planner::explanation(&planned.plan);
     let checked = check_text("planned.sa", &planned.text);
     let captures = checked.programs[0].plan.counts().0;
     assert!(told.starts_with(&format!("{captures} captures")), "{told}");
     executed(&planned, Model::Shuffle, 3);
-    // With physics, what is handed over stays where it is: nobody waits for another block.
+    // With physics, blocks that are handed over stay in place, so no other block has to arrive.
     let executables = compile(check_text("planned.sa", &planned.text));
     for run in 0..2 {
         let record = simulate(&executables[0], &Settings::default(), 4711, run);
@@ -115,7 +115,7 @@ fn a_line_grows_beside_a_mast() {
     executed(&planned, Model::Shuffle, 2);
 }
 
-/// A walk that does not cross itself, from the middle of a plate.
+/// Generates a walk that does not cross itself, from the middle of a plate.
 fn walk() -> impl Strategy<Value = Vec<Cell>> {
     proptest::collection::vec(0..6u8, 10..60).prop_map(|steps| {
         let mut cells = vec![Cell::new(3, 3, 1)];

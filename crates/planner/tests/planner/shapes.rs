@@ -1,4 +1,4 @@
-//! Every shape of the bench is planned, accepted and built.
+//! Checks that every shape of the lab is planned, accepted and built.
 use stochc_compiler::check_text;
 use stochc_ir::record::Outcome;
 use stochc_planner::Baseline;
@@ -6,7 +6,7 @@ use stochc_runtime::{Model, Settings};
 
 use crate::{cells, compile, files, goal, named, simulate, tried};
 
-/// Shapes in which some block comes through a gap one cell wide in any order that is found.
+/// Shapes that need a gap of one cell in every known order.
 const TIGHT: [&str; 0] = [];
 
 #[test]
@@ -20,7 +20,7 @@ fn shapes_are_planned_accepted_and_built_in_several_orders() {
         let rounds = if goal.cells.len() > 200 { 1 } else { 12 };
         let mut planned = tried(&goal, rounds);
         if goal.cells.len() > 300 {
-            // More than the default scene has free.
+            // The shape needs more blocks than the default scene has.
             let mut larger = goal.clone();
             larger.declare_scene("crowd", "scene crowd from hemisphere { free 1000 uniform }");
             assert!(planned.is_err(), "{name}");
@@ -69,7 +69,7 @@ fn programs_are_written_for_people() {
     }
 }
 
-/// A few runs; `lab/planner/run.py` makes more.
+/// Makes a few runs. `lab/planner/run.py` makes more.
 #[test]
 fn with_physics_nothing_jams() {
     for name in ["five_towers", "closed_platform", "blob_30"] {
@@ -86,7 +86,7 @@ fn with_physics_nothing_jams() {
     }
 }
 
-/// In a line every way is the same: what needs no thought is as good.
+/// For a line all orders are equal, so naive programs are as good.
 #[test]
 fn no_plan_is_estimated_longer_than_one_that_needs_no_thought_and_has_no_finding() {
     let mut free = 0;
@@ -132,7 +132,7 @@ fn the_same_seed_gives_the_same_plan() {
     let goal = named("chair");
     let first = tried(&goal, 40).unwrap();
     assert_eq!(first.text, tried(&goal, 40).unwrap().text);
-    // More tries of the same kind are never worse, by the runs they are compared with.
+    // More tries of the same kind are never worse in the runs that compare them.
     let more = tried(&goal, 400).unwrap();
     assert!(more.plan.estimate.mean < 1.03 * first.plan.estimate.mean);
     for other in &more.plan.alternatives {

@@ -1,4 +1,4 @@
-//! Runs go on from the states that were kept of them, and those are used for nothing else.
+//! Checks that runs resume from their checkpoints, which have no other use.
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,17 +14,18 @@ use stochc_runtime::{Model, Settings, Watch as _};
 
 use crate::world::{EVERY, bytes, complete, manifest, put, run_on, simulate};
 
-/// The run that is stopped, after so many of its ticks.
+/// Program and number of the run that is stopped.
 const LAST: (usize, u64) = (1, 2);
 
-/// Stops an ensemble in one of its runs, and gives its last tick.
+/// Stops an ensemble in one of its runs, and saves the last tick of that run.
 fn stopped(root: &Path, manifest: &Manifest) {
     let folder = Folder::open(root, manifest, false).unwrap();
     let folder = folder.with_checkpoints(EVERY).unwrap();
     let stop = AtomicBool::new(false);
     let simulate = |program, run, watch: &RunWatch| {
         if (program, run) == LAST {
-            // Where it begins, so that its first state is that of the next tick.
+            // The stop comes at the beginning of the run, so its first state is that of the next
+            // tick.
             stop.store(true, Ordering::Relaxed);
             return stopped_run(watch);
         }
@@ -34,7 +35,7 @@ fn stopped(root: &Path, manifest: &Manifest) {
     assert!(!results.complete);
 }
 
-/// A run that is told to stop at its tick 70.
+/// Makes a run that is stopped at its tick 70.
 fn stopped_run(mut watch: &RunWatch) -> Result<RunRecord, RunCancelled> {
     let flow = watch.tick(70, stochc_ir::table::PhaseId(0));
     assert!(flow.is_break() && watch.wants_state());
@@ -48,7 +49,7 @@ fn checkpoint(root: &Path) -> PathBuf {
         .join(format!("{program}-{run}.state"))
 }
 
-/// Goes on, and tells what there was to be told.
+/// Resumes an ensemble. Returns the notes about its checkpoints.
 fn resumed(root: &Path, manifest: &Manifest) -> Vec<String> {
     let folder = Folder::open(root, manifest, true).unwrap();
     let folder = folder.with_checkpoints(EVERY).unwrap();
@@ -61,7 +62,7 @@ fn resumed(root: &Path, manifest: &Manifest) -> Vec<String> {
     notes
 }
 
-/// The tables of an ensemble that nothing stops.
+/// Returns the tables of an ensemble that is not interrupted.
 fn undisturbed(manifest: &Manifest) -> Vec<Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), manifest, 1);
@@ -132,7 +133,7 @@ fn repair_moves_a_damaged_checkpoint_aside() {
     assert!(folder.path().join("damaged/1-2.state").exists());
 }
 
-/// Its checksums are right, and still it is no state of the run: of what it says nobody makes a result.
+/// The checksums are valid, but the state is not a state of the run. It must not affect results.
 #[test]
 fn a_state_that_makes_no_sense_costs_no_run() {
     let manifest = manifest(4);
@@ -177,7 +178,7 @@ fn runs_of_rapier_have_no_checkpoints() {
         self::simulate(program, run, watch)
     };
     run_on(1, Destination::Folder(opened), &stop, simulate).unwrap();
-    // A state from elsewhere is not read.
+    // A state from another model is not read.
     fs::create_dir_all(folder.path().join(CHECKPOINTS)).unwrap();
     put(&checkpoint(folder.path()), state);
     assert_eq!(resumed(folder.path(), &manifest), [""; 0]);
@@ -185,7 +186,7 @@ fn runs_of_rapier_have_no_checkpoints() {
     assert!(!folder.path().join(CHECKPOINTS).exists());
 }
 
-/// Gives a checkpoint another first line and another state, with their checksums.
+/// Replaces the first line and the state of a checkpoint, with valid checksums.
 fn forge(file: &Path, header: impl Fn(&str) -> String, state: &[u8]) {
     let bytes = fs::read(file).unwrap();
     let end = bytes.iter().position(|&byte| byte == b'\n').unwrap();
@@ -257,7 +258,7 @@ fn a_piece_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
     assert!(make(&open(0), &simulate));
     assert!(!make(&open(1), &told));
     stop.store(false, Ordering::Relaxed);
-    // Whose checkpoint it is, others do not say.
+    // Other shards do not report the checkpoint.
     assert_eq!(open(0).checkpoints().unwrap().notes(), [""; 0]);
     let piece = open(1);
     let notes = piece.checkpoints().unwrap().notes();
@@ -266,7 +267,7 @@ fn a_piece_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
         ["run 2 of `right` resumes from its checkpoint at tick 70"]
     );
     assert!(make(&piece, &simulate));
-    // Somebody else has been at it, and was killed.
+    // Another process has worked on the shard and was killed.
     fs::create_dir_all(root.join(CHECKPOINTS)).unwrap();
     for name in ["1-2.state", "1-2.draft-x7"] {
         put(&root.join(CHECKPOINTS).join(name), "half of it");

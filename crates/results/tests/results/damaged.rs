@@ -1,4 +1,4 @@
-//! Flipped bits: each is found, none makes a panic, and what is sound is saved.
+//! Tests flipped bits: each is found, none causes a panic, and valid data are saved.
 use std::fs;
 use std::path::Path;
 
@@ -15,7 +15,7 @@ const FILES: [&str; 5] = [
     "bonds.parquet",
 ];
 
-/// Whether somebody who reads the folder, or goes on in it, is told of something.
+/// Returns whether reading or resuming the folder reports a fault.
 fn is_told(folder: &Path) -> bool {
     let read = Folder::read(folder).map_or(true, |contents| !contents.damage.is_empty());
     let opened =
@@ -40,17 +40,17 @@ fn every_flipped_bit_is_found() {
         let path = folder.path().join(name);
         let whole = fs::read(&path).unwrap();
         let bits = 8 * whole.len();
-        // A prime, so that all bits of a byte get their turn.
+        // The step is odd, so all bits of a byte occur.
         for bit in (0..bits).step_by((bits / 150) | 1) {
             let mut flipped = whole.clone();
             flipped[bit / 8] ^= 1 << (bit % 8);
             put(&path, &flipped);
             assert!(is_told(folder.path()), "bit {bit} of {name}");
             assert_eq!(damaged(folder.path()), [name], "bit {bit}");
-            // Opening may have cut off half a line at the end of a journal.
+            // Opening may have removed a partial line at the end of a journal.
             put(&path, &whole);
         }
-        // Nor may it lose its end.
+        // A missing end is also detected.
         put(&path, &whole[..whole.len() - 1]);
         assert_eq!(damaged(folder.path()), [name]);
         put(&path, &whole);
@@ -86,7 +86,7 @@ fn what_is_sound_is_saved_and_what_is_not_is_moved_aside() {
     }
 }
 
-/// What has the name of a file and is none is told by that name, and moved aside as other damage is.
+/// Folders in the place of files are reported by name, and moved aside like other damage.
 #[test]
 fn what_is_no_file_is_moved_aside_or_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -125,7 +125,7 @@ fn a_manifest_that_is_lost_is_left_alone() {
     let error = repair(folder.path(), |_, _| Ok(Vec::new())).unwrap_err();
     assert!(matches!(error, FolderError::LostManifest(_)), "{error}");
     assert!(fs::read(&path).unwrap() == bytes);
-    // What else is sound and what is not is known by the checksums.
+    // The checksums still identify valid and corrupted files.
     let table = folder.path().join("runs.parquet");
     let mut bytes = fs::read(&table).unwrap();
     bytes[50] ^= 0x10;
@@ -142,7 +142,8 @@ fn a_manifest_that_is_lost_is_left_alone() {
     );
 }
 
-/// The journal of a finished folder whose lines can be changed, each sealed again by [`sealed`].
+/// Returns the lines of the journal of a finished folder, without checksums. [`sealed`] adds them
+/// again.
 fn unsealed(folder: &Path) -> Vec<String> {
     complete(folder, &manifest(4), 1);
     fs::remove_file(folder.join("checksums.json")).unwrap();
@@ -194,7 +195,7 @@ fn what_cannot_be_is_told_and_left_out() {
     }
 }
 
-/// Tables of runs that the journal has lost say more than those that can be made of it now.
+/// Tables of lost runs contain more than tables of the remaining journal.
 #[test]
 fn tables_of_lost_runs_are_kept() {
     let folder = tempfile::tempdir().unwrap();
@@ -208,7 +209,7 @@ fn tables_of_lost_runs_are_kept() {
     assert!(bytes(folder.path()) == tables);
 }
 
-/// A line of a run that there was not is not believed either once there are more runs.
+/// A line of an impossible run stays invalid when more runs are made.
 #[test]
 fn a_line_that_is_left_out_stays_out_where_more_runs_are_made() {
     let folder = tempfile::tempdir().unwrap();
@@ -235,7 +236,7 @@ fn a_line_that_is_left_out_stays_out_where_more_runs_are_made() {
     assert_eq!(fs::read_to_string(aside).unwrap(), with_it);
 }
 
-/// What has lost its checksum with its content is damaged, whatever it says now.
+/// A line that lost its checksum is corrupted, whatever its content.
 #[test]
 fn a_line_without_its_checksum_is_not_saved() {
     let folder = tempfile::tempdir().unwrap();
@@ -255,7 +256,7 @@ fn a_line_without_its_checksum_is_not_saved() {
     assert!(bytes(folder.path()) == tables);
 }
 
-/// Behind a line that is longer than any run nobody looks for others; those before it are saved.
+/// Lines after a line that is longer than any run are not read. Lines before it are saved.
 #[test]
 fn what_is_before_endless_rubbish_is_saved() {
     let folder = tempfile::tempdir().unwrap();
@@ -277,7 +278,7 @@ fn what_is_before_endless_rubbish_is_saved() {
     }
 }
 
-/// Who is refused more runs finds the folder as it was, damage included.
+/// A rejected extension leaves the folder unchanged, including its damage.
 #[test]
 fn a_refused_extension_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
@@ -293,7 +294,7 @@ fn a_refused_extension_changes_nothing() {
     put(&path, &spoilt);
     let error = Folder::open(folder.path(), &manifest(6), true).unwrap_err();
     assert!(matches!(error, FolderError::OtherBuild { .. }), "{error}");
-    // Nor is it changed before the first run.
+    // Opening does not change it before the first run either.
     let resumed = Folder::open(
         folder.path(),
         &manifest(6),

@@ -1,6 +1,7 @@
-//! Every single call of the disk fails in turn, in every way; going on makes the same tables.
+//! Lets every single call of the disk fail in turn, in every way. Resuming always gives the same
+//! tables.
 //!
-//! The ignored test does it over and over, each time with other runs: CONTRIBUTING.md has the command.
+//! The ignored test repeats this with other runs each time. CONTRIBUTING.md has the command.
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Error;
@@ -17,22 +18,23 @@ use stochc_results::{Destination, Folder, FolderError, Manifest, Records, RunCan
 
 use crate::world::{EVERY, bytes, manifest, run_on, simulate};
 
-/// What goes wrong.
+/// Kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
-    /// From here on nothing can be written.
+    /// From this call on nothing can be written.
     NoSpace,
     /// This call fails.
     InputOutput,
-    /// Half of what is written here is, and then the call fails.
+    /// This call writes half of its data and then fails.
     Torn,
     /// This sync does nothing, and the power fails at the end.
     LostSync,
     /// The process ends before this call.
     Kill,
-    /// The power fails before this call: what was not synced is gone.
+    /// The power fails before this call. Data that were not synced are lost.
     PowerLoss,
-    /// The same, but names and half of what was not synced have come to the disk.
+    /// The power fails before this call. Names and half of the data that were not synced are
+    /// stored.
     TornPowerLoss,
 }
 
@@ -46,25 +48,25 @@ const FAULTS: [Fault; 7] = [
     Fault::TornPowerLoss,
 ];
 
-/// Files by their paths, and folders as `None`.
+/// Files by path, and folders as `None`.
 type Image = BTreeMap<PathBuf, Option<Vec<u8>>>;
 
-/// A disk that fails at one call.
+/// Disk that fails at one call.
 struct Faulty {
     root: PathBuf,
-    /// The number of the call, and what happens; `None`: all goes well.
+    /// Number of the failing call, and its fault. `None` means no fault.
     plan: Option<(usize, Fault)>,
     state: Mutex<State>,
 }
 
-/// What a call can come to.
+/// Effect of a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// What is there stays as it is.
+    /// Changes nothing.
     Reads,
-    /// Bytes are written.
+    /// Writes data.
     Writes,
-    /// Something else is changed.
+    /// Makes another change.
     Changes,
     Syncs,
 }
@@ -85,7 +87,7 @@ impl Kind {
 }
 
 impl Fault {
-    /// Whether a call can fail so.
+    /// Returns whether this fault can affect this kind of call.
     fn strikes(self, kind: Kind) -> bool {
         match self {
             Fault::NoSpace => matches!(kind, Kind::Writes | Kind::Changes),
@@ -95,7 +97,7 @@ impl Fault {
         }
     }
 
-    /// Whether nothing can be done after it.
+    /// Returns whether the process cannot continue after the fault.
     fn is_end(self) -> bool {
         matches!(self, Fault::Kill | Fault::PowerLoss | Fault::TornPowerLoss)
     }
@@ -104,16 +106,16 @@ impl Fault {
 #[derive(Default)]
 struct State {
     calls: Vec<Kind>,
-    /// Whether the call was one that can fail so.
+    /// Whether the planned fault has occurred.
     is_hit: bool,
-    /// What is on the disk in the end, where that is not what is in the folder.
+    /// Content of the disk after the crash, if it differs from the folder.
     after: Option<Image>,
-    /// Every file and folder has a number, whatever it is called.
+    /// Number of every file and folder, independent of its name.
     numbers: BTreeMap<PathBuf, usize>,
     next: usize,
-    /// What would be left of each file.
+    /// Content of each file that would survive a loss of power.
     synced: BTreeMap<usize, Vec<u8>>,
-    /// And of the names in each folder.
+    /// Names in each folder that would survive a loss of power.
     names: BTreeMap<usize, BTreeMap<PathBuf, (usize, bool)>>,
 }
 
@@ -138,7 +140,7 @@ impl State {
         self.names.insert(number, names);
     }
 
-    /// What a loss of power leaves.
+    /// Collects the files that survive a loss of power.
     fn left(&mut self, folder: &Path, image: &mut Image) {
         let number = self.number(folder);
         for (path, (number, is_folder)) in self.names.get(&number).cloned().unwrap_or_default() {
@@ -153,7 +155,7 @@ impl State {
     }
 }
 
-/// What is in a folder.
+/// Collects the content of a folder.
 fn image(folder: &Path, found: &mut Image) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -184,7 +186,7 @@ impl Faulty {
         })
     }
 
-    /// Ends the machine.
+    /// Simulates the crash.
     fn crash(&self, state: &mut State, fault: Fault) {
         let mut after = Image::new();
         match fault {
@@ -208,7 +210,7 @@ impl Faulty {
         state.after = Some(after);
     }
 
-    /// What the fault makes of a call; `None`: nothing.
+    /// Returns the effect of the fault on a call. Returns `None` if it has none.
     fn strike(&self, state: &mut State, fault: Fault, call: Call) -> Option<CallDecision> {
         let writes = matches!(
             call,
@@ -282,7 +284,8 @@ impl Double for Faulty {
     }
 }
 
-/// Makes the runs of an ensemble, which are others for each seed; none that the test double has go wrong.
+/// Makes the runs of an ensemble, which depend on the seed. The panic of the sample runs is left
+/// out.
 fn runs_of(
     manifest: &Manifest,
 ) -> impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync {
@@ -293,10 +296,11 @@ fn runs_of(
     }
 }
 
-/// The work that is interrupted, from any state to its end.
+/// Work that is interrupted and can be resumed from any state.
 type Work = fn(&Path, &Manifest) -> Result<(), String>;
 
-/// Does it to its end: a process that another test starts has our locks until it has become what it is to be.
+/// Does the work to its end. Repeats it while the child process of another test still holds
+/// inherited locks.
 fn patiently(work: Work, root: &Path, manifest: &Manifest) -> Result<(), String> {
     loop {
         match work(root, manifest) {
@@ -321,7 +325,7 @@ fn in_one_piece(root: &Path, manifest: &Manifest) -> Result<(), String> {
 fn in_pieces(root: &Path, manifest: &Manifest) -> Result<(), String> {
     let told = |error: ShardError| error.to_string();
     match Folder::read(root) {
-        // Put together already, perhaps without its tables.
+        // The shards are already merged, perhaps without tables.
         Ok(contents) if contents.finished.len() as u64 == manifest.total() => {
             return in_one_piece(root, manifest);
         }
@@ -343,11 +347,11 @@ fn in_pieces(root: &Path, manifest: &Manifest) -> Result<(), String> {
     merge(root, none).map(|_| ()).map_err(told)
 }
 
-/// How often something happened.
+/// Numbers of outcomes.
 #[derive(Debug, Default)]
 struct Count {
     points: usize,
-    /// The work ended well in spite of it.
+    /// The work succeeded in spite of the fault.
     well: usize,
     crashes: usize,
     /// The folder had to be repaired, or was lost.
@@ -355,7 +359,7 @@ struct Count {
     lost: usize,
 }
 
-/// Has every call of some work fail, and goes on each time.
+/// Lets every call of some work fail, and resumes it each time.
 fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
     let mut manifest = manifest(runs);
     manifest.seed = seed;
@@ -379,14 +383,14 @@ fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
         restore(&root);
         quiet.state.lock().unwrap().calls.clone()
     };
-    // A process looks for what kills have left once.
+    // The first run of a process also removes leftovers of killed processes, which adds calls.
     undisturbed();
     let calls = undisturbed();
     let (tables, names): (_, Vec<_>) = (bytes(&root), now(&root).into_keys().collect());
     let mut count = Count::default();
     for fault in FAULTS {
         for (at, &kind) in calls.iter().enumerate() {
-            // Between calls that only read, an end leaves the same.
+            // A crash between calls that only read always leaves the same files.
             let is_same = at > 0 && calls[at - 1] == Kind::Reads && fault.is_end();
             if is_same || !fault.strikes(kind) {
                 continue;
@@ -421,13 +425,13 @@ fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
                 }
                 None if done.is_ok() => {
                     count.well += 1;
-                    assert!(bytes(&root) == tables, "{what}: well, and yet not the same");
+                    assert!(bytes(&root) == tables, "{what}: success with other tables");
                 }
                 None => {}
             }
             let again = patiently(work, &root, &manifest);
             if let Err(told) = again {
-                // A disk that has lied may have lost what can be had from nowhere; that is told.
+                // A disk that ignores a sync may lose data without a copy. The error is reported.
                 assert_eq!(fault, Fault::LostSync, "{what}: {told}");
                 let none = |_: &Manifest, _: &Records| Ok(Vec::new());
                 let repaired =
@@ -443,7 +447,7 @@ fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
             assert!(bytes(&root) == tables, "{what}: other tables");
             if fault != Fault::LostSync {
                 let left: Vec<_> = now(&root).into_keys().collect();
-                assert_eq!(left, names, "{what}: something is left");
+                assert_eq!(left, names, "{what}: files are left over");
             }
         }
     }
@@ -453,7 +457,7 @@ fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
 #[test]
 fn whatever_fails_an_ensemble_goes_on_to_the_same_tables() {
     let count = every_call_fails(in_one_piece, 2, 0);
-    println!("in one piece: {count:?}");
+    println!("without shards: {count:?}");
     assert!(count.points > 500 && count.crashes > 200, "{count:?}");
     assert!(count.lost + count.repaired < 10, "{count:?}");
 }
@@ -466,7 +470,7 @@ fn whatever_fails_pieces_go_on_to_the_same_tables() {
     assert!(count.lost + count.repaired < 20, "{count:?}");
 }
 
-/// As many times as `STOCHC_FAULTS` says.
+/// `STOCHC_FAULTS` is the number of repetitions.
 #[test]
 #[ignore = "takes an hour; CONTRIBUTING.md has the command"]
 fn whatever_fails_for_an_hour_the_tables_are_the_same() {

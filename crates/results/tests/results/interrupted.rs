@@ -1,4 +1,4 @@
-//! Whatever happens on the way, the tables are the same to the byte.
+//! Checks that the tables are equal, byte for byte, whatever interrupts the runs.
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
@@ -65,7 +65,7 @@ fn a_damaged_journal_costs_its_damaged_lines() {
     complete(folder.path(), &manifest(4), 1);
     let (whole, tables) = (fs::read(&journal).unwrap(), bytes(folder.path()));
     let header = whole.iter().position(|&b| b == b'\n').unwrap() + 1;
-    // Cut within the first line or just behind it, or absent.
+    // The journal ends within the first line or just after it, or is missing.
     for end in [0, 1, header - 1, header] {
         put(&journal, &whole[..end]);
         complete(folder.path(), &manifest(4), 1);
@@ -104,7 +104,7 @@ fn stopping_keeps_what_is_finished() {
     )
     .unwrap();
     assert!(!results.complete && results.finished.len() < 24);
-    // The tables hold what there is.
+    // The tables contain the finished runs.
     let kept = Folder::read(folder.path()).unwrap().finished;
     assert_eq!(kept.to_vec().unwrap(), results.finished.to_vec().unwrap());
     assert!(folder.path().join("runs.parquet").exists());
@@ -147,13 +147,13 @@ fn more_runs_extend_an_ensemble() {
     assert_eq!(Folder::read(folder.path()).unwrap().manifest, manifest(9));
 }
 
-/// Where the process that is to be killed works.
+/// Variable with the folder of the process that is killed.
 const VICTIM: &str = "STOCHC_TEST_VICTIM";
 
-/// On how many threads it works.
+/// Variable with its number of threads.
 const THREADS: &str = "STOCHC_TEST_THREADS";
 
-/// A process that makes runs in a folder, until one of them gets stuck.
+/// Starts a process that makes runs in a folder until one of them gets stuck.
 fn stuck(folder: &Path, threads: &str) -> std::process::Child {
     let mut victim = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "interrupted::victim", "--ignored", "--nocapture"])
@@ -176,7 +176,7 @@ fn a_kill_costs_no_finished_run() {
         let mut victim = stuck(folder.path(), "1");
         victim.kill().unwrap();
         victim.wait().unwrap();
-        // Six of each program, and the seventh of the first was stuck.
+        // Six runs of each program are finished. The seventh of the first program was stuck.
         let contents = Folder::read(folder.path()).unwrap();
         assert_eq!((contents.finished.len(), contents.damage.len()), (12, 0));
     }
@@ -215,7 +215,8 @@ fn victim() {
         &never,
         |program, run, watch| {
             if run == 6 {
-                // Of two threads that get stuck, nobody listens to the second.
+                // If two threads get stuck, the output of the second may fail because its reader
+                // has gone.
                 let _ = writeln!(std::io::stdout(), "stuck");
                 loop {
                     std::thread::park();

@@ -1,4 +1,4 @@
-//! Ensembles from outside: what is kept, what is refused, and what the tables say.
+//! Tests ensembles through the interface of the crate: storage, rejected folders, and tables.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 mod checkpoints;
 mod damaged;

@@ -1,4 +1,4 @@
-//! A folder that holds anything else is left alone, and the message says the way out.
+//! Checks that a folder with other content is not changed, and that the message gives advice.
 use std::fs;
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use stochc_runtime::Settings;
 
 use crate::world::{complete, manifest, program, put};
 
-/// Why `path` is refused, with its name replaced, after making sure that nothing has changed.
+/// Returns the error for `path`, with its name replaced. Checks that nothing has changed.
 fn error(path: &Path, manifest: &Manifest, resume: bool) -> String {
     let before = content(path);
     let error = Folder::open(path, manifest, resume).unwrap_err();

@@ -1,4 +1,4 @@
-//! Pieces, however they are made, come to the same folder as no pieces.
+//! Checks that merged shards equal an ensemble without shards, however they were made.
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -19,12 +19,12 @@ use crate::world::{bytes, complete, manifest, put, run_on, simulate};
 
 const RUNS: u64 = 12;
 
-/// Makes a piece; whether it came to its end.
+/// Runs a shard. Returns whether it was completed.
 fn make(folder: &Path, number: u64, threads: usize) -> bool {
     make_until(folder, number, threads, u64::MAX)
 }
 
-/// The same, until so many runs have begun.
+/// Runs a shard until this number of runs have begun. Returns whether it was completed.
 fn make_until(folder: &Path, number: u64, threads: usize, last: u64) -> bool {
     let piece = Piece::open(folder, number).unwrap();
     let progress = piece.progress(NonZeroUsize::new(threads).unwrap());
@@ -54,7 +54,7 @@ fn put_together(folder: &Path) -> Result<u64, ShardError> {
     })
 }
 
-/// Every file of a folder, with its name.
+/// Returns every file of a folder with its name.
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -73,7 +73,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-/// The folder of the same ensemble in one piece, made by one thread.
+/// Returns the files of the same ensemble without shards, made by one thread.
 fn whole() -> BTreeMap<String, Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     let never = AtomicBool::new(false);
@@ -99,14 +99,18 @@ fn any_number_of_pieces_in_any_order_makes_the_same_folder() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path();
         cut(path, shards);
-        // A number without a divisor in common with any of these takes each piece once.
+        // 29 has no common divisor with these numbers, so each shard occurs once.
         let order = (0..shards).map(|i| (i * 29 + 11) % shards);
         for (i, number) in order.enumerate() {
             assert!(missing(path).contains(&number));
             assert!(make(path, number, 1 + i % 3));
             let before = files(path);
-            assert!(make(path, number, 1), "a piece twice");
-            assert_eq!(files(path), before, "nothing is written for what is there");
+            assert!(make(path, number, 1), "a repeated shard");
+            assert_eq!(
+                files(path),
+                before,
+                "nothing is written for a complete shard"
+            );
             assert!(!missing(path).contains(&number));
         }
         assert_eq!(put_together(path).unwrap(), 2 * RUNS);
@@ -119,7 +123,7 @@ fn any_number_of_pieces_in_any_order_makes_the_same_folder() {
     }
 }
 
-/// Each finds the piece damaged, and one of them moves it.
+/// Each process detects the corrupted shard, and one of them moves it.
 #[test]
 fn several_may_come_to_a_damaged_piece() {
     for _ in 0..20 {
@@ -184,7 +188,7 @@ fn a_stopped_piece_goes_on() {
     assert!(files(folder.path()) == whole);
 }
 
-/// A run as it is.
+/// Returns a run as the model makes it.
 fn recorded(program: usize, run: u64) -> RunRecord {
     let (all, never) = (manifest(RUNS), AtomicBool::new(false));
     let results = run_on(1, Destination::Memory(&all), &never, simulate).unwrap();
@@ -232,7 +236,7 @@ fn two_who_make_one_piece_make_the_same() {
     }
 }
 
-/// As a kill may leave it, at any of the steps of putting pieces together.
+/// Tests the states that a kill can leave at each step of a merge.
 #[test]
 fn an_interrupted_merge_goes_on() {
     let whole = whole();
@@ -262,20 +266,20 @@ fn an_interrupted_merge_goes_on() {
             fs::remove_file(path.join(name)).unwrap();
         }
         assert!(matches!(Folder::read(path), Err(FolderError::Cut { .. })));
-        assert!(missing(path).is_empty(), "{left} pieces left");
+        assert!(missing(path).is_empty(), "{left} shards left");
         let before = files(path);
         for number in 0..3 {
             let piece = Piece::open(path, number).unwrap();
-            assert!(piece.is_made(), "piece {number} of {left} left");
+            assert!(piece.is_made(), "shard {number} of {left} left");
             assert!(make(path, number, 1));
         }
-        assert!(files(path) == before, "{left} pieces left");
+        assert!(files(path) == before, "{left} shards left");
         put_together(path).unwrap();
-        assert!(files(path) == whole, "{left} pieces left");
+        assert!(files(path) == whole, "{left} shards left");
     }
 }
 
-/// A file of somebody else stays, also where its name is like that of a piece.
+/// Files of users stay, even if their names resemble those of shards.
 #[test]
 fn a_merge_removes_pieces_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
@@ -294,7 +298,7 @@ fn a_merge_removes_pieces_and_nothing_else() {
     assert_eq!(left, ["shards/9.jsonl", "shards/note.txt"]);
 }
 
-/// What is refused leaves every file as it was.
+/// Checks that an operation is rejected without changing a file.
 fn refused(folder: &Path, expected: &str) {
     let before = files(folder);
     let told = put_together(folder).unwrap_err().to_string();
@@ -382,7 +386,7 @@ fn pieces_of_something_else_are_refused() {
         folder.path(),
         "shard 1 is in fact the journal of a whole ensemble",
     );
-    // Of another build.
+    // A shard of another build.
     let text = String::from_utf8(own.clone()).unwrap();
     let (first, rest) = text.split_once('\n').unwrap();
     let first = first[..first.rfind(",\"crc\"").unwrap()].to_owned() + "}";
@@ -452,7 +456,7 @@ fn what_cannot_be_cut_is_refused() {
         assert!(matches!(told, FolderError::Cut { .. }), "{told}");
     }
     assert!(files(&place) == before);
-    // A folder in one piece, finished or not, and no folder at all.
+    // A folder without shards, finished or not, and no folder at all.
     let plain = folder.path().join("plain");
     complete(&plain, &manifest(RUNS), 1);
     let before = files(&plain);
@@ -515,7 +519,7 @@ fn damaged_pieces_are_found_and_made_again() {
             matches!(put_together(path), Err(ShardError::Missing { pieces, .. }) if pieces == [1])
         );
     }
-    // Cut short, also at the end of a line, or longer than it was.
+    // Truncated shards, also at the end of a line, and extended ones.
     let last = sound[..sound.len() - 1]
         .iter()
         .rposition(|byte| *byte == b'\n')
@@ -537,7 +541,7 @@ fn damaged_pieces_are_found_and_made_again() {
         );
         refused(path, "(1)");
     }
-    // It is kept where it was damaged, and made again.
+    // The corrupted shard is kept, and its runs are made again.
     assert!(make(path, 1, 1));
     assert_eq!(fs::read(&piece).unwrap(), sound);
     assert_eq!(fs::read(path.join("damaged/1.jsonl")).unwrap(), twice);
@@ -585,7 +589,7 @@ fn a_damaged_cut_or_manifest_is_left_alone() {
     }
 }
 
-/// Where the process that is to be killed works.
+/// Variable with the folder of the process that is killed.
 const VICTIM: &str = "STOCHC_TEST_PIECE";
 
 #[test]

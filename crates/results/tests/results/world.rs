@@ -1,4 +1,4 @@
-//! An ensemble of two programs that needs no physics: a run is a hash of its number.
+//! Ensemble of two programs without physics: each run is a hash of its number.
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -17,7 +17,7 @@ use stochc_results::{
 };
 use stochc_runtime::{Settings, Watch as _};
 
-/// A scene whose numbers do not survive a careless reader of JSON.
+/// Scene with numbers that an inexact JSON reader would change.
 pub fn scene() -> Scene {
     Scene {
         name: "void".into(),
@@ -46,7 +46,7 @@ pub fn scene() -> Scene {
     }
 }
 
-/// A catches B, which catches C in a second phase.
+/// Returns a program: A captures B, and B captures C in a second phase.
 pub fn program(name: &str) -> EnsembleProgram {
     let role = |name: &str, seed| Role {
         name: name.into(),
@@ -117,7 +117,7 @@ pub fn manifest(runs: u64) -> Manifest {
     )
 }
 
-/// B on A in the first phase; in the second, C on B, and B is released.
+/// Returns the graph: B on A in the first phase. In the second phase, C on B, and B is released.
 fn graph() -> EventGraph {
     let capture = |phase, child: u32| GraphEvent {
         phase: PhaseId(phase),
@@ -138,7 +138,7 @@ fn graph() -> EventGraph {
     EventGraph::new(events, Vec::new(), chains)
 }
 
-/// SplitMix64 of the run's number and what the draw is for.
+/// Returns SplitMix64 of the number of the run and the purpose of the draw.
 fn draw(program: usize, run: u64, what: u64) -> u64 {
     let mut z = (run << 8 | (program as u64) << 4 | what).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -146,10 +146,10 @@ fn draw(program: usize, run: u64, what: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// How often runs keep their states in these tests, whose longest has a thousand ticks.
+/// Checkpoint interval of these tests. Their longest run has a thousand ticks.
 pub const EVERY: Interval = Interval::Ticks(300);
 
-/// A run that waits for one block, and most times for a second one. Its state is its tick.
+/// Makes a run that waits for one block, and usually for a second one. Its state is its tick.
 pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRecord, RunCancelled> {
     let waits = [draw(program, run, 0) % 500, draw(program, run, 1) % 500];
     let bond = |phase: usize, magnetized, origin| BondRecord {
@@ -261,7 +261,7 @@ fn add_rare_events(record: &mut RunRecord) {
     }
 }
 
-/// Does the runs of an ensemble on so many threads.
+/// Makes the runs of an ensemble on this number of threads.
 pub fn run_on(
     threads: usize,
     destination: Destination,
@@ -276,7 +276,7 @@ pub fn run_on(
     run(destination, &progress, stop, simulate)
 }
 
-/// Does or goes on with the ensemble of `manifest` in `path`.
+/// Makes or resumes the ensemble of `manifest` in `path`.
 pub fn complete(path: &Path, manifest: &Manifest, threads: usize) -> Results {
     let folder = Folder::open(path, manifest, true).unwrap();
     let folder = folder.with_checkpoints(EVERY).unwrap();
@@ -284,17 +284,17 @@ pub fn complete(path: &Path, manifest: &Manifest, threads: usize) -> Results {
     run_on(threads, Destination::Folder(folder), &never, simulate).unwrap()
 }
 
-/// All tables, to the byte.
+/// Returns the bytes of all tables.
 pub fn bytes(path: &Path) -> Vec<Vec<u8>> {
     let names = stochc_results::tables().into_iter();
     let files = names.map(|table| path.join(format!("{}.parquet", table.name)));
     files.map(|file| std::fs::read(file).unwrap()).collect()
 }
 
-/// Puts a file where a test needs one.
+/// Writes a file for a test.
 #[expect(
     clippy::disallowed_methods,
-    reason = "a test plays the rest of the world"
+    reason = "the test writes files that other programs would write"
 )]
 pub fn put(path: &Path, content: impl AsRef<[u8]>) {
     std::fs::write(path, content).unwrap();
