@@ -39,8 +39,8 @@ fn checked(text: &str) -> Checked {
     check("large.sa", &mut reader, Limits::default())
 }
 
-/// Returns `towers` towers of four in a square on a plate as separate statements, or one tower of
-/// `4 * towers` blocks in one statement.
+/// Returns `towers` towers of four in a square on a plate as separate statements. With `in_one`,
+/// returns one tower of `4 * towers` blocks in one statement.
 fn program(towers: usize, in_one: bool) -> String {
     let edge = (towers as f64).sqrt().ceil() as usize;
     let mut text = format!(

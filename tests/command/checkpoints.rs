@@ -78,8 +78,8 @@ fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
         "{}",
         last.err
     );
-    // For shards, the folder and a draft left by a kill stay until the merge: other processes may
-    // be writing one.
+    // For shards, the folder and a draft left by a kill stay until the merge. Another process may
+    // be writing a checkpoint.
     let left: Vec<String> = files(&folder).into_iter().map(|(name, _)| name).collect();
     let may_stay = |name: &String| arguments[0] == "shard" && name.contains(".draft-");
     assert!(left.iter().all(may_stay), "{left:?}");

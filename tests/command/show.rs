@@ -117,7 +117,7 @@ fn a_program_that_mostly_times_out_is_not_the_faster_one() {
     // Both count up to the last time that was observed in either.
     assert_eq!(time(0, "horizon"), time(1, "max"));
     assert!(time(0, "mean") > time(1, "mean"), "{}", said.out);
-    // The same holds for a sweep: five ticks of 10 ms fit into the timeout, but only one of 40 ms.
+    // The same holds for a sweep. Five ticks of 10 ms fit into the timeout, but only one of 40 ms.
     let limited = "assembly limited { seed plate 1 x 1 { M at (0, 0) } phase a timeout 50 ms { M.up ->> T[1..5] } }";
     let slow = path(folder.path(), "limited.sa");
     fs::write(&slow, limited).unwrap();
@@ -213,8 +213,8 @@ fn a_sweep_is_shown_point_by_point_with_the_label_of_its_program() {
     assert!(told.contains("| Tower \\[free=200\\] | 3 of 3 |"), "{told}");
 }
 
-/// Two runs of similar programs: the difference is not significant, and the sentence states the
-/// number of runs that would suffice.
+/// Compares two runs of similar programs. The difference is not significant, and the sentence
+/// states a sufficient number of runs.
 #[test]
 fn a_difference_that_is_not_significant_is_told_with_the_runs_that_it_needs() {
     let folder = tempfile::tempdir().unwrap();

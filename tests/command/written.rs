@@ -9,8 +9,8 @@ use crate::stochc::{path, stochc_with};
 
 const TOWER: &str = "tests/fixtures/tower.sa";
 
-/// Returns commands that write a file: the words before and after its name, and whether they may
-/// replace their own file.
+/// Returns commands that write a file. Each has the words before and after its name, and whether it
+/// may replace its own file.
 fn writers(results: &str) -> Vec<(String, Vec<&str>, bool)> {
     let compile = |what: &str| format!("compile {TOWER} --emit {what} --out");
     let mut writers = vec![

@@ -1,5 +1,5 @@
-//! Tests the documents: runs every command in order, as a reader who has just cloned the project,
-//! and compares the output with the documents.
+//! Tests the documents. Runs every command in order, as a reader who has just cloned the project.
+//! Compares the output with the documents.
 #![allow(
     clippy::disallowed_methods,
     reason = "the tests read documents and prepare folders for the commands in them"

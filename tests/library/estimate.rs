@@ -6,7 +6,7 @@ use stochc_runtime::{Model, Settings};
 
 const RUNS: u64 = 400;
 
-/// Checks that the mean of an estimate differs from that of runs by no more than its stated error,
+/// Checks that the mean of an estimate differs from that of runs by at most its stated error,
 /// except for chance.
 fn agree(names: &[&str], interaction: Interaction) {
     for name in names {

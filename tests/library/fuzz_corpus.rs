@@ -65,8 +65,8 @@ impl Numbers {
     }
 }
 
-/// Returns a file with a few changes: a flipped bit, another byte or number, or a part that is
-/// removed, moved or doubled.
+/// Returns a file with a few changes. Each flips a bit, replaces a byte or number, or removes,
+/// moves or doubles a part.
 fn changed(bytes: &[u8], numbers: &mut Numbers) -> Vec<u8> {
     const EXTREME: [&str; 6] = [
         "0",

@@ -131,7 +131,7 @@ fn action_rows() -> Vec<(Value, String)> {
     all.into_iter().map(row).collect()
 }
 
-/// Returns the first cells of a row of the page: the word in an executable, in `--json`, and in the text.
+/// Returns the first cells of a row of the page: the word in executables, in `--json`, and in text.
 fn row(word: &impl Serialize, json: &Value, text: &str) -> String {
     // The file contains the fields in their order.
     let file = serde_json::to_string(word).expect("JSON");

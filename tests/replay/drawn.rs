@@ -1,4 +1,4 @@
-//! Checks the drawings around the arena for a tick and a view: axes, scale bar, overview,
+//! Checks the drawings around the arena for a tick and a view. They are axes, scale bar, overview,
 //! statements of the program, and blocks in the floor or outside of the shell.
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -416,8 +416,8 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
     page.value("replay.select(null)");
 }
 
-/// Checks that a capture has the colour of its own phase in the bar, even if the next phase begins
-/// at that tick.
+/// Checks that a capture has the colour of its own phase in the bar. The next phase may begin at
+/// that tick.
 fn check_strokes(page: &mut impl Page, recording: &Recording) {
     let anew = "document.getElementById('theme').click()";
     let drawn = page.drawn("#timeline", anew);

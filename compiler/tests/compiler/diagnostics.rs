@@ -715,7 +715,7 @@ fn assert_changes_hold(program: &str) {
     }
 }
 
-/// Checks that every code has a page, and applies the help of its invalid program: the fix or the
+/// Checks that every code has a page. Applies the help of its invalid program, which is a fix or a
 /// change in `FOLLOWED`.
 #[test]
 #[allow(

@@ -36,8 +36,8 @@ struct Generator {
 pub enum Reuse {
     /// Names are reused in a later phase, cells and faces in the same phase.
     Later,
-    /// Everything is reused in the same phase, as often as possible. Branches move, blocks take the
-    /// name or cell of a released block, and some blocks are captured and released within the
+    /// Everything is reused in the same phase, as often as possible. Branches move, and blocks take
+    /// the name or cell of a released block. Some blocks are captured and released within the
     /// phase.
     AtOnce,
 }

@@ -325,8 +325,8 @@ fn cube(low: Cell) -> impl Iterator<Item = Cell> {
     (0..8).map(move |i| Cell::new(low.x + (i & 1), low.y + (i >> 1 & 1), low.z + (i >> 2)))
 }
 
-/// Returns whether a cube of two cells can bring a block to a cell, or next to it for a gap along
-/// `way` on free ground.
+/// Returns whether a cube of two cells can bring a block to a cell. For a gap along `way` on free
+/// ground, the cell next to it suffices.
 fn is_wide(room: Room, target: Cell, way: Face, full: &BTreeMap<Cell, EventId>) -> bool {
     let aside = || {
         let faces = Face::ALL.into_iter();
@@ -587,8 +587,8 @@ fn follow(checked: &Checked, diagnostic: &Diagnostic) -> Option<bool> {
     Some(!is_open(SMALL, cell(EventId(target)), &full))
 }
 
-/// Numbers of fixes of a program: changes of the source, advice to be written by hand, diagnostics
-/// without a fix, and merged diagnostics with different fixes.
+/// Numbers of fixes of a program. They count changes of the source, advice to be written by hand,
+/// diagnostics without a fix, and merged diagnostics with different fixes.
 #[derive(Debug, Default)]
 struct Remedies {
     changes: usize,
@@ -1063,8 +1063,8 @@ fn halls_are_open_by_their_doors_alone() {
     }
 }
 
-/// Hall in one phase: a roof that waits for its walls, pillars that do not wait, and lamps that
-/// wait for the roof.
+/// Hall in one phase. The roof waits for its walls, the pillars do not wait, and the lamps wait for
+/// the roof.
 const LAMPS: &str = "\
 assembly hall {
     seed plate 7 x 7 {

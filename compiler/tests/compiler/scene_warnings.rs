@@ -36,8 +36,7 @@ fn codes(text: &str) -> Vec<Code> {
     checked.diagnostics.iter().map(|it| it.code).collect()
 }
 
-/// Returns a program with cubes of 1.5 cm and 3.4 g in a fluid, and an assembly of this many
-/// layers.
+/// Returns a program with cubes of 1.5 cm and 3.4 g in a fluid. Its assembly has `layers` layers.
 fn lab(density: &str, speed: &str, layers: u32) -> String {
     format!(
         "scene lab {{

@@ -3,10 +3,10 @@
 //! `DRIVER ENGINE BLOCKS KICK` starts a driver. It prints `ready`, the digests of its start and of
 //! its kicks (`nan` for its own kicks), and its version. Then it reads commands:
 //!
-//! - `run TICKS` advances the scene. It prints the CPU time of the thread \[ns\], the mean square
-//!   speed (square block lengths per square tick), the contact points per block (`nan` if the
-//!   engine does not report them), and the number of complaints of the engine. Engines in Rust
-//!   stop instead.
+//! - `run TICKS` advances the scene. It prints four numbers: the CPU time of the thread \[ns\], the
+//!   mean square speed, the contact points per block, and the number of complaints of the engine.
+//!   Speeds are in block lengths per tick. The contact points are `nan` if the engine does not
+//!   report them. Engines in Rust stop instead of complaining.
 //! - `state` prints one line per block: position, velocity and rotation (x, y, z, w).
 //!
 //! Reading speeds and contacts is not part of the measured time.

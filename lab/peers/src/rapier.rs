@@ -37,8 +37,8 @@ impl Rapier {
         Rapier::new(blocks, kick, parameters, 0.2, true)
     }
 
-    /// Uses the settings of `runtime/src/world/rapier/engine.rs` in block units: the same contacts,
-    /// but no continuous collision detection, no limit of speed, and no sleep.
+    /// Uses the settings of `runtime/src/world/rapier/engine.rs` in block units. The contacts are
+    /// the same. There is no continuous collision detection, no limit of speed, and no sleep.
     pub fn as_the_project(blocks: u32, kick: f64) -> Rapier {
         let softness = |natural_frequency| SpringCoefficients {
             natural_frequency,

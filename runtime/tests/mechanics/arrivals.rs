@@ -31,7 +31,7 @@ fn density(count: usize, radius: f64) -> f64 {
 }
 
 /// Estimates by Monte Carlo the surface of all positions of a block whose nearest face is within
-/// `reach` of a point: six balls, each half a block length off the point.
+/// `reach` of a point. The surface is that of six balls, each half a block length off the point.
 fn effective_area(reach: f64) -> f64 {
     let mut dice = Dice::new(12);
     let (mut bare, samples) = (0, 20_000);

@@ -1,8 +1,8 @@
 //! Compares single collisions with their closed forms.
 //!
 //! Bodies begin with an overlap of [`DEPTH`], which is too small to be corrected. So the first step
-//! computes the collision of exactly this geometry. An impulse J along n at the arms r changes
-//! velocities by J n / m and spins by (r x n) J / I, with I = 1/6.
+//! computes the collision of exactly this geometry. Consider an impulse J along n at the arms r. It
+//! changes velocities by J n / m and spins by (r x n) J / I, with I = 1/6.
 
 use crate::scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, pass, states};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -30,8 +30,8 @@ const DEPTH: f64 = 1.0 / 2048.0;
 
 const RESTITUTIONS: [f64; 4] = [0.0, 0.25, 0.5, 1.0];
 
-/// Returns the tolerance of a component after a collision at a single point without friction, for
-/// motions of about 0.1 per tick.
+/// Returns the tolerance of a component after a frictionless collision at a single point. Motions
+/// are about 0.1 per tick.
 ///
 /// Positions within 4 block lengths of the origin are rounded to 4 units of [`Kind::ROUNDING`], and
 /// so are the arms. Velocities follow with a factor of 6 (1 / I), and half a dozen operations round

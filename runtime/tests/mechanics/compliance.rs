@@ -44,9 +44,9 @@ struct Bounce {
     depth: f64,
 }
 
-/// Returns the mean outcome of flat landings that begin at evenly spaced moments of a tick, for a
-/// contact of `frequency` per tick. In a single landing the damper may act half a tick too long or
-/// too short.
+/// Returns the mean outcome of flat landings for a contact of `frequency` per tick. The landings
+/// begin at evenly spaced moments of a tick. In a single landing the damper may act half a tick too
+/// long or too short.
 fn bounce<K: Kind>(frequency: f64, damped: f64) -> Bounce {
     const STARTS: u32 = 32;
     let mut sum = [0.0; 3];

@@ -121,8 +121,9 @@ fn colliding_blocks_keep_momentum_and_angular_momentum<K: Kind>() {
             assert!(drift.collisions > 20, "{drift:?}");
             assert!(drift.momentum < rounding::<K>(), "{drift:?}");
             // The correction of an overlap moves blocks without changing their velocities. It moves
-            // them by a fifth of the depth, which is at most the approach of two blocks at 0.15 in
-            // one substep. The reference feels contacts at gaps up to 0.1, with impulses of 0.15.
+            // them by a fifth of the depth. The depth is at most the approach of two blocks at 0.15
+            // in one substep. The reference feels contacts at gaps up to 0.1, with impulses of
+            // 0.15.
             let moved = 0.2 * 0.15 * 0.15 / f64::from(substeps);
             let most = if K::REFERENCE { 0.1 * 0.15 } else { moved };
             assert!(drift.angular < most, "{drift:?}");
@@ -143,10 +144,10 @@ fn compliant_contacts_keep_angular_momentum_to_the_last_digits<K: Kind>() {
     );
 }
 
-/// Compares the kinetic energy after 8,000 ticks without damping and friction with the start,
-/// averaged over the last thousand ticks and over gases. Springs store some of the energy at any
-/// time, and none may be created. One gas gains or loses about a tenth by chance, in some 3,000
-/// ticks with collisions.
+/// Compares the kinetic energy after 8,000 ticks without damping and friction with the start. The
+/// final energy is a mean over a thousand ticks and several gases. Springs store some of the energy
+/// at any time, and none may be created. One gas gains or loses about a tenth by chance, in some
+/// 3,000 ticks with collisions.
 fn springs_without_damping_keep_energy<K: Kind>() {
     const GASES: u64 = 8;
     for substeps in [4, 16] {
@@ -181,8 +182,8 @@ fn inelastic_and_rough_collisions_never_add_energy<K: Kind>() {
     }
 }
 
-/// Energy grows only by rounding. It shrinks if ten rounds do not solve a patch. A loss of 2e-4 of
-/// the energy of a pair is within the solver's tolerance, and few patches need more rounds.
+/// Energy grows only by rounding. It shrinks if ten rounds do not solve a patch. The solver's
+/// tolerance allows a loss of 2e-4 of the energy of a pair. Few patches need more rounds.
 fn elastic_collisions_keep_energy<K: Kind>() {
     for substeps in [1, 8] {
         let drift = watch::<K>(contact(1.0, 0.0), BLOCKS, substeps, 1000);

@@ -240,8 +240,7 @@ fn errors_go_down_as_the_page_says() {
     crate::pages::assert_part(PAGE, [BEGIN, END], &table);
 }
 
-/// All three head-on cases are the damped oscillator of two blocks, which ends at a phase of pi - 2
-/// a.
+/// All three head-on cases are damped oscillators of two blocks. They end at a phase of pi - 2 a.
 #[test]
 fn head_on_collisions_are_exact_in_the_mean() {
     for case in &CASES[..3] {

@@ -39,11 +39,11 @@ const SPEED: f64 = 0.15;
 
 /// Returns the tolerance of the friction, as a fraction of the weight.
 ///
-/// The kernel stops its rounds when no point changes by more than 1e-4 of the fastest motion, which
-/// here is the sliding. Each further round would remove at least a quarter of the error, so the
-/// remaining error is at most three times the last change. The reference has a soft contact, on
-/// which the cube rocks. Its weight presses on the ground only on average, to one tick in a
-/// hundred.
+/// The kernel stops its rounds when no point changes by more than 1e-4 of the fastest motion. Here
+/// the fastest motion is the sliding. Each further round would remove at least a quarter of the
+/// error. So the remaining error is at most three times the last change. The reference has a soft
+/// contact, and the cube rocks on it. Its weight presses on the ground only on average, to one tick
+/// in a hundred.
 fn slack<K: Kind>() -> f64 {
     if K::REFERENCE {
         0.01
@@ -155,8 +155,8 @@ fn friction_at_a_corner_opposes_the_sliding<K: Kind>() {
         let sliding = (end.velocity + end.spin.cross(&(arm + at(0.0, 0.0, 1.0 / 4096.0)))).xy();
         let (push, pressing) = (impulse.xy(), impulse.z);
         assert!(pressing > 1e-4 && sliding.norm() > 0.1);
-        // The last change of a round is below 1e-4 of the sliding, and further changes sum to at
-        // most three times that. Relative to the push, the error is larger by sliding / pressing.
+        // The last change of a round is below 1e-4 of the sliding. Further changes sum to at most
+        // three times that. Relative to the push, the error is larger by sliding / pressing.
         let slack = 3.0 * 1e-4 * 0.2 / pressing;
         let size = push.norm() / (FRICTION * pressing);
         assert!((size - 1.0).abs() < slack, "{size}");

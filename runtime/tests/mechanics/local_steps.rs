@@ -133,8 +133,8 @@ fn energy_is_kept_across_the_border<K: Kind>() {
     assert!((local - short).abs() < 0.1, "{local} {short} {long}");
 }
 
-/// Compares the number of blocks in the field of a face, their speed, and the rate of entries with
-/// short steps everywhere. They agree within chance.
+/// Compares local steps with short steps everywhere. The number of blocks in the field of a face,
+/// their speed, and the rate of entries agree within chance.
 fn a_face_sees_the_same_gas_as_with_short_steps_everywhere<K: Kind>() {
     let look = |settings: &Settings, seed| {
         let mut world = open::<K>(&scene(0.0003, 0.003, 0.0), settings, &gas(seed, 0.03));

@@ -75,8 +75,8 @@ fn a_block_docks_from_beyond_the_reach_of_the_pull<K: Kind>() {
     assert_eq!((docked[0].entries, docked[0].entered), (1, 1));
 }
 
-/// The block passes the face at three times the width of the window per step, at any phase of the
-/// step.
+/// The block passes the face at three times the width of the window per step. Steps end at various
+/// positions.
 fn a_fast_block_docks_if_its_way_leads_through_the_window<K: Kind>() {
     let (within, speed) = (0.05, 0.3);
     for start in 0..16 {
@@ -101,7 +101,7 @@ fn a_fast_block_docks_if_its_way_leads_through_the_window<K: Kind>() {
 }
 
 /// Without contact and docking, the face of the block swings through that of the plate about 300
-/// times, with an amplitude of 0.3 block lengths.
+/// times. The amplitude is 0.3 block lengths.
 fn a_block_swings_about_the_middle_of_a_magnet_without_gain_or_loss<K: Kind>() {
     for (pull, substeps) in [(0.004, 1), (0.016, 2), (0.016, 4)] {
         let mut scene = empty();

@@ -135,9 +135,9 @@ fn spheres_touch_at_one_side_whatever_their_orientation<K: Kind>() {
         assert!(least < 1.0 && least > 1.0 - 2.0 * speed, "{least}");
         for (id, start) in start.iter().enumerate() {
             let end = world.state(id as u32);
-            // In 60 ticks each position has been rounded 60 times to 8 units, and the line of
-            // centres has the same error. The rebound along it has twice that error. Friction turns
-            // the error into spin with I = 1/6 and an arm of 1/2.
+            // In 60 ticks each position has been rounded 60 times to 8 units. The line of centres
+            // has the same error. The rebound along it has twice that error. Friction turns the
+            // error into spin with I = 1/6 and an arm of 1/2.
             let off = speed * 2.0 * 60.0 * 8.0 * K::ROUNDING;
             assert!((end.velocity + start.velocity).norm() < off);
             assert!(end.spin.norm() < 3.0 * off);

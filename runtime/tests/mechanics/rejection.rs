@@ -69,8 +69,8 @@ fn what_hangs_on_a_docked_block_leaves_in_one_piece_with_the_impulse<W: Arena>()
     }
 }
 
-/// Returns two planted blocks, 1 and 2, with the east face of block 1 and the south face of block 2
-/// before the same cell. Block 0 waits far away.
+/// Returns two planted blocks, 1 and 2. The east face of block 1 and the south face of block 2
+/// adjoin the same cell. Block 0 waits far away.
 fn corner<W: Arena>() -> (W, BlockFace, BlockFace) {
     let places = [at(0.0, 9.0, 9.0), at(-5.0, 0.0, 5.0), at(0.0, 5.0, 5.0)];
     let mut world: W = in_steps(&reject(1e-6, 0.5), &places.map(BodyState::at_rest));

@@ -584,7 +584,7 @@ fn lost_messages_are_sent_again_and_cost_hops_and_time() {
         ticks += record.ticks - SNAKE.len() as u64;
     }
     let sent = (runs * SNAKE.len() as u64) as f64;
-    // A transfer is repeated until it arrives, 1 / 0.7 times on average, and until its
+    // A transfer is repeated until it arrives, 1 / 0.7 times on average. It is repeated until its
     // acknowledgement arrives, 1 / 0.7^2 times in total, unless the phase ends earlier.
     let hops = hops as f64 / sent;
     assert!(

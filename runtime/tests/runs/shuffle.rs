@@ -230,7 +230,7 @@ impl Towers {
 }
 
 /// If the time were quadratic in the size, an event of the large program would take 64 times as
-/// long. It takes two to ten times as long: only the small program fits into the cache of one core,
+/// long. It takes two to ten times as long. Only the small program fits into the cache of one core,
 /// and a busy machine leaves little of the shared cache.
 #[test]
 fn an_event_takes_about_as_long_in_a_large_program_as_in_a_small_one() {

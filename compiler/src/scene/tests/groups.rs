@@ -41,9 +41,9 @@ fn compliant(stiffness: f64, damping: f64) -> Option<Contact> {
 fn the_groups_of_the_default_scene() {
     // In block lengths, blocks and ticks: n = 300 / (2/3 π 25^3) = 0.0091673. The cross-section is
     // (12 + 4.5 π) / 4 = 6.5343, so ℓ = 1 / (√2 n 6.5343) = 11.804. The mean speed is 0.92132 v.
-    // There are 0.078052 v collisions per tick, each for v^2 / 3, and 0.92132 v / 4 * 3 / 50 =
-    // 0.013820 v landings, each for 2 v^2 / 3. The sum 0.035230 v^3 equals j^2 = 0.044^2 / 3 at v =
-    // 0.26360.
+    // There are 0.078052 v collisions per tick, each for v^2 / 3. There are 0.92132 v / 4 * 3 / 50
+    // = 0.013820 v landings, each for 2 v^2 / 3. The sum 0.035230 v^3 equals j^2 = 0.044^2 / 3 at v
+    // = 0.26360.
     are(
         &values(&hemisphere()),
         &[
@@ -267,8 +267,7 @@ fn where_drag_rules_a_step_is_as_long_as_the_motion_in_it() {
     assert_eq!(needed(&long, "v τ / a"), Some(1));
     long.tick = 40.0;
     assert_eq!(needed(&long, "v τ / a"), Some(2));
-    // Without drag the pull would accelerate the block by F τ² / m = 1.9 m, and K² steps would be
-    // needed.
+    // Without drag the pull would accelerate the block by F τ² / m = 1.9 m, which needs K² steps.
     let mut free = microns();
     free.fluid = None;
     free.agitation = None;

@@ -43,8 +43,8 @@ fn all_orders_of_the_five_towers_are_tried() {
     let reduced = explore(tables);
     assert_eq!(full.verdict, ExplorationVerdict::Holds);
     assert_eq!(reduced.verdict, ExplorationVerdict::Holds);
-    // Four towers have five states each: waiting for either block, a report with two or one hop
-    // left, and no report. Then one tower passes through five such states, and the run ends.
+    // Four towers have five states each: waiting for either block, a report with two hops or one
+    // hop left, no report. Then one tower passes through five such states, and the run ends.
     assert_eq!(full.states, 5_u64.pow(4) + 5 + 1);
     assert!(reduced.states < 30, "{}", reduced.states);
 }

@@ -294,8 +294,8 @@ fn a_scene_by_the_name_of_the_built_in_one_is_written_down() {
     assert_eq!(scene.unwrap().free.count, 40, "{}", planned.text);
 }
 
-/// Returns the remaining target and the existing structure after a run of the first program of a
-/// text was stopped at this tick.
+/// Stops a run of the first program of a text at this tick. Returns its target and the existing
+/// structure.
 fn left(text: &str, max_ticks: u64) -> (Goal, ExistingStructure) {
     let checked = check_text("run.sa", text);
     let goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();

@@ -149,7 +149,7 @@ fn maps_of_two_numbers_find_room() {
     }
 }
 
-/// A power law is drawn as a line: both axes are logarithmic if both span more than a factor of
+/// A power law is drawn as a line. Both axes are logarithmic if both span more than a factor of
 /// ten.
 #[test]
 fn powers_are_drawn_as_lines() {

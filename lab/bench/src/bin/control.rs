@@ -2,10 +2,10 @@
 //! [REPEATS]]`.
 //!
 //! The programs are towers of ten on a square plate. One program only builds them. The other one
-//! also releases them, which sends a message for each release. Events are those of a replay: a face
-//! is switched on, a block is captured or released, a message makes a hop, the plate counts a
-//! report, a phase begins. Times are the shortest of several runs, from the tables to the record.
-//! Without arguments the sizes are 10^3 to 10^6 captures.
+//! also releases them, which sends a message for each release. Events are those of a replay. A face
+//! is switched on, or a block is captured or released. A message makes a hop, the plate counts a
+//! report, or a phase begins. Times are the shortest of several runs, from the tables to the
+//! record. Without arguments the sizes are 10^3 to 10^6 captures.
 #![allow(missing_docs, reason = "a command, not a library")]
 #![expect(clippy::disallowed_methods, reason = "a benchmark needs a clock")]
 

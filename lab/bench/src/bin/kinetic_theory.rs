@@ -1,9 +1,9 @@
 //! Compares the scene `hemisphere_2005` with the predictions of kinetic theory.
 //!
-//! Blocks of number density n and mean speed v enter the reach of a magnetized face n v A / 4 times
-//! per tick. A is the surface of all positions of a block whose nearest face just enters the reach.
-//! It is averaged over orientations, without the positions that the structure blocks. Compare the
-//! prediction with the entry rates of `stochc simulate --captures`.
+//! Blocks have a number density n and a mean speed v. They enter the reach of a magnetized face n v
+//! A / 4 times per tick. A is the surface of all positions of a block whose nearest face just
+//! enters the reach. It is averaged over orientations, without the positions that the structure
+//! blocks. Compare the prediction with the entry rates of `stochc simulate --captures`.
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -109,9 +109,9 @@ fn observe(scene: &Scene) -> Gas {
     }
 }
 
-/// Returns the area of all positions of a cube's centre whose nearest face is just within `reach`
-/// of the origin, averaged over orientations. The face at the origin looks up. Positions with
-/// `barred` are left out. The unit is square block lengths.
+/// Returns an area, averaged over orientations. It consists of all positions of a cube whose
+/// nearest face is just within `reach` of the origin. The face at the origin looks up. Positions
+/// with `barred` are left out. The unit is square block lengths.
 fn area(reach: f64, barred: impl Fn(Vector3<f64>, &UnitQuaternion<f64>) -> bool) -> f64 {
     let mut dice = ChaCha8Rng::seed_from_u64(1);
     let mut open = 0usize;

@@ -4,7 +4,7 @@
 //!
 //! No face is magnetized. An encounter begins when the centres of two free blocks are closer than
 //! 1.2 block lengths. At smaller distances most cubes touch. It ends at a distance of 1.8. If the
-//! centres come closer than half a block length, the blocks have passed through each other: rigid
+//! centres come closer than half a block length, the blocks have passed through each other. Rigid
 //! cubes stay a whole block length apart.
 use std::collections::HashMap;
 

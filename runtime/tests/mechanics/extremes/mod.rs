@@ -471,8 +471,8 @@ in_every_world!(
     two_magnets_fight_for_one_block
 );
 
-/// Returns the ratio of the final to the initial energy of a hundred elastic blocks without
-/// agitation, after a hundred million block-steps.
+/// Simulates a hundred elastic blocks without agitation for a hundred million block-steps. Returns
+/// the ratio of the final to the initial energy.
 fn left_of_the_energy(substeps: u32) -> f64 {
     let (radius, count) = (17.0, 100);
     let scene = with(|scene| {
