@@ -15,65 +15,9 @@ mod scene;
 mod source;
 mod spacing;
 mod statement;
+mod whole_file;
+mod width;
 
-use crate::error::SyntaxError;
-use crate::parse::parse_recorded;
-use crate::{Symbols, parse};
-
-/// Largest width of a line, unless a single word is longer.
-pub(crate) const WIDTH: usize = 100;
-
-/// Width of one level of indentation.
-pub(crate) const INDENT: usize = 4;
-
-/// Reason why a source cannot be formatted.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum FormatError {
-    /// The source has syntax errors.
-    Wrong(Vec<SyntaxError>),
-    /// Formatting would have changed the meaning: a bug in this crate.
-    Unfaithful,
-}
-
-/// Formats a source.
-///
-/// The result parses to the same tree and has the same comments in the same order. Formatting it
-/// again changes nothing. Lines end as the first line of the source does.
-///
-/// # Errors
-///
-/// Returns an error if the source has errors of syntax.
-pub fn format(text: &str) -> Result<String, FormatError> {
-    let mut symbols = Symbols::new();
-    let (parsed, record) = parse_recorded(text, &mut symbols);
-    if !parsed.errors.is_empty() {
-        return Err(FormatError::Wrong(parsed.errors));
-    }
-    let source = source::read(text, &record);
-    let laid_out = block::lay_out(&source);
-    // A result that replaces the user's file is checked twice.
-    let again = parse(&laid_out, &mut symbols);
-    if !again.errors.is_empty() || again.tree != parsed.tree {
-        return Err(FormatError::Unfaithful);
-    }
-    let ends_in_return = |line: &str| line.ends_with('\r');
-    Ok(match text.split_once('\n') {
-        Some((first, _)) if ends_in_return(first) => laid_out.replace('\n', "\r\n"),
-        _ => laid_out,
-    })
-}
-
-/// Formats the output of [`crate::print()`], valid or not.
-pub(crate) fn lay_out(text: &str) -> Option<String> {
-    let (parsed, record) = parse_recorded(text, &mut Symbols::new());
-    // Misplaced statements must appear in the output, too.
-    let is_whole = |error: &SyntaxError| {
-        use crate::SyntaxErrorKind as K;
-        matches!(
-            error.kind,
-            K::Misplaced { is_read: true, .. } | K::ReservedWord { .. } | K::FaceMisused { .. }
-        )
-    };
-    let whole = parsed.errors.iter().all(is_whole);
-    whole.then(|| block::lay_out(&source::read(text, &record)))
-}
+pub(crate) use whole_file::lay_out;
+pub use whole_file::{FormatError, format};
+pub(crate) use width::{INDENT, WIDTH};

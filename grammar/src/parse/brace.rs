@@ -2,9 +2,10 @@
 use pest::Parser as _;
 use pest::iterators::Pair;
 
-use super::frame::{Mode, OpenBlock, OpenBlockContent};
+use super::open_block::{Mode, OpenBlock, OpenBlockContent};
+use super::parser::Parser;
 use super::window::{Cause, Unreadable, cut};
-use super::{Parser, Rule, SaParser, trivia, words};
+use super::{Rule, SaParser, trivia, words};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::ItemKind;

@@ -3,9 +3,11 @@ use pest::iterators::Pair;
 use smallvec::SmallVec;
 use stochc_ir::Face;
 
+use super::Rule;
 use super::expr::two;
-use super::frame::{Mode, OpenBlockContent};
-use super::{Parser, Rule, end_of, span_of};
+use super::open_block::{Mode, OpenBlockContent};
+use super::parser::Parser;
+use super::spans::{end_of, span_of};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::{

@@ -1,7 +1,9 @@
 //! Builds trees of integer arithmetic from flat lists of terms and operators.
 use pest::iterators::{Pair, Pairs};
 
-use super::{MAX_DEPTH, MAX_TERMS, Parser, Rule, span_of};
+use super::parser::Parser;
+use super::spans::span_of;
+use super::{MAX_DEPTH, MAX_TERMS, Rule};
 use crate::error::SyntaxErrorKind;
 use crate::tree::{Expr, ExprKind, Operator, Subscript};
 

@@ -1,7 +1,8 @@
 //! Tokens of a file, for the formatter.
 use pest::iterators::Pair;
 
-use super::{Rule, span_of};
+use super::Rule;
+use super::spans::span_of;
 use crate::Span;
 
 /// Every token of a file, in order.

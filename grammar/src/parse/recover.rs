@@ -1,7 +1,8 @@
 //! Continues after a broken statement.
-use super::frame::{Mode, OpenBlockContent};
+use super::open_block::{Mode, OpenBlockContent};
+use super::parser::Parser;
 use super::window::{self, Cause, Unreadable};
-use super::{Parser, trivia, words};
+use super::{trivia, words};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::{

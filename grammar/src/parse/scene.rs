@@ -2,8 +2,10 @@
 use pest::Parser as _;
 use pest::iterators::Pair;
 
-use super::frame::{OpenBlock, OpenBlockContent};
-use super::{Parser, Rule, SaParser, span_of};
+use super::open_block::{OpenBlock, OpenBlockContent};
+use super::parser::Parser;
+use super::spans::span_of;
+use super::{Rule, SaParser};
 use crate::error::SyntaxErrorKind;
 use crate::tree::{ItemKind, Layer, LayerRow, Quantity, Term, UnitFactor};
 

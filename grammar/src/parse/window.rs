@@ -6,7 +6,7 @@ use pest::Parser as _;
 use pest::error::{Error, ErrorVariant, InputLocation};
 use pest::iterators::{Pair, Pairs};
 
-use super::frame::Mode;
+use super::open_block::Mode;
 use super::{MAX_STATEMENT, Rule, SaParser, trivia, words};
 
 /// Result of a window.

@@ -1,6 +1,6 @@
 //! Names of grammar rules for messages.
 use super::Rule;
-use super::frame::{OpenBlock, OpenBlockContent};
+use super::open_block::{OpenBlock, OpenBlockContent};
 
 /// Returns the words for a rule. Returns `None` for rules that messages do not mention.
 pub fn word(rule: Rule) -> Option<&'static str> {

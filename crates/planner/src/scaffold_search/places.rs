@@ -2,7 +2,7 @@
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use super::NoScaffolds;
+use super::trial::NoScaffolds;
 use crate::Target;
 use crate::scaffold::{MastPiece, Scaffolding, SiteRoles};
 use crate::scheduling::WAIT;

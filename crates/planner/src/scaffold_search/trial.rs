@@ -3,7 +3,8 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::MAX_CELLS;
+/// Largest target that is searched for scaffolds \[cells\].
+pub(super) const MAX_CELLS: usize = 300;
 
 /// Result of the search for scaffolds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -5,120 +5,15 @@
 //! explains each figure.
 mod data;
 mod html;
+mod location;
 pub(crate) mod narrative;
 mod page;
-
-use std::io::Write;
-use std::time::Duration;
-
-use stochc_experiments::trade::Trade;
-
-use crate::analysis::maps::Maps;
-use crate::analysis::reported_program::ReportedProgram;
-use crate::analysis::{self, pairwise, reported_program, sweep, waits};
-use crate::svg::Drawing;
+mod report;
 
 pub use crate::analysis::maps::RecordingReader;
 pub use crate::analysis::reported_program::{Input, ReportError};
 pub use crate::figures::{FigureFormat, Figures};
 pub use crate::svg::Medium;
 pub use data::CHAINS;
-
-/// First line of every report. It distinguishes reports from other files.
-pub const MARK: &str = "<!DOCTYPE html><!-- stochc report -->";
-
-/// A complete report with its figures.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Report {
-    /// HTML page, self-contained and without scripts.
-    pub page: String,
-    /// Figures and their data (CSV) except [`CHAINS`], by name of the file.
-    pub files: Vec<(String, Vec<u8>)>,
-    /// Whether [`CHAINS`] belongs to the report. Without captures it would have no rows.
-    pub has_chains: bool,
-}
-
-/// Location of the report, and the resources that it refers to.
-#[derive(Clone, Copy)]
-pub struct ReportLocation<'a> {
-    /// Name of the folder of figures and tables, next to the page.
-    pub folder: &'a str,
-    /// Formats of the figures.
-    pub figures: &'a Figures,
-    /// Interval of reloads by a browser. `None` if the page is not reloaded.
-    pub reload: Option<Duration>,
-    /// Returns the relative address of the replay of a run. Arguments: index of the folder, index
-    /// of the program, number of the run. Returns `None` if there is no replay.
-    pub replay: &'a dyn Fn(usize, usize, u64) -> Option<String>,
-    /// Reader of the recordings.
-    pub recordings: &'a RecordingReader<'a>,
-}
-
-/// Creates the report of one or several results folders. It writes [`CHAINS`] directly, because
-/// this table has rows for every run.
-///
-/// # Errors
-///
-/// If runs cannot be read again, or `chains` cannot be written.
-pub fn report(
-    inputs: &[Input],
-    surroundings: &ReportLocation,
-    chains: &mut dyn Write,
-) -> Result<Report, ReportError> {
-    chains.write_all(data::chains_header().as_bytes())?;
-    let shown = &surroundings.figures.presentation;
-    let (mut subjects, mut sweeps) =
-        reported_program::subjects(inputs, shown, &mut |subject, run| {
-            chains.write_all(data::chains(subject, run).as_bytes())
-        })?;
-    let clock = shown.unit(subjects.iter().map(|subject| subject.program));
-    let waits: Vec<_> = subjects.iter_mut().map(waits::waits).collect();
-    let pairwise_tests = pairwise::pairwise_tests(&subjects, clock);
-    sweeps.extend(sweep::found(&subjects, clock));
-    let mut trades = Vec::new();
-    for input in inputs {
-        trades.extend(Trade::from_runs(&input.manifest, &input.finished)?);
-    }
-    let mut maps: Vec<Option<Maps>> = vec![None; subjects.len()];
-    for (number, subject) in page::detailed(&subjects) {
-        let input = &inputs[subject.folder];
-        maps[number] = analysis::maps::maps(subject, input, surroundings.recordings)?;
-    }
-    let last = reported_program::last_seen(&subjects, clock);
-    let tables = data::files(
-        &subjects,
-        &waits,
-        &pairwise_tests,
-        &sweeps,
-        &maps,
-        (clock, last),
-    );
-    let tables = tables.into_iter();
-    let mut files: Vec<_> = tables
-        .map(|(name, text)| (name, text.into_bytes()))
-        .collect();
-    let parts = page::Parts {
-        inputs,
-        subjects: &subjects,
-        clock,
-        last,
-        waits: &waits,
-        maps: &maps,
-        pairwise_tests: &pairwise_tests,
-        sweeps: &sweeps,
-        trades: &trades,
-        surroundings,
-    };
-    let mut drawings: Vec<Drawing> = Vec::new();
-    let page = page::page(&parts, &mut drawings);
-    for drawing in &drawings {
-        files.extend(surroundings.figures.files(drawing)?);
-    }
-    files.sort();
-    let has_chains = subjects.is_empty() || !subjects.iter().all(ReportedProgram::is_aggregate);
-    Ok(Report {
-        page,
-        files,
-        has_chains,
-    })
-}
+pub use location::{MARK, ReportLocation};
+pub use report::{Report, report};

@@ -3,7 +3,7 @@ use std::f64::consts::{LN_2, TAU};
 
 use nalgebra::Vector3;
 
-use super::LocalFlow;
+use super::local_flow::LocalFlow;
 use crate::world::parameters::MeanFlow;
 
 /// Constants of a round turbulent jet: its core length in diameters, and its relative half-width.

@@ -10,7 +10,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::LocalFlow;
+use super::local_flow::LocalFlow;
 use crate::counter_rng::{Draws, Stream, gaussians};
 use crate::world::parameters::Eddies;
 

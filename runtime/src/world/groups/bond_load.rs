@@ -1,8 +1,8 @@
 //! Loads of the bonds of a group.
 use nalgebra::Vector3;
 
+use super::group::{BlockGroup, connected};
 use super::rigid_motion::RigidMotion;
-use super::{BlockGroup, connected};
 use crate::world::blocks::Motion;
 use crate::world::external_forces::Response;
 use crate::world::unit_cube::INVERSE_INERTIA;

@@ -1,3 +1,9 @@
+use std::collections::BTreeSet;
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::super::blocks::{Blocks, Motion, Pose};
+use super::super::external_forces::Response;
 use super::*;
 use crate::world::BodyState;
 use crate::world::rigid::Bodies;

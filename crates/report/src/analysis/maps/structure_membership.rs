@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use stochc_ir::Cell;
 use stochc_ir::record::RunRecord;
 
-use super::AGES;
+/// Times before the capture for the position of a block \[ticks\].
+pub(crate) const AGES: [u64; 3] = [50, 200, 1000];
 
 /// Intervals of membership in the structure.
 pub(super) struct StructureMembership {

@@ -2,8 +2,9 @@
 use stochc_experiments::{PairwiseResult, PairwiseTest, Time};
 use stochc_text::number;
 
+use super::Parts;
 use super::common::{figures, show, tick};
-use super::{Parts, ROWS};
+use super::parts::ROWS;
 use crate::analysis::reported_program::{FailedRun, ReportedProgram};
 use crate::ensemble_report::html::{Html, HtmlCell, code, name};
 use crate::ensemble_report::narrative::tick_of;

@@ -4,10 +4,11 @@ use stochc_experiments::statistics::Observation;
 use stochc_files::shell;
 use stochc_text::{escaped, number, percent};
 
+use super::Parts;
 use super::common::{coefficient, figure, figures, mean_cell, show};
 use super::maps::maps;
 use super::origin::{first_of_text, text_id};
-use super::{Parts, ROWS};
+use super::parts::ROWS;
 use crate::analysis::reported_program::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};

@@ -3,8 +3,9 @@ use stochc_experiments::sweep::{Sweep, SweepPoint};
 use stochc_text::series;
 use stochc_text::{number, percent};
 
+use super::Parts;
 use super::common::{figure, mean_cell, show};
-use super::{Parts, ROWS};
+use super::parts::ROWS;
 use crate::ensemble_report::html::{Html, HtmlCell, code, name};
 use crate::figures::sweep as pictures;
 use crate::svg::{Drawing, Medium};

@@ -1,0 +1,180 @@
+//! Schedules a target for given priorities.
+
+use stochc_ir::Face;
+
+use crate::disassembly::Disassembly;
+use crate::scaffold::{SitePart, SiteRoles};
+use crate::space::corridor::Corridors;
+use crate::space::crowding::Crowding;
+use crate::space::sites::{NONE, Sites};
+use crate::target::hardware::Hardware;
+use crate::timing::makespan::{PlanEstimate, Samples};
+use crate::timing::precedence::Waiting;
+use crate::timing::rate_law::RateLaw;
+use crate::timing::schedule::Schedule;
+
+/// Assumed waiting time before anything is known \[ticks\].
+pub const WAIT: f32 = 650.0;
+
+/// Constant data of all schedules.
+pub struct SchedulingJob<'a> {
+    /// Cells.
+    pub sites: &'a Sites<'a>,
+    /// Dependencies for access paths.
+    pub corridors: &'a Corridors,
+    /// Capabilities of blocks.
+    pub hardware: Hardware,
+    /// Waiting times of faces.
+    pub waits: &'a RateLaw<'a>,
+    /// Roles of sites, if there are scaffolds.
+    pub roles: Option<&'a SiteRoles>,
+    /// Mean time from the opening of each site to the end, along its longest chain of successors
+    /// \[ticks\].
+    pub(super) tail: Vec<f32>,
+}
+
+impl<'a> SchedulingJob<'a> {
+    /// Prepares the scheduling of a target.
+    pub fn new(
+        sites: &'a Sites<'a>,
+        disassembly: &'a Disassembly,
+        corridors: &'a Corridors,
+        hardware: Hardware,
+        waits: &'a RateLaw<'a>,
+    ) -> SchedulingJob<'a> {
+        let mut tail = vec![WAIT; sites.len()];
+        for &site in disassembly.order.iter().rev() {
+            let here = tail[site as usize];
+            for &other in &corridors.waiting[site as usize] {
+                tail[site as usize] = tail[site as usize].max(WAIT + tail[other as usize]);
+            }
+            // Provisionally, its parent is the neighbour that was built first.
+            let held = sites
+                .adjacent(site)
+                .filter(|&next| !sites.is_inert(next))
+                .min_by_key(|&next| disassembly.rank[next as usize]);
+            let longest = here.max(tail[site as usize]);
+            if let Some(parent) = held
+                && !sites.is_on_seed(site)
+                && disassembly.rank[parent as usize] < disassembly.rank[site as usize]
+            {
+                let parent = &mut tail[parent as usize];
+                *parent = parent.max(WAIT + longest);
+            }
+        }
+        SchedulingJob {
+            sites,
+            corridors,
+            hardware,
+            waits,
+            roles: None,
+            tail,
+        }
+    }
+
+    /// Adds scaffolds: the longest path through a mast and its pieces is the most urgent.
+    pub fn with_roles(mut self, roles: &'a SiteRoles) -> SchedulingJob<'a> {
+        for piece in roles.pieces() {
+            // From the end of the piece to the mast, and down to the plate.
+            let mut rest = 0.0;
+            let mut site = piece.sites[0].0;
+            while site != NONE {
+                rest += WAIT;
+                let tail = &mut self.tail[site as usize];
+                *tail = match roles.part(site) {
+                    SitePart::Mast(_) => tail.max(rest),
+                    SitePart::Own | SitePart::Held(_) => rest,
+                };
+                site = roles
+                    .way(site)
+                    .map_or(NONE, |way| self.sites.next(site, way.opposite()));
+            }
+        }
+        self.roles = Some(roles);
+        self
+    }
+
+    /// Returns the rules for faces that must not be open together.
+    pub fn crowding(&self) -> Crowding<'_> {
+        Crowding {
+            sites: self.sites,
+            attracts_always: self.hardware.attracts_always,
+            has_passable_corners: self.waits.has_passable_corners(),
+        }
+    }
+
+    /// Returns all dependencies of a schedule.
+    pub fn waiting(&self, schedule: &Schedule) -> Waiting {
+        let mut before: Vec<Vec<u32>> = vec![Vec::new(); schedule.order.len()];
+        let existing = self.sites.existing_count();
+        for (i, &site) in schedule.order.iter().enumerate().skip(existing) {
+            let rank = |site: u32| schedule.rank[site as usize];
+            before[i].extend(schedule.held(self.sites, site));
+            before[i].extend(schedule.turn(self.sites, self.hardware, site));
+            let crowding = self.crowding();
+            let way = schedule.way[site as usize];
+            let crowd = crowding.waits(site, way, |near| schedule.before(near, i as u32));
+            before[i].extend(crowd.into_iter().map(rank));
+            for &waiting in &self.corridors.waiting[site as usize] {
+                before[rank(waiting) as usize].push(i as u32);
+            }
+        }
+        let first = schedule.first_phase as u32;
+        for (before, i) in before.iter_mut().zip(0..) {
+            // A phase waits for the whole previous phase.
+            before.retain(|&other| (other < first) == (i < first) && other >= existing as u32);
+            before.sort_unstable();
+            before.dedup();
+        }
+        Waiting { before }
+    }
+
+    /// Estimates the completion time of a schedule's program. It uses the mean waiting times of
+    /// `check --cost`. The search's waiting times depend on the order of faces that open at the
+    /// same time.
+    pub fn estimated(
+        &self,
+        samples: &Samples,
+        schedule: &Schedule,
+        waiting: &Waiting,
+    ) -> PlanEstimate {
+        let mut settled = schedule.clone();
+        settled.set_means(self.sites, self.hardware, self.waits, waiting);
+        samples.estimate(&settled, waiting, &mut Vec::new())
+    }
+
+    /// Returns the parent of a site in a direction, or [`NONE`] for a seed.
+    pub fn parent(&self, site: u32, way: Face) -> u32 {
+        self.sites.next(site, way.opposite())
+    }
+
+    /// Returns whether a block may come to a site in a direction: along its corridor, from the
+    /// plate or a site that `holds`.
+    pub(super) fn is_way(&self, site: u32, way: Face, holds: impl FnOnce(u32) -> bool) -> bool {
+        let along = self.corridors.along[site as usize];
+        if along.is_some_and(|axis| way != axis && way != axis.opposite()) {
+            return false;
+        }
+        match self.parent(site, way) {
+            NONE => way == Face::Up && self.sites.is_on_seed(site),
+            parent => !self.sites.is_inert(parent) && holds(parent),
+        }
+    }
+
+    /// Returns the price for comparing directions \[ticks\]: the waiting time, slightly less for
+    /// straight continuation.
+    pub(super) fn price(&self, schedule: &Schedule, site: u32, way: Face, wait: f32) -> f32 {
+        let parent = self.parent(site, way);
+        let is_straight = parent == NONE || schedule.way[parent as usize] == way;
+        if is_straight { 0.98 * wait } else { wait }
+    }
+
+    /// Returns for each site the number of others that it waits for, to keep access paths open.
+    pub(super) fn missing(&self) -> Vec<u32> {
+        let mut missing = vec![0; self.sites.len()];
+        for &site in self.corridors.waiting.iter().flatten() {
+            missing[site as usize] += 1;
+        }
+        missing
+    }
+}

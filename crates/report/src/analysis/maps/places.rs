@@ -1,0 +1,266 @@
+//! Geometry of the maps of a program.
+use std::collections::BTreeMap;
+use std::io::{BufReader, Read};
+
+use stochc_ir::Cell;
+use stochc_ir::graph::EventAction;
+use stochc_ir::record::RunRecord;
+use stochc_ir::table::Tables;
+use stochc_results::Finished;
+use stochc_results::recording::{Places, RecordingError, each_places};
+
+use super::slice::Slice;
+use super::structure_membership::{AGES, PlaceQuery, StructureMembership, wanted};
+use super::tally::Counts;
+use crate::analysis::reported_program::ReportedProgram;
+
+/// Largest distance of the shown positions from the target cell \[side\].
+pub(crate) const REACH: i32 = 8;
+
+/// Margin around a structure, and largest shown width \[side\].
+const MARGIN: i32 = 3;
+
+const WIDEST: i32 = 40;
+
+/// Half the thickness of a slice through the positions before a capture \[side\].
+pub(super) const HALF_SLICE: f64 = 1.0;
+
+/// Largest number of captures for a map of the faces.
+const MAX_CAPTURES: usize = 2000;
+
+/// A cell in a slice: index of the slice, then its two coordinates.
+pub(super) type SlicePlace = (usize, i32, i32);
+
+/// A capture: parent, face and child as in the record.
+pub(super) type LocatedCapture = (u32, usize, u32);
+
+/// Counts of one run.
+pub(super) struct RunCounts {
+    pub(super) before: [Counts<SlicePlace>; 3],
+    pub(super) occupation: Counts<SlicePlace>,
+    /// Entries and ticks of waiting.
+    pub(super) faces: BTreeMap<LocatedCapture, (f64, f64)>,
+}
+
+/// Geometry of the maps of a program.
+pub(super) struct MapPlaces {
+    /// Planes through the cells of most captures.
+    pub(super) slices: [Slice; 2],
+    pub(super) ends: [((i32, i32), (i32, i32)); 2],
+    /// Cells of the plate and of captures.
+    pub(super) cells: Vec<Cell>,
+    /// Cell and text of each capture, by parent, face and child.
+    pub(super) captures: BTreeMap<LocatedCapture, (Cell, String)>,
+    /// Offset from world coordinates to cells.
+    corner: [f64; 3],
+}
+
+impl MapPlaces {
+    pub(super) fn new(subject: &ReportedProgram) -> MapPlaces {
+        let tables = subject.program.tables();
+        let events = &subject.program.compiled.graph.events;
+        let captured = events.iter().filter_map(|event| match event.action {
+            EventAction::Capture {
+                parent,
+                face,
+                child,
+            } => Some((
+                (parent.0, face as usize, child.0),
+                event.action,
+                event.cell?,
+            )),
+            EventAction::Release { .. } => None,
+        });
+        let captured: Vec<(LocatedCapture, EventAction, Cell)> = captured.collect();
+        let named = captured
+            .iter()
+            .take_while(|_| captured.len() <= MAX_CAPTURES);
+        let captures = named.map(|(capture, action, cell)| {
+            let text = action.describe(|role| subject.program.role(role).to_owned());
+            (*capture, (*cell, text))
+        });
+        let captures = captures.collect();
+        let captured: Vec<Cell> = captured.iter().map(|(.., cell)| *cell).collect();
+        let most = |of: fn(&Cell) -> i32| {
+            let mut counts: BTreeMap<i32, usize> = BTreeMap::new();
+            for cell in &captured {
+                *counts.entry(of(cell)).or_default() += 1;
+            }
+            // The lowest of equally frequent coordinates.
+            let most = (counts.into_iter()).max_by_key(|&(at, n)| (n, std::cmp::Reverse(at)));
+            most.map_or(0, |(at, _)| at)
+        };
+        let slices = [
+            Slice::Horizontal(most(|cell| cell.z)),
+            Slice::Vertical(most(|cell| cell.y)),
+        ];
+        let mut cells = plate(tables);
+        cells.extend(&captured);
+        let range = |of: fn(&Cell) -> i32, least: i32| {
+            let low = cells.iter().map(of).min().unwrap_or(0) - MARGIN;
+            let high = cells.iter().map(of).max().unwrap_or(0) + MARGIN;
+            let middle = i32::midpoint(low, high);
+            (
+                low.max(middle - WIDEST / 2).max(least),
+                high.min(middle + WIDEST / 2),
+            )
+        };
+        let (x, y) = (
+            range(|cell| cell.x, i32::MIN),
+            range(|cell| cell.y, i32::MIN),
+        );
+        // There are no cells below the ground.
+        let z = range(|cell| cell.z, 1);
+        let across = |blocks: u32| (f64::from(blocks) - 1.0) / 2.0;
+        MapPlaces {
+            slices,
+            ends: [(x, y), (x, z)],
+            cells,
+            captures,
+            corner: [across(tables.plate.width), across(tables.plate.depth), 0.5],
+        }
+    }
+
+    /// Returns the places of the structure in a slice.
+    pub(super) fn structure(&self, slice: usize) -> Vec<(i32, i32)> {
+        let cells = self.cells.iter();
+        let mut places: Vec<_> = cells
+            .filter_map(|&cell| self.slices[slice].place(cell))
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        places
+    }
+
+    /// Reads the counts of a run from its recording.
+    pub(super) fn read(
+        &self,
+        subject: &ReportedProgram,
+        known: &Finished,
+        file: Box<dyn Read>,
+    ) -> Result<RunCounts, RecordingError> {
+        let record = &known.record;
+        let held = StructureMembership::from_record(record);
+        let mut wanted = wanted(record, &held);
+        let mut counts = RunCounts {
+            before: Default::default(),
+            occupation: Counts::default(),
+            faces: self.faces(record),
+        };
+        let mut last = 0;
+        let tables = subject.program.tables();
+        let outline = each_places(BufReader::new(file), tables, &mut |places| {
+            let tick = places.tick();
+            self.occupy(places, &held, tick - last, &mut counts.occupation);
+            last = tick;
+            while let Some(it) = wanted.pop_if(|it| it.tick <= tick) {
+                self.look(places, &it, &mut counts.before);
+            }
+        })?;
+        if outline.is_of(subject.manifest, Some(known), subject.number, record.run) {
+            Ok(counts)
+        } else {
+            Err(RecordingError::Damaged(
+                "it is the recording of another run",
+            ))
+        }
+    }
+
+    pub(super) fn faces(&self, record: &RunRecord) -> BTreeMap<LocatedCapture, (f64, f64)> {
+        let mut faces: BTreeMap<LocatedCapture, (f64, f64)> = BTreeMap::new();
+        if self.captures.is_empty() {
+            return faces;
+        }
+        let bonds = record.bonds.iter().map(|it| {
+            let capture = (it.parent.0, it.face as usize, it.child.0);
+            (capture, it.entries, it.docked.saturating_sub(it.magnetized))
+        });
+        let waiting = record.waiting.iter().map(|it| {
+            let capture = (it.parent.0, it.face as usize, it.child.0);
+            (
+                capture,
+                it.entries,
+                record.ticks.saturating_sub(it.magnetized),
+            )
+        });
+        for (capture, entries, ticks) in bonds.chain(waiting) {
+            let (all, waited) = faces.entry(capture).or_default();
+            *all += f64::from(entries);
+            *waited += ticks as f64;
+        }
+        faces
+    }
+
+    /// Adds the cells of free blocks, weighted by a number of ticks.
+    fn occupy(
+        &self,
+        places: &Places,
+        held: &StructureMembership,
+        ticks: u64,
+        counts: &mut Counts<SlicePlace>,
+    ) {
+        if ticks == 0 {
+            return;
+        }
+        counts.of += ticks as f64;
+        for body in 0..places.bodies() {
+            if held.is_held(body as u32, places.tick()) {
+                continue;
+            }
+            let cell = self.cell(places.place(body));
+            for (i, slice) in self.slices.iter().enumerate() {
+                let ((west, east), (low, high)) = self.ends[i];
+                if let Some((x, y)) = slice.place(cell)
+                    && (west..=east).contains(&x)
+                    && (low..=high).contains(&y)
+                {
+                    counts.add((i, x, y), ticks as f64);
+                }
+            }
+        }
+    }
+
+    /// Returns the position of a block in cell coordinates, without rounding.
+    fn lattice(&self, place: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|i| place[i] + self.corner[i])
+    }
+
+    pub(super) fn cell(&self, place: [f64; 3]) -> Cell {
+        let [x, y, z] = self.lattice(place).map(|at| at.round() as i32);
+        Cell::new(x, y, z)
+    }
+
+    /// Adds the position of a block before its capture.
+    fn look(&self, places: &Places, wanted: &PlaceQuery, before: &mut [Counts<SlicePlace>; 3]) {
+        // With sparse recorded positions, this one can be too late.
+        let late = places.tick() - wanted.tick;
+        if late > AGES[wanted.age] / 10 || wanted.body as usize >= places.bodies() {
+            return;
+        }
+        let at = self.lattice(places.place(wanted.body as usize));
+        let to = [wanted.cell.x, wanted.cell.y, wanted.cell.z];
+        let [x, y, z]: [f64; 3] = std::array::from_fn(|i| at[i] - f64::from(to[i]));
+        let counts = &mut before[wanted.age];
+        counts.of += 1.0;
+        let mut add = |slice: usize, up: f64, aside: f64| {
+            let (x, up) = (x.round() as i32, up.round() as i32);
+            let is_shown = [x, up].iter().all(|at| (-REACH..=REACH).contains(at));
+            if is_shown && aside.abs() <= HALF_SLICE {
+                counts.add((slice, x, up), 1.0);
+            }
+        };
+        add(0, y, z);
+        add(1, z, y);
+    }
+}
+
+/// Returns the cells of the plate.
+fn plate(tables: &Tables) -> Vec<Cell> {
+    /// A larger plate is drawn as the floor.
+    const MAX: u32 = 64;
+    let (width, depth) = (tables.plate.width.min(MAX), tables.plate.depth.min(MAX));
+    let cells = (0..width).flat_map(|x| (0..depth).map(move |y| (x, y)));
+    cells
+        .map(|(x, y)| Cell::new(x as i32, y as i32, 0))
+        .collect()
+}

@@ -1,0 +1,168 @@
+//! All external forces on free blocks.
+use nalgebra::Vector3;
+
+use super::brownian::Brownian;
+use super::drag::{Response, StepDrag};
+use super::local_flow::LocalFlow;
+use super::mean_flow;
+use super::turbulence::TurbulenceField;
+use crate::world::blocks::Motion;
+use crate::world::parameters::{MeanFlow, WorldParameters};
+
+/// Face that draws fluid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sink {
+    /// Centre of the face.
+    pub centre: Vector3<f64>,
+    /// Outward normal.
+    pub normal: Vector3<f64>,
+    /// Flow rate \[block lengths^3 / tick\].
+    pub flow: f64,
+}
+
+/// External forces of a scene.
+#[derive(Debug)]
+pub(crate) struct ExternalForces {
+    weight: Option<f64>,
+    pub(super) drag: Option<StepDrag>,
+    mean_flow: Option<MeanFlow>,
+    pub(super) eddies: Option<TurbulenceField>,
+    heat: Option<Brownian>,
+    displaced: f64,
+    /// Length of a step \[tick\].
+    pub(super) dt: f64,
+}
+
+stochc_ir::state! {
+    () ExternalForces;
+    values: ;
+    parts: eddies;
+    same: weight, drag, mean_flow, heat, displaced, dt
+}
+
+impl ExternalForces {
+    /// Returns the external forces, or `None` if the scene has none.
+    pub fn new(
+        parameters: &WorldParameters,
+        substeps: u32,
+        seed: u64,
+        run: u64,
+    ) -> Option<ExternalForces> {
+        let (weight, fluid) = (parameters.weight, parameters.fluid);
+        if weight.is_none() && fluid.is_none() {
+            return None;
+        }
+        let dt = 1.0 / f64::from(substeps);
+        Some(ExternalForces {
+            weight,
+            drag: fluid.map(|fluid| StepDrag::new(&fluid, dt)),
+            mean_flow: parameters.flow.filter(|_| fluid.is_some()),
+            eddies: (parameters.eddies)
+                .filter(|_| fluid.is_some())
+                .map(|eddies| TurbulenceField::new(&eddies, seed, run)),
+            heat: fluid
+                .zip(parameters.thermal)
+                .map(|(fluid, energy)| Brownian::new(&fluid, energy, dt, seed, run)),
+            displaced: fluid.map_or(0.0, |fluid| fluid.displaced),
+            dt,
+        })
+    }
+
+    /// Returns the remaining effect of forces over a step.
+    pub fn response(&self) -> Response {
+        self.drag
+            .as_ref()
+            .map_or(Response::FREE, StepDrag::response)
+    }
+
+    /// Begins a substep of a tick. Steps are counted from the start of the run.
+    pub fn begin(&mut self, tick: u64, substep: u32, step: u64) {
+        if substep == 0
+            && let Some(eddies) = &mut self.eddies
+        {
+            eddies.advance(tick);
+        }
+        if let Some(heat) = &mut self.heat {
+            heat.begin(step);
+        }
+    }
+
+    /// Applies one step of all forces except heat to the velocity and spin of a free block.
+    ///
+    /// `span` is the number of steps during which the weight acts. It exceeds 1 only for steps of
+    /// different lengths, which scenes with a fluid do not use.
+    pub fn act(&self, motion: &mut Motion, sinks: &[Sink], span: f64) {
+        let response = self.response();
+        let mut force = Vector3::zeros();
+        if let Some(weight) = self.weight {
+            force.z -= weight;
+        }
+        if let Some(drag) = &self.drag {
+            let wind = self.wind(motion.position, sinks);
+            force += wind.acceleration * self.displaced;
+            drag.slow(motion, wind.velocity, wind.spin);
+        }
+        motion.velocity += force * (self.dt * span * response.linear);
+    }
+
+    /// Returns whether the scene has Brownian motion.
+    pub fn has_heat(&self) -> bool {
+        self.heat.is_some()
+    }
+
+    /// Applies the Brownian motion of a step to a free block.
+    pub fn shake(&mut self, id: u32, motion: &mut Motion) {
+        if let Some(heat) = &mut self.heat {
+            heat.shake(id, motion);
+        }
+    }
+
+    pub(super) fn wind(&self, place: Vector3<f64>, sinks: &[Sink]) -> LocalFlow {
+        let mut wind = LocalFlow::default();
+        if let Some(flow) = &self.mean_flow {
+            mean_flow::add(flow, place, &mut wind);
+        }
+        if let Some(eddies) = &self.eddies {
+            eddies.add(place, &mut wind);
+        }
+        for sink in sinks {
+            wind.velocity += sink.draw(place);
+        }
+        wind
+    }
+}
+
+impl Sink {
+    /// Returns the velocity of the drawn fluid, Q / (2 pi d^2) in front of a wall. Below half a
+    /// block length, the closest that a centre can come, it is constant.
+    fn draw(&self, place: Vector3<f64>) -> Vector3<f64> {
+        let way = self.centre - place;
+        if way.dot(&self.normal) >= 0.0 {
+            return Vector3::zeros();
+        }
+        let distance = way.norm();
+        let near = distance.max(0.5);
+        way * (self.flow / (std::f64::consts::TAU * near * near) / distance.max(1e-9))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_half_sphere_before_a_sink_lets_its_flow_through() {
+        let sink = Sink {
+            centre: Vector3::new(1.0, 2.0, 3.0),
+            normal: Vector3::x(),
+            flow: 0.7,
+        };
+        for distance in [0.5, 1.0, 4.0] {
+            let area = std::f64::consts::TAU * distance * distance;
+            let along = Vector3::new(0.6, 0.0, 0.8);
+            let drawn = sink.draw(sink.centre + along * distance);
+            assert!((drawn + along * (0.7 / area)).norm() < 1e-12, "{distance}");
+        }
+        assert_eq!(sink.draw(sink.centre - Vector3::x()), Vector3::zeros());
+    }
+}
