@@ -30,7 +30,7 @@ pub struct Executable {
     pub jam_risks: Vec<JamRisk>,
 }
 
-/// Risk of jamming: the code of a warning.
+/// Risk of jamming. Has the code of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum JamRisk {
@@ -67,16 +67,16 @@ pub enum ExecutableError {
     Invalid(#[from] InvalidExecutable),
 }
 
-/// Defect of a program from a file.
+/// Reason why a program from a file is invalid.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum InvalidExecutable {
-    /// In the scene.
+    /// The scene is invalid.
     #[error(transparent)]
     Scene(#[from] InvalidScene),
-    /// In the event tables.
+    /// The event tables are invalid.
     #[error(transparent)]
     Tables(#[from] InvalidTables),
-    /// In the graph.
+    /// The dependency graph is invalid.
     #[error(transparent)]
     Graph(#[from] InvalidGraph),
 }

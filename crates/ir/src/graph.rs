@@ -130,7 +130,7 @@ impl EventAction {
         }
     }
 
-    /// Returns the role that begins or ends.
+    /// Returns the captured or released role.
     pub fn child(self) -> RoleId {
         let (EventAction::Capture { child, .. } | EventAction::Release { child }) = self;
         child
@@ -162,10 +162,10 @@ impl EventAction {
     }
 }
 
-/// Defect of a graph from a file.
+/// Reason why a graph from a file is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidGraph {
-    /// An event has an unknown phase, or a phase before that of the event before it.
+    /// An event has an unknown phase, or its phase precedes that of the previous event.
     #[error("event {0} is in no phase, or out of order")]
     EventPhase(usize),
     /// An event has an unknown role.
@@ -177,7 +177,7 @@ pub enum InvalidGraph {
     /// Edges are not sorted.
     #[error("the edges are not sorted")]
     EdgeOrder,
-    /// The critical paths are not one per phase.
+    /// The number of critical paths differs from the number of phases.
     #[error("the chains are not those of the phases")]
     Chains,
 }
@@ -230,7 +230,7 @@ impl EventGraph {
         chain.iter().filter(is_capture).count()
     }
 
-    /// Returns the number of blocks of the largest structure that a phase ends with.
+    /// Returns the number of blocks of the largest structure at the end of a phase.
     pub fn largest_structure(&self) -> u32 {
         let (mut blocks, mut largest) = (0_i64, 0);
         for of_phase in self.events.chunk_by(|one, other| one.phase == other.phase) {

@@ -29,6 +29,6 @@ pub struct BuiltBlock {
     pub cell: Cell,
     /// Name.
     pub name: String,
-    /// Number of the phase that captured it, from 0.
+    /// Index of the phase that captured the block, from 0.
     pub since: usize,
 }

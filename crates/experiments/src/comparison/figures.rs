@@ -295,11 +295,8 @@ impl Time {
         Time::beside(observations, 0.0)
     }
 
-    /// Computes the statistics together with other samples, whose [last observation](last_seen) is
-    /// `horizon`.
-    ///
-    /// If runs never complete and none is censored, times count up to the horizon. Otherwise runs
-    /// that time out early would look fast.
+    /// Computes the statistics for a comparison with other samples. `horizon` is their [last
+    /// observation](last_seen).
     pub fn beside(observations: &[Observation], horizon: f64) -> Option<Time> {
         let completed: Vec<f64> = observations
             .iter()

@@ -47,16 +47,16 @@ pub enum DataError {
     Empty,
 }
 
-/// Defect of a row.
+/// Reason why a row is invalid.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum RowError {
     /// The program of a summary has two rows.
     #[error("`{0}` has a row already")]
     Repeated(String),
-    /// A cell is no positive number up to the limit.
+    /// A cell is not a positive number up to the limit.
     #[error("`{0}` is not a number above 0 and up to 1e15")]
     Number(String),
-    /// A cell is no number of runs.
+    /// A cell is not a number of runs.
     #[error("`{0}` is not a number of runs from 2")]
     Runs(String),
     /// A cell of the column `stopped` has another value.

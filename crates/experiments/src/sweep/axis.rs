@@ -12,7 +12,7 @@ pub struct Axis {
     /// Name of the parameter or setting, as given.
     pub name: String,
     values: AxisValues,
-    /// Unit of all values. Empty: none.
+    /// Unit of all values. Empty for values without a unit.
     unit: String,
 }
 

@@ -13,10 +13,10 @@ pub const MAX_POINTS: usize = 400;
 /// Error of an axis or a prior.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RangeError {
-    /// An axis has another form.
+    /// An axis does not have the form `NAME=VALUES`.
     #[error("write NAME=VALUES, such as `free=50..600/6` or `bond.pull=2,4,8 N`")]
     Axis,
-    /// A prior has another form.
+    /// A prior does not have the form `NAME=FROM..TO`.
     #[error("write NAME=FROM..TO, such as `bond.pull=2..12 N` or `free=50..500 log`")]
     Prior,
     /// `log` follows a list.
@@ -28,7 +28,7 @@ pub enum RangeError {
     /// A prior with `log` includes 0 or less.
     #[error("a range with `log` requires values above 0")]
     PriorWithLog,
-    /// A prior ends before it begins.
+    /// The end of a prior is not above its start.
     #[error("`{from}..{to}` is not a range; write the lower end first")]
     Empty {
         /// Lower end.
@@ -71,7 +71,7 @@ pub enum RangeError {
     /// Two axes have the same name.
     #[error("`{0}` is swept twice")]
     AxisTwice(String),
-    /// A setting is no scene parameter.
+    /// A setting is given although a scene parameter is required.
     #[error("`{0}` is a setting, not a scene parameter")]
     Setting(String),
     /// Evenly spaced values of an integer parameter are not integers.
@@ -112,7 +112,7 @@ pub enum RangeError {
     /// The scene parameter cannot have the value.
     #[error(transparent)]
     Value(#[from] ScalarError),
-    /// The value is no quantity.
+    /// The value is not a quantity.
     #[error(transparent)]
     Quantity(#[from] InvalidQuantity),
     /// The setting cannot have the value.

@@ -220,7 +220,8 @@ impl Sweep {
         }
     }
 
-    /// Returns the length of a tick at a point if times are in ticks. `None` means times are in seconds.
+    /// Returns the length of a tick at a point if times are in ticks. Returns `None` if times are
+    /// in seconds.
     pub fn tick(&self, point: &SweepPoint) -> Option<Tick> {
         (self.unit == TICKS).then_some(Tick(point.tick))
     }

@@ -1,4 +1,4 @@
-//! Every setting compared with the reference, from the runs of a sweep over settings.
+//! Compares every setting with the reference, from the runs of a sweep over settings.
 use stochc_runtime::Settings;
 
 use super::advice::advice;
@@ -12,15 +12,16 @@ use crate::{Comparison, ComparisonTally, Time};
 use stochc_results::ChosenSetting;
 use stochc_results::{Finished, JournalError, Manifest, Records};
 
-/// A trade while runs are read, sorted by program and run.
+/// A trade while its runs are read in the order of program and run.
 #[derive(Debug)]
 pub struct TradeTally<'a> {
     manifest: &'a Manifest,
-    /// Each combination of settings once.
+    /// Combinations of settings, without duplicates.
     settings: Vec<&'a [ChosenSetting]>,
-    /// Each program once, whatever the settings.
+    /// Programs without their settings, without duplicates.
     programs: Vec<TradedProgram>,
-    /// Program of the manifest of each program at each setting.
+    /// For each setting, the index of each program in the manifest. `None` if the program was not
+    /// run.
     places: Vec<Vec<Option<usize>>>,
     /// Runs of each program of the manifest.
     samples: Vec<Sample>,
@@ -33,7 +34,7 @@ struct Row<'a> {
 }
 
 impl<'a> TradeTally<'a> {
-    /// Returns a trade before the first run. `None` if settings are not varied.
+    /// Creates a trade without runs. Returns `None` if no settings are varied.
     pub fn new(manifest: &'a Manifest) -> Option<TradeTally<'a>> {
         let mut tally = TradeTally {
             manifest,
@@ -116,7 +117,7 @@ impl<'a> TradeTally<'a> {
 }
 
 impl Trade {
-    /// Compares the settings of a sweep. `None` if settings are not varied.
+    /// Compares the settings of a sweep. Returns `None` if no settings are varied.
     ///
     /// # Errors
     /// If the runs cannot be read again.

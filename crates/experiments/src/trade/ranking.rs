@@ -6,18 +6,18 @@ use serde::Serialize;
 use crate::statistics::Longer;
 use crate::{Comparison, PairwiseResult};
 
-/// Two programs, first the faster one at the reference.
+/// Two programs. The first one is faster at the reference.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Ranked {
     /// Index of the first program.
     pub first: usize,
     /// Index of the second.
     pub second: usize,
-    /// Conclusion of the setting.
+    /// Conclusion about the order at the setting.
     pub verdict: Verdict,
 }
 
-/// Conclusion of a setting about an order of the reference.
+/// Conclusion about the order of two programs at a setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -27,7 +27,7 @@ pub enum Verdict {
     Kept,
     /// The difference is not significant in its runs.
     Unclear,
-    /// The other order, significantly: a wrong conclusion.
+    /// The order is reversed and significant: a wrong conclusion.
     Reversed,
 }
 
@@ -107,7 +107,7 @@ mod tests {
             verdicts([First, Second, First], [Second, NotSignificant, First]),
             [(1, 0, Reversed), (0, 2, Unclear), (2, 1, Kept)]
         );
-        // A program that was not run at the setting.
+        // Program `b` was not run at the setting.
         let orders = Orders([(("a", "b"), First)].into());
         let ranked = orders.rank(&[Some("a"), Some("b")], &[Some("A"), None]);
         assert_eq!(ranked[0].verdict, Unclear);

@@ -57,7 +57,7 @@ impl Bond {
         }
     }
 
-    /// Returns the condition of a capture for changing it.
+    /// Returns the condition of a capture, to change it.
     pub(super) const fn anchor_mut(&mut self) -> &mut Anchor {
         match self {
             Bond::Attract { anchor, .. }
@@ -99,7 +99,7 @@ pub struct Magnets {
     pub within: f64,
 }
 
-/// Pump, and resistances between a face and it. All flows are laminar.
+/// Pump with its flow resistances. All flows are laminar.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pump {
     /// Largest pressure of the pump \[Pa\].

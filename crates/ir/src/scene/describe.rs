@@ -37,7 +37,7 @@ pub struct DescribedValue {
     pub name: &'static str,
     /// Value in SI units, or in ticks.
     pub si: f64,
-    /// That unit. Empty for a dimensionless number.
+    /// Unit of `si`. Empty for a dimensionless number.
     pub unit: &'static str,
     /// Value in block units: the block length a, the mass m and the tick τ are 1.
     pub block: f64,

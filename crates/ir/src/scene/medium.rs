@@ -175,7 +175,7 @@ impl Turbulence {
         }
     }
 
-    /// Returns the correlation time of an eddy at that speed \[s\].
+    /// Returns the correlation time of an eddy at this speed \[s\].
     pub fn time(&self, speed: f64) -> f64 {
         self.time.unwrap_or(self.length / speed)
     }

@@ -5,10 +5,10 @@ use thiserror::Error;
 use super::RoleId;
 use crate::Cell;
 
-/// Defect of event tables.
+/// Reason why event tables are invalid.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum InvalidTables {
-    /// A block has another number of faces.
+    /// The number of faces of a block is out of range.
     #[error("a block has no {0} faces")]
     Faces(u8),
     /// The plate is too large.
@@ -25,13 +25,13 @@ pub enum InvalidTables {
     /// A seed has a cell outside of the plate.
     #[error("a seed is not on the plate")]
     SeedCell,
-    /// An aggregate has another number of phases.
+    /// The number of phases of an aggregate is wrong.
     #[error("an aggregate of {0} blocks has a phase for each size")]
     AggregatePhases(u32),
     /// An aggregate has roles or duties.
     #[error("the blocks of an aggregate have nothing to do")]
     AggregateDuties,
-    /// A later phase is attached by hand.
+    /// A phase other than the first has pre-attached blocks.
     #[error("only the first phase can be attached by hand")]
     LatePlanted,
     /// Two roles have the same name.
@@ -70,20 +70,20 @@ pub enum InvalidTables {
     /// A cell is beyond the limit.
     #[error("{0} is too far away")]
     FarCell(Cell),
-    /// The scene has another kind of bond.
+    /// The scene has another kind of bond than the tables.
     #[error("`tables.bond` is `{tables}`, and the law of `scene.bond` is `{scene}`")]
     Bond {
-        /// Kind of the tables.
+        /// Kind of bond in the tables.
         tables: &'static str,
-        /// Kind of the scene.
+        /// Kind of bond in the scene.
         scene: &'static str,
     },
-    /// The scene has another number of faces.
+    /// The scene has another number of faces than the tables.
     #[error("`tables.faces` is {tables}, which is {scene} by `scene.block.faces` and `scene.bond`")]
     SceneFaces {
-        /// Number of the tables.
+        /// Number of faces in the tables.
         tables: u8,
-        /// Number of the scene.
+        /// Number of faces in the scene.
         scene: u8,
     },
     /// The scene has too few free blocks.

@@ -225,7 +225,7 @@ impl<'a> Duty<'a> {
         self.rules
     }
 
-    /// Returns the roles that the rules before an index give.
+    /// Returns the roles that the rules before this index assign.
     pub fn given_before(&self, place: usize) -> impl Iterator<Item = RoleId> + use<'a> {
         self.tables.given_before(self.rules, place)
     }

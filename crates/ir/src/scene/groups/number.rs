@@ -7,7 +7,7 @@ use crate::scene::warning_kind::SceneWarningKind;
 /// Dimensionless number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DimensionlessGroup {
-    /// Definition in the symbols of the terms.
+    /// Definition of the number in the symbols of the terms.
     pub symbol: &'static str,
     /// Meaning.
     pub meaning: &'static str,
@@ -68,7 +68,7 @@ impl DimensionlessGroup {
         self.limit?.substeps
     }
 
-    /// Returns the range if the value is outside of it.
+    /// Returns the range of values for a working scene if the value is outside of it.
     pub fn disappoints(&self) -> Option<ExpectedRange> {
         self.expected.filter(|expected| self.value > expected.most)
     }
@@ -115,7 +115,8 @@ impl DimensionlessGroup {
         self
     }
 
-    /// Adds a limit: `at` is the value with a number of steps per tick, and `most` its limit then.
+    /// Adds a limit. `at` returns the value with a number of steps per tick, and `most` the limit
+    /// for this number of steps.
     pub(super) fn limited(
         mut self,
         most: impl Fn(f64) -> f64,

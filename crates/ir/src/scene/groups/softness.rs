@@ -8,7 +8,7 @@ use super::{BlockUnits, DimensionlessGroup, ExpectedRange, settling, speed};
 struct Spring {
     stiffness: f64,
     damping: f64,
-    /// Steady force of a block into it.
+    /// Steady force that presses a block into the spring.
     load: f64,
 }
 

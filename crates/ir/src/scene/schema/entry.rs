@@ -8,7 +8,7 @@ use crate::scene::Scene;
 pub struct SchemaEntry {
     /// Keyword of the entry.
     pub word: &'static str,
-    /// Meaning, as a clause. Empty if its parameters explain it.
+    /// Meaning of the keyword, as a clause. Empty if its parameters explain it.
     pub meaning: &'static str,
     /// Arguments of the keyword, in order.
     pub parts: &'static [SchemaPart],
@@ -57,7 +57,7 @@ pub enum FieldGroup {
     Any {
         /// Field that messages ask for if all fields are missing.
         needed: &'static str,
-        /// Help in this case.
+        /// Help if no field is given.
         help: &'static str,
     },
     /// One of two alternatives.
@@ -71,7 +71,7 @@ pub struct Either {
     pub of: [FieldAlternative; 2],
     /// Title of the diagnostic if both are given.
     pub both: &'static str,
-    /// Help in this case.
+    /// Help if both alternatives are given.
     pub help: &'static str,
 }
 
