@@ -224,9 +224,9 @@ fn messages_take_time_by_hops() {
             (off / 10000.0 - hops).abs() < 0.05,
             "{body}: {off}, not {hops}"
         );
-        // Half of all hops are repeated after 2 h + 1 ticks. This adds one hop on average, with a
-        // standard deviation of 0.94 hops. If adjacent branches end together, the later report
-        // counts. `tests/estimate.rs` runs such programs.
+        // Half of all transfers are lost and repeated after 2 h + 1 ticks. Each hop costs one such
+        // repetition on average, with a standard deviation of 0.94. If adjacent branches end
+        // together, the later report counts. `tests/library/estimate.rs` runs such programs.
         let lost = (mean("messages { hop 10000 ticks loss 50% }", body) - none) / 30001.0;
         let chance = 4.0 * 0.94 * (hops / 4000_f64).sqrt();
         let is_alone = [tower, gone].contains(&body);
