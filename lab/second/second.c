@@ -14,7 +14,7 @@
 
 enum { MAX_BLOCKS = 1000, MAX_CHAIN = 64, MAX_PAIRS = 20000, MAX_PATCH = 16 };
 
-/* The scene, in SI units. */
+/* Scene, in SI units. */
 static struct {
     double tick, side, mass, radius, wall, speed, drag, stiffness, damping, friction;
     double pull, reach, align, align_reach, anchor, tilt;
@@ -26,7 +26,7 @@ static struct {
     .blocks = 300,
 };
 
-/* The same in block units. */
+/* Scene, in block units. */
 static double R, WALL, SPEED, DRAG, K, C, MU, PULL, REACH, ALIGN, ALIGN_REACH, ANCHOR, COS_TILT;
 static const double INERTIA = 1.0 / 6.0;
 
@@ -108,7 +108,7 @@ static void set_axes(block *b)
     b->axis[2] = v3(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y));
 }
 
-/* Turns a block to where it is now: exact, because a cube's spin does not change between contacts. */
+/* Updates the orientation of a block. This is exact, because a cube's spin does not change between contacts. */
 static void turn(block *b)
 {
     double rate = len(b->w), angle = rate * (now - b->at) / 2;
@@ -145,14 +145,15 @@ static void push(block *b, vec point, vec impulse)
 
 static vec velocity_at(const block *b, vec point) { return add(b->v, cross(b->w, sub(point, b->x))); }
 
-/* The inverse mass that a block has at a point along a direction. */
+/* Returns the inverse mass of a block at a point along a direction. */
 static double yielding(const block *b, vec point, vec along)
 {
     vec arm = cross(sub(point, b->x), along);
     return b->im + b->ii * dot(arm, arm);
 }
 
-/* The lattice of `free N uniform`: points ((i + 1/2) s, (j + 1/2) s, (k + 1/2) s), one block length from shell and floor. */
+/* Returns the number of sites of `free N uniform`, and writes them if `points` is given. They are
+ * ((i + 1/2) s, (j + 1/2) s, (k + 1/2) s), at least one block length from shell and floor. */
 static int lattice(double s, vec *points)
 {
     int n = 0, most = (int)(R / s) + 1;
@@ -169,7 +170,8 @@ static int lattice(double s, vec *points)
     return n;
 }
 
-/* The largest spacing that has enough points. Their number is not monotonic in the spacing: look from above in small steps. */
+/* Places the free blocks with the largest spacing that has enough sites. Their number is not monotonic in the spacing, so
+ * the search goes down in small steps. */
 static void fill(void)
 {
     static vec points[8 * MAX_BLOCKS];
@@ -182,10 +184,10 @@ static void fill(void)
         blocks[i] = at_rest(points[(long)i * found / free_blocks], 0);
 }
 
-/* A contact: the depth, the normal from a to b, and the point where the force acts. */
+/* A contact: its depth, the normal from a to b, and the point of its force. */
 typedef struct { double depth; vec normal, point; } contact;
 
-/* Depth of points below a plane, weighted so that a level patch is pushed in its middle and a tilted one at its deepest point. */
+/* Returns the depth of points below a plane. A level patch is pushed in its middle, a tilted one at its deepest point. */
 static vec patch_point(const vec *points, const double *depths, int n)
 {
     const double level = 2e-3;
@@ -218,7 +220,7 @@ static int clip(vec *polygon, int n, vec normal, double limit)
     return kept;
 }
 
-/* The corner of a cube that is farthest along a direction. */
+/* Returns the corner of a cube that is farthest along a direction. */
 static vec corner(const block *b, vec along)
 {
     vec p = b->x;
@@ -227,7 +229,7 @@ static vec corner(const block *b, vec along)
     return p;
 }
 
-/* The point of a contact along the normal of a face of `a`, which is `axis`; n points out of `a`. */
+/* Returns the point of a contact along the normal of a face of `a`, given by `axis`. n points out of `a`. */
 static vec face_point(const block *a, int axis, const block *b, vec n)
 {
     int other = 0;
@@ -257,7 +259,7 @@ static vec face_point(const block *a, int axis, const block *b, vec n)
     return add(p, mul((plane - dot(n, p)) / 2, n));
 }
 
-/* The point in the middle between the two edges that a contact of edges is at. */
+/* Returns the point halfway between the two edges of an edge contact. */
 static vec edge_point(const block *a, int i, const block *b, int j, vec n)
 {
     vec p = corner(a, n), q = corner(b, mul(-1, n)), s = a->axis[i], t = b->axis[j];
@@ -265,13 +267,13 @@ static vec edge_point(const block *a, int i, const block *b, int j, vec n)
     q = sub(q, mul(dot(sub(q, b->x), t), t));
     double c = dot(s, t), d = 1 - c * c;
     vec r = sub(q, p);
-    /* Edges that are nearly parallel meet nowhere near: the point stays on both. */
+    /* Nearly parallel edges have no close intersection. The point stays on both edges. */
     p = add(p, mul(fmax(-0.5, fmin(0.5, (dot(r, s) - c * dot(r, t)) / d)), s));
     q = add(q, mul(fmax(-0.5, fmin(0.5, dot(sub(p, q), t))), t));
     return mul(0.5, add(p, q));
 }
 
-/* The least overlap of two cubes along fifteen axes. Returns whether they overlap. */
+/* Finds the least overlap of two cubes along fifteen axes. Returns whether they overlap. */
 static int meet(block *a, block *b, contact *found)
 {
     vec d = sub(b->x, a->x);
@@ -325,7 +327,7 @@ static int meet(block *a, block *b, contact *found)
     return 1;
 }
 
-/* The contact of a block with the floor z = 0, which is `a`. */
+/* Finds the contact of a block with the floor z = 0, which is `a`. */
 static int land(block *b, contact *found)
 {
     if (b->x.z > 0.8661)
@@ -348,7 +350,7 @@ static int land(block *b, contact *found)
     return 1;
 }
 
-/* Spring, damper and friction of a contact over a step. */
+/* Applies spring, damper and friction of a contact over a step. */
 static void respond(block *a, block *b, const contact *at, double h)
 {
     double y = yielding(a, at->point, at->normal) + yielding(b, at->point, at->normal);
@@ -371,10 +373,10 @@ static void respond(block *a, block *b, const contact *at, double h)
     push(b, at->point, mul(-impulse, t));
 }
 
-/* The magnetized face. */
+/* Magnetized face. */
 static vec magnet, outward, sideways[2];
 
-/* The face of a block that is nearest to the magnet: its normal, and its centre. */
+/* Finds the face of a block that is nearest to the magnet: its normal and its centre. */
 static vec nearest_face(const block *b, vec *normal)
 {
     vec d = sub(magnet, b->x);
@@ -386,7 +388,7 @@ static vec nearest_face(const block *b, vec *normal)
     return add(b->x, mul(0.5, *normal));
 }
 
-/* A force of a size towards a point, less within the distance that a step would take the block past. */
+/* Returns a force towards a point. It is reduced if a step would take the block past the point. */
 static void attract(block *b, vec from, vec to, double force, double range, double h)
 {
     vec d = sub(to, from);
@@ -409,7 +411,7 @@ static void pull(block *b, double h)
     attract(b, centre, magnet, PULL, 2.5 * PULL * h * h, h);
     if (distance >= ALIGN_REACH)
         return;
-    /* Corners in one sense of rotation, seen from outside of the magnet. */
+    /* Corners in one sense of rotation, as seen from outside of the magnet. */
     vec theirs[4], ours[4], e = v3(0, 0, 0);
     for (int i = 0; i < 3; i++)
         if (fabs(dot(b->axis[i], normal)) < 0.5) {
@@ -439,7 +441,7 @@ static void pull(block *b, double h)
         attract(b, ours[(i + best) % 4], theirs[i], ALIGN, 12 * ALIGN * h * h, h);
 }
 
-/* Whether a block docks on the straight way of its nearest face from `old` to `b`; sets the least distance. */
+/* Returns whether a block docks on the straight path of its nearest face from `old` to `b`. Sets the least distance. */
 static int docks(const block *b, const block *old, double *distance)
 {
     vec normal, now = nearest_face(b, &normal), before = old->x;
@@ -471,12 +473,12 @@ typedef struct { short a, b; } pair;
 static pair pairs[MAX_PAIRS];
 static int pair_count;
 
-/* Pairs that may touch within a tick: b below 0 is a built block. */
+/* Pairs that may touch within a tick. A negative b is a built block. */
 static void list_pairs(void)
 {
     static float x[MAX_BLOCKS], y[MAX_BLOCKS], z[MAX_BLOCKS], range[MAX_BLOCKS];
     pair_count = 0;
-    /* What kicks, pull, wall and collisions may add to a block's way in a tick is well below 0.4. */
+    /* Kicks, pull, wall and collisions add much less than 0.4 to a block's path in a tick. */
     for (int i = 0; i < free_blocks; i++) {
         x[i] = blocks[i].x.x;
         y[i] = blocks[i].x.y;
@@ -505,7 +507,7 @@ static void kick(block *b)
     b->v = add(b->v, mul(size, v3(s * cos(angle), s * sin(angle), z)));
 }
 
-/* One step; returns the block that docks, or -1. */
+/* Makes one step. Returns the block that docks, or -1. */
 static int step(double h)
 {
     double keep = exp(-DRAG * h), nearest = 1e9, distance;
@@ -550,7 +552,7 @@ static int step(double h)
     return docked;
 }
 
-/* Simulates a chain; returns its time, or -1 if it takes more than `most` ticks. */
+/* Simulates a chain. Returns its time, or -1 if it takes more than `most` ticks. */
 static long simulate(const char *chain, int steps, long most)
 {
     vec parent = v3(0, 0, -0.5);

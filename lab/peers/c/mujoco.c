@@ -1,4 +1,4 @@
-// MuJoCo, in its own metres and seconds: a side is 0.2 m, a tick 0.02 s.
+// MuJoCo, in metres and seconds: a block has 0.2 m, a tick 0.02 s.
 #include "scene.h"
 
 #include <mujoco/mujoco.h>
@@ -39,8 +39,7 @@ static long complaints(void) {
     return sum;
 }
 
-// The scene in MuJoCo's own language; what it does not have is switched off, which saves a few
-// per cent.
+// The scene in MuJoCo's language. Unused features are switched off, which saves a few per cent.
 static char *text(void) {
     char *out;
     size_t size;
@@ -64,8 +63,8 @@ static char *text(void) {
     return out;
 }
 
-// The compiled scene. Compiling takes time as the square of the number of blocks, minutes for
-// 30,000: it is kept beside the program, under a name that depends on the text and the version.
+// The compiled scene. Compiling takes quadratic time in the number of blocks, minutes for 30,000.
+// The result is stored next to the program, in a file named after the text and the version.
 static mjModel *compiled(const char *program) {
     char *xml = text();
     uint64_t hash = (uint64_t)mj_version();

@@ -53,13 +53,13 @@ static double contacts(void) { return points; }
 
 static long complaints(void) { return messages; }
 
-// ODE gives a group of contacts up and goes on, with no more than a message: count those.
+// ODE leaves out a group of contacts that it cannot solve, and prints a message. Counts these messages.
 static void complain(int number, const char *text, va_list rest) {
     (void)number, (void)text, (void)rest;
     messages++;
 }
 
-// The size of a number, from ODE's list of how it was built.
+// Returns the precision of numbers, from ODE's build configuration.
 static const char *precision(void) {
     return dCheckConfiguration("ODE_double_precision") ? "double" : "single";
 }
@@ -79,7 +79,7 @@ int main(int argc, char **argv) {
     for (uint32_t i = 0; i < blocks; i++) {
         bodies[i] = dBodyCreate(world);
         dBodySetMass(bodies[i], &mass);
-        dBodySetGyroscopicMode(bodies[i], 0); // a cube's inertia is the same about all axes
+        dBodySetGyroscopicMode(bodies[i], 0); // a cube's inertia is equal about all axes
         dBodySetPosition(bodies[i], start[i][0], start[i][1], start[i][2]);
         dGeomSetBody(dCreateBox(space, 1, 1, 1), bodies[i]);
     }

@@ -1,5 +1,5 @@
-// The scene and the protocol of the drivers in C; src/scene.rs and src/drive.rs say the same in
-// Rust and explain it. Everything is in block units: side 1, mass 1, tick 1.
+// The scene and the protocol of the drivers in C. src/scene.rs and src/drive.rs define the same in Rust and explain it.
+// Everything is in block units: block length 1, mass 1, tick 1.
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdint.h>
@@ -12,7 +12,7 @@ static const float WALL = 0.01f;    // acceleration per depth [1 / tick^2]
 static const double DRAG = 0.01;    // [1 / tick]
 static const double FRICTION = 0.2; // restitution is 0
 
-// What every driver defines; a state is position, velocity and rotation (x, y, z, w).
+// Functions that every driver defines. A state is position, velocity and rotation (x, y, z, w).
 static void tick(uint64_t now);
 static void state(uint32_t block, double out[10]);
 static double contacts(void);
@@ -23,7 +23,7 @@ static double kick, radius; // [side / tick], [side]
 static float keep;
 static double (*start)[3];
 
-// Word number `place` of the sequence SplitMix64, seed 1.
+// Returns word number `place` of the sequence SplitMix64, seed 1.
 static inline uint64_t draw(uint64_t place) {
     uint64_t z = 1 + (place + 1) * 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -33,7 +33,7 @@ static inline uint64_t draw(uint64_t place) {
 
 static inline double unit(uint64_t bits) { return ((double)bits + 0.5) / 4294967296.0; }
 
-// A change of velocity: speed uniform up to `most`, direction isotropic.
+// Returns a change of velocity with a speed uniform up to `most` and an isotropic direction.
 static inline void draw_kick(uint64_t now, uint32_t block, double most, float out[3]) {
     uint64_t place = 2 * (now * blocks + block);
     uint64_t a = draw(place), b = draw(place + 1);
@@ -46,7 +46,7 @@ static inline void draw_kick(uint64_t now, uint32_t block, double most, float ou
     out[2] = speed * (float)z;
 }
 
-// Wall, kick and drag.
+// Applies wall, kick and drag.
 static inline void push(uint64_t now, uint32_t block, const double at[3], const double v[3],
                         double out[3]) {
     float x = (float)at[0], y = (float)at[1], z = (float)at[2];
@@ -59,7 +59,7 @@ static inline void push(uint64_t now, uint32_t block, const double at[3], const 
     out[2] = ((float)v[2] - z * wall + k[2]) * keep;
 }
 
-// The sites of a cubic lattice in the half ball; `out` may be null.
+// Writes the sites of a cubic lattice in the hemisphere. `out` may be null.
 static size_t lattice(double within, double spacing, double (*out)[3]) {
     long reach = (long)(within / spacing) + 1;
     size_t count = 0;
@@ -91,7 +91,7 @@ static void arrange(void) {
     free(all);
 }
 
-// The engine's name among the arguments; the scene is set up then.
+// Returns the engine's name in the arguments, and sets the scene up.
 static const char *arguments(int argc, char **argv) {
     if (argc != 4) {
         fprintf(stderr, "usage: ENGINE BLOCKS KICK\n");
@@ -136,7 +136,7 @@ static void run(uint64_t *now, long ticks) {
            complaints() - before);
 }
 
-// Does as it is told until its input ends.
+// Executes commands until the input ends.
 static int serve(const char *version) {
     double digest = 0.0, kicks = 0.0, s[10];
     for (uint32_t i = 0; i < blocks; i++) {
