@@ -14,8 +14,8 @@ pub(crate) struct DiskReader<'a> {
 }
 
 impl<'a> DiskReader<'a> {
-    /// Creates a reader for a program. `text` replaces its content. `further` are more folders for
-    /// imports.
+    /// Creates a reader for a program, whose imports may also come from the folders `further`.
+    /// `text` replaces the content of the program's file.
     pub fn new(program: &'a str, text: Option<&'a [u8]>, further: &[PathBuf]) -> DiskReader<'a> {
         let bound = ImportFolders::new(program, further);
         DiskReader {

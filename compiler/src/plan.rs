@@ -99,7 +99,8 @@ pub struct PlanPhase {
     pub timeout: Option<Timeout>,
     /// Range of its events in [`ProgramPlan::events`].
     pub events: std::ops::Range<u32>,
-    /// Whether its blocks are pre-attached. Only the first phase can be.
+    /// Whether the blocks of the phase are pre-attached. Only the first phase can have pre-attached
+    /// blocks.
     pub planted: bool,
     /// Claimed shapes, with the locations of the claims.
     pub claims: Vec<(Symbol, SourceLocation)>,

@@ -39,7 +39,7 @@ impl<F: FnMut(u64, PhaseId) -> ControlFlow<()>> Watch for F {
     }
 }
 
-/// Resumes from the saved state of a run. Returns whether there was one.
+/// Restores the state that was saved for this run. Returns `false` if none was saved.
 pub(crate) fn resume(
     watch: &mut (impl Watch + ?Sized),
     parts: &mut [&mut dyn State],

@@ -27,7 +27,7 @@ use crate::host::Host;
 pub struct FitProgram {
     /// The program with its scene as written.
     pub program: EnsembleProgram,
-    /// Its measured times, or the number of runs to predict.
+    /// Measured times of the program, or the number of runs to predict.
     pub measurement: Measurement,
 }
 

@@ -4,7 +4,7 @@ use serde::Serialize;
 /// Version of all JSON documents.
 pub const FORMAT: u32 = 1;
 
-/// A document: the version, and the keys of its content.
+/// A document with the version of its format. The keys of `content` are written next to `format`.
 #[derive(Serialize)]
 struct Document<T> {
     format: u32,

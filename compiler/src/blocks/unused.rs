@@ -16,7 +16,7 @@ struct Declared<'a> {
     item: &'a Item,
     name: Name,
     code: Code,
-    /// Whether it is inside a block, so that no other file can use it.
+    /// Whether the declaration is inside a block, so that no other file can use it.
     is_local: bool,
 }
 

@@ -10,7 +10,7 @@ use crate::{FileId, Sources};
 pub struct TextChange<'a> {
     file: FileId,
     text: &'a str,
-    /// End of the replaced bytes and the replacement, by the first byte.
+    /// Edits by their first byte: the end of the replaced bytes, and the replacement.
     edits: BTreeMap<usize, (usize, &'a str)>,
 }
 

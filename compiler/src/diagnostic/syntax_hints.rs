@@ -196,7 +196,7 @@ impl SyntaxHint<'_> {
             && is_unit(found)
     }
 
-    /// Returns the location of the first word of the statement.
+    /// Returns the location of the word before the error if it is the first of its statement.
     fn word_behind(&self) -> Option<SourceLocation> {
         let before = self.before().trim_end();
         let start = before.strip_suffix(self.behind)?.len();

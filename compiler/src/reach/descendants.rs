@@ -19,7 +19,8 @@ pub struct DescendantIndex {
     place: Vec<u32>,
     /// For each event of the phase, the size of its subtree in the forest, including itself.
     size: Vec<u32>,
-    /// Edges that the forest does not imply: position of the source, and the target.
+    /// Edges that the forest does not contain: the position of the source in the preorder, and the
+    /// target.
     cross: Vec<(u32, EventId)>,
 }
 

@@ -86,7 +86,8 @@ impl Replicates {
         }
     }
 
-    /// Returns this sum over `times` another one, or `None` if the other is 0.
+    /// Returns the ratio of this sum to `times` the other sum. Returns `None` if the other sum is
+    /// 0.
     pub fn over(&self, other: &Replicates, times: f64) -> Option<Ratio> {
         if other.sum <= 0.0 {
             return None;

@@ -27,7 +27,7 @@ pub enum Unusable {
     /// A file or folder that cannot be read.
     #[error("cannot read {path}: {reason}")]
     Unreadable {
-        /// Its path.
+        /// Path of the file or folder.
         path: String,
         /// Reason.
         reason: String,

@@ -100,7 +100,7 @@ struct ScheduleCandidate {
 /// Schedule with its priorities and estimate.
 #[derive(Clone)]
 pub struct PrioritizedSchedule {
-    /// Its priorities.
+    /// Priorities of the schedule.
     pub priorities: Priorities,
     /// The schedule.
     pub schedule: Schedule,
@@ -120,7 +120,8 @@ const JAMS: f64 = 20_000.0;
 /// Number of disassembly orders tried, in at most a quarter of the rounds.
 const VARIANTS: u64 = 8;
 
-/// Consecutive variations of access paths, times cells: equal effort for all target sizes.
+/// Number of consecutive variations of access paths, multiplied by the number of cells. Large
+/// targets thus get fewer variations, and the effort is the same for all targets.
 const WAYS: u64 = 2000;
 
 /// Consecutive variations of priorities after that.

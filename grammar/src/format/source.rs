@@ -1,10 +1,10 @@
-//! Divides a source into pieces, words and comments.
+//! Divides a source into [pieces](TextPiece), words and comments.
 use std::borrow::Cow;
 use std::ops::Range;
 
 use crate::parse::{Record, Rule, Token, is_comment};
 
-/// A source divided into pieces.
+/// A source divided into pieces, words and comments.
 pub struct TokenizedText<'t> {
     pub pieces: Vec<TextPiece>,
     pub words: Vec<Word<'t>>,
@@ -17,7 +17,7 @@ pub struct TokenizedText<'t> {
 #[derive(Clone, Debug)]
 pub struct TextPiece {
     pub rule: Rule,
-    /// Indices of its words. Comments before the piece belong to the first word.
+    /// Indices of the words. Comments before the piece belong to the first word.
     pub words: Range<usize>,
 }
 

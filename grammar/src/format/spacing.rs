@@ -1,8 +1,9 @@
-//! Spaces between the words of a piece.
+//! Spaces between the words of a statement or another part of a source.
 use super::source::{Gap, Word};
 use crate::parse::Rule;
 
-/// Returns whether a space separates two neighbouring words of a piece.
+/// Returns whether a space separates two neighbouring words. `whole` is the rule of the
+/// [`TextPiece`](super::source::TextPiece) that contains them.
 pub fn is_blank(whole: Rule, left: &Word<'_>, right: &Word<'_>) -> bool {
     let (Some(first), Some(second)) = (left.rule, right.rule) else {
         // The dot of a path.

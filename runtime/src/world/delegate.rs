@@ -1,8 +1,9 @@
 //! Non-generic worlds over generic steppers. Their physics is compiled once, in this crate, not in
 //! every crate that uses it.
 
-/// Forwards all methods of `$world`: `$by!(&self.0, stepper => ...)` calls its stepper, and
-/// `$by!(new precision, ...)` makes a new one.
+/// Implements the traits of a world for the type `$world` by forwarding each method to its stepper.
+/// `$by` is a macro: `$by!(&self.0, stepper => ...)` gives access to the stepper, and `$by!(new
+/// precision, ...)` creates one.
 macro_rules! delegate {
     ($world:ident, $by:ident) => {
         impl Arena for $world {

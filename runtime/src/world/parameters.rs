@@ -185,7 +185,8 @@ impl Magnet {
         }
     }
 
-    /// Returns how much of the way before the end of a step of length `dt` is tested for anchoring \[tick\].
+    /// Returns the duration before the end of a step in which anchoring is tested \[tick\]. This is
+    /// the step's length `dt`, or 0 if anchoring is tested only at the end.
     pub fn tested<R: Real>(&self, dt: R) -> R {
         if self.sampled { R::zero() } else { dt }
     }

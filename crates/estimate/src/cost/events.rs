@@ -10,11 +10,11 @@ use super::PhaseCost;
 /// A program to estimate: the parts of its executable.
 #[derive(Clone, Copy, Debug)]
 pub struct ProgramParts<'a> {
-    /// Its event tables.
+    /// Event tables of the program.
     pub tables: &'a Tables,
-    /// Its dependency graph.
+    /// Dependency graph of the program.
     pub graph: &'a EventGraph,
-    /// Its scene.
+    /// Scene of the program.
     pub scene: &'a Scene,
     /// Reasons why blocks may jam.
     pub jam_risks: &'a [JamRisk],

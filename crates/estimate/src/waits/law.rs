@@ -15,12 +15,14 @@ pub struct Surroundings {
     pub free: f64,
     /// Whether a block or the ground is next to the open cell, perpendicular to the face's normal.
     pub beside: bool,
-    /// Whether a block or the ground is next to the capturing block, likewise.
+    /// Whether a block or the ground is next to the capturing block, perpendicular to the face's
+    /// normal.
     pub beside_parent: bool,
     /// Whether no block is next to the open cell, but one is across an edge of it, perpendicular to
     /// the face's normal.
     pub corner: bool,
-    /// The same for the capturing block.
+    /// Whether no block is next to the capturing block, but one is across an edge of it,
+    /// perpendicular to the face's normal.
     pub corner_parent: bool,
     /// Whether nothing is next to or diagonal from the capturing block, but a block or the ground
     /// is two cells away, perpendicular to the face's normal.

@@ -30,7 +30,7 @@ pub struct Rates {
     pub captures: u64,
     /// Parameters of the rate law.
     pub parameters: Parameters,
-    /// Their covariance, row by row.
+    /// Covariance of the parameters, row by row.
     pub covariance: Vec<f64>,
     /// Density of free blocks around the plate relative to their mean, by layers of one block
     /// length. The first layer contains the centres of blocks in the lowest cells.

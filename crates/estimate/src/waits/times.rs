@@ -15,15 +15,15 @@ pub struct Times {
     pub half_width: Option<f64>,
     /// 10th percentile. `None` if fewer than a tenth of the cases end.
     pub p10: Option<f64>,
-    /// Its half-width. `None` for too few cases.
+    /// Half-width for the 10th percentile. `None` for too few cases.
     pub p10_half_width: Option<f64>,
-    /// Median, likewise.
+    /// Median. `None` if fewer than half of the cases end.
     pub median: Option<f64>,
-    /// Its half-width.
+    /// Half-width for the median. `None` for too few cases.
     pub median_half_width: Option<f64>,
-    /// 90th percentile, likewise.
+    /// 90th percentile. `None` if fewer than 90 % of the cases end.
     pub p90: Option<f64>,
-    /// Its half-width.
+    /// Half-width for the 90th percentile. `None` for too few cases.
     pub p90_half_width: Option<f64>,
 }
 

@@ -68,7 +68,7 @@ pub fn find(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, ScalarEr
 /// New value of a scene parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScalarChange {
-    /// Name, such as `bond.pull`.
+    /// Name of the parameter, such as `bond.pull`.
     pub of: String,
     /// Value in SI units.
     pub value: f64,

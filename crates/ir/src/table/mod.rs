@@ -69,8 +69,8 @@ pub struct Phase {
     pub timeout: Option<u64>,
     /// Number of reports after which the plate begins the next phase, in the next tick.
     pub reports: u32,
-    /// Whether its blocks are pre-attached before the first tick. Such a phase comes first, takes
-    /// no time, and consists of captures without reports.
+    /// Whether the blocks of the phase are pre-attached before the first tick. Such a phase comes
+    /// first, takes no time, and consists of captures without reports.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub planted: bool,
 }

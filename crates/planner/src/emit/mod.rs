@@ -33,7 +33,7 @@ pub struct Naming<'a> {
     pub scene: Option<&'a str>,
     /// Name of its shape. `None` if the shape is too large to declare.
     pub shape: Option<&'a str>,
-    /// Their declarations, as text.
+    /// Declarations of the scene and the shape, as text.
     pub declarations: &'a str,
     /// Allowed warnings, each with a reason.
     pub allowed: &'a [(&'a str, String)],

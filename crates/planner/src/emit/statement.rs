@@ -16,23 +16,23 @@ pub enum Called {
     Scaffold,
 }
 
-/// Words of the block names.
+/// First parts of the block names.
 #[derive(Clone, Copy, Debug)]
 pub struct NameWords<'a> {
-    /// Word for a block of the target.
+    /// First part for a block of the target.
     pub block: &'a str,
-    /// Word for a block of a scaffold.
+    /// First part for a block of a scaffold.
     pub scaffold: &'a str,
 }
 
 impl NameWords<'_> {
-    /// Words in a program that consists of a plan only.
+    /// First parts in a program that consists of a plan only.
     pub const OWN: NameWords<'static> = NameWords {
         block: "B",
         scaffold: "S",
     };
 
-    /// Returns the word of a name.
+    /// Returns the first part of the names of this kind.
     pub fn of(&self, called: Called) -> &str {
         match called {
             Called::Block => self.block,

@@ -56,7 +56,7 @@ struct Change {
 /// Reason why a program cannot be completed.
 #[derive(Debug)]
 pub enum NotCompleted {
-    /// It has other errors.
+    /// The program has other errors.
     Wrong,
     /// Nothing is missing, or the captures cannot be added there. The text is the message.
     Refused(String),

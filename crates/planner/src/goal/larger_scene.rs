@@ -11,17 +11,17 @@ use super::Goal;
 /// A scene derived from another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LargerScene {
-    /// Its name.
+    /// Name of the derived scene.
     pub name: String,
-    /// Name of its base scene.
+    /// Name of the base scene.
     pub base: String,
     /// Number of free blocks of the base scene.
     pub base_free: u32,
-    /// Its own number of free blocks.
+    /// Number of free blocks of the derived scene.
     pub free: u32,
-    /// Radius of its enclosure \[m\]. `None` without an enclosure.
+    /// Radius of the enclosure \[m\]. `None` without an enclosure.
     pub radius: Option<f64>,
-    /// Its density of free blocks relative to the base scene.
+    /// Density of free blocks relative to the base scene.
     pub density: f64,
 }
 

@@ -251,7 +251,8 @@ impl Goal {
         self.accepted_with(target, plan, |code| allowance(code, hardware), law)
     }
 
-    /// Returns the program of a plan with other allowed warnings. See [`Goal::accepted`].
+    /// Returns the program of a plan like [`Goal::accepted`]. `allowance` gives the name and the
+    /// reason for each warning that may be allowed.
     fn accepted_with(
         &self,
         target: &Target,

@@ -45,7 +45,7 @@ pub struct BuildPlan {
 /// Times of a plan in simulated runs.
 #[derive(Clone, Debug, Serialize)]
 pub struct RaceTimes {
-    /// Its baseline. `None` for the result of a search.
+    /// Baseline that made the plan. `None` for the result of a search.
     pub baseline: Option<Baseline>,
     /// Number of runs.
     pub runs: u64,

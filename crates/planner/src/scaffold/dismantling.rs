@@ -22,7 +22,7 @@ pub struct Dismantling {
 /// Block that is released and captured again in place by an adjacent block.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HandOver {
-    /// Its cell.
+    /// Cell of the block.
     pub cell: Cell,
     /// Direction from the new parent.
     pub way: Face,

@@ -31,7 +31,7 @@ pub struct MastPiece {
     pub height: i32,
     /// Direction from that block to the first cell.
     pub way: Face,
-    /// Cells from the mast on.
+    /// Cells of the piece, from the mast outwards.
     pub cells: Vec<Cell>,
     /// Final parent of the last cell, a cell of the target.
     pub join: Cell,

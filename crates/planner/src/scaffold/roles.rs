@@ -31,9 +31,9 @@ pub struct SiteRoles {
 pub struct SitePiece {
     /// Sites in hand-over order, with the direction from the final parent.
     pub sites: Vec<(u32, Face)>,
-    /// Final parent of the first of these.
+    /// Final parent of the first site.
     pub join: u32,
-    /// Its mast.
+    /// Number of the mast.
     pub mast: u32,
 }
 

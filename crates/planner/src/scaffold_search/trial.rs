@@ -21,7 +21,7 @@ pub enum ScaffoldTrial {
         without: f64,
         /// Estimate of the best plan with scaffolds \[ticks\].
         with: f64,
-        /// Whether the plan uses them.
+        /// Whether the plan uses scaffolds.
         is_used: bool,
     },
 }

@@ -27,7 +27,8 @@ impl<'a> SchedulePhase<'a> {
         }
     }
 
-    /// Returns whether a standing site holds others in their final attachment.
+    /// Returns whether a captured site has its final attachment, so that it can hold other sites
+    /// for good.
     pub fn is_own(&self, site: u32) -> bool {
         match self.roles.part(site) {
             SitePart::Own => true,

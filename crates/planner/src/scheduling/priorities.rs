@@ -25,7 +25,8 @@ impl Priorities {
         }
     }
 
-    /// Returns the urgency of a site with this tail \[ticks\].
+    /// Returns the urgency of a site: its tail \[ticks\], multiplied by 0.5 to 1.5 depending on its
+    /// key.
     pub(crate) fn urgency(&self, site: u32, tail: f32) -> f32 {
         tail * (0.5 + self.keys[site as usize])
     }

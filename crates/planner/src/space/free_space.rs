@@ -10,7 +10,7 @@ use crate::space::sites::{NONE, Sites};
 pub struct FreeSpace {
     /// Edge length of the cube \[cells\].
     size: i32,
-    /// Whether it also gives access to adjacent gaps.
+    /// Whether a reachable cube also gives access to adjacent gaps.
     has_gaps: bool,
     reach: Grid<PlaceReach>,
 }

@@ -34,7 +34,7 @@ pub enum TargetError {
 /// Part of a target without a capturing neighbour.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct LoosePart {
-    /// Its cells, sorted.
+    /// Cells of the part, sorted.
     pub cells: Vec<Cell>,
     /// Smallest set of additional cells that would support it, assuming the bridges of earlier
     /// parts. `None` if there is none, or the search reached its limit.

@@ -25,18 +25,18 @@ pub struct Target {
     plate: Plate,
     /// Blocks of the plate that may capture, sorted. `None` if all may.
     seeds: Option<Vec<(i32, i32)>>,
-    /// Whether its first captures begin with the run, when the free blocks are at rest.
+    /// Whether the first captures begin with the run, when the free blocks are at rest.
     is_at_rest: bool,
 }
 
 /// Block that exists before the first capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ExistingBlock {
-    /// Its cell.
+    /// Cell of the block.
     pub cell: Cell,
-    /// Direction from its parent.
+    /// Direction from the parent.
     pub way: Face,
-    /// Whether it can capture others.
+    /// Whether the block can capture others.
     pub can_capture: bool,
 }
 
@@ -128,12 +128,12 @@ impl Target {
         }
     }
 
-    /// Returns whether its first captures begin with the run, when the free blocks are at rest.
+    /// Returns whether the first captures begin with the run, when the free blocks are at rest.
     pub(crate) fn is_at_rest(&self) -> bool {
         self.is_at_rest
     }
 
-    /// Returns its cells, sorted.
+    /// Returns the cells, sorted.
     pub fn cells(&self) -> &[Cell] {
         &self.cells
     }

@@ -14,11 +14,11 @@ use crate::space::grid::shifted;
 /// State of a cell when a nearby face opens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellState {
-    /// Nothing.
+    /// Empty cell.
     Empty,
-    /// Empty, with a face open towards it in this direction.
+    /// Empty cell, with a face open towards it in this direction.
     Awaited(Face),
-    /// A block.
+    /// Cell with a block.
     Full,
 }
 

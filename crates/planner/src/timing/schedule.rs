@@ -19,7 +19,8 @@ pub struct Schedule {
     pub end: Vec<f32>,
     /// Number of sites opened before the hand-over phase. All sites without scaffolds.
     pub first_phase: usize,
-    /// For each handed-over site, the block required before. Empty without scaffolds.
+    /// For each site that is handed over, the site that must be occupied before. Empty without
+    /// scaffolds.
     pub roots: Vec<u32>,
 }
 

@@ -27,7 +27,7 @@ struct TradeRow {
     mark: &'static str,
     /// Remark after the columns.
     remark: String,
-    /// Whether it is red in colour output.
+    /// Whether the line is red in colour output.
     wrong: bool,
 }
 

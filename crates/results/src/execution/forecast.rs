@@ -24,7 +24,7 @@ const MAX_TRIED_SETTINGS: usize = 64;
 /// Expected CPU time of an ensemble.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CpuForecast {
-    /// Runs of all programs.
+    /// Number of runs of all programs.
     pub runs: u64,
     /// CPU time of all runs.
     pub time: Duration,

@@ -41,7 +41,7 @@ impl EnsembleProgram {
         stochc_runtime::observe(tables, scene, settings, seed, number, watch, observer)
     }
 
-    /// Sets up its scene as a test.
+    /// Checks that the scene of the program can be set up.
     ///
     /// # Errors
     ///

@@ -1,6 +1,6 @@
 //! Names of the files of a results folder.
 
-/// Everything that determines the ensemble.
+/// Name of the manifest, which determines the ensemble.
 pub const MANIFEST: &str = "manifest.json";
 /// Journal with the finished runs.
 pub(crate) const JOURNAL: &str = "journal.jsonl";

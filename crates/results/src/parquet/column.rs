@@ -295,7 +295,7 @@ impl<'a, R> ColumnDefinition<'a, R> {
         }
     }
 
-    /// Returns its values in these rows, in order.
+    /// Returns the values of the column in these rows, in order.
     pub fn values(&self, rows: &[R]) -> ColumnValues<'a> {
         fn each<R, T>(rows: &[R], get: impl Fn(&R) -> Option<T>) -> Vec<Option<T>> {
             rows.iter().map(get).collect()

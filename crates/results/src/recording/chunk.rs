@@ -33,7 +33,7 @@ pub(super) struct PoseChunk {
     pub corner: [f64; 3],
     /// Step of a coordinate \[block lengths\].
     pub step: f64,
-    /// `NUMBERS` x blocks x ticks, with the tick as the fastest index.
+    /// Stored numbers: `NUMBERS` for each block and tick. The tick varies fastest, then the block.
     pub numbers: Vec<u16>,
 }
 

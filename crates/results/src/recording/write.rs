@@ -117,7 +117,7 @@ impl<W: Output> Recorder<W> {
             || self.rows.len() >= MAX_EVENTS
     }
 
-    /// Events precede the positions of the same ticks.
+    /// Writes the collected events, and after them the positions of the same ticks.
     fn write_chunk(&mut self) -> io::Result<()> {
         if !self.rows.is_empty() {
             let json = serde_json::to_vec(&self.rows)?;
@@ -130,7 +130,7 @@ impl<W: Output> Recorder<W> {
             write_section(&mut self.out, POSES, &chunk.to_bytes()?)?;
             self.places.clear();
         }
-        // Readers can then see it.
+        // Readers of the unfinished file can then see the chunk.
         self.out.flush()
     }
 }

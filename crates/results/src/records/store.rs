@@ -47,10 +47,11 @@ impl From<Vec<Finished>> for Records {
 }
 
 impl Records {
-    /// Returns the runs at positions in any order, in files whose lines have fewer bytes than
-    /// `most`.
+    /// Returns the runs whose lines are at these positions in `files`. The positions may be in any
+    /// order. Lines have fewer than `most` bytes.
     pub(crate) fn at(mut places: Vec<LineLocation>, files: Vec<File>, most: u64) -> Records {
-        /// Buffer size: runs that finished in sequence are seldom far apart.
+        /// Buffer size \[bytes\]. A small buffer suffices, because lines of consecutive runs are
+        /// usually close together.
         const PIECE: usize = 1 << 14;
         places.sort_unstable();
         places.dedup_by_key(|place| place.key());

@@ -20,7 +20,7 @@ impl<'m> RecordValidator<'m> {
         }
     }
 
-    /// Returns why a record is not of a run of the manifest. `None` means it may be.
+    /// Returns the reason why a record cannot belong to the manifest. Returns `None` if it can.
     pub fn inconsistency(&self, number: usize, record: &RunRecord) -> Option<String> {
         let Some(program) = self.manifest.programs.get(number) else {
             return Some(format!("program {number} does not exist"));

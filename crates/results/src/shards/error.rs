@@ -17,7 +17,7 @@ pub enum ShardError {
     Uncuttable {
         /// Requested number of shards.
         asked: u64,
-        /// Runs of all programs.
+        /// Number of runs of all programs.
         runs: u64,
     },
     /// The folder contains unsharded runs.

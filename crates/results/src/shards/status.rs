@@ -19,7 +19,7 @@ use crate::integrity::{FileIntegrity, Integrity};
 pub struct ShardStatus {
     /// Number of shards.
     pub shards: u64,
-    /// Runs of all programs.
+    /// Number of runs of all programs.
     pub runs: u64,
     /// State of each shard, by number.
     pub pieces: Vec<PieceState>,

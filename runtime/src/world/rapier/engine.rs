@@ -101,6 +101,8 @@ struct Surface {
     friction: f32,
 }
 
+/// Returns the contact properties of the engine's bodies.
+///
 /// # Errors
 ///
 /// If contacts have a compliant law. The engine's contact compliance comes from its solver.

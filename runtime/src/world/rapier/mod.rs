@@ -25,7 +25,8 @@ use crate::settings::Settings;
 /// A world of rigid cubes.
 pub struct RapierWorld(Box<Stepper<Rapier>>);
 
-/// Single precision only, as [`Rapier`] requires.
+/// Gives access to the stepper, as required by `delegate!`. Ignores the precision, because
+/// [`Rapier`] has only single precision.
 macro_rules! only {
     (new $precision:expr, $stepper:expr) => {
         Box::new($stepper)

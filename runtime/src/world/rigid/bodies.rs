@@ -215,9 +215,11 @@ impl<R: Lane> Bodies<R> {
         (0..self.count()).filter(above).count()
     }
 
+    /// Checks the motion of a block.
+    ///
     /// # Errors
     ///
-    /// If the motion of a block is invalid.
+    /// If the motion of the block is invalid.
     pub fn check(&self, id: u32, limits: &MotionLimits) -> Result<(), Fault> {
         let motion = [self.position(id), self.velocity(id), self.spin(id)];
         limits.check(id, motion, &self.attitudes[id as usize].rotation)

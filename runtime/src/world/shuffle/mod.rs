@@ -29,7 +29,7 @@ pub struct ShuffleWorld {
     /// Groups of free blocks. `None` if free blocks do not bond.
     groups: Option<DisjointSets>,
     lattice: LatticeStructure,
-    /// Accessible open faces, six numbers per seat.
+    /// Accessible open faces as numbers: six for each seat.
     open: RankedSet,
     /// Accessible faces that are off, of the plate and of blocks above it. Used only for stray
     /// captures.

@@ -17,7 +17,7 @@ pub struct DimensionlessGroup {
     pub limit: Option<ResolutionLimit>,
     /// Range that it should be in at any time step.
     pub expected: Option<ExpectedRange>,
-    /// Whether it concerns blocks near an open face, which may take shorter steps.
+    /// Whether the number concerns blocks near an open face, which may take shorter steps.
     pub of_faces: bool,
 }
 

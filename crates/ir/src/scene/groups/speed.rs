@@ -17,7 +17,7 @@ pub struct Speed {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpeedFrom {
-    /// There is no agitation, and blocks start at rest.
+    /// The scene has no agitation, and blocks start at rest.
     Rest,
     /// Random impulses and drag: exact. In a viscous fluid, the mean velocity of a tick.
     Drag,

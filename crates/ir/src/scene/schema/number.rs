@@ -135,7 +135,8 @@ impl SchemaNumber {
         (self.at)(&mut scene.clone()).is_some_and(place)
     }
 
-    /// Returns its value in a scene in SI units, or `None` if the scene does not give it.
+    /// Returns the value of the parameter in a scene, in SI units. Returns `None` if the scene does
+    /// not give it.
     pub fn get(&self, scene: &Scene) -> Option<f64> {
         match (self.at)(&mut scene.clone())? {
             Accessor::Real(value) => Some(*value),
@@ -183,7 +184,7 @@ impl SchemaNumber {
         }
     }
 
-    /// Sets its value in a scene, in SI units.
+    /// Sets the value of the parameter in a scene, in SI units.
     ///
     /// # Errors
     ///

@@ -14,7 +14,7 @@ impl SchemaNumber {
 }
 
 impl SchemaEntry {
-    /// Returns its meaning and the values that directly follow.
+    /// Returns the meaning of the entry and of the values that directly follow its word.
     pub fn described(&self) -> String {
         let values = self.parts.iter().filter_map(|part| match part {
             SchemaPart::Number(number) | SchemaPart::Range { high: number, .. } => {
@@ -73,7 +73,7 @@ impl SchemaEntry {
         }
     }
 
-    /// Returns its syntax with the symbols of its values.
+    /// Returns the syntax of the entry with the symbols of its values.
     fn pattern(&self, kind: Option<&SchemaEntry>) -> Vec<String> {
         let mut out = vec![format!("`{}`", self.word)];
         for part in self.parts {

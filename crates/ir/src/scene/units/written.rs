@@ -15,10 +15,10 @@ pub struct WrittenQuantity<'a> {
 /// Error of a single value.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidQuantity {
-    /// It does not begin with a number, or something else follows.
+    /// The text does not begin with a number, or something else follows the number and its unit.
     #[error("`{0}` is no value; write a number and its unit, such as `4.5 N`")]
     NoValue(String),
-    /// Its unit is unknown.
+    /// The unit is unknown.
     #[error("`{unit}` is not a unit; {help}")]
     NoUnit {
         /// The word after the number.

@@ -7,13 +7,13 @@ use crate::target::limits::{FARTHEST, MAX_CELLS, MAX_VOXEL_PARTS};
 /// Reason why a file contains no valid target.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum UnreadableVoxels {
-    /// It is not a MagicaVoxel file.
+    /// The file is not a MagicaVoxel file.
     #[error("it does not begin as a `.vox` file does")]
     NotVox,
-    /// It is truncated.
+    /// The file is truncated.
     #[error("it is cut off")]
     CutOff,
-    /// It contains no model.
+    /// The file contains no model.
     #[error("it holds no model")]
     NoModel,
     /// A model comes before its size.
@@ -28,7 +28,7 @@ pub enum UnreadableVoxels {
         /// Numbers and voxel counts of the models with voxels.
         models: Vec<(u32, usize)>,
     },
-    /// It does not have a model of this number.
+    /// The file does not have a model of this number.
     #[error("it has no model {model}: its {} are numbered from 0", counted(*.count, "model"))]
     UnknownModel {
         /// Requested number.
@@ -100,7 +100,7 @@ pub enum UnreadableVoxels {
         /// Text in the file.
         text: String,
     },
-    /// It has too many nodes and models.
+    /// The file has too many nodes and models.
     #[error("it has more than {MAX_VOXEL_PARTS} models, nodes and layers")]
     TooManyParts,
     /// Voxels are too far from the origin.

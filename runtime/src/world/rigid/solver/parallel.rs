@@ -24,8 +24,8 @@ struct Batch<R: Lane, const N: usize> {
     /// Mask of the lanes with a contact.
     real: R::Quad,
     bodies: [BatchBody<R>; N],
-    /// Relative velocity change after the middle of the step, of the first body minus the second,
-    /// in the contact frame.
+    /// Change of the relative velocity in the second half of the step, in the contact frame.
+    /// Relative velocities are those of the first body minus those of the second.
     late: BatchVector<R>,
     shifts: [BatchBody<R>; N],
     /// Directions along the normal and across it.

@@ -16,7 +16,7 @@ pub(super) struct SolverBody<R: Lane> {
 /// Index of the immovable body.
 pub(super) const GROUND: usize = 0;
 
-/// Number of no block, or of no body.
+/// Number that stands for no block and for no body.
 pub(super) const NOBODY: u32 = u32::MAX;
 
 /// All bodies, [`GROUND`] first. The arrays are in the same order.

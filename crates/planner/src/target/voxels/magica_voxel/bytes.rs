@@ -9,16 +9,16 @@ pub struct Bytes<'a>(pub &'a [u8]);
 pub struct Chunk<'a> {
     /// Name of four letters.
     pub name: &'a [u8],
-    /// Its own content.
+    /// Content of the chunk without its children.
     pub content: Bytes<'a>,
-    /// Its child chunks.
+    /// Child chunks.
     pub children: Bytes<'a>,
 }
 
 /// Attributes of a node that affect placement and visibility.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Attributes<'a> {
-    /// Whether it is hidden.
+    /// Whether the node is hidden.
     pub is_hidden: bool,
     /// Rotation, as a decimal number.
     pub rotation: Option<&'a [u8]>,

@@ -40,9 +40,9 @@ pub struct Instance<'g> {
     pub node: u32,
     /// Numbers of its models. Several are an animation.
     pub models: &'g [u32],
-    /// Its place.
+    /// Position and rotation in the scene.
     pub placement: Placement,
-    /// Whether it is hidden itself, by an enclosing node or by a layer.
+    /// Whether the model is hidden: by its own node, by an enclosing node or by a layer.
     pub is_hidden: bool,
 }
 
