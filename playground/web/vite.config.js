@@ -43,6 +43,7 @@ export default defineConfig({
   base: './',
   plugins: [viewer(), pictures()],
   worker: { format: 'es' },
-  build: { outDir: '../dist', emptyOutDir: true, assetsInlineLimit: 0, target: 'es2022', modulePreload: false },
+  logLevel: 'warn',
+  build: { chunkSizeWarningLimit: 1000, outDir: '../dist', emptyOutDir: true, assetsInlineLimit: 0, target: 'es2022', modulePreload: false },
   server: { fs: { allow: [path('../..')] } },
 });

@@ -19,7 +19,7 @@ const MAX_TICKS = 1_000_000;
 
 /** What the models cost, in words. */
 const COSTS = {
-  rigid: 'Physics: collisions, drag, agitation, attraction. About a second of computing per run.',
+  rigid: 'Physics: collisions, drag, agitation, attraction. A fraction of a second of computing per run, more for long runs.',
   rate: 'No motion: waiting times are drawn from rates that were calibrated with physics. Thousands of runs per second.',
   shuffle: 'No physics: captures in random order, one per tick. Its times mean nothing.',
 };
@@ -83,6 +83,7 @@ function toast(words) {
 function openProgram(text, name) {
   stopAll();
   delete document.body.dataset.record;
+  element('toast').classList.remove('shown');
   Object.assign(state, { name, lesson: null, program: 0, check: null, good: null, record: null, ensemble: null, estimate: null });
   element('lesson').hidden = true;
   element('results').replaceChildren();
@@ -574,7 +575,8 @@ async function recall() {
       return;
     }
   } catch (error) {
-    toast(`This link is damaged: ${error.message}`);
+    welcome();
+    return toast(`This link is damaged: ${error.message}`);
   }
   const asked = new URLSearchParams(hash.slice(1));
   const lesson = Number(asked.get('lesson'));
