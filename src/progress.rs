@@ -5,7 +5,7 @@ use std::time::Duration;
 use stochc_results::{Manifest, Progress, Snapshot, time_left};
 use stochc_text::words;
 
-/// Progress of some work.
+/// Progress of a task: the share that is done, and a text for the user.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WorkProgress {
     /// Finished share of the work, 0 to 1.

@@ -41,7 +41,7 @@ pub enum Call<'a> {
 /// Outcome of a call.
 #[derive(Debug)]
 pub enum CallDecision {
-    /// The system is called.
+    /// The call is passed on to the operating system.
     Proceed,
     /// The call fails.
     Fail(io::Error),

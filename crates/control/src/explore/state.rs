@@ -22,7 +22,7 @@ pub(super) struct ProgramState<'t> {
     pub under_way: Vec<InTransit>,
     /// Transfer numbers, if transfers may be lost. Their meaning is in the transits.
     pub channels: Ignored<Channels>,
-    /// Events so far in this phase, to check its end.
+    /// Events so far in this phase, for the check at the end of the phase.
     pub done: PhaseProgress,
     /// Cells of stray blocks so far.
     pub strayed: BTreeSet<Cell>,

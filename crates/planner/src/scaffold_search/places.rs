@@ -46,7 +46,7 @@ pub fn has_place(target: &Target) -> Result<(), NoScaffolds> {
 }
 
 impl GrowthSchedule {
-    /// Returns the growth of a target's schedule with these scaffolds.
+    /// Returns the final parents and the capture times for a schedule with these scaffolds.
     pub fn new(
         sites: &Sites<'_>,
         schedule: &Schedule,
