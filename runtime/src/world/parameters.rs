@@ -185,7 +185,7 @@ impl Magnet {
         }
     }
 
-    /// Returns the duration before the end of a step in which anchoring is tested \[tick\]. This is
+    /// Returns the duration of the test for anchoring before the end of a step \[tick\]. This is
     /// the step's length `dt`, or 0 if anchoring is tested only at the end.
     pub fn tested<R: Real>(&self, dt: R) -> R {
         if self.sampled { R::zero() } else { dt }

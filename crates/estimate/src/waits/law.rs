@@ -21,8 +21,8 @@ pub struct Surroundings {
     /// Whether no block is next to the open cell, but one is across an edge of it, perpendicular to
     /// the face's normal.
     pub corner: bool,
-    /// Whether no block is next to the capturing block, but one is across an edge of it,
-    /// perpendicular to the face's normal.
+    /// Whether no block is next to the capturing block, but one is across an edge of it. Both
+    /// directions are perpendicular to the face's normal.
     pub corner_parent: bool,
     /// Whether nothing is next to or diagonal from the capturing block, but a block or the ground
     /// is two cells away, perpendicular to the face's normal.
