@@ -2,7 +2,7 @@
 use std::path::Path;
 
 use stochc_results::Interval;
-use stochc_results::shards::{Piece, ShardError, merge as merge_all};
+use stochc_results::shards::{Shard, ShardError, merge as merge_all};
 
 use super::runs::{made_again, made_by, threads, warn_of_checkpoints};
 use super::sweep;
@@ -22,26 +22,26 @@ pub fn shard(
     host: &dyn Host,
 ) -> Result<Option<u64>, Failure> {
     let stop = host.stop();
-    let piece = Piece::open(folder, number)
-        .and_then(|piece| piece.with_checkpoints(checkpoints))
+    let shard = Shard::open(folder, number)
+        .and_then(|shard| shard.with_checkpoints(checkpoints))
         .map_err(Failure::usage)?;
-    warn_of_checkpoints(piece.checkpoints(), host);
-    let (runs, done) = piece.runs();
-    if piece.is_made() {
+    warn_of_checkpoints(shard.checkpoints(), host);
+    let (runs, done) = shard.runs();
+    if shard.is_made() {
         return Ok(Some(runs));
     }
-    let manifest = piece.manifest();
-    let again = piece.check_stored(made_again(manifest, stop));
+    let manifest = shard.manifest();
+    let again = shard.check_stored(made_again(manifest, stop));
     again.map_err(Failure::usage)?;
-    let progress = piece.progress(threads(at_once));
+    let progress = shard.progress(threads(at_once));
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
-    let work = || piece.make(&progress, stop, made_by(manifest));
+    let work = || shard.make(&progress, stop, made_by(manifest));
     let made = if done == runs {
         work()
     } else {
         during(host, state, work)
     };
-    warn_of_checkpoints(piece.checkpoints(), host);
+    warn_of_checkpoints(shard.checkpoints(), host);
     Ok(made.map_err(Failure::usage)?.then_some(runs))
 }
 

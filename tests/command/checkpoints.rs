@@ -150,7 +150,7 @@ fn runs_in_double_precision_and_without_rotation_go_on() {
 }
 
 #[test]
-fn pieces_go_on() {
+fn shards_go_on() {
     let place = tempfile::tempdir().unwrap();
     let [out, straight] = ["out", "straight"].map(|name| path(place.path(), name));
     let of = |out| simulate(TOWER, "--max-ticks 3000", out);
@@ -162,12 +162,12 @@ fn pieces_go_on() {
     cut.splice(0..1, ["shard", "new", "--shards", "2"]);
     let said_of = said(&mut command(&cut));
     assert_eq!(said_of.status, 0, "{}", said_of.err);
-    for piece in ["0", "1"] {
+    for shard in ["0", "1"] {
         let shard = [
             "shard",
             "run",
             &out,
-            piece,
+            shard,
             "--threads",
             "1",
             "--checkpoints",

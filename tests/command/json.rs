@@ -223,7 +223,7 @@ fn a_document_that_differs_from_its_schema_is_refused() {
     let errors = |value: &Value| schemas.errors(schemas.definition("status"), value, "");
     let sound = json!({
         "format": 1, "shards": 2, "runs": 8, "missing": [0],
-        "pieces": [{ "state": "missing" }, { "state": "whole" }],
+        "states": [{ "state": "missing" }, { "state": "whole" }],
     });
     assert_eq!(errors(&sound), [""; 0]);
     for (key, value, reason) in [
@@ -232,8 +232,8 @@ fn a_document_that_differs_from_its_schema_is_refused() {
         ("shards", json!("2"), "type"),
         ("missing", json!([0.5]), "missing[0]"),
         ("more", json!(1), "`more` is not documented"),
-        ("pieces", json!([{ "state": "lost" }]), "word"),
-        ("pieces", json!([{ "runs": 1 }]), "`state` is missing"),
+        ("states", json!([{ "state": "lost" }]), "word"),
+        ("states", json!([{ "runs": 1 }]), "`state` is missing"),
     ] {
         let mut spoilt = sound.clone();
         spoilt[key] = value;

@@ -28,40 +28,40 @@ fn files(folder: &str) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn pieces_put_together_are_the_folder_of_one_machine() {
+fn shards_put_together_are_the_folder_of_one_machine() {
     let folder = tempfile::tempdir().unwrap();
     for (number, command) in [TOWER, SWEEP].into_iter().enumerate() {
-        let [plain, pieces] =
-            ["plain", "pieces"].map(|it| path(folder.path(), &format!("{it}{number}")));
+        let [plain, shards] =
+            ["plain", "shards"].map(|it| path(folder.path(), &format!("{it}{number}")));
         stochc_with(command, &["--quiet", "--threads", "1", "--out", &plain]);
         // The machines that run shards have no source of the program.
-        let said = stochc_with(&shard_new(command), &["--shards", "3", "--out", &pieces]);
+        let said = stochc_with(&shard_new(command), &["--shards", "3", "--out", &shards]);
         assert_eq!(said.status, 0, "{}", said.err);
         assert!(
             said.out.contains("is split into 3 shards, "),
             "{}",
             said.out
         );
-        let again = stochc_with(&shard_new(command), &["--shards", "3", "--out", &pieces]);
+        let again = stochc_with(&shard_new(command), &["--shards", "3", "--out", &shards]);
         assert_eq!(again.status, 0);
         assert!(again.out.contains("into 3 shards already"), "{}", again.out);
-        for piece in ["2", "0", "0", "1"] {
-            let said = stochc_with("shard run", &[&pieces, piece]);
+        for shard in ["2", "0", "0", "1"] {
+            let said = stochc_with("shard run", &[&shards, shard]);
             assert_eq!(said.status, 0, "{}", said.err);
             assert!(
-                said.out.starts_with(&format!("shard {piece} of")),
+                said.out.starts_with(&format!("shard {shard} of")),
                 "{}",
                 said.out
             );
         }
-        let said = stochc_with("shard merge", &[&pieces]);
+        let said = stochc_with("shard merge", &[&shards]);
         assert_eq!(said.status, 0, "{}", said.err);
-        assert!(files(&pieces) == files(&plain), "{command}");
+        assert!(files(&shards) == files(&plain), "{command}");
         for what in ["show", "fsck", "report --quiet"] {
-            let [one, other] = [&plain, &pieces].map(|it| stochc_with(what, &[it]));
+            let [one, other] = [&plain, &shards].map(|it| stochc_with(what, &[it]));
             assert_eq!((one.status, &one.out), (other.status, &other.out), "{what}");
         }
-        let said = stochc_with("resume --quiet", &[&pieces]);
+        let said = stochc_with("resume --quiet", &[&shards]);
         assert!(said.err.contains("is finished already"), "{}", said.err);
     }
 }
@@ -87,11 +87,11 @@ fn a_shell_loop_makes_what_is_missing() {
     let said = stochc_with("shard status --json", &[&out]);
     let status = said.json();
     assert_eq!(status["missing"], json!([0, 1, 2, 4]));
-    assert_eq!(status["pieces"][3], json!({ "state": "whole" }));
+    assert_eq!(status["shards"][3], json!({ "state": "whole" }));
     let said = stochc_with("shard status --missing --json", &[&out]);
     assert_eq!(said.json()["missing"], json!([0, 1, 2, 4]));
-    for piece in ["0", "1", "2", "4"] {
-        assert_eq!(stochc_with("shard run --quiet", &[&out, piece]).status, 0);
+    for shard in ["0", "1", "2", "4"] {
+        assert_eq!(stochc_with("shard run --quiet", &[&out, shard]).status, 0);
     }
     let said = stochc_with("shard status --missing", &[&out]);
     assert_eq!((said.status, said.out.as_str()), (0, ""));
@@ -156,8 +156,8 @@ fn what_cannot_be_is_refused() {
         3,
         "3 of 4 shards are missing or corrupted (0, 2 and 3)",
     );
-    for piece in ["0", "2", "3"] {
-        stochc_with("shard run --quiet", &[&out, piece]);
+    for shard in ["0", "2", "3"] {
+        stochc_with("shard run --quiet", &[&out, shard]);
     }
     stochc_with("shard merge --quiet", &[&out]);
     for line in ["shard merge", "shard status"] {
@@ -178,8 +178,8 @@ fn what_cannot_be_is_refused() {
 }
 
 /// Changes a digit after the first line of a shard.
-fn damage(out: &str, piece: &str) {
-    let file = format!("{out}/shards/{piece}.jsonl");
+fn damage(out: &str, shard: &str) {
+    let file = format!("{out}/shards/{shard}.jsonl");
     let text = fs::read_to_string(&file).unwrap();
     let (first, rest) = text.split_once('\n').unwrap();
     let at = rest.find("\"ticks\":").unwrap() + "\"ticks\":".len();
@@ -194,7 +194,7 @@ fn damage(out: &str, piece: &str) {
 
 /// The first line of a shard is still valid, and `status` reads only that.
 #[test]
-fn damaged_pieces_are_made_again_by_what_is_proposed() {
+fn damaged_shards_are_made_again_by_what_is_proposed() {
     let folder = tempfile::tempdir().unwrap();
     let [plain, out] = ["plain", "out"].map(|name| path(folder.path(), name));
     stochc_with(TOWER, &["--quiet", "--threads", "1", "--out", &plain]);
@@ -202,11 +202,11 @@ fn damaged_pieces_are_made_again_by_what_is_proposed() {
         &shard_new(TOWER),
         &["--quiet", "--shards", "4", "--out", &out],
     );
-    for piece in ["0", "1", "2", "3"] {
-        stochc_with("shard run --quiet", &[&out, piece]);
+    for shard in ["0", "1", "2", "3"] {
+        stochc_with("shard run --quiet", &[&out, shard]);
     }
-    for piece in ["1", "3"] {
-        damage(&out, piece);
+    for shard in ["1", "3"] {
+        damage(&out, shard);
     }
     let said = stochc_with("shard merge", &[&out]);
     assert_eq!(said.status, 3, "{}", said.err);
@@ -215,9 +215,9 @@ fn damaged_pieces_are_made_again_by_what_is_proposed() {
         "{}",
         said.err
     );
-    for piece in ["1", "3"] {
-        stochc_with("shard run --quiet", &[&out, piece]);
-        damage(&out, piece);
+    for shard in ["1", "3"] {
+        stochc_with("shard run --quiet", &[&out, shard]);
+        damage(&out, shard);
     }
     let said = stochc_with("fsck --repair", &[&out]);
     assert_eq!(said.status, 0, "{}", said.err);
@@ -227,8 +227,8 @@ fn damaged_pieces_are_made_again_by_what_is_proposed() {
         said.out
     );
     assert_eq!(stochc_with("shard status --missing", &[&out]).out, "1\n3\n");
-    for piece in ["1", "3"] {
-        stochc_with("shard run --quiet", &[&out, piece]);
+    for shard in ["1", "3"] {
+        stochc_with("shard run --quiet", &[&out, shard]);
     }
     assert_eq!(stochc_with("shard merge --quiet", &[&out]).status, 0);
     let mut merged = files(&out);
@@ -237,15 +237,15 @@ fn damaged_pieces_are_made_again_by_what_is_proposed() {
 }
 
 #[test]
-fn pieces_are_kept_whose_cut_is_lost() {
+fn shards_are_kept_whose_cut_is_lost() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     stochc_with(
         &shard_new(TOWER),
         &["--quiet", "--shards", "4", "--out", &out],
     );
-    for piece in ["0", "1", "2", "3"] {
-        stochc_with("shard run --quiet", &[&out, piece]);
+    for shard in ["0", "1", "2", "3"] {
+        stochc_with("shard run --quiet", &[&out, shard]);
     }
     let cut = format!("{out}/shards.json");
     let text = fs::read_to_string(&cut).unwrap();

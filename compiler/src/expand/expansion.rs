@@ -39,7 +39,7 @@ pub(crate) fn expand<'a>(
 }
 
 /// Expands a program like [`expand`], and records the blocks that a source location names.
-pub fn expand_probed<'a>(
+pub(crate) fn expand_probed<'a>(
     declarations: &Declarations<'a>,
     (file, assembly): (FileId, &'a Assembly),
     sources: &Sources,
@@ -88,7 +88,7 @@ pub fn expand_probed<'a>(
 }
 
 /// Expands an aggregate to one phase for each size.
-pub fn expand_aggregate(
+pub(crate) fn expand_aggregate(
     declarations: &Declarations<'_>,
     (file, aggregate): (FileId, &Aggregate),
     sources: &Sources,

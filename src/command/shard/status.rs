@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 use stochc_files::shell::file as shell_file;
-use stochc_results::shards::{PieceState, ShardStatus, status};
+use stochc_results::shards::{ShardState, ShardStatus, status};
 use stochc_text::{ranges, visible};
 
 use super::super::run_options::JsonOption;
@@ -51,20 +51,20 @@ fn text(status: &ShardStatus, folder: &str) -> String {
     /// Largest number of shards in the list.
     const SHOWN: usize = 20;
     let missing: Vec<u64> = status.missing().collect();
-    let there = status.pieces.len() - missing.len();
+    let there = status.states.len() - missing.len();
     let mut text = format!(
         "{there} of {} shards are complete; {} runs in all\n",
         status.shards, status.runs
     );
-    let plain = |number: &&u64| status.pieces[**number as usize] == PieceState::Missing;
+    let plain = |number: &&u64| status.states[**number as usize] == ShardState::Missing;
     let others = missing.iter().filter(|number| !plain(number));
     for &number in others.clone().take(SHOWN) {
-        text += &match &status.pieces[number as usize] {
-            PieceState::Begun { runs } => format!("shard {number} is begun: {runs} runs\n"),
-            PieceState::Damaged { reason } | PieceState::Foreign { reason } => {
+        text += &match &status.states[number as usize] {
+            ShardState::Begun { runs } => format!("shard {number} is begun: {runs} runs\n"),
+            ShardState::Damaged { reason } | ShardState::Foreign { reason } => {
                 format!("shard {number} {reason}\n")
             }
-            PieceState::Whole | PieceState::Missing => String::new(),
+            ShardState::Whole | ShardState::Missing => String::new(),
         };
     }
     let more = others.count().saturating_sub(SHOWN);
@@ -76,13 +76,13 @@ fn text(status: &ShardStatus, folder: &str) -> String {
         text += &format!("missing: {}\n", ranges(&nothing, ", "));
     }
     let folder = shell_file(&visible(folder));
-    let is_wrong = |state: &PieceState| {
+    let is_wrong = |state: &ShardState| {
         matches!(
             state,
-            PieceState::Damaged { .. } | PieceState::Foreign { .. }
+            ShardState::Damaged { .. } | ShardState::Foreign { .. }
         )
     };
-    if status.pieces.iter().any(is_wrong) {
+    if status.states.iter().any(is_wrong) {
         text += &format!("First repair the folder: stochc fsck {folder} --repair\n");
     }
     text += &if missing.is_empty() {

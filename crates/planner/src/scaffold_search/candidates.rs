@@ -81,7 +81,7 @@ struct ScaffoldTrials<'a> {
 /// # Errors
 ///
 /// If they cannot.
-pub fn may_have_scaffolds(
+pub(crate) fn may_have_scaffolds(
     target: &Target,
     hardware: Hardware,
     how: PlanSearch<'_>,
@@ -98,7 +98,7 @@ pub fn may_have_scaffolds(
 }
 
 /// Searches for scaffolds that shorten the completion of a target, and reports their gain.
-pub fn scaffolded(
+pub(crate) fn scaffolded(
     sites: &Sites<'_>,
     without: &FoundSchedule,
     hardware: Hardware,

@@ -7,5 +7,5 @@ mod leaf_peeling;
 mod places;
 mod trial;
 
-pub use candidates::{Scaffolded, may_have_scaffolds, scaffolded};
+pub(crate) use candidates::{Scaffolded, may_have_scaffolds, scaffolded};
 pub use trial::{NoScaffolds, ScaffoldTrial};

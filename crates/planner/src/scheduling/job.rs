@@ -73,7 +73,7 @@ impl<'a> SchedulingJob<'a> {
     }
 
     /// Adds scaffolds: the longest path through a mast and its pieces is the most urgent.
-    pub fn with_roles(mut self, roles: &'a SiteRoles) -> SchedulingJob<'a> {
+    pub(crate) fn with_roles(mut self, roles: &'a SiteRoles) -> SchedulingJob<'a> {
         for piece in roles.pieces() {
             // From the end of the piece to the mast, and down to the plate.
             let mut rest = 0.0;

@@ -81,7 +81,7 @@ pub enum FolderError {
     #[error(
         "`{path}`: {reason}; run its shards with the `stochc` that split it, or split another folder with this one"
     )]
-    OtherBuildOfPieces {
+    OtherBuildOfShards {
         /// Results folder.
         path: PathBuf,
         /// Description of the builds.
@@ -100,7 +100,7 @@ pub enum FolderError {
     /// `shards.json` is corrupted beyond repair.
     #[error(
         "`shards.json` in `{0}` is damaged beyond repair; move it away: `stochc simulate` with the programs and options of \
-         before, its `--shards` too, writes it anew and keeps the pieces"
+         before, its `--shards` too, writes it anew and keeps the shards"
     )]
     LostCut(PathBuf),
     /// The manifest is corrupted beyond repair.

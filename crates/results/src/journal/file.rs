@@ -41,7 +41,7 @@ pub(crate) struct JournalHeader {
     journal: u32,
     /// Shard of the journal. `None` for a whole ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub piece: Option<PieceHeader>,
+    pub shard: Option<ShardHeader>,
     #[serde(default, skip_serializing)]
     crc: Option<String>,
 }
@@ -51,15 +51,15 @@ impl JournalHeader {
         JournalHeader {
             ensemble: identity.to_owned(),
             journal: JOURNAL,
-            piece: None,
+            shard: None,
             crc: None,
         }
     }
 
     /// Returns the first line of a shard.
-    pub fn of_piece(identity: &str, piece: PieceHeader) -> JournalHeader {
+    pub fn for_shard(identity: &str, shard: ShardHeader) -> JournalHeader {
         JournalHeader {
-            piece: Some(piece),
+            shard: Some(shard),
             ..JournalHeader::new(identity)
         }
     }
@@ -68,7 +68,7 @@ impl JournalHeader {
 /// Shard that the runs of a file belong to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct PieceHeader {
+pub(crate) struct ShardHeader {
     /// Number of the shard, from 0.
     pub number: u64,
     /// Number of shards.
@@ -200,7 +200,7 @@ pub(crate) fn read_lines(
     if header.journal != JOURNAL || checksum::check(first) != LineIntegrity::Sound {
         return Err(JournalError::Foreign);
     }
-    if (&header.ensemble, &header.piece) != (&expected.ensemble, &expected.piece) {
+    if (&header.ensemble, &header.shard) != (&expected.ensemble, &expected.shard) {
         return Err(JournalError::Foreign);
     }
     let mut at = position;

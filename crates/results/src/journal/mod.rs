@@ -5,7 +5,7 @@ mod line;
 
 pub use error::JournalError;
 pub(crate) use file::{
-    Journal, JournalHeader, PieceHeader, Shortest, most_line, read, read_header, read_lines, run,
+    Journal, JournalHeader, ShardHeader, Shortest, most_line, read, read_header, read_lines, run,
     salvaged,
 };
 pub(crate) use line::{line, read_at, read_line};

@@ -14,7 +14,7 @@ use crate::build::other_build;
 use crate::folder::{JOURNAL, SHARDS, SHARDS_FILE};
 use crate::folder::{replace, survey, write_checksums};
 use crate::journal::line as journal_line;
-use crate::journal::{self, JournalHeader, PieceHeader};
+use crate::journal::{self, JournalHeader, ShardHeader};
 use crate::{Folder, FolderError, Manifest, Resume, this_build};
 
 /// Split of an ensemble: `shards.json` in its folder.
@@ -79,8 +79,8 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
     }
     folder.leave_foul_lines()?;
     folder.write_manifest()?;
-    let pieces = path.join(SHARDS);
-    make_own_folder(&pieces).map_err(FolderError::at(pieces))?;
+    let shards = path.join(SHARDS);
+    make_own_folder(&shards).map_err(FolderError::at(shards))?;
     cut.write(path)?;
     Ok(Prepared::New)
 }
@@ -90,7 +90,7 @@ pub(crate) fn same_build(path: &Path, stored: &Manifest) -> Result<(), FolderErr
     if stored.builds == [this_build()] {
         Ok(())
     } else {
-        Err(FolderError::OtherBuildOfPieces {
+        Err(FolderError::OtherBuildOfShards {
             path: path.to_owned(),
             reason: other_build(&stored.builds)
                 .unwrap_or_else(|| "several builds have made it".to_owned()),
@@ -148,23 +148,23 @@ impl Cut {
     }
 
     /// Returns the jobs of a shard among `total`. Shards differ by at most one job.
-    pub(super) fn jobs(&self, total: u64, piece: u64) -> Range<u64> {
-        let begin = |piece: u64| {
-            let share = u128::from(piece) * u128::from(total) / u128::from(self.shards);
+    pub(super) fn jobs(&self, total: u64, shard: u64) -> Range<u64> {
+        let begin = |shard: u64| {
+            let share = u128::from(shard) * u128::from(total) / u128::from(self.shards);
             u64::try_from(share).unwrap_or(u64::MAX)
         };
-        begin(piece)..begin(piece + 1)
+        begin(shard)..begin(shard + 1)
     }
 
     /// Returns the first line of a shard by this build.
     pub(super) fn header(&self, build: &str, number: u64) -> JournalHeader {
-        let piece = PieceHeader {
+        let shard = ShardHeader {
             number,
             of: self.shards,
             runs: self.runs,
             build: build.to_owned(),
         };
-        JournalHeader::of_piece(&self.ensemble, piece)
+        JournalHeader::for_shard(&self.ensemble, shard)
     }
 }
 
@@ -177,7 +177,7 @@ pub(super) fn build(manifest: &Manifest) -> &str {
 }
 
 /// Returns the path of a complete shard.
-pub(super) fn piece_file(path: &Path, number: u64) -> PathBuf {
+pub(super) fn shard_file(path: &Path, number: u64) -> PathBuf {
     path.join(SHARDS).join(format!("{number}.jsonl"))
 }
 
@@ -202,12 +202,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_job_is_in_one_piece(total in 1u64..500, shards in 1u64..500) {
+        fn every_job_is_in_one_shard(total in 1u64..500, shards in 1u64..500) {
             let shards = shards.min(total);
             let cut = Cut { ensemble: String::new(), runs: total, shards };
             let mut next = 0;
-            for piece in 0..shards {
-                let jobs = cut.jobs(total, piece);
+            for shard in 0..shards {
+                let jobs = cut.jobs(total, shard);
                 let size = jobs.end - jobs.start;
                 prop_assert_eq!(jobs.start, next);
                 prop_assert!(size == total / shards || size == total.div_ceil(shards));

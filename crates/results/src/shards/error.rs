@@ -71,7 +71,7 @@ pub enum ShardError {
     },
     /// There is no such shard.
     #[error("there is no shard {number}; shards are 0 to {last}")]
-    NoSuchPiece {
+    NoSuchShard {
         /// Requested number of a shard.
         number: u64,
         /// Largest number of a shard.
@@ -80,27 +80,27 @@ pub enum ShardError {
     /// Files of shards belong to something else.
     #[error(
         "`{path}`: {}; move these files elsewhere, and run these shards: {}",
-        list_reasons(.pieces),
-        commands(.path, .pieces.iter().map(|(number, _)| *number))
+        list_reasons(.shards),
+        commands(.path, .shards.iter().map(|(number, _)| *number))
     )]
     Foreign {
         /// Results folder.
         path: PathBuf,
         /// Numbers of the shards, and descriptions of the files.
-        pieces: Vec<(u64, String)>,
+        shards: Vec<(u64, String)>,
     },
     /// Some shards are missing or corrupted.
     #[error(
         "`{path}`: {} of {of} shards are missing or corrupted ({}); run them: {}",
-        .pieces.len(),
-        list_numbers(.pieces),
-        commands(.path, .pieces.iter().copied())
+        .shards.len(),
+        list_numbers(.shards),
+        commands(.path, .shards.iter().copied())
     )]
     Missing {
         /// Results folder.
         path: PathBuf,
         /// Numbers of these shards.
-        pieces: Vec<u64>,
+        shards: Vec<u64>,
         /// Number of all shards.
         of: u64,
     },
@@ -121,29 +121,29 @@ impl From<JournalError> for ShardError {
 /// Largest number of shards in a list.
 const TOLD: usize = 10;
 
-fn list_reasons(pieces: &[(u64, String)]) -> String {
-    let each = pieces.iter().take(TOLD);
+fn list_reasons(shards: &[(u64, String)]) -> String {
+    let each = shards.iter().take(TOLD);
     let each: Vec<String> = each
         .map(|(number, what)| format!("shard {number} {what}"))
         .collect();
-    match pieces.len().saturating_sub(TOLD) {
+    match shards.len().saturating_sub(TOLD) {
         0 => each.join("; "),
         more => format!("{} and {more} more", each.join("; ")),
     }
 }
 
-fn list_numbers(pieces: &[u64]) -> String {
-    let each: Vec<String> = pieces.iter().take(TOLD).map(u64::to_string).collect();
-    listed(&each, pieces.len())
+fn list_numbers(shards: &[u64]) -> String {
+    let each: Vec<String> = shards.iter().take(TOLD).map(u64::to_string).collect();
+    listed(&each, shards.len())
 }
 
 /// Largest number of shards in a command line. Beyond it, the command lists them itself.
 const NAMED: usize = 100;
 
-fn commands(path: &Path, pieces: impl ExactSizeIterator<Item = u64>) -> String {
+fn commands(path: &Path, shards: impl ExactSizeIterator<Item = u64>) -> String {
     let folder = shell_file(&path.to_string_lossy());
-    let count = pieces.len();
-    let numbers: Vec<String> = pieces
+    let count = shards.len();
+    let numbers: Vec<String> = shards
         .take(NAMED)
         .map(|number| number.to_string())
         .collect();

@@ -6,8 +6,8 @@ use stochc_files::atomic::{Draft, Replaces, remove_own, sync_folder};
 use stochc_files::disk;
 
 use super::ShardError;
-use super::cut::{Cut, build, is_joined, piece_file};
-use super::piece::{PieceFile, in_folder, read};
+use super::cut::{Cut, build, is_joined, shard_file};
+use super::shard::{ShardFile, in_folder, read};
 use crate::checkpoint;
 use crate::folder::lock;
 use crate::folder::slurm_folder;
@@ -49,7 +49,7 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
         .map_err(&io)?;
     let (mut missing, mut foreign) = (Vec::new(), Vec::new());
     for number in 0..cut.shards {
-        let file = piece_file(path, number);
+        let file = shard_file(path, number);
         let (header, jobs) = (
             cut.header(build(manifest), number),
             cut.jobs(manifest.total(), number),
@@ -65,20 +65,20 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
             }
         })?;
         match found {
-            PieceFile::Whole => {}
-            PieceFile::Nothing | PieceFile::Damaged(_) => missing.push(number),
-            PieceFile::Foreign(what) => foreign.push((number, what)),
+            ShardFile::Whole => {}
+            ShardFile::Nothing | ShardFile::Damaged(_) => missing.push(number),
+            ShardFile::Foreign(what) => foreign.push((number, what)),
         }
     }
     let path = path.to_owned();
     if !foreign.is_empty() {
-        let pieces = foreign;
-        return Err(ShardError::Foreign { path, pieces });
+        let shards = foreign;
+        return Err(ShardError::Foreign { path, shards });
     }
     if !missing.is_empty() {
         return Err(ShardError::Missing {
             path,
-            pieces: missing,
+            shards: missing,
             of: cut.shards,
         });
     }
@@ -99,6 +99,6 @@ fn is_ours(name: &str, cut: &Cut) -> bool {
         return false;
     };
     let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
-    let is_piece = is_number && number.parse().is_ok_and(|number: u64| number < cut.shards);
-    is_piece && (what == "jsonl" || what.starts_with("part-") || what.starts_with("draft-"))
+    let is_shard = is_number && number.parse().is_ok_and(|number: u64| number < cut.shards);
+    is_shard && (what == "jsonl" || what.starts_with("part-") || what.starts_with("draft-"))
 }

@@ -14,15 +14,15 @@
 mod cut;
 mod error;
 mod merge;
-mod piece;
+mod shard;
 mod status;
 
 pub(crate) use cut::Cut;
 pub use cut::{Prepared, prepare};
 pub use error::ShardError;
 pub use merge::merge;
-pub use piece::Piece;
-pub use status::{PieceState, ShardStatus, status};
+pub use shard::Shard;
+pub use status::{ShardState, ShardStatus, status};
 
 pub(crate) use cut::same_build;
 pub(crate) use status::health;

@@ -8,8 +8,8 @@ use stochc_files as files;
 use stochc_files::disk;
 
 use super::ShardError;
-use super::cut::{Cut, build, is_joined, piece_file};
-use super::piece::{PieceFile, identify, in_folder, read};
+use super::cut::{Cut, build, is_joined, shard_file};
+use super::shard::{ShardFile, identify, in_folder, read};
 use crate::Manifest;
 use crate::folder::SHARDS;
 use crate::integrity::{FileIntegrity, Integrity};
@@ -22,13 +22,13 @@ pub struct ShardStatus {
     /// Number of runs of all programs.
     pub runs: u64,
     /// State of each shard, by number.
-    pub pieces: Vec<PieceState>,
+    pub states: Vec<ShardState>,
 }
 
 /// State of a shard by its first line. [`merge`](super::merge()) and [`verify`](crate::integrity::verify) read all lines.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "state")]
-pub enum PieceState {
+pub enum ShardState {
     /// The shard is complete.
     Whole,
     /// At most this many runs, by a process that is running or was stopped.
@@ -53,8 +53,8 @@ pub enum PieceState {
 impl ShardStatus {
     /// Returns the numbers of the incomplete shards in order.
     pub fn missing(&self) -> impl Iterator<Item = u64> {
-        let pieces = (0..).zip(&self.pieces);
-        let missing = pieces.filter(|(_, state)| **state != PieceState::Whole);
+        let states = (0..).zip(&self.states);
+        let missing = states.filter(|(_, state)| **state != ShardState::Whole);
         missing.map(|(number, _)| number)
     }
 }
@@ -71,25 +71,25 @@ pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
     let is_joined = is_joined(path, &manifest)?;
     let state = |number: u64| {
         if is_joined {
-            return Ok(PieceState::Whole);
+            return Ok(ShardState::Whole);
         }
         let header = cut.header(build(&manifest), number);
-        Ok(match identify(&piece_file(path, number), &header)? {
-            PieceFile::Whole => PieceState::Whole,
-            PieceFile::Damaged(reason) => PieceState::Damaged { reason },
-            PieceFile::Foreign(reason) => PieceState::Foreign { reason },
-            PieceFile::Nothing => match begun.get(&number) {
-                Some(&runs) => PieceState::Begun { runs },
-                None => PieceState::Missing,
+        Ok(match identify(&shard_file(path, number), &header)? {
+            ShardFile::Whole => ShardState::Whole,
+            ShardFile::Damaged(reason) => ShardState::Damaged { reason },
+            ShardFile::Foreign(reason) => ShardState::Foreign { reason },
+            ShardFile::Nothing => match begun.get(&number) {
+                Some(&runs) => ShardState::Begun { runs },
+                None => ShardState::Missing,
             },
         })
     };
-    let pieces = (0..cut.shards).map(state);
-    let pieces = pieces.collect::<Result<_, ShardError>>()?;
+    let states = (0..cut.shards).map(state);
+    let states = states.collect::<Result<_, ShardError>>()?;
     Ok(ShardStatus {
         shards: cut.shards,
         runs: manifest.total(),
-        pieces,
+        states,
     })
 }
 
@@ -132,13 +132,13 @@ fn lines(file: &Path) -> io::Result<u64> {
 /// Reads all existing shards completely and returns their integrity.
 pub(crate) fn health(path: &Path, manifest: &Manifest, cut: &Cut) -> Vec<FileIntegrity> {
     let health = |number: u64| {
-        let file = piece_file(path, number);
+        let file = shard_file(path, number);
         let header = cut.header(build(manifest), number);
         let jobs = cut.jobs(manifest.total(), number);
         let health = match read(&file, &header, manifest, &jobs, |_| Ok(())) {
-            Ok(PieceFile::Nothing) => return None,
-            Ok(PieceFile::Whole) => Integrity::Sound,
-            Ok(PieceFile::Damaged(reason) | PieceFile::Foreign(reason)) => {
+            Ok(ShardFile::Nothing) => return None,
+            Ok(ShardFile::Whole) => Integrity::Sound,
+            Ok(ShardFile::Damaged(reason) | ShardFile::Foreign(reason)) => {
                 Integrity::Damaged(vec![reason])
             }
             Err(error) => Integrity::Damaged(vec![error.to_string()]),

@@ -11,7 +11,7 @@ use stochc_files::disk::{self, FileLock};
 use super::Queue;
 use crate::FolderError;
 use crate::folder::slurm_folder::{self, LOCK, MERGE_SCRIPT, SHARDS_SCRIPT, SLURM};
-use crate::shards::{Cut, PieceState, ShardError, same_build, status};
+use crate::shards::{Cut, ShardError, ShardState, same_build, status};
 
 /// A sharded ensemble, in a folder that all nodes see under the same name.
 #[derive(Clone, Debug)]
@@ -90,18 +90,18 @@ impl SlurmEnsemble {
             }
             status => status?,
         };
-        let states = (0..).zip(&status.pieces);
+        let states = (0..).zip(&status.states);
         let foreign = states.filter_map(|(number, state)| match state {
-            PieceState::Foreign { reason } => Some((number, reason.clone())),
+            ShardState::Foreign { reason } => Some((number, reason.clone())),
             _ => None,
         });
-        let pieces: Vec<_> = foreign.collect();
-        if pieces.is_empty() {
+        let shards: Vec<_> = foreign.collect();
+        if shards.is_empty() {
             return Ok(FoundShards::AllBut(status.missing().collect()));
         }
         Err(ShardError::Foreign {
             path: self.path.clone(),
-            pieces,
+            shards,
         })
     }
 

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use stochc_ir::record::RunRecord;
 use stochc_ir::state::StateWriter;
 use stochc_results::integrity::{repair, verify};
-use stochc_results::shards::{Piece, merge, prepare};
+use stochc_results::shards::{Shard, merge, prepare};
 use stochc_results::{
     CHECKPOINTS, Destination, Folder, Interval, Manifest, Progress, RunCancelled, RunWatch,
 };
@@ -231,22 +231,22 @@ fn a_checkpoint_of_something_else_is_not_used() {
 }
 
 #[test]
-fn a_piece_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
+fn a_shard_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
     let manifest = manifest(4);
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
     prepare(root, &manifest, 2).unwrap();
     let stop = AtomicBool::new(false);
     let open = |number| {
-        let piece = Piece::open(root, number).unwrap();
-        piece.with_checkpoints(EVERY).unwrap()
+        let shard = Shard::open(root, number).unwrap();
+        shard.with_checkpoints(EVERY).unwrap()
     };
-    let make = |piece: &Piece,
+    let make = |shard: &Shard,
                 simulate: &(
                      dyn Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync
                  )| {
-        let progress: Progress = piece.progress(std::num::NonZeroUsize::MIN);
-        piece.make(&progress, &stop, simulate).unwrap()
+        let progress: Progress = shard.progress(std::num::NonZeroUsize::MIN);
+        shard.make(&progress, &stop, simulate).unwrap()
     };
     let told = |program, run, watch: &RunWatch| {
         if (program, run) == LAST {
@@ -260,13 +260,13 @@ fn a_piece_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
     stop.store(false, Ordering::Relaxed);
     // Other shards do not report the checkpoint.
     assert_eq!(open(0).checkpoints().unwrap().notes(), [""; 0]);
-    let piece = open(1);
-    let notes = piece.checkpoints().unwrap().notes();
+    let shard = open(1);
+    let notes = shard.checkpoints().unwrap().notes();
     assert_eq!(
         notes,
         ["run 2 of `right` resumes from its checkpoint at tick 70"]
     );
-    assert!(make(&piece, &simulate));
+    assert!(make(&shard, &simulate));
     // Another process has worked on the shard and was killed.
     fs::create_dir_all(root.join(CHECKPOINTS)).unwrap();
     for name in ["1-2.state", "1-2.draft-x7"] {

@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex};
 use stochc_files::disk::{Call, CallDecision, Double, replace_by, restore};
 use stochc_ir::record::RunRecord;
 use stochc_results::integrity::repair;
-use stochc_results::shards::{Piece, ShardError, merge, prepare};
+use stochc_results::shards::{Shard, ShardError, merge, prepare};
 use stochc_results::{Destination, Folder, FolderError, Manifest, Records, RunCancelled, RunWatch};
 
 use crate::world::{EVERY, bytes, manifest, run_on, simulate};
@@ -310,7 +310,7 @@ fn patiently(work: Work, root: &Path, manifest: &Manifest) -> Result<(), String>
     }
 }
 
-fn in_one_piece(root: &Path, manifest: &Manifest) -> Result<(), String> {
+fn in_one_shard(root: &Path, manifest: &Manifest) -> Result<(), String> {
     let folder = Folder::open(root, manifest, true)
         .and_then(|folder| folder.with_checkpoints(EVERY))
         .map_err(|error| error.to_string())?;
@@ -322,12 +322,12 @@ fn in_one_piece(root: &Path, manifest: &Manifest) -> Result<(), String> {
         .ok_or("it is not complete".to_owned())
 }
 
-fn in_pieces(root: &Path, manifest: &Manifest) -> Result<(), String> {
+fn in_shards(root: &Path, manifest: &Manifest) -> Result<(), String> {
     let told = |error: ShardError| error.to_string();
     match Folder::read(root) {
         // The shards are already merged, perhaps without tables.
         Ok(contents) if contents.finished.len() as u64 == manifest.total() => {
-            return in_one_piece(root, manifest);
+            return in_one_shard(root, manifest);
         }
         Ok(_) | Err(FolderError::Absent(_) | FolderError::Cut { .. }) => {}
         Err(error) => return Err(error.to_string()),
@@ -335,10 +335,10 @@ fn in_pieces(root: &Path, manifest: &Manifest) -> Result<(), String> {
     prepare(root, manifest, 2).map_err(told)?;
     let never = AtomicBool::new(false);
     for number in 0..2 {
-        let piece = Piece::open(root, number).and_then(|piece| piece.with_checkpoints(EVERY));
-        let piece = piece.map_err(told)?;
-        let progress = piece.progress(NonZeroUsize::MIN);
-        let made = piece
+        let shard = Shard::open(root, number).and_then(|shard| shard.with_checkpoints(EVERY));
+        let shard = shard.map_err(told)?;
+        let progress = shard.progress(NonZeroUsize::MIN);
+        let made = shard
             .make(&progress, &never, runs_of(manifest))
             .map_err(told)?;
         assert!(made);
@@ -456,16 +456,16 @@ fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
 
 #[test]
 fn whatever_fails_an_ensemble_goes_on_to_the_same_tables() {
-    let count = every_call_fails(in_one_piece, 2, 0);
+    let count = every_call_fails(in_one_shard, 2, 0);
     println!("without shards: {count:?}");
     assert!(count.points > 500 && count.crashes > 200, "{count:?}");
     assert!(count.lost + count.repaired < 10, "{count:?}");
 }
 
 #[test]
-fn whatever_fails_pieces_go_on_to_the_same_tables() {
-    let count = every_call_fails(in_pieces, 2, 0);
-    println!("in pieces: {count:?}");
+fn whatever_fails_shards_go_on_to_the_same_tables() {
+    let count = every_call_fails(in_shards, 2, 0);
+    println!("in shards: {count:?}");
     assert!(count.points > 1000 && count.crashes > 400, "{count:?}");
     assert!(count.lost + count.repaired < 20, "{count:?}");
 }
@@ -477,8 +477,8 @@ fn whatever_fails_for_an_hour_the_tables_are_the_same() {
     let times = std::env::var("STOCHC_FAULTS").expect("it says how many times");
     for seed in 1..=times.parse().unwrap() {
         for (name, work) in [
-            ("in one piece", in_one_piece as Work),
-            ("in pieces", in_pieces),
+            ("in one shard", in_one_shard as Work),
+            ("in shards", in_shards),
         ] {
             let count = every_call_fails(work, 2, seed);
             println!("{seed}, {name}: {count:?}");

@@ -11,7 +11,7 @@ use stochc_files::checksum::sealed;
 use stochc_ir::record::RunRecord;
 use stochc_results::integrity::{Integrity, repair, verify};
 use stochc_results::shards::{
-    MAX_SHARDS, Piece, PieceState, Prepared, ShardError, merge, prepare, status,
+    MAX_SHARDS, Prepared, Shard, ShardError, ShardState, merge, prepare, status,
 };
 use stochc_results::{Destination, Folder, FolderError, Manifest, this_build};
 
@@ -26,10 +26,10 @@ fn make(folder: &Path, number: u64, threads: usize) -> bool {
 
 /// Runs a shard until this number of runs have begun. Returns whether it was completed.
 fn make_until(folder: &Path, number: u64, threads: usize, last: u64) -> bool {
-    let piece = Piece::open(folder, number).unwrap();
-    let progress = piece.progress(NonZeroUsize::new(threads).unwrap());
+    let shard = Shard::open(folder, number).unwrap();
+    let progress = shard.progress(NonZeroUsize::new(threads).unwrap());
     let (stop, begun) = (AtomicBool::new(false), AtomicU64::new(0));
-    let made = piece.make(&progress, &stop, |program, run, watch| {
+    let made = shard.make(&progress, &stop, |program, run, watch| {
         stop.fetch_or(
             begun.fetch_add(1, Ordering::Relaxed) == last,
             Ordering::Relaxed,
@@ -93,7 +93,7 @@ fn missing(folder: &Path) -> Vec<u64> {
 }
 
 #[test]
-fn any_number_of_pieces_in_any_order_makes_the_same_folder() {
+fn any_number_of_shards_in_any_order_makes_the_same_folder() {
     let whole = whole();
     for shards in [1, 2, 3, 5, 7, 23, 24] {
         let folder = tempfile::tempdir().unwrap();
@@ -114,7 +114,7 @@ fn any_number_of_pieces_in_any_order_makes_the_same_folder() {
             assert!(!missing(path).contains(&number));
         }
         assert_eq!(put_together(path).unwrap(), 2 * RUNS);
-        assert!(files(path) == whole, "{shards} pieces");
+        assert!(files(path) == whole, "{shards} shards");
         let read = Folder::read(path).unwrap();
         assert_eq!(
             (read.finished.len() as u64, read.damage.len()),
@@ -125,7 +125,7 @@ fn any_number_of_pieces_in_any_order_makes_the_same_folder() {
 
 /// Each process detects the corrupted shard, and one of them moves it.
 #[test]
-fn several_may_come_to_a_damaged_piece() {
+fn several_may_come_to_a_damaged_shard() {
     for _ in 0..20 {
         let folder = tempfile::tempdir().unwrap();
         cut(folder.path(), 2);
@@ -138,7 +138,7 @@ fn several_may_come_to_a_damaged_piece() {
             for _ in 0..4 {
                 scope.spawn(|| {
                     start.wait();
-                    assert_eq!(Piece::open(folder.path(), 0).unwrap().runs(), (RUNS, 0));
+                    assert_eq!(Shard::open(folder.path(), 0).unwrap().runs(), (RUNS, 0));
                 });
             }
         });
@@ -161,17 +161,17 @@ fn an_ordinary_folder_comes_out_that_goes_on() {
 }
 
 #[test]
-fn a_stopped_piece_goes_on() {
+fn a_stopped_shard_goes_on() {
     let whole = whole();
     let folder = tempfile::tempdir().unwrap();
     cut(folder.path(), 2);
     for (begun, kept) in [(3, 3), (2, 5), (4, 9)] {
         assert!(!make_until(folder.path(), 1, 1, begun));
-        let state = &status(folder.path()).unwrap().pieces[1];
-        assert_eq!(*state, PieceState::Begun { runs: kept });
-        let piece = Piece::open(folder.path(), 1).unwrap();
-        assert_eq!(piece.runs(), (RUNS, kept));
-        piece
+        let state = &status(folder.path()).unwrap().states[1];
+        assert_eq!(*state, ShardState::Begun { runs: kept });
+        let shard = Shard::open(folder.path(), 1).unwrap();
+        assert_eq!(shard.runs(), (RUNS, kept));
+        shard
             .check_stored(|program, run| Ok(recorded(program, run)))
             .unwrap();
         let other = |program, run| {
@@ -179,7 +179,7 @@ fn a_stopped_piece_goes_on() {
             record.hops += 1;
             Ok(record)
         };
-        let told = piece.check_stored(other).unwrap_err().to_string();
+        let told = shard.check_stored(other).unwrap_err().to_string();
         assert!(told.contains("does not come out as it is"), "{told}");
     }
     assert!(make(folder.path(), 1, 2));
@@ -196,7 +196,7 @@ fn recorded(program: usize, run: u64) -> RunRecord {
 }
 
 #[test]
-fn half_a_line_of_a_killed_piece_costs_one_run() {
+fn half_a_line_of_a_killed_shard_costs_one_run() {
     let folder = tempfile::tempdir().unwrap();
     cut(folder.path(), 2);
     assert!(!make_until(folder.path(), 0, 1, 4));
@@ -207,12 +207,12 @@ fn half_a_line_of_a_killed_piece_costs_one_run() {
     for end in (0..=whole.len()).rev().step_by(61) {
         put(&part, &whole[..end]);
         let lines = whole[..end].iter().filter(|byte| **byte == b'\n').count() as u64;
-        let kept = Piece::open(folder.path(), 0).unwrap().runs().1;
+        let kept = Shard::open(folder.path(), 0).unwrap().runs().1;
         assert_eq!(kept, lines.saturating_sub(1), "cut at {end}");
         assert!(make(folder.path(), 0, 1));
-        let piece = fs::read(shards.join("0.jsonl")).unwrap();
+        let shard = fs::read(shards.join("0.jsonl")).unwrap();
         assert!(
-            *expected.get_or_insert(piece.clone()) == piece,
+            *expected.get_or_insert(shard.clone()) == shard,
             "cut at {end}"
         );
         fs::remove_file(shards.join("0.jsonl")).unwrap();
@@ -220,7 +220,7 @@ fn half_a_line_of_a_killed_piece_costs_one_run() {
 }
 
 #[test]
-fn two_who_make_one_piece_make_the_same() {
+fn two_who_make_one_shard_make_the_same() {
     let whole = whole();
     for _ in 0..5 {
         let folder = tempfile::tempdir().unwrap();
@@ -244,10 +244,10 @@ fn an_interrupted_merge_goes_on() {
     let path = folder.path();
     cut(path, 3);
     (0..3).for_each(|number| assert!(make(path, number, 1)));
-    let pieces = files(path);
+    let shards = files(path);
     put_together(path).unwrap();
     for left in 0..=3 {
-        for (name, content) in &pieces {
+        for (name, content) in &shards {
             let number = name
                 .strip_prefix("shards/")
                 .and_then(|it| it.strip_suffix(".jsonl"));
@@ -269,8 +269,8 @@ fn an_interrupted_merge_goes_on() {
         assert!(missing(path).is_empty(), "{left} shards left");
         let before = files(path);
         for number in 0..3 {
-            let piece = Piece::open(path, number).unwrap();
-            assert!(piece.is_made(), "shard {number} of {left} left");
+            let shard = Shard::open(path, number).unwrap();
+            assert!(shard.is_made(), "shard {number} of {left} left");
             assert!(make(path, number, 1));
         }
         assert!(files(path) == before, "{left} shards left");
@@ -281,7 +281,7 @@ fn an_interrupted_merge_goes_on() {
 
 /// Files of users stay, even if their names resemble those of shards.
 #[test]
-fn a_merge_removes_pieces_and_nothing_else() {
+fn a_merge_removes_shards_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     cut(path, 3);
@@ -335,18 +335,18 @@ fn holes_are_refused_and_named() {
     refused(folder.path(), "stochc shard");
     assert!(matches!(
         put_together(folder.path()),
-        Err(ShardError::Missing { pieces, of: 5, .. }) if pieces == [3]
+        Err(ShardError::Missing { shards, of: 5, .. }) if shards == [3]
     ));
 }
 
 #[test]
-fn pieces_of_something_else_are_refused() {
+fn shards_of_something_else_are_refused() {
     let [folder, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
     cut(folder.path(), 2);
-    let piece = folder.path().join("shards/1.jsonl");
+    let shard = folder.path().join("shards/1.jsonl");
     make(folder.path(), 0, 1);
     make(folder.path(), 1, 1);
-    let own = fs::read(&piece).unwrap();
+    let own = fs::read(&shard).unwrap();
     let mut another = manifest(RUNS);
     another.seed = 7;
     let more = manifest(RUNS + 2);
@@ -371,17 +371,17 @@ fn pieces_of_something_else_are_refused() {
             .join(format!("{shards}-{number}-{}-{}", of.seed, of.runs));
         prepare(&place, of, shards).unwrap();
         make(&place, number, 1);
-        fs::copy(place.join(format!("shards/{number}.jsonl")), &piece).unwrap();
+        fs::copy(place.join(format!("shards/{number}.jsonl")), &shard).unwrap();
         refused(folder.path(), expected);
-        let told = Piece::open(folder.path(), 1).unwrap_err().to_string();
+        let told = Shard::open(folder.path(), 1).unwrap_err().to_string();
         assert!(told.contains(expected), "{told}");
-        let state = &status(folder.path()).unwrap().pieces[1];
-        assert!(matches!(state, PieceState::Foreign { .. }), "{state:?}");
+        let state = &status(folder.path()).unwrap().states[1];
+        assert!(matches!(state, ShardState::Foreign { .. }), "{state:?}");
         assert_eq!(missing(folder.path()), [1]);
     }
     // The journal of an ordinary folder.
     complete(&other.path().join("plain"), &manifest(RUNS), 1);
-    fs::copy(other.path().join("plain/journal.jsonl"), &piece).unwrap();
+    fs::copy(other.path().join("plain/journal.jsonl"), &shard).unwrap();
     refused(
         folder.path(),
         "shard 1 is in fact the journal of a whole ensemble",
@@ -391,14 +391,14 @@ fn pieces_of_something_else_are_refused() {
     let (first, rest) = text.split_once('\n').unwrap();
     let first = first[..first.rfind(",\"crc\"").unwrap()].to_owned() + "}";
     let first = first.replace(&this_build(), "0123456789abcdef");
-    put(&piece, format!("{}\n{rest}", sealed(first)));
+    put(&shard, format!("{}\n{rest}", sealed(first)));
     refused(folder.path(), "another build of `stochc` (0123456789abcdef");
-    put(&piece, own);
+    put(&shard, own);
     put_together(folder.path()).unwrap();
 }
 
 #[test]
-fn an_ensemble_of_another_build_gets_no_pieces() {
+fn an_ensemble_of_another_build_gets_no_shards() {
     let folder = tempfile::tempdir().unwrap();
     let mut manifest = cut(folder.path(), 2);
     manifest.builds = vec!["0123456789abcdef".to_owned()];
@@ -409,7 +409,7 @@ fn an_ensemble_of_another_build_gets_no_pieces() {
     ] {
         manifest.builds = builds;
         put(&folder.path().join("manifest.json"), manifest.to_json());
-        let told = Piece::open(folder.path(), 0).unwrap_err().to_string();
+        let told = Shard::open(folder.path(), 0).unwrap_err().to_string();
         assert!(
             told.contains("run its shards with the `stochc` that split it"),
             "{told}"
@@ -448,7 +448,7 @@ fn what_cannot_be_cut_is_refused() {
         );
     }
     for number in [4, u64::MAX] {
-        let told = Piece::open(&place, number).unwrap_err().to_string();
+        let told = Shard::open(&place, number).unwrap_err().to_string();
         assert!(told.ends_with("shards are 0 to 3"), "{told}");
     }
     for resume in [false, true] {
@@ -467,7 +467,7 @@ fn what_cannot_be_cut_is_refused() {
     );
     for told in [
         put_together(&plain).unwrap_err(),
-        Piece::open(&plain, 0).unwrap_err(),
+        Shard::open(&plain, 0).unwrap_err(),
         status(&plain).unwrap_err(),
     ] {
         assert!(
@@ -484,7 +484,7 @@ fn what_cannot_be_cut_is_refused() {
 }
 
 #[test]
-fn damaged_pieces_are_found_and_made_again() {
+fn damaged_shards_are_found_and_made_again() {
     let whole = whole();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
@@ -497,14 +497,14 @@ fn damaged_pieces_are_found_and_made_again() {
             .iter()
             .all(|file| file.health == Integrity::Sound)
     );
-    let piece = path.join("shards/1.jsonl");
-    let sound = fs::read(&piece).unwrap();
+    let shard = path.join("shards/1.jsonl");
+    let sound = fs::read(&shard).unwrap();
     let bits = 8 * sound.len();
     let first_line = 8 * (sound.iter().position(|byte| *byte == b'\n').unwrap() + 1);
     for bit in (0..bits).step_by((bits / 60) | 1) {
         let mut flipped = sound.clone();
         flipped[bit / 8] ^= 1 << (bit % 8);
-        put(&piece, &flipped);
+        put(&shard, &flipped);
         let files = verify(path).unwrap();
         let damaged: Vec<&str> = files
             .iter()
@@ -516,7 +516,7 @@ fn damaged_pieces_are_found_and_made_again() {
             assert_eq!(missing(path), [1]);
         }
         assert!(
-            matches!(put_together(path), Err(ShardError::Missing { pieces, .. }) if pieces == [1])
+            matches!(put_together(path), Err(ShardError::Missing { shards, .. }) if shards == [1])
         );
     }
     // Truncated shards, also at the end of a line, and extended ones.
@@ -532,7 +532,7 @@ fn damaged_pieces_are_found_and_made_again() {
         &[],
         &twice,
     ] {
-        put(&piece, content);
+        put(&shard, content);
         assert!(
             verify(path)
                 .unwrap()
@@ -543,9 +543,9 @@ fn damaged_pieces_are_found_and_made_again() {
     }
     // The corrupted shard is kept, and its runs are made again.
     assert!(make(path, 1, 1));
-    assert_eq!(fs::read(&piece).unwrap(), sound);
+    assert_eq!(fs::read(&shard).unwrap(), sound);
     assert_eq!(fs::read(path.join("damaged/1.jsonl")).unwrap(), twice);
-    put(&piece, &twice);
+    put(&shard, &twice);
     repair(path, |_, _| Ok(Vec::new())).unwrap();
     assert_eq!(missing(path), [1]);
     assert!(
@@ -593,7 +593,7 @@ fn a_damaged_cut_or_manifest_is_left_alone() {
 const VICTIM: &str = "STOCHC_TEST_PIECE";
 
 #[test]
-fn a_kill_costs_no_finished_run_of_a_piece() {
+fn a_kill_costs_no_finished_run_of_a_shard() {
     let folder = tempfile::tempdir().unwrap();
     cut(folder.path(), 2);
     for kill in 1..=3 {
@@ -608,8 +608,8 @@ fn a_kill_costs_no_finished_run_of_a_piece() {
         assert!(output.lines().any(|line| line.unwrap().contains("stuck")));
         victim.kill().unwrap();
         victim.wait().unwrap();
-        let piece = Piece::open(folder.path(), 1).unwrap();
-        assert_eq!(piece.runs(), (RUNS, 3 * kill));
+        let shard = Shard::open(folder.path(), 1).unwrap();
+        assert_eq!(shard.runs(), (RUNS, 3 * kill));
     }
     assert!(make(folder.path(), 1, 2));
     assert!(make(folder.path(), 0, 2));
@@ -618,15 +618,15 @@ fn a_kill_costs_no_finished_run_of_a_piece() {
 }
 
 #[test]
-#[ignore = "the process that `a_kill_costs_no_finished_run_of_a_piece` kills"]
+#[ignore = "the process that `a_kill_costs_no_finished_run_of_a_shard` kills"]
 fn victim() {
     let Some(path) = std::env::var_os(VICTIM) else {
         return;
     };
-    let piece = Piece::open(Path::new(&path), 1).unwrap();
+    let shard = Shard::open(Path::new(&path), 1).unwrap();
     let (never, begun) = (AtomicBool::new(false), AtomicU64::new(0));
-    let progress = piece.progress(NonZeroUsize::MIN);
-    let made = piece.make(&progress, &never, |program, run, watch| {
+    let progress = shard.progress(NonZeroUsize::MIN);
+    let made = shard.make(&progress, &never, |program, run, watch| {
         if begun.fetch_add(1, Ordering::Relaxed) == 3 {
             let _ = writeln!(std::io::stdout(), "stuck");
             loop {

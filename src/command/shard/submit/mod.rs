@@ -144,7 +144,7 @@ impl Submission<'_> {
     fn merge(&self, queue: &Queue) -> Result<Exit, Failure> {
         match merge(&self.ensemble.path, files_for_screens) {
             Ok(runs) => self.options.print(&merged(&self.options.folder, runs)),
-            Err(ShardError::Missing { pieces, .. }) => self.submit_shards(queue, &pieces),
+            Err(ShardError::Missing { shards, .. }) => self.submit_shards(queue, &shards),
             Err(error) => Err(Failure::usage(error)),
         }
     }

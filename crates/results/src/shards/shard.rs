@@ -11,7 +11,7 @@ use stochc_files::disk;
 use stochc_ir::record::RunRecord;
 
 use super::ShardError;
-use super::cut::{Cut, is_joined, piece_file, same_build};
+use super::cut::{Cut, is_joined, same_build, shard_file};
 use crate::execution::{PendingRuns, job, number as job_number};
 use crate::execution::{check_again, journaled};
 use crate::folder::{DAMAGED, SHARDS};
@@ -27,7 +27,7 @@ use crate::{
 
 /// Shard that this process runs.
 #[derive(Debug)]
-pub struct Piece {
+pub struct Shard {
     path: PathBuf,
     manifest: Manifest,
     number: u64,
@@ -42,7 +42,7 @@ pub struct Piece {
 
 /// State of a shard's file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum PieceFile {
+pub(super) enum ShardFile {
     Nothing,
     Whole,
     /// Corrupted, with a reason that continues the name of the shard.
@@ -51,41 +51,41 @@ pub(super) enum PieceFile {
     Foreign(String),
 }
 
-impl Piece {
+impl Shard {
     /// Opens shard `number` of the ensemble at `path`, and collects its existing runs.
     ///
     /// # Errors
     ///
     /// Every error leaves the folder unchanged.
-    pub fn open(path: &Path, number: u64) -> Result<Piece, ShardError> {
+    pub fn open(path: &Path, number: u64) -> Result<Shard, ShardError> {
         let (manifest, cut) = Cut::require(path)?;
         same_build(path, &manifest)?;
         if number >= cut.shards {
             let last = cut.shards - 1;
-            return Err(ShardError::NoSuchPiece { number, last });
+            return Err(ShardError::NoSuchShard { number, last });
         }
         let (header, jobs) = (
             cut.header(&this_build(), number),
             cut.jobs(manifest.total(), number),
         );
-        let file = piece_file(path, number);
+        let file = shard_file(path, number);
         let look = || read(&file, &header, &manifest, &jobs, |_| Ok(()));
         let mut found = look()?;
         // `merge` may have been killed while it removed them.
-        let is_joined = found != PieceFile::Whole && is_joined(path, &manifest)?;
-        if matches!(found, PieceFile::Damaged(_)) && !is_joined {
+        let is_joined = found != ShardFile::Whole && is_joined(path, &manifest)?;
+        if matches!(found, ShardFile::Damaged(_)) && !is_joined {
             // Another process may have completed it in the meantime.
             found = look()?;
         }
-        let is_made = found == PieceFile::Whole || is_joined;
-        let is_damaged = matches!(found, PieceFile::Damaged(_)) && !is_joined;
-        if let PieceFile::Foreign(what) = found {
+        let is_made = found == ShardFile::Whole || is_joined;
+        let is_damaged = matches!(found, ShardFile::Damaged(_)) && !is_joined;
+        if let ShardFile::Foreign(what) = found {
             return Err(ShardError::Foreign {
                 path: path.to_owned(),
-                pieces: vec![(number, what)],
+                shards: vec![(number, what)],
             });
         }
-        let mut piece = Piece {
+        let mut shard = Shard {
             path: path.to_owned(),
             is_made,
             kept: Records::default(),
@@ -96,13 +96,13 @@ impl Piece {
             header,
             jobs,
         };
-        if !piece.is_made {
-            piece.collect()?;
+        if !shard.is_made {
+            shard.collect()?;
         }
         if is_damaged {
             set_aside(&file, &path.join(DAMAGED)).map_err(|source| in_folder(path, source))?;
         }
-        Ok(piece)
+        Ok(shard)
     }
 
     /// Enables checkpoints, and resumes from existing ones.
@@ -110,7 +110,7 @@ impl Piece {
     /// # Errors
     ///
     /// Errors of the file system.
-    pub fn with_checkpoints(mut self, every: Interval) -> Result<Piece, ShardError> {
+    pub fn with_checkpoints(mut self, every: Interval) -> Result<Shard, ShardError> {
         let programs = self.manifest.programs.len() as u64;
         let wants = |program: usize, run: u64| {
             let number = job_number(program, run, programs);
@@ -214,7 +214,7 @@ impl Piece {
     /// Writes the complete shard. Concurrent processes write the same bytes.
     fn finish(&self, all: &Records) -> Result<(), ShardError> {
         let io = |source| in_folder(&self.path, source);
-        let file = piece_file(&self.path, self.number);
+        let file = shard_file(&self.path, self.number);
         let mut draft = Draft::new(&file, Replaces::Same).map_err(io)?;
         let header = journal_line(&self.header);
         draft.write_all(header.as_bytes()).map_err(io)?;
@@ -274,9 +274,9 @@ pub(super) fn read(
     manifest: &Manifest,
     jobs: &Range<u64>,
     mut each: impl FnMut(&[u8]) -> io::Result<()>,
-) -> Result<PieceFile, ShardError> {
+) -> Result<ShardFile, ShardError> {
     match identify(file, header)? {
-        PieceFile::Whole => {}
+        ShardFile::Whole => {}
         other => return Ok(other),
     }
     let programs = manifest.programs.len() as u64;
@@ -309,17 +309,17 @@ pub(super) fn read(
     Ok(match (lines, wrong) {
         // Another process has moved it in the meantime.
         (Err(JournalError::Io(error)), _) if error.kind() == io::ErrorKind::NotFound => {
-            PieceFile::Nothing
+            ShardFile::Nothing
         }
         (Err(JournalError::Io(error)), _) => unreadable(error)?,
-        (Err(error), _) => PieceFile::Damaged(format!("cannot be read: {error}")),
-        (_, Some(wrong)) => PieceFile::Damaged(wrong),
-        _ if next < jobs.end => PieceFile::Damaged(format!(
+        (Err(error), _) => ShardFile::Damaged(format!("cannot be read: {error}")),
+        (_, Some(wrong)) => ShardFile::Damaged(wrong),
+        _ if next < jobs.end => ShardFile::Damaged(format!(
             "is damaged: it has {} of {} runs",
             next - jobs.start,
             jobs.end - jobs.start
         )),
-        _ => PieceFile::Whole,
+        _ => ShardFile::Whole,
     })
 }
 
@@ -328,34 +328,34 @@ pub(super) fn read(
 /// # Errors
 ///
 /// Errors of the file system, which may be temporary.
-pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<PieceFile, JournalError> {
+pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<ShardFile, JournalError> {
     let found = match journal::read_header(file) {
         Ok(Some(found)) => found,
         Ok(None) => {
             let what = "is damaged: its first line was changed";
-            return Ok(PieceFile::Damaged(what.to_owned()));
+            return Ok(ShardFile::Damaged(what.to_owned()));
         }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(PieceFile::Nothing),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(ShardFile::Nothing),
         Err(error) => return unreadable(error),
     };
     if found.ensemble != header.ensemble {
-        return Ok(PieceFile::Foreign("belongs to another manifest".to_owned()));
+        return Ok(ShardFile::Foreign("belongs to another manifest".to_owned()));
     }
-    Ok(match (&found.piece, &header.piece) {
-        (Some(there), Some(here)) if there == here => PieceFile::Whole,
+    Ok(match (&found.shard, &header.shard) {
+        (Some(there), Some(here)) if there == here => ShardFile::Whole,
         (Some(there), Some(here))
             if (there.number, there.of, there.runs) == (here.number, here.of, here.runs) =>
         {
-            PieceFile::Foreign(format!(
+            ShardFile::Foreign(format!(
                 "was made by another build of `stochc` ({}, and that of the manifest is {})",
                 there.build, here.build
             ))
         }
-        (Some(there), _) => PieceFile::Foreign(format!(
+        (Some(there), _) => ShardFile::Foreign(format!(
             "is in fact shard {} of {}, for {} runs of each program",
             there.number, there.of, there.runs
         )),
-        (None, _) => PieceFile::Foreign("is in fact the journal of a whole ensemble".to_owned()),
+        (None, _) => ShardFile::Foreign("is in fact the journal of a whole ensemble".to_owned()),
     })
 }
 
@@ -368,10 +368,10 @@ fn set_aside(file: &Path, damaged: &Path) -> io::Result<()> {
 }
 
 /// Converts an unreadable file to a state, except for errors of the system.
-fn unreadable(error: io::Error) -> Result<PieceFile, JournalError> {
+fn unreadable(error: io::Error) -> Result<ShardFile, JournalError> {
     match error.raw_os_error() {
         Some(_) => Err(error.into()),
-        None => Ok(PieceFile::Damaged(format!("cannot be read: {error}"))),
+        None => Ok(ShardFile::Damaged(format!("cannot be read: {error}"))),
     }
 }
 
@@ -402,7 +402,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_piece_that_somebody_else_has_moved_is_no_failure() {
+    fn a_shard_that_somebody_else_has_moved_is_no_failure() {
         let folder = tempfile::tempdir().unwrap();
         let (file, damaged) = (folder.path().join("0"), folder.path().join(DAMAGED));
         std::fs::File::create(&file).unwrap();
