@@ -22,7 +22,7 @@ pub enum Exit {
 impl Exit {
     /// Returns the result of a command with runs, or with estimates or explorations instead of
     /// runs.
-    pub const fn of_runs(are_successful: bool) -> Exit {
+    pub const fn from_runs(are_successful: bool) -> Exit {
         if are_successful {
             Exit::Success
         } else {

@@ -270,13 +270,14 @@ impl PythonEnsemble {
     fn chosen<T: Send + 'static>(
         &self,
         py: Python<'_>,
-        (program, run): (Option<String>, u64),
+        program: Option<String>,
+        run: u64,
         ask: impl FnOnce(&ChosenRun, &Caller) -> Result<T, Failure> + Send + 'static,
     ) -> PyResult<T> {
         self.ask(py, move |inner, finished, host| {
-            let ensemble = (inner.manifest.clone(), finished);
             let folder = inner.folder.as_deref();
-            let chosen = choose(ensemble, folder, program.as_deref(), run)?;
+            let manifest = inner.manifest.clone();
+            let chosen = choose(manifest, finished, folder, program.as_deref(), run)?;
             ask(&chosen, host)
         })
     }
@@ -416,7 +417,7 @@ impl PythonEnsemble {
     /// Returns a run in the form of `show DIR --run N --json`. Makes the run if it is
     /// missing.
     fn record(&self, py: Python<'_>, program: Option<String>, run: u64) -> PyResult<String> {
-        self.chosen(py, (program, run), |chosen, host| {
+        self.chosen(py, program, run, |chosen, host| {
             let record = match chosen.known() {
                 Some(record) => record.clone(),
                 None => made_again(&chosen.manifest, host.stop())(chosen.program, chosen.run)
@@ -435,7 +436,7 @@ impl PythonEnsemble {
 
     /// Returns the replay page of a run.
     fn replay(&self, py: Python<'_>, program: Option<String>, run: u64) -> PyResult<String> {
-        self.chosen(py, (program, run), |chosen, host| {
+        self.chosen(py, program, run, |chosen, host| {
             replay::page(chosen, &replay::View::default(), host)
         })
     }
@@ -448,7 +449,7 @@ impl PythonEnsemble {
         run: u64,
         path: PathBuf,
     ) -> PyResult<()> {
-        self.chosen(py, (program, run), move |chosen, host| {
+        self.chosen(py, program, run, move |chosen, host| {
             replay::write(chosen, &replay::View::default(), &path, host)
         })
     }
@@ -462,7 +463,8 @@ impl PythonEnsemble {
         every: u32,
         path: PathBuf,
     ) -> PyResult<()> {
-        self.chosen(py, chosen, move |chosen, host| {
+        let (program, run) = chosen;
+        self.chosen(py, program, run, move |chosen, host| {
             if is_table {
                 export::parquet(chosen, every, &path, host)
             } else {

@@ -70,7 +70,7 @@ pub(crate) fn gather<W: World>(
         if let Some(by) = Limit::reached(is_late, tick, max_ticks) {
             break Outcome::TimedOut { phase, by };
         }
-        tell(watch, (tick, phase), &[&growth, world, &step_observer])?;
+        tell(watch, tick, phase, &[&growth, world, &step_observer])?;
         dockings.clear();
         if let Err(fault) = world.step(&mut dockings) {
             let reason = fault.to_string();

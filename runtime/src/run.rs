@@ -44,15 +44,15 @@ pub fn run(
         #[cfg(feature = "rapier")]
         Model::Rapier => {
             let mut world = RapierWorld::new(scene, &tables.plate, settings, seed, run)?;
-            drive(tables, messages, &mut world, limit, (seed, run), watch)
+            drive(tables, messages, &mut world, limit, seed, run, watch)
         }
         Model::Rigid => {
             let mut world = RigidWorld::new(scene, &tables.plate, settings, seed, run)?;
-            drive(tables, messages, &mut world, limit, (seed, run), watch)
+            drive(tables, messages, &mut world, limit, seed, run, watch)
         }
         Model::Rate => {
             let mut world = RateWorld::new(tables, scene, &settings.rates, seed, run)?;
-            drive(tables, messages, &mut world, limit, (seed, run), watch)
+            drive(tables, messages, &mut world, limit, seed, run, watch)
         }
         Model::Shuffle => {
             let strays = if tables.bond.is_passive() {
@@ -65,7 +65,7 @@ pub fn run(
             if tables.aggregate.is_some() {
                 world = world.with_groups();
             }
-            drive(tables, messages, &mut world, limit, (seed, run), watch)
+            drive(tables, messages, &mut world, limit, seed, run, watch)
         }
     }
 }
@@ -86,7 +86,7 @@ pub fn observe(
     watch: &mut (impl Watch + ?Sized),
     observer: &mut impl Observer,
 ) -> Result<RunRecord, RunError> {
-    let key = (seed, run);
+    let key = RunKey { seed, run };
     match settings.model {
         #[cfg(not(feature = "rapier"))]
         Model::Rapier => Err(RunError::Absent(Model::Rapier)),
@@ -103,12 +103,19 @@ pub fn observe(
     }
 }
 
+/// Seed of an ensemble and number of a run.
+#[derive(Clone, Copy)]
+struct RunKey {
+    seed: u64,
+    run: u64,
+}
+
 fn observed(
     tables: &Tables,
     scene: &Scene,
     mut world: impl Arena,
     settings: &Settings,
-    (seed, run): (u64, u64),
+    RunKey { seed, run }: RunKey,
     watch: &mut (impl Watch + ?Sized),
     observer: &mut impl Observer,
 ) -> Result<RunRecord, RunError> {
@@ -126,7 +133,7 @@ fn observed(
 ///
 /// A world can wrap another one and inspect it at every tick, for example to record trajectories.
 ///
-/// `max_ticks` is as in [`Settings::max_ticks`]. `(seed, run)` is the key of message loss. `run` is
+/// `max_ticks` is as in [`Settings::max_ticks`]. `seed` and `run` are the key of message loss. `run` is
 /// also the run number in the record.
 ///
 /// # Errors
@@ -137,7 +144,8 @@ pub fn drive(
     messages: Option<&Messages>,
     world: &mut impl World,
     max_ticks: Option<u64>,
-    (seed, run): (u64, u64),
+    seed: u64,
+    run: u64,
     watch: &mut (impl Watch + ?Sized),
 ) -> Result<RunRecord, RunError> {
     if tables.aggregate.is_some() {
@@ -173,7 +181,7 @@ fn follow<W: World>(
         if let Some(by) = Limit::reached(controller.timed_out(), tick, max_ticks) {
             break Outcome::TimedOut { phase, by };
         }
-        tell(watch, (tick, phase), &[&controller, world, &step_observer])?;
+        tell(watch, tick, phase, &[&controller, world, &step_observer])?;
         // The next step leads to the tick that needs the controller.
         if let Some(last) = controller.next_due(max_ticks).checked_sub(1) {
             world.skip(last);

@@ -61,7 +61,8 @@ pub(crate) fn resume(
 /// [`RunError::Cancelled`], if the watch cancels the run.
 pub(crate) fn tell(
     watch: &mut (impl Watch + ?Sized),
-    (tick, phase): (u64, PhaseId),
+    tick: u64,
+    phase: PhaseId,
     parts: &[&dyn State],
 ) -> Result<(), RunError> {
     let flow = watch.tick(tick, phase);

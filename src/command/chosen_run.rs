@@ -37,5 +37,5 @@ pub fn choose(choice: &RunSelection, host: &Terminal) -> Result<ChosenRun, Failu
             run
         }
     };
-    chosen_run::choose((manifest, &finished), folder, program, run)
+    chosen_run::choose(manifest, &finished, folder, program, run)
 }

@@ -85,5 +85,5 @@ fn print_estimates(
         print(&estimates_to_text(estimates, captures, output_width()))?;
     }
     let is_known = |estimate: &CompletionEstimate| estimate.total.is_some();
-    Ok(Exit::of_runs(estimates.iter().all(is_known)))
+    Ok(Exit::from_runs(estimates.iter().all(is_known)))
 }

@@ -30,7 +30,9 @@ pub fn show_runs(
         }
     }
     let mut outcomes = records.iter().map(|(record, _)| &record.outcome);
-    Ok(Exit::of_runs(outcomes.all(|it| *it == Outcome::Completed)))
+    Ok(Exit::from_runs(
+        outcomes.all(|it| *it == Outcome::Completed),
+    ))
 }
 
 /// Returns a run as lines: each phase with its events, and the end of the run.

@@ -135,7 +135,7 @@ pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     if !damage.is_empty() {
         return Ok(Exit::Usage);
     }
-    Ok(exit.or_worse(Exit::of_runs(missing == 0)))
+    Ok(exit.or_worse(Exit::from_runs(missing == 0)))
 }
 
 /// Prints the events of a run of each program. The exit status is that of an unsuccessful run if
@@ -167,7 +167,7 @@ pub fn show(
 ) -> Result<Exit, Failure> {
     let told = ensemble_results(manifest, finished, shown.captures)?.shown(shown.how)?;
     let failure = told.failure(shown.folder);
-    let exit = Exit::of_runs(told.are_all_successful());
+    let exit = Exit::from_runs(told.are_all_successful());
     print(&match shown.form {
         TableFormat::Text => told.text(output_width()),
         TableFormat::Json => told.json(),

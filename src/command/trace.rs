@@ -31,8 +31,7 @@ pub fn run(options: &TraceArguments) -> Result<Exit, Failure> {
     let mut records = Vec::new();
     for program in &manifest.programs {
         let settings = manifest.settings_of(program);
-        let seeded = (manifest.seed, options.run);
-        let Ok(record) = program.run(&settings, seeded, &mut watch) else {
+        let Ok(record) = program.run(&settings, manifest.seed, options.run, &mut watch) else {
             return Ok(Exit::Interrupted);
         };
         records.push((record, program));

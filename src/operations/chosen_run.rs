@@ -37,7 +37,8 @@ pub struct ChosenRun {
 /// # Errors
 /// If the program or the run does not exist.
 pub fn choose(
-    (manifest, finished): (Manifest, &Records),
+    manifest: Manifest,
+    finished: &Records,
     folder: Option<&Path>,
     program: Option<&str>,
     run: u64,
@@ -142,8 +143,8 @@ impl ChosenRun {
         let mut watch = until(host.stop());
         let run = self.run;
         let settings = &self.manifest.settings_of(self.entry());
-        let key = (self.manifest.seed, run);
-        let record = (self.entry()).observe(settings, key, &mut watch, observer);
+        let record =
+            (self.entry()).observe(settings, self.manifest.seed, run, &mut watch, observer);
         let record = record.map_err(|error| match error {
             RunError::Cancelled => Failure::silent(Exit::Interrupted),
             error => Failure::usage(error),

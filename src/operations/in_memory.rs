@@ -26,7 +26,7 @@ pub fn all_runs(
         let program = &manifest.programs[entry];
         let mut told = |tick, phase| watch.tick(tick, phase);
         let seed = manifest.seed.wrapping_add(entry as u64);
-        let record = program.run(&manifest.settings_of(program), (seed, number), &mut told);
+        let record = program.run(&manifest.settings_of(program), seed, number, &mut told);
         record.map_err(|_| RunCancelled)
     };
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);

@@ -90,14 +90,14 @@ impl RecordingOfRun<'_> {
         watch: &mut impl Watch,
     ) -> Result<RunRecord, RunError> {
         let settings = &self.all.manifest.settings_of(program);
-        let key = (self.all.manifest.seed, self.run);
+        let (seed, run) = (self.all.manifest.seed, self.run);
         let (header, path) = (
             self.header(program),
             path(self.folder, self.program, self.run),
         );
         match begin(&path, &header, program) {
             Ok(mut recorder) => {
-                let record = program.observe(settings, key, watch, &mut recorder)?;
+                let record = program.observe(settings, seed, run, watch, &mut recorder)?;
                 if let Err(error) = recorder.finish(&record).and_then(Draft::keep) {
                     self.fail(error);
                 }
@@ -105,7 +105,7 @@ impl RecordingOfRun<'_> {
             }
             Err(error) => {
                 self.fail(error);
-                program.run(settings, key, watch)
+                program.run(settings, seed, run, watch)
             }
         }
     }

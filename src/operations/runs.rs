@@ -12,7 +12,7 @@ use crate::host::Host;
 pub fn made_by(
     manifest: &Manifest,
 ) -> impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync {
-    |program, number, mut watch| made(manifest, (program, number), &mut watch)
+    |program, number, mut watch| made(manifest, program, number, &mut watch)
 }
 
 /// Returns the function that repeats a run of an ensemble. It stops on `stop`.
@@ -20,17 +20,18 @@ pub fn made_again(
     manifest: &Manifest,
     stop: &AtomicBool,
 ) -> impl FnOnce(usize, u64) -> Result<RunRecord, RunCancelled> {
-    |program, number| made(manifest, (program, number), &mut until(stop))
+    |program, number| made(manifest, program, number, &mut until(stop))
 }
 
 fn made(
     manifest: &Manifest,
-    (program, number): (usize, u64),
+    program: usize,
+    run: u64,
     watch: &mut impl stochc_runtime::Watch,
 ) -> Result<RunRecord, RunCancelled> {
     let program = &manifest.programs[program];
     let settings = manifest.settings_of(program);
-    let record = program.run(&settings, (manifest.seed, number), watch);
+    let record = program.run(&settings, manifest.seed, run, watch);
     // [`try_out_all`] has checked the scene, so only an interrupted run has no record.
     record.map_err(|_| RunCancelled)
 }

@@ -90,7 +90,7 @@ proptest! {
             let messages = Some(Messages { hop, loss });
             let mut go = |_, _| ControlFlow::Continue(());
             let limit = Some(5_000);
-            drive(&tables, messages.as_ref(), &mut world, limit, (seed, 0), &mut go)
+            drive(&tables, messages.as_ref(), &mut world, limit, seed, 0, &mut go)
         };
         prop_assert_eq!(record(None), record(Some(0.0)));
     }
@@ -119,7 +119,7 @@ proptest! {
         scene.messages = Some(messages.clone());
         let mut world = RateWorld::new(&tables, scene, &[], seed, 0).expect("the scene has rates");
         let mut go = |_, _| ControlFlow::Continue(());
-        let run = drive(&tables, Some(&messages), &mut world, None, (seed, 0), &mut go).unwrap();
+        let run = drive(&tables, Some(&messages), &mut world, None, seed, 0, &mut go).unwrap();
         prop_assert_eq!(&run.outcome, &Outcome::Completed);
         let cost = program.estimate(Rates::built_in(program.scene.as_ref().unwrap()));
         let cost = cost.expect("it has an order");

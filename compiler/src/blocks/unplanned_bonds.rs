@@ -37,7 +37,7 @@ pub fn check(
         layout,
         last: &last,
     };
-    let mut structure = StructureModules::of_seeds(plan);
+    let mut structure = StructureModules::from_seeds(plan);
     // Phase with the most exposed faces, the first one of several.
     let mut worst: Option<(usize, usize)> = None;
     for number in 0..plan.phases.len() {
@@ -183,7 +183,7 @@ impl UnplannedBondAnalysis<'_> {
     }
 
     fn exposed_faces(&self, number: usize, exposed: usize, symbols: &Symbols) -> Diagnostic {
-        let mut structure = StructureModules::of_seeds(self.plan);
+        let mut structure = StructureModules::from_seeds(self.plan);
         for earlier in 0..number {
             self.before_last(earlier, &mut structure);
             self.end(earlier, &mut structure);
@@ -252,7 +252,7 @@ struct StructureModules {
 
 impl StructureModules {
     /// Blocks of the plate without a name attract nothing.
-    fn of_seeds(plan: &ProgramPlan) -> StructureModules {
+    fn from_seeds(plan: &ProgramPlan) -> StructureModules {
         let mut structure = StructureModules {
             blocks: FxHashMap::default(),
             exposed: 0,

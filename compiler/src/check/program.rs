@@ -161,7 +161,7 @@ fn check_all(
     };
     let trees = loaded.modules.iter();
     let trees = trees.map(|module| (module.file, &module.tree));
-    let names = Names::of_trees(trees, Keep::Declarations, bounds.cancellation)?;
+    let names = Names::from_trees(trees, Keep::Declarations, bounds.cancellation)?;
     let mut programs = programs(&mut loaded, &names, &about, &mut diagnostics, done)?;
     if !diagnostics.iter().any(Diagnostic::is_error) {
         unused::check(

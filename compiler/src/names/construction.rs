@@ -15,12 +15,12 @@ impl Names {
     ///
     /// Returns [`Cancelled`] if the check was cancelled.
     pub fn new(checked: &Checked, cancellation: Cancellation<'_>) -> Result<Names, Cancelled> {
-        Names::of_trees(checked.trees(), Keep::All, cancellation)
+        Names::from_trees(checked.trees(), Keep::All, cancellation)
     }
 
     /// Resolves names of declarations only, without blocks, instances and phases.
-    pub(crate) fn of_declarations(checked: &Checked) -> Names {
-        let names = Names::of_trees(checked.trees(), Keep::Declarations, Cancellation::NEVER);
+    pub(crate) fn from_declarations(checked: &Checked) -> Names {
+        let names = Names::from_trees(checked.trees(), Keep::Declarations, Cancellation::NEVER);
         names.expect("there is no cancellation")
     }
 
@@ -29,7 +29,7 @@ impl Names {
     /// # Errors
     ///
     /// Returns [`Cancelled`] if the check was cancelled.
-    pub(crate) fn of_trees<'a>(
+    pub(crate) fn from_trees<'a>(
         trees: impl Iterator<Item = (FileId, &'a Tree)>,
         keep: Keep,
         cancellation: Cancellation<'_>,

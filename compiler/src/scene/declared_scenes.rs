@@ -35,7 +35,7 @@ impl DeclaredScene<'_> {
 /// Returns the scenes of a checked file and its imports. Imported files come before the files that
 /// import them. Of several scenes with one name, only the first is returned.
 pub fn declared_scenes(checked: &Checked) -> Vec<DeclaredScene<'_>> {
-    let names = Names::of_declarations(checked);
+    let names = Names::from_declarations(checked);
     of_trees(checked.trees(), &names, &checked.symbols, &mut |_, _| {})
 }
 

@@ -48,7 +48,7 @@ impl<'a> DeclaredShapes<'a> {
         }
         DeclaredShapes {
             checked,
-            names: Names::of_declarations(checked),
+            names: Names::from_declarations(checked),
             shapes,
         }
     }

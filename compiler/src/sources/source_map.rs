@@ -37,7 +37,7 @@ pub fn blocks_at(
     let mut symbols = checked.symbols.clone();
     // Errors have been reported.
     let mut diagnostics = Vec::new();
-    let names = Names::of_trees(checked.trees(), Keep::Declarations, cancellation)?;
+    let names = Names::from_trees(checked.trees(), Keep::Declarations, cancellation)?;
     let declarations = declarations(checked.trees(), &names, &symbols, &mut diagnostics);
     let assemblies = checked
         .tree

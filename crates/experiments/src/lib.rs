@@ -6,6 +6,7 @@ mod captures;
 mod comparison;
 pub mod fit;
 pub mod resampling;
+mod stamped_json;
 pub mod statistics;
 mod summary_tables;
 pub mod sweep;

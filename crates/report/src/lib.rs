@@ -16,7 +16,7 @@
 //! let executable = checked.programs.remove(0).into_executable().expect("it is right");
 //! let program = EnsembleProgram::new("pair", Vec::new(), executable);
 //! let settings = Settings::new(Model::Shuffle, /* substeps */ 1);
-//! let record = program.run(&settings, (1, 0), &mut |_, _| std::ops::ControlFlow::Continue(()));
+//! let record = program.run(&settings, 1, 0, &mut |_, _| std::ops::ControlFlow::Continue(()));
 //! let finished = Finished { program: 0, record: record.expect("it runs"), cpu: None };
 //! let manifest = Manifest::new(settings, /* seed */ 1, /* runs */ 1, vec![program]);
 //! let comparison = Comparison::new(&manifest, &[finished]);

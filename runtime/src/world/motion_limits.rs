@@ -59,7 +59,7 @@ impl MotionLimits {
         rotation: &UnitQuaternion<R>,
     ) -> Result<(), Fault> {
         // Fast path for blocks far from all limits.
-        let below = |square: R, most: f64| square < R::of(0.99 * most * most);
+        let below = |square: R, most: f64| square < R::from_double(0.99 * most * most);
         if below(velocity.norm_squared(), self.speed)
             && below(spin.norm_squared(), self.spin)
             && below(position.norm_squared(), self.far)

@@ -6,9 +6,9 @@ use serde::de::DeserializeOwned;
 /// Floating-point type of a computation.
 pub(crate) trait Real: RealField + Copy + Default + Serialize + DeserializeOwned {
     /// Returns the number nearest to `value`.
-    fn of(value: f64) -> Self;
+    fn from_double(value: f64) -> Self;
     /// Converts an integer: exactly in double precision, within 2^-24 in single precision.
-    fn of_int(value: i32) -> Self;
+    fn from_integer(value: i32) -> Self;
     /// Converts to double precision.
     fn double(self) -> f64;
     /// Returns the nearest integer for numbers from 0 to 2^22, by one addition instead of a general
@@ -17,10 +17,10 @@ pub(crate) trait Real: RealField + Copy + Default + Serialize + DeserializeOwned
 }
 
 impl Real for f32 {
-    fn of(value: f64) -> f32 {
+    fn from_double(value: f64) -> f32 {
         value as f32
     }
-    fn of_int(value: i32) -> f32 {
+    fn from_integer(value: i32) -> f32 {
         value as f32
     }
     fn double(self) -> f64 {
@@ -33,10 +33,10 @@ impl Real for f32 {
 }
 
 impl Real for f64 {
-    fn of(value: f64) -> f64 {
+    fn from_double(value: f64) -> f64 {
         value
     }
-    fn of_int(value: i32) -> f64 {
+    fn from_integer(value: i32) -> f64 {
         f64::from(value)
     }
     fn double(self) -> f64 {
@@ -50,10 +50,10 @@ impl Real for f64 {
 
 /// Converts a lattice normal to a vector.
 pub(crate) fn normal<R: Real>([x, y, z]: [i32; 3]) -> Vector3<R> {
-    Vector3::new(R::of_int(x), R::of_int(y), R::of_int(z))
+    Vector3::new(R::from_integer(x), R::from_integer(y), R::from_integer(z))
 }
 
 /// Converts every component to another precision.
 pub(crate) fn cast<A: Real, B: Real>(v: Vector3<A>) -> Vector3<B> {
-    v.map(|x| B::of(x.double()))
+    v.map(|x| B::from_double(x.double()))
 }

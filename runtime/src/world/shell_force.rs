@@ -17,9 +17,9 @@ pub(crate) struct ShellForce<R> {
 impl<R: Real> ShellForce<R> {
     pub fn new(shell: &Shell) -> ShellForce<R> {
         ShellForce {
-            radius: R::of(shell.radius),
-            height: R::of(shell.height),
-            stiffness: R::of(shell.stiffness),
+            radius: R::from_double(shell.radius),
+            height: R::from_double(shell.height),
+            stiffness: R::from_double(shell.stiffness),
         }
     }
 
@@ -34,7 +34,7 @@ impl<R: Real> ShellForce<R> {
     pub fn pull(&self, place: Vector3<R>) -> Option<(Vector3<R>, R)> {
         let way = place - Vector3::z() * self.height;
         // Fast path without a root: most blocks are far within.
-        if way.norm_squared() < R::of(0.99) * self.radius * self.radius {
+        if way.norm_squared() < R::from_double(0.99) * self.radius * self.radius {
             return None;
         }
         let distance = way.norm();

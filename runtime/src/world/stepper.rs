@@ -72,7 +72,7 @@ pub(crate) trait Integrator: Sized + State {
     /// Returns the largest path in a long step of a block, or of the fastest one. Used only with
     /// short steps.
     fn distance(&self, _blocks: &Self::Blocks, _id: Option<u32>) -> Self::Real {
-        Self::Real::of(0.0)
+        Self::Real::from_double(0.0)
     }
 
     /// Begins a long step with short steps for these blocks, which may enter the field of a
@@ -306,7 +306,8 @@ impl<I: Integrator> Stepper<I> {
         let Some(faces) = &mut self.faces else {
             return Ok(());
         };
-        let [linear, angular] = [self.response.linear, self.response.angular].map(I::Real::of);
+        let [linear, angular] =
+            [self.response.linear, self.response.angular].map(I::Real::from_double);
         let mut pushes = Vec::new();
         faces.pull(&mut self.blocks, |id, push| pushes.push((id, push)));
         for (id, push) in pushes {
@@ -419,7 +420,7 @@ impl<I: Integrator> Arena for Stepper<I> {
             tick: 0,
             substeps,
             ratio: substeps / rates[0],
-            dt: I::Real::of(1.0 / f64::from(substeps)),
+            dt: I::Real::from_double(1.0 / f64::from(substeps)),
             blocks,
             integrator,
             kicks: (parameters.kicks).map(|kicks| (kicks, Draws::new(seed, run, Stream::Kick))),

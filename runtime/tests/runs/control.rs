@@ -30,7 +30,8 @@ fn shuffle(tables: &Tables, hop: Option<u32>, run: u64) -> (RunRecord, ShuffleWo
         messages.as_ref(),
         &mut world,
         Some(1000),
-        (5, run),
+        5,
+        run,
         &mut go,
     );
     (record.expect("the run is not cancelled"), world)
@@ -162,7 +163,8 @@ fn release(hop: Option<u32>) -> (RunRecord, ShuffleWorld, [RoleId; 4]) {
         messages.as_ref(),
         &mut world,
         Some(99),
-        (5, 3),
+        5,
+        3,
         &mut go,
     );
     (
@@ -361,7 +363,7 @@ fn no_block_docks_into_an_occupied_cell() {
 fn a_run_ends_at_its_limit_or_when_it_is_cancelled() {
     let (tables, _) = chain(&SNAKE);
     let mut world = ShuffleWorld::new(&tables, 3, 0, 0);
-    let record = drive(&tables, None, &mut world, Some(40), (0, 0), &mut go)
+    let record = drive(&tables, None, &mut world, Some(40), 0, 0, &mut go)
         .expect("the run is not cancelled");
     let (phase, by) = (PhaseId(0), Limit::MaxTicks);
     assert_eq!(record.outcome, Outcome::TimedOut { phase, by });
@@ -374,7 +376,7 @@ fn a_run_ends_at_its_limit_or_when_it_is_cancelled() {
             ControlFlow::Break(())
         }
     };
-    let cancelled = drive(&tables, None, &mut world, None, (0, 0), &mut stop);
+    let cancelled = drive(&tables, None, &mut world, None, 0, 0, &mut stop);
     assert_eq!(cancelled, Err(RunError::Cancelled));
     assert_eq!(world.tick(), 3);
     assert!(world.orientation(Body::Seed(Cell::new(0, 0, 0))).is_some());
@@ -393,7 +395,7 @@ fn a_block_that_docks_where_nobody_expects_it_is_rejected_at_once() {
     let mut all = 0;
     for run in 0..200 {
         let mut world = ShuffleWorld::new(&tables, 30, 5, run).with_strays(0.5);
-        let record = drive(&tables, None, &mut world, Some(1000), (5, run), &mut go)
+        let record = drive(&tables, None, &mut world, Some(1000), 5, run, &mut go)
             .expect("the run is not cancelled");
         assert_eq!(record.outcome, Outcome::Completed);
         // The final structure is exactly that of the tables.
@@ -439,7 +441,7 @@ fn a_seed_that_captures_nothing_gets_strays_as_well() {
     let mut by = [0, 0];
     for run in 0..200 {
         let mut world = ShuffleWorld::new(&tables, 30, 5, run).with_strays(1.0);
-        let record = drive(&tables, None, &mut world, Some(1), (5, run), &mut go)
+        let record = drive(&tables, None, &mut world, Some(1), 5, run, &mut go)
             .expect("the run is not cancelled");
         by[0] += record
             .unplanned_bonds
@@ -480,7 +482,7 @@ fn a_seed_that_captures_nothing_attracts_as_well<W: Arena>() {
 fn a_stray_where_faces_are_switched_on_is_no_unplanned_bond() {
     let (tables, _) = chain(&SNAKE);
     let mut world = ShuffleWorld::new(&tables, 30, 5, 0).with_strays(0.5);
-    let record = drive(&tables, None, &mut world, Some(1000), (5, 0), &mut go)
+    let record = drive(&tables, None, &mut world, Some(1000), 5, 0, &mut go)
         .expect("the run is not cancelled");
     assert_eq!(record.outcome, Outcome::Completed);
     assert_eq!((record.unplanned, world.cells().len()), (0, SNAKE.len()));
@@ -547,7 +549,7 @@ fn what_is_attached_by_hand_is_there_at_tick_0() {
 fn without_a_block_to_attach_the_run_fails() {
     let (tables, _) = planted(3);
     let mut world = ShuffleWorld::new(&tables, 2, 5, 1);
-    let record = drive(&tables, None, &mut world, Some(1000), (5, 1), &mut go)
+    let record = drive(&tables, None, &mut world, Some(1000), 5, 1, &mut go)
         .expect("the run is not cancelled");
     let reason = "no free block is left to pre-attach as T3".to_owned();
     let phase = PhaseId(0);
@@ -566,7 +568,8 @@ fn lossy(hop: u32, loss: f64, run: u64) -> RunRecord {
         Some(&messages),
         &mut world,
         Some(5000),
-        (5, run),
+        5,
+        run,
         &mut go,
     );
     record.expect("the run is not cancelled")

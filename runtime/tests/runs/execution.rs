@@ -156,7 +156,7 @@ fn counted<W: Arena>(model: Model) {
     let mut world =
         W::with_blocks(&scene, &tables.plate, &settings, 9, 0, &near).expect("a valid scene");
     let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
-    let record = drive(&tables, None, &mut world, Some(1), (9, 0), &mut watch);
+    let record = drive(&tables, None, &mut world, Some(1), 9, 0, &mut watch);
     let waiting = record.expect("the run is not cancelled").waiting;
     assert_eq!((waiting.len(), waiting[0].entries), (1, 1), "{model:?}");
 }

@@ -12,7 +12,7 @@ pub enum Budget {
 
 impl Budget {
     /// Returns a budget of about one second for a shape with this number of cells.
-    pub fn of_cells(cells: usize) -> Budget {
+    pub fn for_cells(cells: usize) -> Budget {
         /// Number of cells that the planner plans in a second.
         const IN_A_SECOND: usize = 300_000;
         Budget::Tries((IN_A_SECOND / cells.max(1)).clamp(1, 3000) as u64)

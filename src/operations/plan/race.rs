@@ -179,10 +179,9 @@ impl Entrant {
 
     /// Returns the time that the objective minimizes.
     fn value(&self, objective: Objective) -> f64 {
-        let value = match objective {
-            Objective::Mean => Summary::from_values(&self.times).map(|it| it.mean),
-            Objective::P90 => quantile(&self.times, 0.9),
-        };
-        value.unwrap_or(f64::INFINITY)
+        match objective {
+            Objective::Mean => self.race_times().mean,
+            Objective::P90 => quantile(&self.times, 0.9).unwrap_or(f64::INFINITY),
+        }
     }
 }

@@ -44,7 +44,7 @@ pub fn completion(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Completi
 pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     let folder = Path::new(options.target);
     let (manifest, finished) = read(folder, host)?;
-    let chosen = choose((manifest, &finished), Some(folder), end.program, end.run)?;
+    let chosen = choose(manifest, &finished, Some(folder), end.program, end.run)?;
     let record = chosen.known().ok_or_else(|| {
         Failure::usage(format!(
             "run {} of `{}` is not finished",
@@ -87,7 +87,7 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
             "numbers of the scene were varied in these runs: name the scene to plan for with `--scene`",
         ));
     }
-    let mut goal = Goal::of_end(&text.checked, program, options.shape)
+    let mut goal = Goal::from_end(&text.checked, program, options.shape)
         .map_err(|error| refused(options.target, error))?;
     (goal.stand_on(&structure, &dead)).map_err(|error| refused(options.target, error))?;
     placed(goal, options, host)

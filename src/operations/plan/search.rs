@@ -107,7 +107,7 @@ pub(super) fn search(
 ) -> Result<Planned, NotPlanned> {
     let stop = host.stop();
     let start = now();
-    let budget = options.budget.unwrap_or_else(|| Budget::of_cells(cells));
+    let budget = options.budget.unwrap_or_else(|| Budget::for_cells(cells));
     let (tried, best) = (AtomicU64::new(0), AtomicU64::new(0));
     let is_over = || {
         let is_late = matches!(budget, Budget::Time(time) if start.elapsed() >= time);

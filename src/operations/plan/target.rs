@@ -85,7 +85,7 @@ fn voxels(
         .map_err(|error| Failure::usage(format!("cannot read {target}: {error}")))?;
     let cells = cells(&bytes)
         .map_err(|error| Failure::usage(format!("`{target}` cannot be planned: {error}")))?;
-    Ok(Goal::of_cells(&name(target), cells))
+    Ok(Goal::from_cells(&name(target), cells))
 }
 
 fn program(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
@@ -107,7 +107,7 @@ fn program(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> 
             },
         });
     }
-    Goal::of_program(&checked, options.shape).map_err(|error| refused(options.target, error))
+    Goal::from_program(&checked, options.shape).map_err(|error| refused(options.target, error))
 }
 
 /// Returns whether a file name has the extension of a program.

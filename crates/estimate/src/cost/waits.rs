@@ -61,7 +61,7 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
             let free = 1.0 - taken / f64::from(count.max(1));
             let near = |which: Neighbourhood, with_mates: bool| {
                 let is_full = |near| near != cell && occupancy.is_full(near, level, with_mates);
-                Neighbourhood::of_interest(which, cell, is_full)
+                Neighbourhood::around(which, cell, is_full)
             };
             let wait = |near: Neighbourhood, way_into: &dyn Fn(Cell) -> Option<Face>| {
                 let around = rates.surroundings(cell, way, near, way_into);

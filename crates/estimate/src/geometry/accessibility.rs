@@ -91,7 +91,7 @@ pub(crate) fn in_reach(way: Face) -> Neighbourhood {
 }
 
 static IN_REACH: LazyLock<[Neighbourhood; 6]> =
-    LazyLock::new(|| Face::ALL.map(|way| Neighbourhood::of_cells(offsets(way))));
+    LazyLock::new(|| Face::ALL.map(|way| Neighbourhood::from_cells(offsets(way))));
 
 static BLOCKERS: LazyLock<[Blockers; 6]> = LazyLock::new(|| Face::ALL.map(blockers));
 

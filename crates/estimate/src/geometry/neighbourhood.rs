@@ -16,7 +16,7 @@ pub struct Neighbourhood(u128);
 static ON_GROUND: LazyLock<[Neighbourhood; EDGE as usize]> = LazyLock::new(|| {
     std::array::from_fn(|layer| {
         let layer = layer as i32 - SIGHT;
-        Neighbourhood::of_cells(all().filter(|[.., z]| layer + z < 1))
+        Neighbourhood::from_cells(all().filter(|[.., z]| layer + z < 1))
     })
 });
 
@@ -33,11 +33,11 @@ impl Neighbourhood {
     /// Returns the neighbourhood of a cell. `is_full` is called for cells above the plate;
     /// everything below is ground.
     pub fn new(cell: Cell, is_full: impl Fn(Cell) -> bool) -> Neighbourhood {
-        Neighbourhood::of_interest(Neighbourhood::of_cells(all()), cell, is_full)
+        Neighbourhood::around(Neighbourhood::from_cells(all()), cell, is_full)
     }
 
     /// Returns the part of a neighbourhood in `which`. Calls `is_full` for no other cells.
-    pub(crate) fn of_interest(
+    pub(crate) fn around(
         which: Neighbourhood,
         cell: Cell,
         is_full: impl Fn(Cell) -> bool,
@@ -79,7 +79,7 @@ impl Neighbourhood {
     }
 
     /// Returns the set of cells at these offsets.
-    pub(crate) fn of_cells(offsets: impl IntoIterator<Item = [i32; 3]>) -> Neighbourhood {
+    pub(crate) fn from_cells(offsets: impl IntoIterator<Item = [i32; 3]>) -> Neighbourhood {
         let mut found = Neighbourhood::EMPTY;
         offsets.into_iter().for_each(|offset| found.block(offset));
         found
@@ -156,8 +156,8 @@ mod tests {
                 assert_eq!(found.is_blocked([dx, dy, dz]), expected, "{near}");
                 assert_eq!(offset(place([dx, dy, dz])), [dx, dy, dz]);
             }
-            let some = Neighbourhood::of_cells(all().filter(|[dx, ..]| *dx > 0));
-            let part = Neighbourhood::of_interest(some, cell, |near| {
+            let some = Neighbourhood::from_cells(all().filter(|[dx, ..]| *dx > 0));
+            let part = Neighbourhood::around(some, cell, |near| {
                 assert!(near.x > 7, "cells out of interest must not be queried");
                 is_full(near)
             });

@@ -59,9 +59,9 @@ struct Flanks {
 static FLANKS: LazyLock<[[Flanks; 2]; 6]> = LazyLock::new(|| {
     Face::ALL.map(|way| {
         [[0; 3], way.opposite().normal()].map(|of| Flanks {
-            beside: Neighbourhood::of_cells(at_distance(1, way, of)),
-            across_edge: Neighbourhood::of_cells(across_edge(way, of)),
-            two_away: Neighbourhood::of_cells(at_distance(2, way, of)),
+            beside: Neighbourhood::from_cells(at_distance(1, way, of)),
+            across_edge: Neighbourhood::from_cells(across_edge(way, of)),
+            two_away: Neighbourhood::from_cells(at_distance(2, way, of)),
         })
     })
 });

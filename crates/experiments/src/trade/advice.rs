@@ -30,15 +30,16 @@ pub(super) fn advice(trade: &Trade) -> String {
                 .to_owned(),
         );
     }
-    let mut clauses: Vec<String> = recommended(trade).into_iter().map(clause).collect();
-    if clauses.is_empty() {
-        clauses.push(format!(
-            "no setting that is cheaper than the reference, `{}`, is known to be within {} of it",
+    let clauses: Vec<String> = recommended(trade).into_iter().map(clause).collect();
+    sentences.push(if clauses.is_empty() {
+        format!(
+            "No setting that is cheaper than the reference, `{}`, is known to be within {} of it.",
             reference.options,
             percent(CLOSE)
-        ));
-    }
-    sentences.push(capital(&format!("{}.", clauses.join("; "))));
+        )
+    } else {
+        clauses.join("; ") + "."
+    });
     let reversed: Vec<String> = (trade.candidates.iter())
         .filter(|candidate| candidate.reversed)
         .map(|candidate| format!("`{}`", candidate.options))
@@ -84,11 +85,4 @@ fn clause(candidate: &CandidateResult) -> String {
         "`{}` is within {bound} of the reference, intervals included, at {cost} of its cost{reduced}",
         candidate.options
     )
-}
-
-fn capital(text: &str) -> String {
-    match text.strip_prefix("no ") {
-        Some(rest) => format!("No {rest}"),
-        None => text.to_owned(),
-    }
 }

@@ -1,15 +1,12 @@
 //! The trade of some programs: the content of `trade.json`, tables and figures.
 use serde::Serialize;
-use serde_json::json;
 use stochc_runtime::Settings;
 
 use super::convergence::{Convergence, Doubling};
 use super::ranking::{Ranked, Verdict};
+use crate::stamped_json::stamped_json;
 use crate::statistics::Relative;
 use stochc_results::Manifest;
-
-/// Version of the layout of `trade.json`.
-const FORMAT: u32 = 1;
 
 /// Programs at many settings. Times are in ticks, costs in CPU time \[s\].
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -109,11 +106,7 @@ pub struct ProgramResult {
 impl Trade {
     /// Returns the text of `trade.json`.
     pub fn to_json(&self, manifest: &Manifest) -> String {
-        let mut value = json!(self);
-        value["format"] = FORMAT.into();
-        value["stochc"] = json!(manifest.stochc);
-        value["ensemble"] = manifest.identity().into();
-        format!("{value:#}\n")
+        stamped_json(self, manifest)
     }
 
     /// Returns the number of runs of a program that the limit of ticks stopped. Counts the runs of

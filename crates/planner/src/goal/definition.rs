@@ -41,7 +41,7 @@ pub(super) const NAME: &str = "planned.sa";
 
 impl Goal {
     /// Creates a goal from cells. The name must be valid in a program.
-    pub fn of_cells(name: &str, cells: Vec<Cell>) -> Goal {
+    pub fn from_cells(name: &str, cells: Vec<Cell>) -> Goal {
         let mut sorted = cells.clone();
         sorted.sort_unstable();
         sorted.dedup();
@@ -72,7 +72,7 @@ impl Goal {
             scene: self.scene,
             assembly: self.assembly,
             scenes: self.scenes,
-            ..Goal::of_cells(&self.name, cells)
+            ..Goal::from_cells(&self.name, cells)
         })
     }
 

@@ -20,7 +20,7 @@ impl Goal {
     ///
     /// # Errors
     /// If there is no such shape.
-    pub fn of_program(checked: &Checked, name: Option<&str>) -> Result<Goal, NoGoal> {
+    pub fn from_program(checked: &Checked, name: Option<&str>) -> Result<Goal, NoGoal> {
         let symbols = &checked.symbols;
         let claims = |plan: &ProgramPlan| -> Vec<&str> {
             let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
@@ -86,11 +86,11 @@ impl Goal {
             },
         })?;
         let only = || programs().next().filter(|_| programs().count() == 1);
-        Goal::of_shape(checked, found, claiming.or_else(only))
+        Goal::from_shape(checked, found, claiming.or_else(only))
     }
 
     /// Returns a shape with the plate, the seeds and the scene of an assembly.
-    pub(super) fn of_shape(
+    pub(super) fn from_shape(
         checked: &Checked,
         declared: &DeclaredShape<'_>,
         assembly: Option<&Program>,

@@ -18,7 +18,7 @@ impl Goal {
     ///
     /// # Errors
     /// If there is no such shape.
-    pub fn of_end(
+    pub fn from_end(
         checked: &Checked,
         program: &Program,
         shape: Option<&str>,
@@ -28,8 +28,8 @@ impl Goal {
         let claimed = claims.last().map(|&(name, _)| checked.symbols.word(name));
         let mut goal = match shape.or(claimed) {
             Some(shape) => match DeclaredShapes::new(checked).seen_from(plan, shape) {
-                Some(known) => Goal::of_shape(checked, known, Some(program))?,
-                None => Goal::of_program(checked, Some(shape))?,
+                Some(known) => Goal::from_shape(checked, known, Some(program))?,
+                None => Goal::from_program(checked, Some(shape))?,
             },
             None => {
                 let last = plan.phases.len().checked_sub(1);
@@ -37,7 +37,7 @@ impl Goal {
                 let cells = built.into_iter().map(|(block, _)| block.cell);
                 Goal {
                     scenes: WrittenScenes::new(checked),
-                    ..Goal::of_cells(&plan.name, cells.collect())
+                    ..Goal::from_cells(&plan.name, cells.collect())
                 }
             }
         };

@@ -106,7 +106,7 @@ pub fn plan(
         Err(reason) => (None, ScaffoldTrial::NotTried { reason }),
     };
     let job = found.job(&sites, hardware, waits);
-    let plain = BuildPlan::of_found(&job, &found, how.seed);
+    let plain = BuildPlan::from_found(&job, &found, how.seed);
     let scaffolded = scaffolded.map(|it| BuildPlan::with_scaffolds(it, hardware, waits, how));
     Ok(Plans {
         plain: BuildPlan {
@@ -150,7 +150,7 @@ impl BuildPlan {
         let sites = Sites::new(&union);
         let roles = SiteRoles::new(&sites, &scaffolding);
         let job = found.job(&sites, hardware, waits).with_roles(&roles);
-        let mut plan = BuildPlan::of_found(&job, &found, how.seed);
+        let mut plan = BuildPlan::from_found(&job, &found, how.seed);
         for capture in &mut plan.captures {
             capture.is_temporary = matches!(roles.part(sites.at(capture.cell)), SitePart::Mast(_));
         }
@@ -185,7 +185,7 @@ impl BuildPlan {
     }
 
     /// Returns the plan of a found schedule.
-    fn of_found(job: &SchedulingJob<'_>, found: &FoundSchedule, seed: u64) -> BuildPlan {
+    fn from_found(job: &SchedulingJob<'_>, found: &FoundSchedule, seed: u64) -> BuildPlan {
         let schedule = &found.schedule;
         let waiting = job.waiting(schedule);
         let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);

@@ -30,7 +30,7 @@ pub fn files() -> Vec<PathBuf> {
 /// Returns the target of a shape file.
 pub fn goal(path: &Path) -> Goal {
     let cells = layers(&std::fs::read_to_string(path).unwrap()).unwrap();
-    Goal::of_cells(path.file_stem().unwrap().to_str().unwrap(), cells)
+    Goal::from_cells(path.file_stem().unwrap().to_str().unwrap(), cells)
 }
 
 /// Returns a target by the name of its shape.

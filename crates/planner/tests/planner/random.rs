@@ -35,7 +35,7 @@ proptest! {
 
     #[test]
     fn what_hangs_together_is_built(shape in grown(), rounds in 1u64..8) {
-        let goal = Goal::of_cells("grown", shape.clone());
+        let goal = Goal::from_cells("grown", shape.clone());
         let planned = tried(&goal, rounds).unwrap();
         let mut expected = shape;
         expected.sort_unstable();
@@ -44,7 +44,7 @@ proptest! {
 
     #[test]
     fn anything_is_answered(shape in scattered(), seeds in proptest::collection::vec((0..4, 0..4), 0..4)) {
-        let mut goal = Goal::of_cells("any", shape);
+        let mut goal = Goal::from_cells("any", shape);
         goal.plate = Some(Plate { width: 4, depth: 4 });
         goal.seeds = (!seeds.is_empty()).then_some(seeds);
         match tried(&goal, 3) {

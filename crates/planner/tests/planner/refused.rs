@@ -17,7 +17,7 @@ fn error(goal: &Goal) -> (TargetError, String) {
 }
 
 fn drawn(text: &str) -> Goal {
-    Goal::of_cells("drawn", layers(text).unwrap())
+    Goal::from_cells("drawn", layers(text).unwrap())
 }
 
 #[test]
@@ -82,9 +82,9 @@ fn a_block_that_floats_in_a_sealed_room_is_refused() {
     let is_wall = |&(x, y, z): &(i32, i32, i32)| [x, y, z].iter().any(|&at| at == 0 || at == 4);
     let room = room.filter(is_wall).map(|(x, y, z)| Cell::new(x, y, z + 1));
     let mut cells: Vec<Cell> = room.collect();
-    assert!(tried(&Goal::of_cells("room", cells.clone()), 1).is_ok());
+    assert!(tried(&Goal::from_cells("room", cells.clone()), 1).is_ok());
     cells.push(Cell::new(2, 2, 3));
-    let (error, text) = error(&Goal::of_cells("room", cells));
+    let (error, text) = error(&Goal::from_cells("room", cells));
     let TargetError::Loose(parts) = error else {
         panic!("{text}");
     };
@@ -130,7 +130,7 @@ fn other_reasons() {
 fn what_the_scene_has_no_room_for_is_told_as_a_finding() {
     let mut goal = drawn("#\n");
     goal.cells = (1..60).map(|z| Cell::new(0, 0, z)).collect();
-    let Err(Unplanned::Wrong(checked)) = tried(&Goal::of_cells("tower", goal.cells), 1) else {
+    let Err(Unplanned::Wrong(checked)) = tried(&Goal::from_cells("tower", goal.cells), 1) else {
         panic!("it lies outside of the enclosure");
     };
     assert_eq!(checked.diagnostics[0].code.name(), "outside-enclosure");

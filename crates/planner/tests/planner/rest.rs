@@ -273,11 +273,11 @@ fn a_shape_is_that_of_its_assembly() {
     assert!(text.contains("B.up ->"), "{text}");
     let checked = check_text("local.sa", LOCAL);
     let heights = checked.programs.iter().map(|program| {
-        let goal = Goal::of_end(&checked, program, None).unwrap();
+        let goal = Goal::from_end(&checked, program, None).unwrap();
         goal.cells.len()
     });
     assert_eq!(heights.collect::<Vec<_>>(), [1, 3]);
-    let last = Goal::of_program(&checked, None).unwrap();
+    let last = Goal::from_program(&checked, None).unwrap();
     assert_eq!(last.cells.len(), 3);
 }
 
@@ -286,7 +286,7 @@ fn a_shape_is_that_of_its_assembly() {
 fn a_scene_by_the_name_of_the_built_in_one_is_written_down() {
     let text = "scene hemisphere from hemisphere { free 40 uniform }\n\
          assembly a { shape s { layer 1..2 { # # } } seed plate 2 x 1 { M at (0, 0) N at (1, 0) } phase g { M.up ->> A[1..2] N.up ->> B[1..2] yields s } }\n";
-    let goal = Goal::of_program(&check_text("own.sa", text), None).unwrap();
+    let goal = Goal::from_program(&check_text("own.sa", text), None).unwrap();
     let planned = goal.plan(&[], PlanSearch::default()).unwrap();
     let scene = check_text("planned.sa", &planned.text).programs[0]
         .scene
@@ -298,7 +298,7 @@ fn a_scene_by_the_name_of_the_built_in_one_is_written_down() {
 /// structure.
 fn left(text: &str, max_ticks: u64) -> (Goal, ExistingStructure) {
     let checked = check_text("run.sa", text);
-    let goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
+    let goal = Goal::from_end(&checked, &checked.programs[0], None).unwrap();
     let executable = executable(checked);
     let record = ran(&executable, Model::Rate, Some(max_ticks));
     (
@@ -324,7 +324,7 @@ assembly walls {
 #[test]
 fn what_does_not_belong_to_the_shape_is_let_go_with_what_hangs_on_it() {
     let (_, structure) = left(WALL, 100_000);
-    let mut wall = Goal::of_program(&check_text("run.sa", WALL), Some("wall")).unwrap();
+    let mut wall = Goal::from_program(&check_text("run.sa", WALL), Some("wall")).unwrap();
     let repair = structure.repair(&wall.cells, &BTreeSet::new()).unwrap();
     let released: Vec<Cell> = repair.released.iter().map(|block| block.cell).collect();
     let mut mast = [(2, 0, 3), (2, 1, 1), (2, 1, 2), (2, 1, 3)].map(|(x, y, z)| Cell::new(x, y, z));
@@ -408,10 +408,10 @@ proptest! {
         ticks in 1u64..20_000,
         dead in proptest::collection::vec(any::<prop::sample::Index>(), 0..2),
     ) {
-        let goal = Goal::of_cells("grown", shape.clone());
+        let goal = Goal::from_cells("grown", shape.clone());
         let planned = tried(&goal, 1).unwrap();
         let checked = check_text("grown.sa", &planned.text);
-        let mut goal = Goal::of_end(&checked, &checked.programs[0], None).unwrap();
+        let mut goal = Goal::from_end(&checked, &checked.programs[0], None).unwrap();
         let executable = executable(checked);
         let record = ran(&executable, Model::Rate, Some(ticks));
         let structure = ExistingStructure::from_record(&executable.tables, &record);
@@ -440,7 +440,7 @@ proptest! {
     /// A program that stops anywhere in a valid order of its shape can be completed.
     #[test]
     fn what_somebody_has_begun_is_completed(shape in grown(), share in 0.0..1.0f64) {
-        let goal = Goal::of_cells("grown", shape.clone());
+        let goal = Goal::from_cells("grown", shape.clone());
         let planned = tried(&goal, 1).unwrap();
         prop_assume!(planned.plan.dismantling.is_none());
         let count = (share * shape.len() as f64) as usize;

@@ -136,7 +136,7 @@ proptest! {
 
     #[test]
     fn walks_are_built_with_scaffolds_or_without(shape in walk(), keeps: bool) {
-        let goal = on(Goal::of_cells("walk", shape.clone()), 8, 8);
+        let goal = on(Goal::from_cells("walk", shape.clone()), 8, 8);
         let planned = planned(&goal, 60, keeps);
         let mut expected = shape;
         expected.sort_unstable();

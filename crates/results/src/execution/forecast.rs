@@ -116,7 +116,7 @@ impl Trials {
         };
         let simulate = || {
             let settings = manifest.settings_of(program);
-            let record = program.run(&settings, (manifest.seed, number), &mut watch);
+            let record = program.run(&settings, manifest.seed, number, &mut watch);
             record.map_err(|_| RunCancelled)
         };
         let is_cut = attempt(number, simulate, || last.get()).is_none();
@@ -174,7 +174,7 @@ mod tests {
         let begun = thread_time();
         for number in 0..40 {
             let mut watch = |_, _| ControlFlow::Continue(());
-            let run = manifest.programs[0].run(&manifest.settings, (1, number), &mut watch);
+            let run = manifest.programs[0].run(&manifest.settings, 1, number, &mut watch);
             run.unwrap();
         }
         let ratio = forecast.time.as_secs_f64() / (10.0 * (thread_time() - begun).as_secs_f64());

@@ -17,6 +17,6 @@ pub(crate) use pending_runs::{PendingRun, PendingRuns, job, number};
 pub use program_run::{unless, until};
 pub use progress::{ProgramProgress, Progress, RunWatch, Snapshot, Totals};
 pub use run::{Destination, EnsembleError, Results, check_stored, run};
-pub(crate) use run::{check_again, journaled};
+pub(crate) use run::{RunTracker, check_again, journaled};
 pub(crate) use thread_time::thread_time;
 pub use time_left::time_left;

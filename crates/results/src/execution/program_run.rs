@@ -18,11 +18,12 @@ impl EnsembleProgram {
     pub fn run(
         &self,
         settings: &Settings,
-        (seed, number): (u64, u64),
+        seed: u64,
+        run: u64,
         watch: &mut impl Watch,
     ) -> Result<RunRecord, RunError> {
         let (tables, scene) = (self.tables(), &self.scene);
-        stochc_runtime::run(tables, scene, settings, seed, number, watch)
+        stochc_runtime::run(tables, scene, settings, seed, run, watch)
     }
 
     /// Makes a run with an observer. The record is the same.
@@ -33,12 +34,13 @@ impl EnsembleProgram {
     pub fn observe(
         &self,
         settings: &Settings,
-        (seed, number): (u64, u64),
+        seed: u64,
+        run: u64,
         watch: &mut impl Watch,
         observer: &mut impl Observer,
     ) -> Result<RunRecord, RunError> {
         let (tables, scene) = (self.tables(), &self.scene);
-        stochc_runtime::observe(tables, scene, settings, seed, number, watch, observer)
+        stochc_runtime::observe(tables, scene, settings, seed, run, watch, observer)
     }
 
     /// Checks that the scene of the program can be set up.
@@ -48,7 +50,7 @@ impl EnsembleProgram {
     /// If that is impossible.
     pub fn try_out(&self, settings: &Settings) -> Result<(), SceneError> {
         let mut stop = |_, _| ControlFlow::Break(());
-        match self.run(settings, (0, 0), &mut stop) {
+        match self.run(settings, 0, 0, &mut stop) {
             Err(RunError::Scene(error)) => Err(error),
             _ => Ok(()),
         }

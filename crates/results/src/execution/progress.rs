@@ -155,11 +155,11 @@ impl stochc_runtime::Watch for &RunWatch<'_> {
 impl Progress {
     /// Returns the initial progress for a number of threads.
     pub fn new(manifest: &Manifest, threads: NonZeroUsize) -> Progress {
-        Progress::of_jobs(manifest, &(0..manifest.total()), threads)
+        Progress::from_jobs(manifest, &(0..manifest.total()), threads)
     }
 
     /// Creates the progress of some of the [jobs](crate::execution::job).
-    pub(crate) fn of_jobs(
+    pub(crate) fn from_jobs(
         manifest: &Manifest,
         jobs: &Range<u64>,
         threads: NonZeroUsize,

@@ -123,7 +123,11 @@ pub fn run(
                 Ok::<(), Infallible>(())
             };
             let pending = PendingRuns::all(manifest, 0..manifest.total(), None);
-            let Ok(()) = new_runs(pending, (progress, None), stop, simulate, keep);
+            let tracker = RunTracker {
+                progress,
+                checkpoints: None,
+            };
+            let Ok(()) = new_runs(pending, tracker, stop, simulate, keep);
             let all = all.into_inner().expect("no thread has panicked");
             Ok(Results::from_records(manifest, all.into()))
         }
@@ -136,8 +140,11 @@ pub fn run(
                 0 => None,
                 _ => {
                     let journal = folder.journal()?;
-                    let on = (progress, folder.checkpoints().map(Arc::as_ref));
-                    let places = journaled(pending, (journal, 0), on, stop, simulate)?;
+                    let tracker = RunTracker {
+                        progress,
+                        checkpoints: folder.checkpoints().map(Arc::as_ref),
+                    };
+                    let places = journaled(pending, journal, 0, tracker, stop, simulate)?;
                     Some(folder.records([kept.places(), &places].concat())?)
                 }
             };
@@ -159,26 +166,33 @@ impl Results {
     }
 }
 
+/// Progress and checkpoints of runs.
+#[derive(Clone, Copy)]
+pub(crate) struct RunTracker<'a> {
+    pub progress: &'a Progress,
+    pub checkpoints: Option<&'a Checkpoints>,
+}
+
 /// Makes runs and appends each to a journal, which is file number `file` of their positions.
 pub(crate) fn journaled(
     pending: PendingRuns,
-    (journal, file): (Journal, u32),
-    (progress, checkpoints): (&Progress, Option<&Checkpoints>),
+    journal: Journal,
+    file: u32,
+    tracker: RunTracker<'_>,
     stop: &AtomicBool,
     simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
 ) -> Result<Vec<LineLocation>, JournalError> {
     let places = Mutex::new(Vec::new());
     let keep = |done: Finished| {
         let place = done.at(file, journal.append(&done)?);
-        if let Some(checkpoints) = checkpoints {
+        if let Some(checkpoints) = tracker.checkpoints {
             checkpoints.remove(done.program, done.record.run, || journal.sync())?;
         }
         let mut places = places.lock().expect("no panic while it is locked");
         places.push(place);
         Ok(())
     };
-    let on = (progress, checkpoints);
-    let done: Result<(), JournalError> = new_runs(pending, on, stop, simulate, keep);
+    let done: Result<(), JournalError> = new_runs(pending, tracker, stop, simulate, keep);
     // The writer's own error is more specific than the errors that follow from it.
     journal.close()?;
     done?;
@@ -188,7 +202,10 @@ pub(crate) fn journaled(
 /// Makes runs and stores each at once. The first storage error stops the others.
 fn new_runs<E: Send>(
     pending: PendingRuns,
-    (progress, checkpoints): (&Progress, Option<&Checkpoints>),
+    RunTracker {
+        progress,
+        checkpoints,
+    }: RunTracker<'_>,
     stop: &AtomicBool,
     simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
     keep: impl Fn(Finished) -> Result<(), E> + Sync,

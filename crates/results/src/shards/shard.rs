@@ -13,7 +13,7 @@ use stochc_ir::record::RunRecord;
 use super::ShardError;
 use super::cut::{Cut, is_joined, same_build, shard_file};
 use crate::execution::{PendingRuns, job, number as job_number};
-use crate::execution::{check_again, journaled};
+use crate::execution::{RunTracker, check_again, journaled};
 use crate::folder::{DAMAGED, SHARDS};
 use crate::journal::line as journal_line;
 use crate::journal::{self, Journal, JournalHeader, Shortest};
@@ -151,7 +151,7 @@ impl Shard {
 
     /// Returns the progress of its runs for a number of threads.
     pub fn progress(&self, threads: NonZeroUsize) -> Progress {
-        Progress::of_jobs(&self.manifest, &self.jobs, threads)
+        Progress::from_jobs(&self.manifest, &self.jobs, threads)
     }
 
     /// Repeats its shortest existing run, as [`check_stored`](crate::check_stored) does.
@@ -197,8 +197,11 @@ impl Shard {
         };
         let journal = Journal::open(&part, &self.header, 0).map_err(of_part)?;
         let file = self.kept.files();
-        let on = (progress, self.checkpoints());
-        let places = journaled(pending, (journal, file), on, stop, simulate).map_err(of_part)?;
+        let tracker = RunTracker {
+            progress,
+            checkpoints: self.checkpoints(),
+        };
+        let places = journaled(pending, journal, file, tracker, stop, simulate).map_err(of_part)?;
         let opened = files::open(&part).map_err(io)?;
         let most = journal::most_line(&self.manifest);
         let all = self.kept.and(&places, opened, most).map_err(io)?;

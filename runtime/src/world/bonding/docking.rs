@@ -265,7 +265,7 @@ impl<R: Real> Faces<R> {
         self.expose();
         Some(ReleasedBlock {
             body,
-            impulse: out * R::of(passive.impulse),
+            impulse: out * R::from_double(passive.impulse),
         })
     }
 
@@ -345,7 +345,7 @@ impl<R: Real> Faces<R> {
     /// Returns the distance from a face's centre beyond which a block's centre is out of reach
     /// \[block lengths\].
     pub fn horizon(&self) -> R {
-        R::of((self.magnet.reach() + INSIDE) * 1.001)
+        R::from_double((self.magnet.reach() + INSIDE) * 1.001)
     }
 
     /// Sets the blocks that may be within reach of an open face, in rising order.
@@ -361,7 +361,7 @@ impl<R: Real> Faces<R> {
         }
         self.seen = true;
         self.candidates.clear();
-        let [reach, field] = [self.magnet.reach(), self.magnet.field()].map(R::of);
+        let [reach, field] = [self.magnet.reach(), self.magnet.field()].map(R::from_double);
         let far = self.horizon() * self.horizon();
         for (i, active) in self.active.iter_mut().enumerate() {
             let before = self.candidates.len();
@@ -402,7 +402,7 @@ impl<R: Real> Faces<R> {
             if blocks.is_free(id) {
                 let Active { target, site, .. } = &self.active[candidate.active];
                 let (position, rotation) = (blocks.position(id), blocks.rotation(id));
-                let (near, drop) = (&candidate.near, R::of(self.drop(*site)));
+                let (near, drop) = (&candidate.near, R::from_double(self.drop(*site)));
                 push(
                     id,
                     target.push(near, position, rotation, &self.magnet, drop),

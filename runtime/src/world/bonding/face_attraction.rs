@@ -64,7 +64,7 @@ impl<R: Real> AttractingFace<R> {
     ) -> AttractingFace<R> {
         let out = rotation * normal::<R>(face.normal());
         AttractingFace {
-            centre: centre + out * R::of(0.5),
+            centre: centre + out * R::from_double(0.5),
             normal: out,
             corners: corners(rotation, face).map(|corner| centre + corner),
         }
@@ -86,7 +86,7 @@ impl<R: Real> AttractingFace<R> {
 
     /// Returns a face of a block as seen from this face.
     pub fn at(&self, position: Vector3<R>, rotation: UnitQuaternion<R>, face: Face) -> Near<R> {
-        let centre = position + rotation * (normal::<R>(face.normal()) * R::of(0.5));
+        let centre = position + rotation * (normal::<R>(face.normal()) * R::from_double(0.5));
         Near {
             face,
             centre,
@@ -129,16 +129,16 @@ impl<R: Real> AttractingFace<R> {
             linear: Vector3::zeros(),
             angular: Vector3::zeros(),
         };
-        let square = R::of(magnet.square_of_step);
+        let square = R::from_double(magnet.square_of_step);
         // `yields` is the largest velocity change at the point of attack by a unit force.
         let mut pull = |from: Vector3<R>, to: Vector3<R>, yields: f64, force: &dyn Fn(R) -> R| {
             let way = to - from;
             let length = way.norm();
-            if length > R::of(COINCIDENT) {
+            if length > R::from_double(COINCIDENT) {
                 let force = force(length);
-                let force = way * (force / length.max(force * R::of(yields) * square));
+                let force = way * (force / length.max(force * R::from_double(yields) * square));
                 push.linear += force;
-                push.angular += (from - position).cross(&force) * R::of(INVERSE_INERTIA);
+                push.angular += (from - position).cross(&force) * R::from_double(INVERSE_INERTIA);
             }
         };
         let own = || corners(rotation, near.face).map(|corner| position + corner);
@@ -147,14 +147,14 @@ impl<R: Real> AttractingFace<R> {
                 pull: to_centre,
                 align,
             } => {
-                if near.distance < R::of(to_centre.within) {
-                    let force = R::of(to_centre.force);
+                if near.distance < R::from_double(to_centre.within) {
+                    let force = R::from_double(to_centre.force);
                     pull(near.centre, self.centre, FACE_YIELDS, &|_| force);
                 }
                 if let Some(Pull { force, within }) = align
-                    && near.distance < R::of(within)
+                    && near.distance < R::from_double(within)
                 {
-                    let (own, force) = (own(), R::of(force));
+                    let (own, force) = (own(), R::from_double(force));
                     let turn = self.pairing(&own);
                     for (i, &corner) in own.iter().enumerate() {
                         pull(corner, self.counterpart(turn, i), CORNERS_YIELD, &|_| force);
@@ -166,11 +166,11 @@ impl<R: Real> AttractingFace<R> {
                 depth,
                 within,
                 ..
-            }) if near.distance < R::of(within) => {
+            }) if near.distance < R::from_double(within) => {
                 let half = |corner: Vector3<R>, centre: Vector3<R>| {
-                    centre + (corner - centre) * R::of(0.5)
+                    centre + (corner - centre) * R::from_double(0.5)
                 };
-                let (hold, depth) = (R::of(hold / 4.0), R::of(depth));
+                let (hold, depth) = (R::from_double(hold / 4.0), R::from_double(depth));
                 let dipoles = |length: R| {
                     let closeness = depth / (depth + length);
                     let square = closeness * closeness;
@@ -183,15 +183,15 @@ impl<R: Real> AttractingFace<R> {
                     pull(half(corner, near.centre), to, CORNERS_YIELD, &dipoles);
                 }
             }
-            Attraction::Suction(Suction { seal, .. }) if near.distance < R::of(seal) => {
+            Attraction::Suction(Suction { seal, .. }) if near.distance < R::from_double(seal) => {
                 let own = own();
                 let turn = self.pairing(&own);
                 pull(near.centre, self.centre, FACE_YIELDS, &|_| {
-                    drop * R::of(0.5)
+                    drop * R::from_double(0.5)
                 });
                 for (i, &corner) in own.iter().enumerate() {
                     pull(corner, self.counterpart(turn, i), CORNERS_YIELD, &|_| {
-                        drop * R::of(0.125)
+                        drop * R::from_double(0.125)
                     });
                 }
             }
@@ -239,7 +239,7 @@ pub(super) fn corners<R: Real>(rotation: UnitQuaternion<R>, face: Face) -> [Vect
     let out = normal::<R>(face.normal());
     let across = Vector3::new(out.z, out.x, out.y);
     let along = out.cross(&across);
-    let half = R::of(0.5);
+    let half = R::from_double(0.5);
     [(half, half), (-half, half), (-half, -half), (half, -half)]
         .map(|(a, b)| rotation * (out * half + across * a + along * b))
 }
@@ -254,7 +254,7 @@ pub(crate) fn best_turn<R: Real>(
 ) -> (u8, Orientation) {
     let own = rotation.to_rotation_matrix();
     let likeness = |orientation: Orientation| {
-        let axes = matrix(orientation).map(R::of);
+        let axes = matrix(orientation).map(R::from_double);
         own.matrix().dot(&axes)
     };
     let turned = |turn| Orientation::docked(parent, parent_face, child_face, turn);

@@ -29,9 +29,9 @@ impl<R: Real> FaceSweep<R> {
         magnet: &Magnet,
     ) -> FaceSweep<R> {
         let dt = magnet.tested(dt);
-        let after = (near.centre - position) * R::of(2.0);
+        let after = (near.centre - position) * R::from_double(2.0);
         let before = (after - (spin * dt).cross(&after)).normalize();
-        let centre = position - velocity * dt + before * R::of(0.5);
+        let centre = position - velocity * dt + before * R::from_double(0.5);
         FaceSweep {
             centre: [centre, near.centre],
             normal: [before, after],
@@ -52,7 +52,7 @@ impl<R: Real> FaceSweep<R> {
     /// Returns the distance between the face centres at the first docking position on the path.
     /// Returns `None` if there is none.
     pub fn docks(&self, target: &AttractingFace<R>, magnet: &Magnet) -> Option<R> {
-        let within = R::of(magnet.within);
+        let within = R::from_double(magnet.within);
         let from = self.centre[0] - target.centre;
         let way = self.centre[1] - self.centre[0];
         let part = match magnet.measure {
@@ -70,11 +70,12 @@ impl<R: Real> FaceSweep<R> {
             Measure::Corners => target.corner_distance(&self.corners_at(part)?) < within,
             Measure::Gap => {
                 let gap = offset.dot(&target.normal);
-                (offset - target.normal * gap).norm() < R::of(0.5)
+                (offset - target.normal * gap).norm() < R::from_double(0.5)
             }
         };
         let normal = self.normal[0] + (self.normal[1] - self.normal[0]) * part;
-        let straight = normal.dot(&target.normal) < -R::of(magnet.cos_tilt) * normal.norm();
+        let straight =
+            normal.dot(&target.normal) < -R::from_double(magnet.cos_tilt) * normal.norm();
         (close && straight).then(|| offset.norm())
     }
 }

@@ -59,7 +59,7 @@ stochc_ir::state! {
 impl<R: Lane> Attitude<R> {
     /// Returns the rotation since `turned`, as a rotation vector.
     fn late(&self, now: u64, dt: R) -> Vector3<R> {
-        self.spin * (dt * R::of((now - self.turned) as f64))
+        self.spin * (dt * R::from_double((now - self.turned) as f64))
     }
 }
 
@@ -173,7 +173,7 @@ impl<R: Lane> Bodies<R> {
     pub fn span(&self, id: u32) -> R {
         let (group, lane) = place(id);
         let group = &self.groups[group];
-        (group.step[lane] + group.last[lane]) * R::of(0.5)
+        (group.step[lane] + group.last[lane]) * R::from_double(0.5)
     }
 
     /// Returns the time over which the force between two touching blocks acts: that of the block
@@ -185,7 +185,7 @@ impl<R: Lane> Bodies<R> {
             [&group.step, &group.last].map(|of| of[lane] * group.mobility[lane])
         };
         let ([step, last], [other_step, other_last]) = (steps(a), steps(b));
-        (step.max(other_step) + last.max(other_last)) * R::of(0.5)
+        (step.max(other_step) + last.max(other_last)) * R::from_double(0.5)
     }
 
     /// Returns the largest speed \[block lengths / tick\].
@@ -256,13 +256,13 @@ impl<R: Lane> Bodies<R> {
         let lanes = filled(blocks).map(|i| &self.attitudes[i]);
         let rotation = transposed(lanes.map(|of| of.rotation.coords.into()));
         let angle = transposed(lanes.map(|of| of.late(self.now, self.dt).into()));
-        let of = |value: f64| R::Quad::splat(R::of(value));
+        let of = |value: f64| R::Quad::splat(R::from_double(value));
         let s = square(angle) * of(0.25);
         let mut half = small(s, of);
         if of(SMALL).above(s).bits() != (1 << ABREAST) - 1 {
             let (mut cos, mut over) = (half.0.store(), half.1.store());
             for (lane, s) in s.store().into_iter().take(blocks.len()).enumerate() {
-                if s >= R::of(SMALL) {
+                if s >= R::from_double(SMALL) {
                     (cos[lane], over[lane]) = large(s);
                 }
             }
@@ -318,7 +318,7 @@ impl<R: Lane> Bodies<R> {
 
     fn set_rotation(&mut self, id: u32, rotation: UnitQuaternion<f64>) {
         let attitude = &mut self.attitudes[id as usize];
-        let rotation = rotation.coords.map(R::of);
+        let rotation = rotation.coords.map(R::from_double);
         attitude.rotation = UnitQuaternion::from_quaternion(rotation.into());
         attitude.turned = self.now;
         self.forget_axes(id);
@@ -443,15 +443,15 @@ pub(super) fn add<W: Copy + Add<Output = W> + Sub<Output = W>>(
 
 /// Returns `rotation` turned by a rotation vector. Exact for a constant spin.
 fn turn<R: Real>(angle: Vector3<R>, rotation: UnitQuaternion<R>) -> UnitQuaternion<R> {
-    let s = angle.norm_squared() * R::of(0.25);
+    let s = angle.norm_squared() * R::from_double(0.25);
     if s == R::zero() {
         return rotation;
     }
-    let half = if s < R::of(SMALL) {
-        small(s, R::of)
+    let half = if s < R::from_double(SMALL) {
+        small(s, R::from_double)
     } else {
         large(s)
     };
-    let turned = turned(rotation.coords.into(), angle.into(), half, R::of);
+    let turned = turned(rotation.coords.into(), angle.into(), half, R::from_double);
     UnitQuaternion::new_unchecked(Quaternion::from(turned))
 }

@@ -109,12 +109,12 @@ impl<R: Lane> CellList<R> {
         let [wide, high] =
             [2.0 * span, top - floor].map(|length| along(length, edge).floor() as usize);
         let stride = [wide + 1, (wide + 1) * (high + 2)];
-        let last = [slabs, wide as f64, high as f64].map(|cells| R::of(cells - 1.0));
+        let last = [slabs, wide as f64, high as f64].map(|cells| R::from_double(cells - 1.0));
         CellList {
             // In x, cells end with slabs. Elsewhere the offset does not matter.
-            low: [length / 2.0 - span, -span, floor].map(R::of),
-            scale: [length, edge, edge].map(|edge| R::of(1.0 / edge)),
-            near: R::of(near),
+            low: [length / 2.0 - span, -span, floor].map(R::from_double),
+            scale: [length, edge, edge].map(|edge| R::from_double(1.0 / edge)),
+            near: R::from_double(near),
             last,
             stride,
             // Includes padding after the last cell and space for counting.
@@ -122,7 +122,7 @@ impl<R: Lane> CellList<R> {
             anchored: Vec::new(),
             cells: vec![0; count.next_multiple_of(LANES)],
             sorted: vec![(0, Tag::default()); count],
-            places: [(); 3].map(|()| vec![R::of(f64::NAN); count + ABREAST]),
+            places: [(); 3].map(|()| vec![R::from_double(f64::NAN); count + ABREAST]),
             found: Vec::new(),
             ends: Vec::new(),
         }
@@ -168,8 +168,10 @@ impl<R: Lane> CellList<R> {
 
     /// Finds the cell of each block.
     fn look_up_cells(&mut self, bodies: &Bodies<R>) {
-        let [row, slab] = self.stride.map(|cells| R::Wide::splat(R::of(cells as f64)));
-        let first = R::Wide::splat(R::of(self.cell([0; 3]) as f64));
+        let [row, slab] = self
+            .stride
+            .map(|cells| R::Wide::splat(R::from_double(cells as f64)));
+        let first = R::Wide::splat(R::from_double(self.cell([0; 3]) as f64));
         let zero = R::Wide::splat(R::zero());
         // Adding so large a number rounds to an integer.
         let large = R::Wide::splat(R::one() / R::default_epsilon());
@@ -212,9 +214,10 @@ impl<R: Lane> CellList<R> {
     /// Returns the x beyond which blocks of a slab may be near blocks of the next slab.
     fn edge(&self, slab: usize, slabs: usize) -> R {
         if slab + 1 < slabs {
-            R::of(slab as f64 + 0.5) / self.scale[0] + self.low[0] - self.near * R::of(MARGIN)
+            R::from_double(slab as f64 + 0.5) / self.scale[0] + self.low[0]
+                - self.near * R::from_double(MARGIN)
         } else {
-            R::of(f64::INFINITY)
+            R::from_double(f64::INFINITY)
         }
     }
 

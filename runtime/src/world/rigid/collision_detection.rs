@@ -50,14 +50,14 @@ impl<R: Lane> CollisionShape<R> {
         spheres: bool,
         compliant: bool,
     ) -> CollisionShape<R> {
-        let half = |blocks: u32| R::of(f64::from(blocks) / 2.0);
+        let half = |blocks: u32| R::from_double(f64::from(blocks) / 2.0);
         let ground = if floor {
             Ground::Plane
         } else {
             Ground::Plate(PlateBox {
-                centre: Vector3::z() * R::of(-0.5),
+                centre: Vector3::z() * R::from_double(-0.5),
                 axes: Rotation3::identity(),
-                half: Vector3::new(half(plate.width), half(plate.depth), R::of(0.5)),
+                half: Vector3::new(half(plate.width), half(plate.depth), R::from_double(0.5)),
             })
         };
         CollisionShape {
@@ -72,7 +72,7 @@ impl<R: Lane> CollisionShape<R> {
         if let Ground::Plate(plate) = &self.ground {
             low.retain(|&id| {
                 let way = (bodies.position(id) - plate.centre).abs() - plate.half;
-                way.max() < R::of(TOUCH / 2.0)
+                way.max() < R::from_double(TOUCH / 2.0)
             });
         }
     }
@@ -133,7 +133,7 @@ impl<R: Lane> Contacts<R> {
             friction: if without(Reduction::Friction) {
                 R::zero()
             } else {
-                R::of(contact.friction)
+                R::from_double(contact.friction)
             },
             ..Law::new(contact)
         };
@@ -160,14 +160,14 @@ impl<R: Lane> Contacts<R> {
         neighbours: &mut NeighbourList<R>,
         bonds: Option<&FreeBonds>,
     ) {
-        bodies.list_below(R::of(TOUCH / 2.0), &mut self.low);
+        bodies.list_below(R::from_double(TOUCH / 2.0), &mut self.low);
         neighbours.close_pairs(bodies, &mut self.close);
         self.find_among(bodies, bonds);
     }
 
     /// Finds the contacts of the blocks with short steps, between two long steps.
     pub fn find_short(&mut self, bodies: &mut Bodies<R>, local: &LocalSteps<R>) {
-        let (height, touch) = (R::of(TOUCH / 2.0), R::of(TOUCH * TOUCH));
+        let (height, touch) = (R::from_double(TOUCH / 2.0), R::from_double(TOUCH * TOUCH));
         self.low.clear();
         let low = |&id: &u32| bodies.is_free(id) && bodies.position(id).z < height;
         self.low.extend(local.blocks.iter().copied().filter(low));

@@ -31,8 +31,8 @@ impl<R: Lane> FreeFlight<R> {
     ) -> FreeFlight<R> {
         FreeFlight {
             shell: shell.as_ref().map(ShellForce::new),
-            drag: drag.map(|rate| [long, short].map(|dt| R::of(libm::exp(-rate * dt)))),
-            short: R::of(short),
+            drag: drag.map(|rate| [long, short].map(|dt| R::from_double(libm::exp(-rate * dt)))),
+            short: R::from_double(short),
             limits,
         }
     }
@@ -94,17 +94,17 @@ impl<R: Lane> FreeFlight<R> {
             stiffness: R::zero(),
         });
         let [long, short] = self.drag.unwrap_or([R::one(); 2]).map(R::Wide::splat);
-        let longer = R::Wide::splat(self.short * R::of(1.5));
+        let longer = R::Wide::splat(self.short * R::from_double(1.5));
         // Relative squares: below one while all speeds and distances are within their limits.
         let (speeds, ways) = (
-            R::of(1.0 / (self.limits.speed * self.limits.speed)),
-            R::of(1.0 / (self.limits.far * self.limits.far)),
+            R::from_double(1.0 / (self.limits.speed * self.limits.speed)),
+            R::from_double(1.0 / (self.limits.far * self.limits.far)),
         );
         let mut sound = true;
         let (words, _) = draws.as_chunks::<4>();
         let (words, _) = words.as_chunks::<{ WORDS as usize * LANES }>();
         let (speeds, ways) = (R::Wide::splat(speeds), R::Wide::splat(ways));
-        let half = R::Wide::splat(R::of(0.5));
+        let half = R::Wide::splat(R::from_double(0.5));
         let load = R::Wide::load;
         for (number, groups) in bodies.groups_mut().chunks_mut(CHECKED).enumerate() {
             let mut excess = R::Wide::splat(R::zero());
@@ -159,7 +159,7 @@ fn shell_factor<R: Lane>(shell: &ShellForce<R>, x: &[R::Wide; 3]) -> R::Wide {
     let zero = R::Wide::splat(R::zero());
     let depth = (distance - R::Wide::splat(shell.radius)).maximum(zero);
     // Avoids a division by 0 at the centre, where the depth is 0 as well.
-    let tiny = R::Wide::splat(R::of(1e-30));
+    let tiny = R::Wide::splat(R::from_double(1e-30));
     R::Wide::splat(shell.stiffness) * depth / distance.maximum(tiny)
 }
 
@@ -174,8 +174,8 @@ impl<R: Lane> Kick<R> {
     fn new(kicks: &Kicks) -> Kick<R> {
         let (low, high) = kicks.speed;
         Kick {
-            low: R::of(low),
-            span: R::of(high - low),
+            low: R::from_double(low),
+            span: R::from_double(high - low),
         }
     }
 
@@ -195,14 +195,14 @@ impl<R: Lane> Kick<R> {
             let mut bits = [R::zero(); LANES];
             for (lane, bits) in bits.iter_mut().enumerate() {
                 let word = u32::from_le_bytes(drawn[lane * WORDS as usize + word]);
-                *bits = R::of_int((word >> 8) as i32);
+                *bits = R::from_integer((word >> 8) as i32);
             }
             // Midpoints of 2^24 bins, the resolution of single precision.
-            let bin = all(R::of(1.0 / 16_777_216.0));
-            (R::Wide::load(&bits) + all(R::of(0.5))) * bin
+            let bin = all(R::from_double(1.0 / 16_777_216.0));
+            (R::Wide::load(&bits) + all(R::from_double(0.5))) * bin
         };
         let speed = all(self.low) + all(self.span) * unit(0);
-        let z = all(R::of(2.0)) * unit(1) - all(R::one());
+        let z = all(R::from_double(2.0)) * unit(1) - all(R::one());
         let across = (all(R::one()) - z * z).sqrt() * speed;
         let (sin, cos) = sincos_turns::<R>(unit(2));
         [across * cos, across * sin, speed * z]
@@ -214,7 +214,7 @@ impl<R: Lane> Kick<R> {
 /// Uses polynomials instead of library functions, to compute many values at once.
 #[inline(always)]
 fn sincos_turns<R: Lane>(turns: R::Wide) -> (R::Wide, R::Wide) {
-    let all = |value: f64| R::Wide::splat(R::of(value));
+    let all = |value: f64| R::Wide::splat(R::from_double(value));
     // Half of the angle from the opposite direction: -1/2 to 1/2 half turns.
     let a = turns - all(0.5);
     let s = a * a;

@@ -83,14 +83,14 @@ impl<R: Lane> Integrator for Kernel<R> {
             neighbours,
             weight: match &parameters.contact {
                 Some(contact) if matches!(contact.law, ContactLaw::Rigid { .. }) => {
-                    R::of(parameters.weight.unwrap_or(0.0))
+                    R::from_double(parameters.weight.unwrap_or(0.0))
                 }
                 _ => R::zero(),
             },
             local: (rates[0] != rates[1]).then(|| LocalSteps::new(steps)),
             limits,
         };
-        let [long, short] = steps.map(R::of);
+        let [long, short] = steps.map(R::from_double);
         Ok((Bodies::new(blocks, long, short), kernel))
     }
 

@@ -35,8 +35,8 @@ pub(super) struct LocalSteps<R: Real> {
 impl<R: Lane> LocalSteps<R> {
     pub fn new([long, short]: [f64; 2]) -> LocalSteps<R> {
         LocalSteps {
-            long: R::of(long),
-            short: R::of(short),
+            long: R::from_double(long),
+            short: R::from_double(short),
             blocks: Vec::new(),
             before: Vec::new(),
             pairs: Vec::new(),
@@ -46,7 +46,7 @@ impl<R: Lane> LocalSteps<R> {
 
     /// Returns the largest path of a block in a long step.
     pub fn distance(&self, speed: R) -> R {
-        speed * self.long + R::of(SURPRISE)
+        speed * self.long + R::from_double(SURPRISE)
     }
 
     /// Begins a long step. During it, the blocks `in_field` may enter the field of a face.
@@ -67,9 +67,10 @@ impl<R: Lane> LocalSteps<R> {
         self.blocks.clear();
         self.blocks.extend_from_slice(in_field);
         let (long, most) = (self.long, self.distance(bodies.fastest()));
-        let distance =
-            |bodies: &Bodies<R>, id: u32| bodies.velocity(id).norm() * long + R::of(SURPRISE);
-        let reach = |bodies: &Bodies<R>, id: u32| R::of(TOUCH) + distance(bodies, id);
+        let distance = |bodies: &Bodies<R>, id: u32| {
+            bodies.velocity(id).norm() * long + R::from_double(SURPRISE)
+        };
+        let reach = |bodies: &Bodies<R>, id: u32| R::from_double(TOUCH) + distance(bodies, id);
         let near = |bodies: &Bodies<R>, id: u32, other: u32| {
             let most = reach(bodies, id) + distance(bodies, other);
             (bodies.position(other) - bodies.position(id)).norm_squared() < most * most

@@ -110,13 +110,15 @@ impl<R: Lane> NeighbourList<R> {
         };
         let outside = bodies.count() as usize / OUTSIDE;
         let mut span = self.span;
-        while span < FARTHEST && bodies.count_beyond(R::of(span)) > outside {
+        while span < FARTHEST && bodies.count_beyond(R::from_double(span)) > outside {
             span *= 1.5;
         }
         let (mut top, near) = (span, TOUCH + skin);
         if let Some(floor) = self.floor {
             let middle = |top: f64| floor.midpoint(top);
-            while middle(top) > floor + near && bodies.count_above(R::of(middle(top))) <= outside {
+            while middle(top) > floor + near
+                && bodies.count_above(R::from_double(middle(top))) <= outside
+            {
                 top = middle(top);
             }
         }
@@ -144,7 +146,7 @@ impl<R: Lane> NeighbourList<R> {
             two = [most.max(way), next.max(way.min(most))];
         }
         self.closer = two[0].sqrt() + two[1].sqrt();
-        self.closer < R::of(self.skin)
+        self.closer < R::from_double(self.skin)
     }
 
     /// Lists every pair of blocks that may touch, with at least one free block. Pairs are unique
@@ -154,10 +156,10 @@ impl<R: Lane> NeighbourList<R> {
             self.grid.close_pairs(pairs);
             return;
         }
-        let touch = R::of(TOUCH * TOUCH);
+        let touch = R::from_double(TOUCH * TOUCH);
         pairs.clear();
         // Pairs beyond this distance at that time cannot touch now, including rounding.
-        let far = R::of(TOUCH + ROUNDING) + self.closer;
+        let far = R::from_double(TOUCH + ROUNDING) + self.closer;
         for (&(i, j), &distance) in self.pairs.iter().zip(&self.distances) {
             if distance > far {
                 continue;
@@ -172,7 +174,8 @@ impl<R: Lane> NeighbourList<R> {
     /// Lists the blocks that may come within `reach` of a position before the list is rebuilt, in
     /// rising order.
     pub fn around(&self, centre: Vector3<R>, reach: R, found: &mut Vec<u32>) {
-        self.grid.around(centre, reach + R::of(self.skin), found);
+        self.grid
+            .around(centre, reach + R::from_double(self.skin), found);
     }
 }
 

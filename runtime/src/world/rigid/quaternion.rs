@@ -32,7 +32,7 @@ pub(super) fn small<N: Arithmetic>(s: N, of: impl Fn(f64) -> N) -> (N, N) {
 pub(super) fn large<R: Real>(s: R) -> (R, R) {
     let half = s.double().sqrt();
     let (sin, cos) = libm::sincos(half);
-    (R::of(cos), R::of(sin / half / 2.0))
+    (R::from_double(cos), R::from_double(sin / half / 2.0))
 }
 
 /// Rotates a quaternion (x, y, z, w) by a rotation vector with this cosine and scaled sine.

@@ -119,7 +119,7 @@ impl Cell {
         .expect("a valid scene");
         let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
         let limit = settings.max_ticks;
-        let record = drive(&tables, None, &mut world, limit, (seed, run), &mut watch)
+        let record = drive(&tables, None, &mut world, limit, seed, run, &mut watch)
             .expect("it is not cancelled");
         if let Outcome::Failed { .. } = &record.outcome {
             eprintln!("{} run {run}: {:?}", self.case.name, record.outcome);

@@ -98,5 +98,5 @@ fn between<R: Real>(
     let rest = R::one() - uv * uv;
     let on_a = from + u * ((uw - uv * vw) / rest);
     let on_b = to + v * ((uv * uw - vw) / rest);
-    (on_a + on_b) * R::of(0.5)
+    (on_a + on_b) * R::from_double(0.5)
 }

@@ -19,7 +19,7 @@ impl<R: Real> Cuboid<'_, R> {
         Cuboid {
             centre,
             axes,
-            half: Vector3::repeat(R::of(0.5)),
+            half: Vector3::repeat(R::from_double(0.5)),
         }
     }
 

@@ -9,7 +9,7 @@ use crate::world::real::Real;
 
 /// Returns the corners of a cube that are below the ground.
 pub fn cube_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Option<Manifold<R>> {
-    let half = R::of(0.5);
+    let half = R::from_double(0.5);
     let row = axes.matrix().row(2) * half;
     if centre.z >= row[0].abs() + row[1].abs() + row[2].abs() {
         return None;
@@ -40,7 +40,7 @@ pub fn cube_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Optio
 
 /// Returns the corners of a cube's lowest face that are below the ground.
 pub fn face_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Option<Manifold<R>> {
-    let half = R::of(0.5);
+    let half = R::from_double(0.5);
     let row = axes.matrix().row(2) * half;
     if centre.z >= row[0].abs() + row[1].abs() + row[2].abs() {
         return None;
@@ -57,7 +57,7 @@ pub fn face_on_ground<R: Real>(centre: Vector3<R>, axes: &Rotation3<R>) -> Optio
 
 /// Returns the contact of a sphere of diameter 1 that reaches below the ground.
 pub fn ball_on_ground<R: Real>(centre: Vector3<R>) -> Option<Manifold<R>> {
-    let lowest = centre - Vector3::z() * R::of(0.5);
+    let lowest = centre - Vector3::z() * R::from_double(0.5);
     (lowest.z < R::zero()).then(|| Manifold {
         normal: Vector3::z(),
         points: smallvec![raised(lowest)],
@@ -68,7 +68,7 @@ pub fn ball_on_ground<R: Real>(centre: Vector3<R>) -> Option<Manifold<R>> {
 /// Returns a contact halfway between a position below the ground and the ground.
 fn raised<R: Real>(place: Vector3<R>) -> ManifoldPoint<R> {
     ManifoldPoint {
-        place: Vector3::new(place.x, place.y, place.z * R::of(0.5)),
+        place: Vector3::new(place.x, place.y, place.z * R::from_double(0.5)),
         depth: -place.z,
     }
 }

@@ -46,7 +46,7 @@ pub(super) fn balls<R: Real>(a: Vector3<R>, b: Vector3<R>) -> Option<Manifold<R>
     } else {
         Vector3::z()
     };
-    let place = b + offset * R::of(0.5);
+    let place = b + offset * R::from_double(0.5);
     Some(Manifold {
         normal,
         points: smallvec::smallvec![ManifoldPoint { place, depth }],

@@ -76,8 +76,8 @@ pub(super) fn least_overlaps<'a, R: Lane>(
     if search.meet.bits() == 0 {
         return [None; ABREAST];
     }
-    let face = search.depth - R::Quad::splat(R::of(PREFER_FACE));
-    let skew = R::Quad::splat(R::of(PARALLEL * PARALLEL));
+    let face = search.depth - R::Quad::splat(R::from_double(PREFER_FACE));
+    let skew = R::Quad::splat(R::from_double(PARALLEL * PARALLEL));
     for own in 0..3 {
         let (own1, own2) = ((own + 1) % 3, (own + 2) % 3);
         for other in 0..3 {
@@ -100,7 +100,7 @@ impl<R: Lane> SeparatingAxisSearch<R> {
     fn new(pairs: usize) -> SeparatingAxisSearch<R> {
         SeparatingAxisSearch {
             meet: first::<R>(pairs),
-            depth: R::Quad::splat(R::of(f64::from(f32::MAX))),
+            depth: R::Quad::splat(R::from_double(f64::from(f32::MAX))),
             axis: R::Quad::splat(R::zero()),
         }
     }
@@ -122,7 +122,7 @@ impl<R: Lane> SeparatingAxisSearch<R> {
     ) {
         let zero = R::Quad::splat(R::zero());
         let overlap = parallel.choose(
-            R::Quad::splat(R::of(f64::from(f32::MAX))),
+            R::Quad::splat(R::from_double(f64::from(f32::MAX))),
             overlap / square.maximum(zero).sqrt(),
         );
         self.meet = self.meet & overlap.above(zero);
@@ -133,7 +133,7 @@ impl<R: Lane> SeparatingAxisSearch<R> {
     #[inline(always)]
     fn keep(&mut self, number: usize, overlap: R::Quad, least: R::Quad) {
         self.depth = least.choose(overlap, self.depth);
-        self.axis = least.choose(R::Quad::splat(R::of_int(number as i32)), self.axis);
+        self.axis = least.choose(R::Quad::splat(R::from_integer(number as i32)), self.axis);
     }
 
     fn found(&self) -> [Option<LeastOverlap<R>>; ABREAST] {

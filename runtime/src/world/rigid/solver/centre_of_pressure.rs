@@ -37,7 +37,7 @@ pub(super) fn centre_of_pressure<R: Real>(
         return deepest;
     }
     let middle = middle / moving;
-    let levelling = moving * R::of(INVERSE_INERTIA) * response * deepest.depth;
+    let levelling = moving * R::from_double(INVERSE_INERTIA) * response * deepest.depth;
     let normal = manifold.normal;
     let flat = |way: Vector3<R>| way - normal * normal.dot(&way);
     let wanted = flat(middle) + manifold.slope / levelling;
@@ -56,7 +56,7 @@ pub(super) fn centre_of_pressure<R: Real>(
         let height = points
             .iter()
             .fold(R::zero(), |sum, point| sum + normal.dot(&point.place));
-        wanted + normal * (height / R::of(points.len() as f64))
+        wanted + normal * (height / R::from_double(points.len() as f64))
     } else {
         let mut best = (deepest.place, None);
         for (from, to) in edges() {

@@ -39,14 +39,14 @@ pub enum LawKind<R> {
 impl<R: Real> Law<R> {
     pub fn new(contact: &ContactParameters) -> Law<R> {
         Law {
-            friction: R::of(contact.friction),
+            friction: R::from_double(contact.friction),
             kind: match contact.law {
                 ContactLaw::Rigid { restitution } => LawKind::Rigid {
-                    restitution: R::of(restitution),
+                    restitution: R::from_double(restitution),
                 },
                 ContactLaw::Compliant { stiffness, damping } => LawKind::Compliant {
-                    stiffness: R::of(stiffness),
-                    damping: R::of(damping),
+                    stiffness: R::from_double(stiffness),
+                    damping: R::from_double(damping),
                 },
             },
         }
@@ -95,7 +95,7 @@ impl<W: Copy> Spring<W> {
         R: Lane<Quad = W>,
         W: Quad<R>,
     {
-        let of = |value: f64| W::splat(R::of(value));
+        let of = |value: f64| W::splat(R::from_double(value));
         let (k, c) = (W::splat(stiffness), W::splat(damping));
         let late = of(1.0) - of(1.0) / (h * h * k * yields).maximum(of(1.0));
         let curved = (of(1.0) - late) * of(1.0 / 12.0);

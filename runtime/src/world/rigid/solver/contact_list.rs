@@ -49,7 +49,7 @@ impl<R: Real> ContactList<R> {
         normal: Vector3<R>,
         points: &[ManifoldPoint<R>],
     ) {
-        let across = if normal.x.abs() < R::of(0.7) {
+        let across = if normal.x.abs() < R::from_double(0.7) {
             Vector3::x()
         } else {
             Vector3::y()

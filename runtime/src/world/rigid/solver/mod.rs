@@ -108,7 +108,7 @@ impl<R: Lane> Solver<R> {
         self.moving.start(rigid, |id| {
             let velocity = bodies.velocity(id);
             let place = bodies.position(id) - velocity * bodies.step(id);
-            let late = push(place) * (bodies.span(id) * R::of(0.5));
+            let late = push(place) * (bodies.span(id) * R::from_double(0.5));
             [velocity, bodies.spin(id), late]
         });
         self.find_impulses();
@@ -144,7 +144,7 @@ impl<R: Lane> Solver<R> {
         }
         let single = self.single.load(touches, moving, law);
         let double = self.double.load(touches, moving, law);
-        let tolerance = fastest.max(single).max(double) * R::of(PRECISION);
+        let tolerance = fastest.max(single).max(double) * R::from_double(PRECISION);
         self.single.push(law, rounds, tolerance, moving.inertia());
         self.double.push(law, rounds, tolerance, moving.inertia());
         self.chains.push(moving, law, rounds, tolerance);
@@ -154,7 +154,7 @@ impl<R: Lane> Solver<R> {
             self.chains.spare(moving);
         }
         if law.restitution().is_some() {
-            let tolerance = R::of(FASTEST * PRECISION);
+            let tolerance = R::from_double(FASTEST * PRECISION);
             self.single.part(rounds, tolerance);
             self.double.part(rounds, tolerance);
             self.chains.part(moving, rounds, tolerance);

@@ -421,7 +421,7 @@ impl<R: Lane> BatchBody<R> {
 /// Returns the same value in all lanes.
 #[inline(always)]
 fn all<R: Lane>(value: f64) -> R::Quad {
-    R::Quad::splat(R::of(value))
+    R::Quad::splat(R::from_double(value))
 }
 
 /// Returns the relative velocity of the first body at a point in a direction.

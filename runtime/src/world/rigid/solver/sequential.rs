@@ -252,8 +252,9 @@ impl SequentialContact {
                     } else {
                         target
                     };
-                    let excess = (point.depth - R::of(SLOP)).max(R::zero());
-                    point.recovery = (excess * R::of(RECOVERY) / span).min(R::of(FASTEST));
+                    let excess = (point.depth - R::from_double(SLOP)).max(R::zero());
+                    point.recovery =
+                        (excess * R::from_double(RECOVERY) / span).min(R::from_double(FASTEST));
                 }
                 LawKind::Compliant { stiffness, damping } => {
                     let [duration, depth, parting, yields] =
@@ -269,7 +270,10 @@ impl SequentialContact {
                 let [one, two] = &point.across;
                 let (k11, k22) = (one.yields(one, &a, &b), two.yields(two, &a, &b));
                 let k12 = one.yields(two, &a, &b);
-                let (mean, half) = ((k11 + k22) * R::of(0.5), (k11 - k22) * R::of(0.5));
+                let (mean, half) = (
+                    (k11 + k22) * R::from_double(0.5),
+                    (k11 - k22) * R::from_double(0.5),
+                );
                 // One effective mass, the smallest, for all tangential directions. Different masses
                 // would deflect friction from the sliding direction.
                 let mass = R::one() / (mean + (half * half + k12 * k12).sqrt());

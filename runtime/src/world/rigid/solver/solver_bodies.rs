@@ -73,7 +73,7 @@ impl<R: Lane> SolverBodies<R> {
             shifts: Vec::new(),
             place: vec![NOBODY; count],
             inverse_inertia: if turns {
-                R::of(INVERSE_INERTIA)
+                R::from_double(INVERSE_INERTIA)
             } else {
                 R::zero()
             },
@@ -112,7 +112,7 @@ impl<R: Lane> SolverBodies<R> {
     /// Records a force's velocity change of a block. Half of it acts after the middle of the step.
     pub fn pushed(&mut self, id: u32, change: Vector3<R>) {
         if let Some(late) = self.late.get_mut(self.place[id as usize] as usize) {
-            *late += R::Quad::pack(change * R::of(0.5));
+            *late += R::Quad::pack(change * R::from_double(0.5));
         }
     }
 
