@@ -82,6 +82,9 @@ export function curve({ completed, total }, tick, runs) {
   return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" role="img" aria-label="share of ${total} of ${runs} runs that are complete, over time"><g class="grid">${lines.join('')}${marks.join('')}<text x="${(left + width - right) / 2}" y="${height - 3}" text-anchor="middle">time of the robots [s]</text></g><path class="curve" d="${path}"/></svg>`;
 }
 
+/** The curve as a file of its own: without the style of the page. */
+export const standalone = svg => svg.replace('<g class="grid">', '<style>line{stroke:#d4d9df}text{fill:#56606d;font:11px sans-serif}path{fill:none;stroke:#9c4700;stroke-width:2}</style><rect width="100%" height="100%" fill="#fff"/><g>');
+
 function niceStep(rough) {
   const power = 10 ** Math.floor(Math.log10(rough || 1));
   return [1, 2, 5, 10].map(it => it * power).find(it => it >= rough) ?? rough;

@@ -4,7 +4,7 @@ import engineUrl from '../../target/stochc_playground.wasm?url';
 import pictures from 'virtual:pictures';
 import { Editor, units } from './editor.js';
 import { Engine, load, Stopped } from './engine.js';
-import { csv, curve, Ensemble, quantile, times, waits } from './ensemble.js';
+import { csv, curve, Ensemble, quantile, standalone, times, waits } from './ensemble.js';
 import { LESSONS } from './lessons.js';
 import { markdown } from './markdown.js';
 import { pack, unpack } from './share.js';
@@ -84,7 +84,7 @@ function openProgram(text, name) {
   stopAll();
   delete document.body.dataset.record;
   element('toast').classList.remove('shown');
-  Object.assign(state, { name, lesson: null, program: 0, check: null, good: null, record: null, ensemble: null, estimate: null });
+  Object.assign(state, { name, model: undefined, lesson: null, program: 0, check: null, good: null, record: null, ensemble: null, estimate: null });
   element('lesson').hidden = true;
   element('results').replaceChildren();
   editor.open(text);
@@ -453,7 +453,7 @@ function stopAll() {
 
 function drawModels() {
   const program = current();
-  const chosen = element('model').value;
+  const chosen = state.model ?? element('model').value;
   const models = about.models.filter(({ name }) => name !== 'rate' || program?.has_rates);
   element('model').replaceChildren(...models.map(({ name }) => new Option({ rigid: 'physics', rate: 'rates', shuffle: 'random order' }[name], name)));
   element('model').value = models.some(({ name }) => name === chosen) ? chosen : 'rigid';
@@ -502,7 +502,7 @@ function drawEnsemble(about) {
       if (slow.length) {
         parts.push(node('h3', {}, 'Longest mean waits'), node('table', {}, node('tbody', {}, ...slow.map(({ text, wait, role }) => node('tr', {}, node('th', { scope: 'row' }, node('button', { className: 'link', onclick: () => revealRole(role) }, text)), ...cells(wait))))));
       }
-      parts.push(node('p', { className: 'hint' }, `Model ${request.model}, seed ${request.seed}: the same runs as `, node('code', {}, `stochc simulate --model ${request.model} --seed ${request.seed} --runs ${runs}`), '. '), node('button', { onclick: () => download(csv(records, tick), `${about.program}.csv`, 'text/csv') }, 'Download CSV'));
+      parts.push(node('p', { className: 'hint' }, `Model ${request.model}, seed ${request.seed}: the same runs as `, node('code', {}, `stochc simulate --model ${request.model} --seed ${request.seed} --runs ${runs}`), '. '), node('button', { onclick: () => download(csv(records, tick), `${about.program}.csv`, 'text/csv') }, 'Download CSV'), ' ', node('button', { onclick: () => download(standalone(curve(result, tick, runs)), `${about.program}.svg`, 'image/svg+xml') }, 'Download SVG'));
     }
     element('results').replaceChildren(...parts);
     document.body.dataset.runs = String(total);
@@ -551,6 +551,12 @@ function download(text, name, type) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
+async function openFile(file) {
+  if (file.size > 1 << 20) return toast('This file is larger than 1 MiB.');
+  openProgram(await file.text(), file.name);
+  history.replaceState(null, '', location.pathname + location.search);
+}
+
 async function share() {
   const fragment = await pack({ text: editor.text, program: state.program, model: element('model').value, seed: seed(), tab: state.tab });
   history.replaceState(null, '', fragment);
@@ -571,6 +577,8 @@ async function recall() {
       openProgram(shared.text, 'shared program');
       state.program = Number.isInteger(shared.program) ? Math.max(0, shared.program) : 0;
       if (Number.isInteger(shared.seed)) element('seed').value = String(shared.seed);
+      if (shared.tab === 'runs') show('runs');
+      state.model = shared.model;
       check();
       return;
     }
@@ -685,7 +693,10 @@ async function start() {
   for (const [id, act] of Object.entries(buttons)) element(id).addEventListener('click', () => act());
   element('tick').addEventListener('input', player(it => it.jump(Number(element('tick').value))));
   element('speed').addEventListener('change', player(it => it.setSpeed(Number(element('speed').value))));
-  element('model').addEventListener('change', () => (element('cost').textContent = COSTS[element('model').value]));
+  element('model').addEventListener('change', () => {
+    state.model = element('model').value;
+    element('cost').textContent = COSTS[state.model];
+  });
   element('settings').addEventListener('submit', event => {
     event.preventDefault();
     startEnsemble();
@@ -707,9 +718,15 @@ async function start() {
   element('dialog').addEventListener('click', event => event.target === element('dialog') && element('dialog').close());
   element('file').addEventListener('change', async ({ target }) => {
     const [file] = target.files;
-    if (file && file.size <= 1 << 20) openProgram(await file.text(), file.name);
-    else if (file) toast('This file is larger than 1 MiB.');
+    if (file) await openFile(file);
     target.value = '';
+  });
+  addEventListener('dragover', event => event.preventDefault());
+  addEventListener('drop', event => {
+    const [file] = event.dataTransfer.files;
+    if (!file) return;
+    event.preventDefault();
+    openFile(file);
   });
   addEventListener('hashchange', recall);
   await recall();
