@@ -4,7 +4,8 @@
 //! dominate the run time.
 use wide::u32x4;
 
-use super::{Stream, WORDS, key};
+use super::draws::key;
+use super::{Stream, WORDS};
 
 /// Number of steps whose draws are computed together.
 const LANES: usize = 4;

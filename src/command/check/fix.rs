@@ -3,10 +3,11 @@ use stochc_files::programs::STDIN_NAME;
 use stochc_text::{counted, visible};
 
 use super::super::terminal::{has_colour, message_width, print, warn, warn_drawn};
-use super::{CheckArguments, verdict};
+use super::CheckArguments;
 use crate::diagnostics::{Format, drawn};
 use crate::exit::{Exit, Failure};
 use crate::fix::{FixedFile, fix};
+use crate::operations::programs::verdict;
 
 /// Applies the safe fixes of a file and shows them as a diff. Returns the exit status if `check`
 /// has nothing more to do.

@@ -179,7 +179,7 @@ mod tests {
         assert_eq!((times.p90, times.p90_half_width), (None, None));
         assert_eq!(
             times.in_words(LowerBoundReasons::default()),
-            "at most 11 ticks in one, at most 50 ticks in five of ten runs"
+            "at most 11 ticks in 10 %, at most 51 ticks in 50 % of the runs"
         );
         let most = Times::new((1..=5).map(f64::from).collect(), 95);
         assert_eq!(most, None);

@@ -7,8 +7,9 @@
 use serde::Serialize;
 
 use super::distribution::{normal_quantile_of, t_quantile, t_two_sided};
+use super::holm::holm;
 use super::runs::{Runs, comparable};
-use super::{Summary, holm};
+use super::summary::Summary;
 
 /// Significance level: p of a difference outside the 95 % interval.
 pub const SIGNIFICANT: f64 = 0.05;
@@ -201,7 +202,7 @@ mod tests {
 
     use super::*;
     use crate::statistics::Observation;
-    use crate::statistics::tests::observation;
+    use crate::statistics::observation::tests::observation;
 
     fn runs(seed: u64, times: impl IntoIterator<Item = Observation>) -> Runs {
         Runs {

@@ -252,7 +252,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::statistics::tests::observation;
+    use crate::statistics::observation::tests::observation;
     use crate::statistics::{Summary, median};
 
     /// Remission of leukaemia under 6-mercaptopurine \[weeks\] (Freireich et al. 1963). The first

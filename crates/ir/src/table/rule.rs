@@ -1,0 +1,95 @@
+//! Rules of blocks: conditions and actions.
+use serde::{Deserialize, Serialize};
+
+use crate::{Cell, Face};
+
+/// Name that blocks take in turn: an index into [`Tables::roles`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct RoleId(pub u32);
+
+/// Phase of the program: an index into [`Tables::phases`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct PhaseId(pub u32);
+
+/// Start of a duty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Trigger {
+    /// At the start of the phase, for a block anchored then.
+    Start,
+    /// At its own capture, for a block captured during the phase.
+    Anchored,
+}
+
+/// Condition of a rule, after the start of its duty. Observed by the block itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Condition {
+    /// A block has been captured at a magnetized face of this block, in this role.
+    Docked(RoleId),
+    /// The child with this role requests its release.
+    Asked(RoleId),
+    /// This block has released the child with this role.
+    Released(RoleId),
+    /// A message has reported this event.
+    Heard(News),
+    /// At least this many of the blocks that earlier rules of this duty capture have been captured.
+    /// The block then has a face available.
+    Turn(u8),
+}
+
+/// Event reported by a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum News {
+    /// A block has been captured in this role during this phase.
+    Anchored(RoleId),
+    /// The block in this role has been released during this phase.
+    Released(RoleId),
+}
+
+/// Action of a rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    /// Makes a face capture, and gives the role to the captured block.
+    ///
+    /// The mechanism depends on the [bond](Tables::bond): the face's magnet is switched on, or its
+    /// valve is opened. A face that always attracts keeps the next block instead of rejecting it.
+    Magnetize {
+        /// Face in the structure's frame. The block converts it by its orientation.
+        face: Face,
+        /// Role to give.
+        child: RoleId,
+        /// Cell across the face, for the child.
+        cell: Cell,
+    },
+    /// Requests release from the parent.
+    AskRelease,
+    /// Releases the child at a face: switches the magnet off, closes the valve, or rejects it with
+    /// an impulse.
+    SwitchOff {
+        /// Face in the structure's frame.
+        face: Face,
+        /// Role that ends.
+        child: RoleId,
+    },
+    /// Sends news to another block of the structure, along parents and children.
+    Tell {
+        /// Receiver.
+        to: RoleId,
+        /// Event.
+        news: News,
+    },
+    /// Reports to the plate, along the chain of parents, that this branch of the phase is complete.
+    Report,
+}
+
+/// Rule of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Rule<'a> {
+    /// Conditions that must all hold. Without any, the rule fires at once.
+    pub when: &'a [Condition],
+    /// Action, performed once.
+    pub then: Action,
+}

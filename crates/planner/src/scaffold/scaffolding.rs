@@ -1,0 +1,78 @@
+//! Scaffolds: masts with the pieces that they hold.
+use stochc_ir::{Cell, Face};
+
+/// Masts and the pieces on them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scaffolding {
+    /// Pieces in order of addition.
+    pub pieces: Vec<MastPiece>,
+    /// Guide masts, which need not hold pieces, with their heights. They guide free blocks to
+    /// adjacent growth.
+    pub guides: Vec<((i32, i32), i32)>,
+}
+
+/// Piece that grows from a mast.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MastPiece {
+    /// Position of the mast on the plate.
+    pub foot: (i32, i32),
+    /// Layer of the mast's block that holds the piece.
+    pub height: i32,
+    /// Direction from that block to the first cell.
+    pub way: Face,
+    /// Cells of the piece, from the mast outwards.
+    pub cells: Vec<Cell>,
+    /// Final parent of the last cell, a cell of the target.
+    pub join: Cell,
+}
+
+impl Scaffolding {
+    /// Returns the masts with their positions on the plate and heights.
+    pub fn masts(&self) -> Vec<((i32, i32), i32)> {
+        let mut masts: Vec<((i32, i32), i32)> = Vec::new();
+        let holding = self.pieces.iter().map(|piece| (piece.foot, piece.height));
+        for (foot, height) in holding.chain(self.guides.iter().copied()) {
+            match masts.iter_mut().find(|(known, _)| *known == foot) {
+                Some((_, highest)) => *highest = height.max(*highest),
+                None => masts.push((foot, height)),
+            }
+        }
+        masts
+    }
+
+    /// Returns whether there is no mast.
+    pub fn is_empty(&self) -> bool {
+        self.pieces.is_empty() && self.guides.is_empty()
+    }
+
+    /// Returns the cells of the masts, each from the plate on.
+    pub fn cells(&self) -> impl Iterator<Item = Cell> {
+        let masts = self.masts().into_iter();
+        masts.flat_map(|((x, y), height)| (1..=height).map(move |z| Cell::new(x, y, z)))
+    }
+}
+
+impl MastPiece {
+    /// Returns each cell from the mast on, with the direction from the one before.
+    pub fn grown(&self) -> impl Iterator<Item = (Cell, Face)> {
+        let steps = self.cells.windows(2).map(|two| way(two[0], two[1]));
+        (self.cells.iter().copied()).zip(std::iter::once(self.way).chain(steps))
+    }
+
+    /// Returns each cell in hand-over order, with the direction from its final parent.
+    pub fn handed_over(&self) -> impl Iterator<Item = (Cell, Face)> {
+        let holders = std::iter::once(self.join).chain(self.cells.iter().rev().copied());
+        let cells = self.cells.iter().rev().copied();
+        cells
+            .zip(holders)
+            .map(|(cell, holder)| (cell, way(holder, cell)))
+    }
+}
+
+/// Returns the face of a cell towards an adjacent one.
+pub(super) fn way(from: Cell, to: Cell) -> Face {
+    let ways = Face::ALL
+        .into_iter()
+        .find(|&face| from.across(face) == Some(to));
+    ways.expect("cells of a piece are adjacent")
+}

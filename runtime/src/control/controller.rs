@@ -1,0 +1,256 @@
+//! Drives a run: the state machines of all blocks, their messages and the record.
+use stochc_control::{BlockFace, Body, Docking, Orientation, Structure, StructureBlock};
+use stochc_ir::Cell;
+use stochc_ir::record::{BondRecord, Outcome, RunRecord, WaitRecord};
+use stochc_ir::scene::Messages;
+use stochc_ir::table::{PhaseId, RoleId, Tables};
+
+use super::network::Network;
+use super::recorder::RunRecorder;
+use crate::observe::{Log, ObservedEvent};
+use crate::world::World;
+
+/// Executor of event tables in a world.
+#[derive(Debug)]
+pub struct Controller<'t> {
+    pub(super) tables: &'t Tables,
+    pub(super) structure: Structure<'t, u64>,
+    pub(super) recorder: RunRecorder,
+    phase_began: u64,
+    /// Tick of the phase's timeout. `None` if it has no timeout.
+    phase_ends: Option<u64>,
+    phase_ticks: Vec<u64>,
+    /// Reason why the run cannot continue.
+    fault: Option<String>,
+}
+
+stochc_ir::state! {
+    () Controller<'_>;
+    values: phase_began, phase_ends, phase_ticks, fault;
+    parts: structure, recorder;
+    same: tables
+}
+
+impl<'t> Controller<'t> {
+    /// Returns a controller for a structure of seeds only, before the first phase.
+    ///
+    /// `messages` are the scene's message parameters. If they are `None`, messages take no time and
+    /// none is lost. `seed` and `run` are the key of every random draw in a run.
+    pub fn new(
+        tables: &'t Tables,
+        messages: Option<&Messages>,
+        seed: u64,
+        run: u64,
+    ) -> Controller<'t> {
+        Controller {
+            tables,
+            structure: Structure::new(tables),
+            recorder: RunRecorder::new(Network::new(messages, seed, run), tables),
+            phase_began: 0,
+            phase_ends: None,
+            phase_ticks: Vec::new(),
+            fault: None,
+        }
+    }
+
+    /// Starts recording events for [`Controller::take_log`].
+    pub(crate) fn keep_log(&mut self) {
+        self.recorder.log = Log::kept();
+    }
+
+    /// Returns the events since the last call.
+    pub(crate) fn take_log(&mut self) -> Vec<ObservedEvent> {
+        self.recorder.log.take()
+    }
+
+    /// Attaches the pre-attached blocks, then begins the first phase.
+    ///
+    /// If the world has too few free blocks, [`Controller::fault`] is set.
+    pub fn start(&mut self, world: &mut impl World) {
+        self.recorder.tick = world.tick();
+        let seeds: Vec<Cell> = self.tables.seeds().map(|(_, cell)| cell).collect();
+        world.place_seeds(&seeds);
+        self.note_phase(self.structure.phase());
+        self.structure.start(&mut self.recorder.in_world(world));
+        self.plant(world);
+        if self.fault.is_none() {
+            self.settle(world);
+        }
+    }
+
+    /// Processes the captures of the world's last step and everything else due at this tick.
+    pub fn advance(&mut self, dockings: &[Docking], world: &mut impl World) {
+        self.recorder.tick = world.tick();
+        for (i, docking) in dockings.iter().enumerate() {
+            self.recorder.has_more = i + 1 < dockings.len();
+            self.structure
+                .dock(docking, &mut self.recorder.in_world(world));
+        }
+        self.settle(world);
+    }
+
+    /// Returns the running phase, or `None` if all are complete.
+    pub fn phase(&self) -> Option<PhaseId> {
+        self.structure.phase()
+    }
+
+    /// Returns whether the running phase has timed out.
+    pub fn timed_out(&self) -> bool {
+        self.phase_ends.is_some_and(|end| self.recorder.tick >= end)
+    }
+
+    /// Returns the next tick that needs the controller: for a message, a timeout, or `max_ticks`.
+    #[inline]
+    pub(crate) fn next_due(&self, max_ticks: Option<u64>) -> u64 {
+        let or_never = |tick: Option<u64>| tick.unwrap_or(u64::MAX);
+        or_never(self.phase_ends)
+            .min(or_never(max_ticks))
+            .min(or_never(self.recorder.network.next_due()))
+    }
+
+    /// Records that a phase begins, or that the last one has ended.
+    pub(super) fn note_phase(&mut self, phase: Option<PhaseId>) {
+        self.phase_began = self.recorder.tick;
+        let timeout = phase.and_then(|phase| self.tables.phases[phase.0 as usize].timeout);
+        self.phase_ends = timeout.map(|ticks| self.phase_began.saturating_add(ticks));
+        self.recorder.note_phase(phase);
+    }
+
+    /// Returns the reason why the run cannot continue, if there is one.
+    pub fn fault(&self) -> Option<&str> {
+        self.fault.as_deref()
+    }
+
+    /// Returns the duration of each completed phase \[ticks\]. Phases of pre-attached blocks take
+    /// 0.
+    pub fn phase_ticks(&self) -> &[u64] {
+        &self.phase_ticks
+    }
+
+    /// Returns every capture so far, in order.
+    pub fn bonds(&self) -> &[BondRecord] {
+        &self.recorder.bonds
+    }
+
+    /// Returns the number of blocks captured so far at faces that expected none.
+    pub fn unplanned(&self) -> u64 {
+        self.recorder.unplanned.len() as u64
+    }
+
+    /// Returns the number of message hops so far.
+    pub fn hops(&self) -> u64 {
+        self.recorder.network.hops
+    }
+
+    /// Returns the block in each role and its orientation, by role.
+    pub fn structure(&self) -> impl Iterator<Item = (RoleId, Body, Orientation)> + '_ {
+        (0..self.tables.roles.len() as u32).filter_map(|role| {
+            let block = self.structure.holder(RoleId(role))?;
+            Some((RoleId(role), block.body(), block.orientation()))
+        })
+    }
+
+    /// Delivers all messages that are due and begins the phases that they make ready.
+    fn settle(&mut self, world: &mut impl World) {
+        loop {
+            while let Some((from, at, message)) = self.recorder.due() {
+                let mut recorded = self.recorder.in_world(world);
+                self.structure.receive(from, at, message, &mut recorded);
+            }
+            if !self.structure.is_phase_reported() {
+                return;
+            }
+            self.next_phase(world);
+        }
+    }
+
+    fn next_phase(&mut self, world: &mut impl World) {
+        self.phase_ticks.push(self.recorder.tick - self.phase_began);
+        let next = self.structure.phase().map(|phase| PhaseId(phase.0 + 1));
+        let next = next.filter(|phase| (phase.0 as usize) < self.tables.phases.len());
+        self.note_phase(next);
+        self.structure
+            .next_phase(&mut self.recorder.in_world(world));
+    }
+
+    /// Attaches the pre-attached blocks of the first phases within the current tick.
+    fn plant(&mut self, world: &mut impl World) {
+        while self.structure.is_planting() {
+            while let Some((site, child)) = self.structure.next_to_plant() {
+                let Some(docking) = world.plant(site) else {
+                    let name = self.tables.name(child);
+                    self.fault = Some(format!("no free block is left to pre-attach as {name}"));
+                    return;
+                };
+                (self.structure).dock(&docking, &mut self.recorder.in_world(world));
+            }
+            self.next_phase(world);
+        }
+    }
+
+    /// Returns the open faces, each with the tick of its switching on.
+    fn waiting(&self, world: &impl World) -> Vec<WaitRecord> {
+        let Some(phase) = self.phase() else {
+            return Vec::new();
+        };
+        let mut waiting = Vec::new();
+        for block in self.structure.blocks() {
+            for open in block.open() {
+                let site = BlockFace {
+                    body: block.body(),
+                    face: open.own,
+                };
+                waiting.push(WaitRecord {
+                    phase,
+                    parent: block.role(),
+                    face: open.face,
+                    child: open.child,
+                    cell: open.cell,
+                    magnetized: open.mark,
+                    entries: world.entries(site),
+                });
+            }
+        }
+        waiting.sort_by_key(|wait| (wait.magnetized, wait.parent, wait.child));
+        waiting
+    }
+
+    /// Returns the record of a run that has ended in this world.
+    pub(crate) fn into_record(self, run: u64, outcome: Outcome, world: &impl World) -> RunRecord {
+        let waiting = self.waiting(world);
+        let bonds = self.recorder.bonds;
+        let most = bonds.iter().map(|bond| bond.body as usize + 1).max();
+        let mut is_used = vec![false; most.unwrap_or(0)];
+        for bond in &bonds {
+            is_used[bond.body as usize] = true;
+        }
+        RunRecord {
+            run,
+            outcome,
+            ticks: world.tick(),
+            phase_ticks: self.phase_ticks,
+            blocks_used: is_used.into_iter().filter(|is_used| *is_used).count() as u32,
+            hops: self.recorder.network.hops,
+            unplanned: self.recorder.unplanned.len() as u64,
+            bonds,
+            waiting,
+            releases: self.recorder.releases,
+            unplanned_bonds: self.recorder.unplanned,
+        }
+    }
+
+    /// Makes an anchored block fail: it no longer acts or forwards messages.
+    pub fn kill(&mut self, body: Body) {
+        self.structure.kill(body);
+    }
+
+    /// Returns the target cell of a role's block. For tools and tests.
+    pub fn cell(&self, role: RoleId) -> Option<Cell> {
+        match self.structure.holder(role).map(StructureBlock::body)? {
+            Body::Seed(cell) => Some(cell),
+            Body::Free(id) => (self.recorder.bonds.iter().rev())
+                .find(|bond| bond.body == id)
+                .map(|bond| bond.cell),
+        }
+    }
+}

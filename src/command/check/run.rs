@@ -1,0 +1,272 @@
+//! Checks programs and prints their diagnostics.
+use std::path::PathBuf;
+
+use clap::Args;
+use stochc_compiler::order::Order;
+use stochc_compiler::{Checked, Limits, Program, check_with};
+use stochc_files::programs::{STDIN, STDIN_NAME, programs, read};
+use stochc_ir::emit::chain_text;
+use stochc_runtime::rates::Rates;
+use stochc_text::visible;
+
+use super::cost::{cost_json, costs, summed_up};
+use super::fix;
+use super::scene::scenes;
+use crate::command::imports::ImportOptions;
+use crate::command::levels::LevelOptions;
+use crate::command::run_options::{JsonOption, count};
+use crate::command::terminal::{
+    exit_of, has_colour, message_width, output_width, print, print_folded, warn, warn_drawn,
+};
+use crate::diagnostics::{CheckDocument, DiagnosticCounts, Format, SarifLog, show};
+use crate::exit::{Exit, Failure};
+use crate::operations::programs::{cannot_read, is_readable, verdict};
+use crate::operations::rates::{UnusedRates, of_files};
+use crate::operations::summary::{status_lines, warnings};
+use crate::reader::DiskReader;
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    /// Programs to check, or folders with programs (`*.sa`) in them; `-` is the standard input
+    #[arg(required = true, value_name = "FILE")]
+    pub(super) files: Vec<String>,
+    /// Output format of the diagnostics; all except `graphical` write to standard output
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        default_value = "graphical",
+        conflicts_with = "json"
+    )]
+    pub(super) format: Format,
+    #[command(flatten)]
+    pub(super) output: JsonOption,
+    /// Print the depth, width and expected duration of each phase, and the N captures that take
+    /// most of the time [default: 10]
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = count)]
+    pub(super) cost: Option<usize>,
+    /// Rates of scenes for `--cost`, written by `stochc calibrate`; other scenes are estimated
+    #[arg(long, value_name = "FILE.rates", requires = "cost")]
+    pub(super) rates: Vec<PathBuf>,
+    /// List the physics of the scenes: each term with its equation and value, the terms left out, dimensionless numbers, and the
+    /// error of the time step
+    #[arg(long)]
+    pub(super) physics: bool,
+    /// Apply all safe fixes and show them as a diff
+    #[arg(long)]
+    pub(super) fix: bool,
+    /// Show the changes of `--fix` without writing them
+    #[arg(long, requires = "fix")]
+    pub(super) dry_run: bool,
+    #[command(flatten)]
+    pub(super) levels: LevelOptions,
+    #[command(flatten)]
+    pub(super) imports: ImportOptions,
+}
+
+impl CheckArguments {
+    pub(super) fn format(&self) -> Format {
+        if self.output.json {
+            Format::Json
+        } else {
+            self.format
+        }
+    }
+}
+
+/// Checks each file and prints a summary of the correct ones.
+pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
+    let is_written = options.fix && !options.dry_run && options.format() != Format::Graphical;
+    if is_written && options.files.iter().any(|file| file == STDIN) {
+        return Err(Failure::usage(
+            "`--fix -` writes the program itself to the standard output, where `--format` writes the diagnostics: \
+             leave one of the two out, or add `--dry-run`",
+        ));
+    }
+    let rates = of_files(&options.rates)?;
+    let mut unused = UnusedRates::new(&options.rates, &rates);
+    let mut exit = Exit::Success;
+    let mut document = CheckDocument::default();
+    document.scenes = options.physics.then(Vec::new);
+    let mut log = SarifLog::new(std::env::current_dir().ok().as_deref());
+    let mut tally = DiagnosticCounts::default();
+    let (files, unread) = readable(&options.files);
+    let are_many = files.len() + usize::from(unread) > 1;
+    if unread {
+        exit = Exit::Usage;
+        log.leave_out();
+    }
+    for file in &files {
+        let mut text = None;
+        if options.fix
+            && let Some(ended) = fix::run(file, options, &mut exit, &mut text)?
+        {
+            exit = exit.or_worse(ended);
+            continue;
+        }
+        // If standard output has the fixed program, summaries go to standard error.
+        let is_output_taken = text.is_some();
+        let say = |said: &str| {
+            if is_output_taken {
+                warn(said);
+                Ok(())
+            } else {
+                print_folded(said)
+            }
+        };
+        let checked = match check(file, text, options) {
+            Ok(checked) => checked,
+            Err(failure) => {
+                exit = exit.or_worse(exit_of(Err(failure)));
+                log.leave_out();
+                continue;
+            }
+        };
+        let name = if are_many {
+            format!("{}: ", visible(file))
+        } else {
+            String::new()
+        };
+        let shown = || show(&checked, options.format(), has_colour(), message_width());
+        match options.format() {
+            // Programs read only the diagnostics; the summary is for people.
+            Format::Short => print(&shown())?,
+            Format::Json => document.add(file, &checked, |program| {
+                let most = options.cost.filter(|_| !checked.has_errors())?;
+                Some(cost_json(program, &checked.symbols, most, &rates))
+            }),
+            Format::Sarif => log.add(file, &checked),
+            Format::Graphical => {
+                warn_drawn(&shown());
+                tally.add(&checked);
+                if !checked.has_errors() {
+                    say(&summary(&name, &checked, options.cost, &rates))?;
+                }
+            }
+        }
+        exit = exit.or_worse(verdict(&checked));
+        let has_text = matches!(options.format(), Format::Short | Format::Sarif);
+        if options.cost.is_some() && has_text && !checked.has_errors() {
+            warn(&summary(&name, &checked, options.cost, &rates));
+        }
+        let of_programs = checked
+            .programs
+            .iter()
+            .filter_map(|program| program.scene.as_ref());
+        unused.not_of(of_programs);
+        if options.physics && !checked.has_errors() {
+            for scene in scenes(file, &checked) {
+                match options.format() {
+                    Format::Graphical => say(&scene.text())?,
+                    Format::Short | Format::Sarif => warn(&scene.text()),
+                    Format::Json => document.scenes.get_or_insert_default().push(scene.json()),
+                }
+            }
+        }
+    }
+    unused.notes().for_each(|note| warn(&note));
+    match options.format() {
+        Format::Json => print(&document.text())?,
+        Format::Sarif => print(&log.document())?,
+        Format::Graphical => warn(&tally.lines()),
+        Format::Short => {}
+    }
+    Ok(exit)
+}
+
+/// Returns the readable files of the command line. Reports the others, and returns whether there
+/// are any.
+fn readable(arguments: &[String]) -> (Vec<String>, bool) {
+    let opened = |file: String| {
+        if file != STDIN_NAME {
+            is_readable(&file)?;
+        }
+        Ok(file)
+    };
+    let found = programs(arguments).into_iter();
+    let found = found.map(|file| file.map_err(Failure::usage).and_then(opened));
+    let mut files = Vec::new();
+    let mut unread = false;
+    for file in found {
+        match file {
+            Ok(file) => files.push(file),
+            Err(failure) => {
+                exit_of(Err(failure));
+                unread = true;
+            }
+        }
+    }
+    (files, unread)
+}
+
+/// Checks a program. `text` replaces the content of the file.
+///
+/// # Errors
+/// If the file cannot be read.
+pub(super) fn check(
+    file: &str,
+    text: Option<Vec<u8>>,
+    options: &CheckArguments,
+) -> Result<Checked, Failure> {
+    let text = text.map_or_else(|| read(file), Ok);
+    let text = text.map_err(|reason| cannot_read(file, reason))?;
+    let mut reader = DiskReader::new(file, Some(&text), &options.imports.folders);
+    let levels = &options.levels.levels;
+    Ok(check_with(file, &mut reader, Limits::default(), levels))
+}
+
+/// Returns the summary of a file without errors, with `name` before each status line.
+fn summary(name: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) -> String {
+    if checked.programs.is_empty() {
+        let warnings = warnings(checked, |_| true);
+        let warnings = warnings.map_or_else(String::new, |it| format!(", {it}"));
+        return format!("{name}no assembly or aggregate to check{warnings}\n");
+    }
+    let mut out = String::new();
+    for (number, program) in checked.programs.iter().enumerate() {
+        out.push_str(name);
+        out.push_str(&status_lines(checked, number));
+        out.push_str(&chains(program, checked));
+        if cost.is_none() {
+            out.push_str(&summed_up(program, rates));
+        }
+        out.push_str(&costs(program, &checked.symbols, cost, rates));
+    }
+    if let Some(warnings) = warnings(checked, |diagnostic| diagnostic.programs.is_empty()) {
+        out.push_str(&format!(
+            "{name}{warnings} outside of assemblies and aggregates\n"
+        ));
+    }
+    out
+}
+
+/// Returns the longest serial chain of each phase, in lines.
+fn chains(program: &Program, checked: &Checked) -> String {
+    let plan = &program.plan;
+    let Some(order) = program.order.as_ref().filter(|_| plan.aggregate.is_none()) else {
+        return String::new();
+    };
+    let phases = || plan.phases.iter().filter(|phase| !phase.planted);
+    let width = phases().map(|phase| phase.name.len()).max().unwrap_or(0);
+    let total: usize = order
+        .chains
+        .iter()
+        .map(|chain| Order::length(plan, chain))
+        .sum();
+    let mut out = format!("  longest serial chain (critical path), {total} in total:\n");
+    let chains = plan.phases.iter().zip(&order.chains);
+    for (phase, chain) in chains.filter(|(phase, _)| !phase.planted) {
+        let describe = |at: usize| plan.describe(chain[at], &checked.symbols);
+        let length = Order::length(plan, chain);
+        let mut line = format!("    {:width$}  {length}: ", phase.name);
+        let whole = chain_text(chain, |&id| plan.describe(id, &checked.symbols));
+        let is_wide = line.chars().count() + whole.chars().count() > output_width();
+        if is_wide && chain.len() > 2 {
+            line += &format!("{}, ..., {}", describe(0), describe(chain.len() - 1));
+        } else {
+            line += &whole;
+        }
+        out.push_str(&(line + "\n"));
+    }
+    out
+}
