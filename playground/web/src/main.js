@@ -414,6 +414,8 @@ async function run() {
     mine.isRunning = false;
     state.record = record;
     stream.finish();
+    // Without an estimate, the speed was a guess.
+    if (!expected && stage.shown?.recording === stream.recording) stage.shown.player.setSpeed((record.ticks * about.scene.tick) / 20);
     const seconds = duration(record.ticks * about.scene.tick);
     toast(record.outcome.kind === 'completed' ? `Complete after ${number(record.ticks)} ticks (${seconds} of the robots)` : `The run is ${record.outcome.kind.replace('_', ' ')} after ${number(record.ticks)} ticks`);
     document.body.dataset.record = JSON.stringify({ ticks: record.ticks, outcome: record.outcome.kind });

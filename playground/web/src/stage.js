@@ -2,6 +2,9 @@
 import { viewer } from 'virtual:viewer';
 import { recordings } from './recordings.js';
 
+/** Names that a picture has room for. */
+const MANY_NAMES = 40;
+
 const element = id => document.getElementById(id);
 
 export class Stage {
@@ -36,6 +39,8 @@ export class Stage {
     this.show('structure', about, recording);
     const { player, scene } = this.shown;
     scene.clouds = 2;
+    // More names would hide the structure.
+    scene.named = recording.bodies <= MANY_NAMES;
     player.speed = 1;
     player.tick = wasLast ? player.end : Math.min(before.player.tick, player.end);
     this.wake();
@@ -84,6 +89,8 @@ export class Stage {
     const scene = new Scene(about, recording, history, this.painter, this.labels, this.camera);
     const perTick = kind === 'structure' ? 0.6 : about.scene.tick;
     const player = new Player(history, perTick, () => this.wake());
+    // A new canvas: listeners of the last timeline go with the old one.
+    if (kind === 'run') element('timeline').replaceWith(element('timeline').cloneNode());
     const timeline = kind === 'run' ? new Timeline(element('timeline'), history, tick => player.jump(tick)) : null;
     this.shown = { kind, about, recording, history, scene, player, timeline, growing: false };
     element('tick').max = player.end;
@@ -97,6 +104,7 @@ export class Stage {
     shown.player.end = shown.history.end;
     shown.timeline.history = shown.history;
     shown.timeline.drawn = '';
+    element('time').classList.toggle('courses', shown.history.groups.course.length > 0);
     element('tick').max = shown.history.end;
     this.wake();
   }
