@@ -87,7 +87,7 @@ fn a_shell_loop_makes_what_is_missing() {
     let said = stochc_with("shard status --json", &[&out]);
     let status = said.json();
     assert_eq!(status["missing"], json!([0, 1, 2, 4]));
-    assert_eq!(status["shards"][3], json!({ "state": "whole" }));
+    assert_eq!(status["states"][3], json!({ "state": "whole" }));
     let said = stochc_with("shard status --missing --json", &[&out]);
     assert_eq!(said.json()["missing"], json!([0, 1, 2, 4]));
     for shard in ["0", "1", "2", "4"] {

@@ -3,7 +3,7 @@ use stochc_files::programs::STDIN_NAME;
 use stochc_text::{counted, visible};
 
 use super::super::terminal::{has_colour, message_width, print, warn, warn_drawn};
-use super::CheckArguments;
+use super::arguments::CheckArguments;
 use crate::diagnostics::{Format, drawn};
 use crate::exit::{Exit, Failure};
 use crate::fix::{FixedFile, fix};

@@ -1,7 +1,9 @@
 //! `stochc check`.
+mod arguments;
 mod cost;
 mod fix;
 mod run;
 mod scene;
 
-pub use run::{CheckArguments, run};
+pub use arguments::CheckArguments;
+pub use run::run;

@@ -30,7 +30,7 @@ impl Scaffolding {
     }
 
     /// Adds a guide at a random position next to each mast without one, if there is space.
-    pub fn all_guided(mut self, target: &Target, rng: &mut ChaCha8Rng) -> Scaffolding {
+    pub(crate) fn all_guided(mut self, target: &Target, rng: &mut ChaCha8Rng) -> Scaffolding {
         for ((x, y), height) in self.masts() {
             let places: Vec<Cell> = places_beside(target, Cell::new(x, y, height)).collect();
             if !places.iter().any(|&at| self.reaches(at))
@@ -63,7 +63,7 @@ impl Scaffolding {
     }
 
     /// Removes a random guide. Returns `None` if there is none.
-    pub fn unguided(&self, rng: &mut ChaCha8Rng) -> Option<Scaffolding> {
+    pub(crate) fn unguided(&self, rng: &mut ChaCha8Rng) -> Option<Scaffolding> {
         let mut other = self.clone();
         match other.guides.len() {
             0 => None,

@@ -178,6 +178,6 @@ mod tests {
         };
         let picture = drawn(vec![empty], 0);
         assert!(roxmltree::Document::parse(&picture).is_ok(), "{picture}");
-        assert!(picture.contains("Chance decides") && !picture.contains("NaN"));
+        assert!(picture.contains("at random") && !picture.contains("NaN"));
     }
 }

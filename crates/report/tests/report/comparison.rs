@@ -162,6 +162,6 @@ fn captures_are_summed_up_by_edge() {
     assert!(second.wait.incomplete > 0);
     assert_eq!(second.wait.completed + second.wait.incomplete, runs.count());
     assert!(captures(&manifest.programs[1], WaitsTally::default()).is_empty());
-    assert_snapshot!(captures_to_text(&[], 1.0, 100), @"n  wait  CV  entries  docking  released before
-─  ────  ──  ───────  ───────  ───────────────");
+    assert_snapshot!(captures_to_text(&[], 1.0, 100), @"n  waiting time  CV  entries  docking
+─  ────────────  ──  ───────  ───────");
 }
