@@ -306,8 +306,8 @@ impl<'a> AssemblyInput<'a> {
     ) -> Result<Vec<SceneWarning>, Cancelled> {
         let OrderedProgram { plan, layout, .. } = program;
         let cancellation = self.bounds.cancellation;
-        let shapes = (shapes, self.declarations.names);
-        shape::check(plan, layout, shapes, symbols, cancellation, later)?;
+        let names = self.declarations.names;
+        shape::check(plan, layout, shapes, names, symbols, cancellation, later)?;
         let Some(scene) = scene else {
             return Ok(Vec::new());
         };
@@ -336,7 +336,8 @@ pub(super) fn compile_aggregate(
     mut plan: ProgramPlan,
     scene: Option<Scene>,
     wrong: bool,
-    (symbols, sources): (&Symbols, &Sources),
+    symbols: &Symbols,
+    sources: &Sources,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Program, Cancelled> {
     if let Some(scene) = &scene {

@@ -331,7 +331,7 @@ fn programs(
                     scene_check::check(scene, None, stepping, scene_location, &mut errors)
                 });
                 let mut program =
-                    compile_aggregate(plan, scene, wrong, (symbols, sources), &mut errors)?;
+                    compile_aggregate(plan, scene, wrong, symbols, sources, &mut errors)?;
                 program.scene_warnings = scene_warnings.unwrap_or_default();
                 diagnostics.append(&mut errors);
                 attribute(&mut diagnostics[before..], programs.len());

@@ -28,7 +28,8 @@ const MAX_COMPARED: usize = 20_000_000;
 pub fn check(
     plan: &ProgramPlan,
     layout: &Layout,
-    (shapes, names): (&Shapes<'_>, &Names),
+    shapes: &Shapes<'_>,
+    names: &Names,
     symbols: &Symbols,
     cancellation: Cancellation<'_>,
     diagnostics: &mut Vec<Diagnostic>,

@@ -23,7 +23,7 @@ pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &
     let rates = rates.as_deref();
     let is_guess = rates.is_some_and(Rates::is_guess);
     program.estimate(rates).map_or(String::new(), |cost| {
-        table(program, symbols, (&cost, is_guess), most)
+        table(program, symbols, &cost, is_guess, most)
     })
 }
 
@@ -104,12 +104,7 @@ fn stopped(cost: &Cost) -> Option<f64> {
     (stopped > 0).then(|| stopped as f64 / cost.draws.len() as f64)
 }
 
-fn table(
-    program: &Program,
-    symbols: &Symbols,
-    (cost, is_guess): (&Cost, bool),
-    most: usize,
-) -> String {
+fn table(program: &Program, symbols: &Symbols, cost: &Cost, is_guess: bool, most: usize) -> String {
     let mut text = by_phase(program, cost).text(usize::MAX, false);
     if !cost.captures.is_empty() {
         text += "\n";

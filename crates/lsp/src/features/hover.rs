@@ -60,7 +60,7 @@ fn blocks(analysis: &Analysis, located: &Located) -> String {
     let roles = &located.roles;
     let mut text = String::new();
     for &role in roles.iter().take(MAX_DESCRIBED) {
-        text.push_str(&block(analysis, program, (&ancestry, cost.as_ref()), role));
+        text.push_str(&block(analysis, program, &ancestry, cost.as_ref(), role));
         if let Some(tables) = &program.tables {
             let duties = duties_text(tables, role);
             if !duties.is_empty() {
@@ -70,7 +70,7 @@ fn blocks(analysis: &Analysis, located: &Located) -> String {
     }
     let listed = roles.iter().skip(MAX_DESCRIBED).take(MAX_LISTED);
     for &role in listed {
-        text.push_str(&block(analysis, program, (&ancestry, cost.as_ref()), role));
+        text.push_str(&block(analysis, program, &ancestry, cost.as_ref(), role));
     }
     let rest = roles.len().saturating_sub(MAX_DESCRIBED + MAX_LISTED);
     if rest > 0 {
@@ -91,7 +91,8 @@ fn unindented(duties: &str) -> String {
 fn block(
     analysis: &Analysis,
     program: &Program,
-    (ancestry, cost): (&Ancestry<'_>, Option<&Cost>),
+    ancestry: &Ancestry<'_>,
+    cost: Option<&Cost>,
     role: RoleId,
 ) -> String {
     let (plan, symbols) = (&program.plan, &analysis.checked.symbols);

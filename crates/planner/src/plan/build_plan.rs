@@ -129,7 +129,7 @@ pub(crate) fn baseline_plans(
         let (schedule, waiting) = baseline.schedule(&sites, hardware, waits);
         (
             baseline,
-            BuildPlan::new(&sites, hardware, &schedule, &waiting, (&[], &[]), seed),
+            BuildPlan::new(&sites, hardware, &schedule, &waiting, &[], &[], seed),
         )
     });
     plans.collect()
@@ -188,21 +188,29 @@ impl BuildPlan {
     fn from_found(job: &SchedulingJob<'_>, found: &FoundSchedule, seed: u64) -> BuildPlan {
         let schedule = &found.schedule;
         let waiting = job.waiting(schedule);
-        let ways = (&found.corridors.waiting[..], &found.disassembly.way_in[..]);
         BuildPlan {
             rounds: found.rounds,
-            ..BuildPlan::new(job.sites, job.hardware, schedule, &waiting, ways, seed)
+            ..BuildPlan::new(
+                job.sites,
+                job.hardware,
+                schedule,
+                &waiting,
+                &found.corridors.waiting[..],
+                &found.disassembly.way_in[..],
+                seed,
+            )
         }
     }
 
-    /// Returns the plan of a schedule. `ways` are the sites on each access path, and the access to
+    /// Returns the plan of a schedule. `in_way` has the sites on each access path, `way_in` the access to
     /// each site.
     fn new(
         sites: &Sites<'_>,
         hardware: Hardware,
         schedule: &Schedule,
         waiting: &Waiting,
-        (in_way, way_in): (&[Vec<u32>], &[Option<WayIn>]),
+        in_way: &[Vec<u32>],
+        way_in: &[Option<WayIn>],
         seed: u64,
     ) -> BuildPlan {
         let afters = waiting.afters(sites, hardware, schedule, in_way);

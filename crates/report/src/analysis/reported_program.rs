@@ -113,8 +113,7 @@ pub(crate) fn subjects<'a>(
         let first = subjects.len();
         let programs = input.manifest.programs.iter().enumerate();
         subjects.extend(
-            programs
-                .map(|(number, _)| ReportedProgram::new(inputs, (folder, number), clock, shown)),
+            programs.map(|(number, _)| ReportedProgram::new(inputs, folder, number, clock, shown)),
         );
         let mut sweep = SweepTally::new(&input.manifest);
         input.finished.try_each(|done| {
@@ -167,7 +166,8 @@ impl<'a> ReportedProgram<'a> {
     /// Creates a program without runs.
     fn new(
         inputs: &'a [Input],
-        (folder, number): (usize, usize),
+        folder: usize,
+        number: usize,
         clock: TimeUnit,
         shown: &Presentation,
     ) -> ReportedProgram<'a> {

@@ -63,7 +63,8 @@ pub(super) fn files(
     pairwise_tests: &[PairwiseTest],
     sweeps: &[Sweep],
     maps: &[Option<Maps>],
-    (clock, last): (TimeUnit, f64),
+    clock: TimeUnit,
+    last: f64,
 ) -> Vec<NamedFile> {
     let names = names(
         subjects,
@@ -73,7 +74,7 @@ pub(super) fn files(
     );
     let table = |name: &str| match name {
         "survival.csv" => survival(subjects),
-        "means.csv" => means(subjects, (clock, last)),
+        "means.csv" => means(subjects, clock, last),
         "waits.csv" => captures(subjects, waits),
         "origins.csv" => origins(subjects, waits),
         "sizes.csv" => sizes(subjects),
@@ -149,7 +150,7 @@ fn survival(subjects: &[ReportedProgram]) -> String {
 }
 
 /// Returns the means in ticks. `last` is the last observed time, in the unit of the report.
-fn means(subjects: &[ReportedProgram], (clock, last): (TimeUnit, f64)) -> String {
+fn means(subjects: &[ReportedProgram], clock: TimeUnit, last: f64) -> String {
     let mut table = CsvTable::new([
         "program",
         "phase",

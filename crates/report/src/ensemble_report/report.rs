@@ -59,7 +59,8 @@ pub fn report(
         &pairwise_tests,
         &sweeps,
         &maps,
-        (clock, last),
+        clock,
+        last,
     );
     let tables = tables.into_iter();
     let mut files: Vec<_> = tables

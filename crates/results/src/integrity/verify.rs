@@ -111,7 +111,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
     };
     for (program, run) in recordings(&manifest, path) {
         let name = format!("{RECORDINGS}/{program}-{run}.rec");
-        let health = recording(path, &manifest, &finished, (program, run));
+        let health = recording(path, &manifest, &finished, program, run);
         report(&name, health.map_err(FolderError::at(path.join(&name)))?);
     }
     Ok(files)
@@ -240,7 +240,8 @@ fn recording(
     path: &Path,
     manifest: &Manifest,
     finished: &Records,
-    (program, run): (usize, u64),
+    program: usize,
+    run: u64,
 ) -> io::Result<Integrity> {
     let name = visible(&format!("{RECORDINGS}/{program}-{run}.rec"));
     let damaged =
