@@ -1,9 +1,10 @@
 //! Distributed control: every anchored block executes its own part of the event tables.
 //!
 //! A block sees only its own faces and its messages. Messages travel hop by hop along parents and
-//! children. This module does not depend on how blocks move and runs in any [`World`].
+//! children. This module does not depend on how blocks move and runs in any
+//! [`World`](crate::world::World).
 //!
-//! [`Structure`] is the state machine, without time and chance. The [`Controller`] drives it by the
+//! [`Structure`](stochc_control::Structure) is the state machine, without time and chance. The [`Controller`] drives it by the
 //! clock of a world. [`stochc_control::explore`] drives the same machine through every order of
 //! events.
 //!

@@ -3,11 +3,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Cell, Face};
 
-/// Name that blocks take in turn: an index into [`Tables::roles`].
+/// Name that blocks take in turn: an index into [`Tables::roles`](super::Tables::roles).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct RoleId(pub u32);
 
-/// Phase of the program: an index into [`Tables::phases`].
+/// Phase of the program: an index into [`Tables::phases`](super::Tables::phases).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct PhaseId(pub u32);
 
@@ -54,8 +54,8 @@ pub enum News {
 pub enum Action {
     /// Makes a face capture, and gives the role to the captured block.
     ///
-    /// The mechanism depends on the [bond](Tables::bond): the face's magnet is switched on, or its
-    /// valve is opened. A face that always attracts keeps the next block instead of rejecting it.
+    /// The mechanism depends on the [bond](super::Tables::bond): the face's magnet is switched on, or
+    /// its valve is opened. A face that always attracts keeps the next block instead of rejecting it.
     Magnetize {
         /// Face in the structure's frame. The block converts it by its orientation.
         face: Face,

@@ -16,14 +16,15 @@ use crate::svg::Drawing;
 pub struct Report {
     /// HTML page, self-contained and without scripts.
     pub page: String,
-    /// Figures and their data (CSV) except [`CHAINS`], by name of the file.
+    /// Figures and their data (CSV) except [`CHAINS`](super::CHAINS), by name of the file.
     pub files: Vec<(String, Vec<u8>)>,
-    /// Whether [`CHAINS`] belongs to the report. Without captures it would have no rows.
+    /// Whether [`CHAINS`](super::CHAINS) belongs to the report. Without captures it would have no
+    /// rows.
     pub has_chains: bool,
 }
 
-/// Creates the report of one or several results folders. It writes [`CHAINS`] directly, because
-/// this table has rows for every run.
+/// Creates the report of one or several results folders. It writes
+/// [`CHAINS`](super::CHAINS) directly, because this table has rows for every run.
 ///
 /// # Errors
 ///

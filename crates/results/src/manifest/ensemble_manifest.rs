@@ -23,7 +23,7 @@ pub struct Manifest {
     pub seed: u64,
     /// Runs of each program. May grow, so it is not part of the identity.
     pub runs: u64,
-    /// Builds that made its runs ([`super::super::this_build`]), in order of first use. Not part of the
+    /// Builds that made its runs ([`crate::this_build`]), in order of first use. Not part of the
     /// identity.
     pub builds: Vec<String>,
     /// Programs in the order of the command line.
@@ -169,7 +169,7 @@ impl Manifest {
     ///
     /// # Panics
     ///
-    /// If the program has a setting that [`ChosenSetting::new`] rejects.
+    /// If the program has a setting that [`ChosenSetting::new`](super::ChosenSetting::new) rejects.
     pub fn settings_of(&self, program: &EnsembleProgram) -> Cow<'_, Settings> {
         if program.chosen.is_empty() {
             return Cow::Borrowed(&self.settings);

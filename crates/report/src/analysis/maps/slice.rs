@@ -74,7 +74,7 @@ pub(crate) struct Maps {
     pub runs: usize,
     /// Runs with unusable recordings, with reasons.
     pub left_out: Vec<(u64, String)>,
-    /// For each of [`AGES`], the share of the captured blocks per volume of a cell.
+    /// For each of [`AGES`](super::AGES), the share of the captured blocks per volume of a cell.
     pub before: Vec<[SliceMap; 2]>,
     /// Mean number of free blocks in each cell.
     pub occupation: Option<[SliceMap; 2]>,
