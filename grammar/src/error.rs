@@ -19,7 +19,7 @@ pub enum SyntaxErrorKind {
         /// Valid alternatives as text. Empty if no statement can contain the word.
         expected: Vec<&'static str>,
         /// First word of the statement if it is the only one before the error. Otherwise empty.
-        behind: String,
+        after: String,
     },
     /// A block without its closing brace. The span is that of the opening one.
     Unclosed,

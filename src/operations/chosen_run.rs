@@ -118,7 +118,7 @@ impl ChosenRun {
 
     /// Returns the name of a file about this run: the assembly and the run number between two
     /// texts.
-    pub fn file_name(&self, before: &str, behind: &str) -> String {
+    pub fn file_name(&self, before: &str, after: &str) -> String {
         // Uses the assembly, which is a word. The program's name may be any text in an edited
         // manifest.
         let assembly = self.entry().assembly();
@@ -127,7 +127,7 @@ impl ChosenRun {
             1 => String::new(),
             _ => format!("-{}", self.program),
         };
-        format!("{before}{assembly}{which}-{}{behind}", self.run)
+        format!("{before}{assembly}{which}-{}{after}", self.run)
     }
 
     /// Repeats the run with an observer, and checks that its record equals that of the folder.

@@ -29,7 +29,7 @@ fn rates_are_measured_kept_and_used() {
     );
     assert_eq!(first.status, 0, "{}", first.err);
     assert!(
-        first.out.contains("mean waiting time, ticks"),
+        first.out.contains("waiting time at an open face"),
         "{}",
         first.out
     );

@@ -44,16 +44,16 @@ pub(crate) fn removal(sources: &Sources, statement: SourceLocation) -> SourceLoc
     let text = &sources.file(statement.file).text;
     let is_blank = |c: char| matches!(c, ' ' | '\t' | '\r');
     let (start, end) = (statement.span.start as usize, statement.span.end as usize);
-    let (before, behind) = (&text[..start], &text[end..]);
+    let (before, after) = (&text[..start], &text[end..]);
     let blanks_before = start - before.trim_end_matches(is_blank).len();
-    let rest = behind.trim_start_matches(is_blank);
-    let blanks_behind = behind.len() - rest.len();
+    let rest = after.trim_start_matches(is_blank);
+    let blanks_after = after.len() - rest.len();
     let begins_line = before[..start - blanks_before].ends_with('\n') || start == blanks_before;
     let (start, end) = match rest.chars().next() {
-        Some('\n') if begins_line => (start - blanks_before, end + blanks_behind + 1),
-        None if begins_line => (start - blanks_before, end + blanks_behind),
+        Some('\n') if begins_line => (start - blanks_before, end + blanks_after + 1),
+        None if begins_line => (start - blanks_before, end + blanks_after),
         Some('\n' | '}' | '/') | None if !begins_line => (start - blanks_before, end),
-        _ => (start, end + blanks_behind),
+        _ => (start, end + blanks_after),
     };
     SourceLocation {
         file: statement.file,
@@ -120,12 +120,12 @@ pub(crate) fn entry(
         return Some(location(rest.len(), end));
     }
     let word = before.strip_suffix(keyword)?.len();
-    let behind = text[end..].trim_start();
-    if let Some(rest) = behind.strip_prefix(',') {
+    let after = text[end..].trim_start();
+    if let Some(rest) = after.strip_prefix(',') {
         let rest = rest.trim_start_matches([' ', '\t']);
         return Some(location(start, text.len() - rest.len()));
     }
-    let waits = keyword != "after" && behind.starts_with("after");
+    let waits = keyword != "after" && after.starts_with("after");
     (!waits).then(|| removal(sources, location(word, end)))
 }
 

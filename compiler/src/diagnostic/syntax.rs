@@ -27,12 +27,12 @@ impl Diagnostic {
             K::Unexpected {
                 found,
                 expected,
-                behind,
+                after,
             } => unexpected(&SyntaxHint {
                 location,
                 found,
                 expected,
-                behind,
+                after,
                 text,
             }),
             K::Unclosed => unclosed(location, text),

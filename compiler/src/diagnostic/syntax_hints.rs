@@ -16,7 +16,7 @@ pub struct SyntaxHint<'a> {
     /// Words that are valid at this location.
     pub expected: &'a [&'static str],
     /// First word of the statement if it is the only one before the unexpected word.
-    pub behind: &'a str,
+    pub after: &'a str,
     /// Source of the whole file.
     pub text: &'a str,
 }
@@ -85,7 +85,7 @@ impl SyntaxHint<'_> {
     /// Returns the error of a `timeout` after a capture, with the change that moves it to the
     /// phase.
     pub fn timeout(&self) -> Option<Diagnostic> {
-        if self.behind != "timeout" {
+        if self.after != "timeout" {
             return None;
         }
         let at = self.location.span.start as usize;
@@ -129,11 +129,11 @@ impl SyntaxHint<'_> {
             return (Some(meant.help()), Some(Fix::word(word, &meant)));
         }
         let fix = self.fix();
-        let behind = self.behind;
-        if self.expects("`->`") && !behind.is_empty() && !FIRST.contains(&behind) && fix.is_none() {
-            let behind = spelt(behind);
+        let after = self.after;
+        if self.expects("`->`") && !after.is_empty() && !FIRST.contains(&after) && fix.is_none() {
+            let after = spelt(after);
             let help = format!(
-                "`{behind}` alone is not a statement: add the missing comma or brace before it"
+                "`{after}` alone is not a statement: add the missing comma or brace before it"
             );
             return (Some(help), None);
         }
@@ -180,10 +180,10 @@ impl SyntaxHint<'_> {
             }
         }
         let word = self.word_behind()?;
-        if !self.expects("`->`") || FIRST.contains(&self.behind) {
+        if !self.expects("`->`") || FIRST.contains(&self.after) {
             return None;
         }
-        nearest(self.behind, FIRST).map(|meant| (word, meant))
+        nearest(self.after, FIRST).map(|meant| (word, meant))
     }
 
     /// Returns whether a unit follows a number at the end of the previous line.
@@ -199,8 +199,8 @@ impl SyntaxHint<'_> {
     /// Returns the location of the word before the error if it is the first of its statement.
     fn word_behind(&self) -> Option<SourceLocation> {
         let before = self.before().trim_end();
-        let start = before.strip_suffix(self.behind)?.len();
-        (!self.behind.is_empty()).then(|| self.span(start, before.len()))
+        let start = before.strip_suffix(self.after)?.len();
+        (!self.after.is_empty()).then(|| self.span(start, before.len()))
     }
 
     fn fix(&self) -> Option<Fix> {
@@ -345,8 +345,8 @@ impl SyntaxHint<'_> {
 
     /// Returns whether this is the slash of `1/s`.
     fn is_one_over(&self) -> bool {
-        let behind = &self.text[self.location.span.end as usize..];
-        self.before().ends_with(" 1") && behind.starts_with(|c: char| c.is_ascii_lowercase())
+        let after = &self.text[self.location.span.end as usize..];
+        self.before().ends_with(" 1") && after.starts_with(|c: char| c.is_ascii_lowercase())
     }
 
     fn before(&self) -> &str {

@@ -63,7 +63,7 @@ impl Parser<'_, '_> {
                     }
                     expected
                 },
-                behind: self.lone_word(start, at).unwrap_or_default().to_owned(),
+                after: self.lone_word(start, at).unwrap_or_default().to_owned(),
             },
         };
         self.error(kind, span);

@@ -1,4 +1,4 @@
-//! The engine of the playground: the compiler and the simulator behind two functions of WebAssembly.
+//! The engine of the playground: the compiler and the simulator, exported to WebAssembly as two functions.
 //!
 //! A page writes a request of JSON into the memory that [`input`] returns, and calls [`answer`]. The
 //! reply is JSON in the memory that [`output`] returns. `playground/web/src/engine.js` is the other side.

@@ -1,4 +1,4 @@
-// Many runs of a program in workers, and what they show so far.
+// Simulates many runs of a program in workers, and shows the results so far.
 import { Engine, Stopped } from './engine.js';
 
 /** Workers, at most. */

@@ -1,4 +1,4 @@
-// Programs and settings in the address. The part behind `#` never leaves the browser.
+// Programs and settings in the address. The part after `#` never leaves the browser.
 
 /** Largest program of a link, unpacked [bytes]. */
 const MAX = 1 << 20;

@@ -151,7 +151,7 @@ export class Stage {
     const { player, scene, timeline } = shown;
     const wasPlaying = player.playing;
     player.pass(now, true);
-    // At the end of what is computed so far, the clock waits.
+    // The clock waits at the last computed tick.
     if (wasPlaying && !player.playing && shown.growing) player.playing = true;
     scene.go(shown.kind === 'structure' ? Math.floor(player.tick) : player.tick);
     scene.draw(devicePixelRatio || 1);

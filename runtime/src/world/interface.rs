@@ -1,4 +1,4 @@
-//! What a controller needs of a world.
+//! Interface between a world and its controller.
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use stochc_control::{BlockFace, Docking, Orientation};

@@ -53,10 +53,10 @@ enum Slip {
 fn slipped(text: &str, token: usize, slip: Slip) -> String {
     let tokens = tokens(text);
     let (start, end) = tokens[token];
-    let (before, word, behind) = (&text[..start], &text[start..end], &text[end..]);
+    let (before, word, after) = (&text[..start], &text[start..end], &text[end..]);
     match slip {
-        Slip::Deleted => format!("{before}{behind}"),
-        Slip::Doubled => format!("{before}{word} {word}{behind}"),
+        Slip::Deleted => format!("{before}{after}"),
+        Slip::Doubled => format!("{before}{word} {word}{after}"),
         Slip::Swapped => match tokens.get(token + 1) {
             Some(&(next, last)) => {
                 let (between, other) = (&text[end..next], &text[next..last]);
@@ -75,7 +75,7 @@ fn slipped(text: &str, token: usize, slip: Slip) -> String {
                 _ => letters[at] = char::from(b'a' + (letter / 7 % 26) as u8),
             }
             let word: String = letters.into_iter().collect();
-            format!("{before}{word}{behind}")
+            format!("{before}{word}{after}")
         }
     }
 }

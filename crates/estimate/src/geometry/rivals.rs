@@ -17,7 +17,7 @@ pub struct Rivals {
 /// Kind of competition between two faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rivalry {
-    /// One of [`Rivals::beside`].
+    /// One element of `Rivals::beside`.
     Beside,
     /// One of [`Rivals::across`].
     Across,

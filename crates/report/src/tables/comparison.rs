@@ -171,11 +171,11 @@ pub(super) fn mean(time: Option<&Time>, tick: Tick) -> String {
     })
 }
 
-/// Returns a mean with its half-width in ticks, then the text `beside`. A lower bound starts with
+/// Returns a mean with its half-width in ticks, then the text `suffix`. A lower bound starts with
 /// `≥`.
-pub(super) fn in_ticks(time: &Time, beside: &str) -> String {
+pub(super) fn in_ticks(time: &Time, suffix: &str) -> String {
     let half_width = time.half_width.map(|half| format!(" ± {}", ticks(half)));
-    let text = ticks(time.mean) + &half_width.unwrap_or_default() + beside;
+    let text = ticks(time.mean) + &half_width.unwrap_or_default() + suffix;
     match time.horizon {
         None => text,
         Some(horizon) => format!("≥ {text}, to {}", ticks(horizon)),

@@ -128,13 +128,10 @@ fn examples(rates: &Rates) -> TextTable {
         })
         .collect();
     TextTable {
-        label: "an open face".to_owned(),
+        label: "waiting time at an open face".to_owned(),
         labels: rows.iter().map(|(name, ..)| (*name).to_owned()).collect(),
         columns: vec![
-            TextColumn::figures(
-                "mean waiting time, ticks",
-                waits.iter().map(|it| ticks(it.0)).collect(),
-            ),
+            TextColumn::figures("mean ticks", waits.iter().map(|it| ticks(it.0)).collect()),
             TextColumn::figures("SD", waits.iter().map(|it| ticks(it.1)).collect()),
         ],
         ..TextTable::default()

@@ -18,10 +18,10 @@ pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
     text
 }
 
-/// Returns the table with times in the unit of the sweep. If `beside` is set, seconds follow the
+/// Returns the table with times in the unit of the sweep. If `with_seconds` is set, seconds follow the
 /// ticks.
-pub(super) fn sweep_rows(sweep: &Sweep, beside: bool) -> TextTable {
-    let tick = |point: &SweepPoint| sweep.tick(point).filter(|_| beside);
+pub(super) fn sweep_rows(sweep: &Sweep, with_seconds: bool) -> TextTable {
+    let tick = |point: &SweepPoint| sweep.tick(point).filter(|_| with_seconds);
     let time = |point: &SweepPoint, value: f64| match tick(point) {
         Some(tick) => ticks(value) + &tick.beside(value),
         None => number(value),

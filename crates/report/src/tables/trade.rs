@@ -98,8 +98,8 @@ fn figures(trade: &Trade, cell: &ProgramResult, itself: bool, program: usize) ->
     let tick = Tick(trade.programs[program].tick);
     let mean = cell.mean.map(|mean| {
         let half = cell.half_width.map(|half| format!(" ± {}", ticks(half)));
-        let beside = tick.beside_interval(mean, cell.half_width);
-        format!("{bound}{}{}{beside}", ticks(mean), half.unwrap_or_default())
+        let suffix = tick.beside_interval(mean, cell.half_width);
+        format!("{bound}{}{}{suffix}", ticks(mean), half.unwrap_or_default())
     });
     let blank = |text: Option<String>| if itself { String::new() } else { or_none(text) };
     [

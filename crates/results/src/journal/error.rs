@@ -7,7 +7,7 @@ pub enum JournalError {
     /// The first line of the journal is invalid or identifies another ensemble.
     #[error(
         "`journal.jsonl` does not belong to the `manifest.json` in its folder; \
-         move both to where they came from, or choose another folder; if one is damaged, `stochc fsck --repair` may help"
+         move both back to their folders, or choose another folder; if one is damaged, `stochc fsck --repair` may help"
     )]
     Foreign,
     /// The journal was changed while it was read.

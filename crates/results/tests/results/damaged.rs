@@ -263,12 +263,12 @@ fn what_is_before_endless_rubbish_is_saved() {
     complete(folder.path(), &manifest(4), 1);
     let path = folder.path().join("journal.jsonl");
     let journal = fs::read_to_string(&path).unwrap();
-    let rubbish = "x".repeat(70 << 20);
+    let garbage = "x".repeat(70 << 20);
     for (whole, left) in [(3, 2), (9, 8)] {
         let before: String = journal.split_inclusive('\n').take(whole).collect();
         put(
             &path,
-            format!("{before}{rubbish}\n{}", &journal[before.len()..]),
+            format!("{before}{garbage}\n{}", &journal[before.len()..]),
         );
         assert_eq!(damaged(folder.path()), ["journal.jsonl"]);
         assert!(Folder::read(folder.path()).is_err());

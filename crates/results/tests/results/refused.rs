@@ -123,7 +123,7 @@ fn a_journal_of_another_ensemble_is_refused() {
     complete(other.path(), &changed, 1);
     let journal = |of: &tempfile::TempDir| of.path().join("journal.jsonl");
     fs::copy(journal(&other), journal(&folder)).unwrap();
-    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`journal.jsonl` does not belong to the `manifest.json` in its folder; move both to where they came from, or choose another folder; if one is damaged, `stochc fsck --repair` may help");
+    assert_snapshot!(error(folder.path(), &manifest(2), true), @"`journal.jsonl` does not belong to the `manifest.json` in its folder; move both back to their folders, or choose another folder; if one is damaged, `stochc fsck --repair` may help");
 }
 
 #[test]

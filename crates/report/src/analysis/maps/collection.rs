@@ -15,7 +15,7 @@ use super::tally::Tally;
 use crate::analysis::reported_program::{Input, ReportedProgram};
 
 /// Reader of the recording of a run. Arguments: index of the folder, index of the program, number
-/// of the run. Returns `None` if there is no recording.
+/// of the run. Returns `None` without a recording.
 pub type RecordingReader<'a> = dyn Fn(usize, usize, u64) -> Option<io::Result<Box<dyn Read>>> + 'a;
 
 /// Computes the maps of a program. Returns `None` if its blocks do not move, or it captures none.

@@ -80,11 +80,11 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         "min",
         "max",
     ];
-    let beside = match tick(parts) {
+    let seconds = match tick(parts) {
         Some(_) => ", and below in seconds",
         None => "",
     };
-    let caption = format!("Times to completion in {unit}{beside}; ± is half of a 95 % interval");
+    let caption = format!("Times to completion in {unit}{seconds}; ± is half of a 95 % interval");
     out.table(&caption, &header, &rows);
     for subject in parts.subjects {
         failures(parts, subject, out);

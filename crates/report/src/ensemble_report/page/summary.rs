@@ -35,9 +35,9 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         let mut of = "the time";
         if let Some(time) = parts.time(subject).filter(|_| is_any) {
             of = "that";
-            let beside = tick(parts).map(|tick| tick.beside_interval(time.mean, time.half_width));
-            let beside = beside.unwrap_or_default();
-            item += &format!(", in {} {unit}{beside} on average", mean(&time));
+            let seconds = tick(parts).map(|tick| tick.beside_interval(time.mean, time.half_width));
+            let seconds = seconds.unwrap_or_default();
+            item += &format!(", in {} {unit}{seconds} on average", mean(&time));
         }
         item += ". ";
         let share = |wait: &&ReportedCapture| wait.share.unwrap_or(0.0);

@@ -76,11 +76,11 @@ fn table(sweep: &Sweep, out: &mut Html) {
         cells
     };
     let rows: Vec<_> = sweep.points.iter().take(ROWS).map(row).collect();
-    let beside = match sweep.points.first().and_then(|point| sweep.tick(point)) {
+    let seconds = match sweep.points.first().and_then(|point| sweep.tick(point)) {
         Some(_) => ", and below in seconds",
         None => "",
     };
-    let caption = format!("Time to completion in {}{beside}", sweep.unit);
+    let caption = format!("Time to completion in {}{seconds}", sweep.unit);
     let axes: Vec<String> = sweep.axes.iter().map(|axis| axis.label()).collect();
     let figures = [
         "mean",
