@@ -35,7 +35,7 @@ pub struct TradeArguments {
     /// Start no run after this time, such as 90s, 10m or 2h
     #[arg(long, value_name = "TIME", value_parser = time)]
     time: Option<Duration>,
-    /// Make runs until the 95 % confidence interval of every mean is at most ± PERCENT, such as 3%
+    /// Make runs until the half-width of the 95 % confidence interval of every mean is at most PERCENT of it, such as 3%
     #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with = "time")]
     until: Option<f64>,
     /// Stop a run after this many ticks; its time is then censored

@@ -121,7 +121,7 @@ pub struct MakingOptions {
     /// folder for `resume` and `repeat`]
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_RUNS))]
     pub runs: Option<u64>,
-    /// Make runs until the 95 % confidence interval of every mean is at most ± PERCENT, such as 3%
+    /// Make runs until the half-width of the 95 % confidence interval of every mean is at most PERCENT of it, such as 3%
     #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with_all = ["record", "watch"])]
     pub until: Option<f64>,
     #[command(flatten)]
