@@ -234,14 +234,15 @@ impl ReachAnalysis<'_> {
                         format!("{other} after {name}")
                     })
                     .collect();
-                if later.iter().all(|&other| self.is_plain(other)) {
+                let is_unnamed = waits.iter().any(|wait| wait.contains('#'));
+                if !is_unnamed && later.iter().all(|&other| self.is_plain(other)) {
                     return (format!("write {}\n", listed(&waits)), None);
                 }
                 let its_own = match waits.len() {
                     1 => "as a statement of its own",
                     _ => "as statements of their own",
                 };
-                let naming = if waits.iter().any(|wait| wait.contains('#')) {
+                let naming = if is_unnamed {
                     "; name the instance of the pattern: `... as a`"
                 } else {
                     ""

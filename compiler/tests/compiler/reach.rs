@@ -720,6 +720,29 @@ fn diagnostic_named(checked: &Checked, diagnostic: &Diagnostic) -> u32 {
     plan.events.iter().position(is_it).unwrap() as u32
 }
 
+/// A fix cannot wait for a block of an unnamed instance. The instance has to be named first.
+#[test]
+fn a_remedy_that_waits_for_an_unnamed_instance_asks_for_its_name() {
+    let text = "pattern cap(base, side) { base.up -> C.side -> D }
+        assembly looped {
+            seed plate 3 x 3 { for x in 0..2 { for y in 0..2 { B[x, y, 0] at (x, y) } } }
+            phase p0 {
+                for x in 0..2 { B[x, 0, 0].up -> B[x, 0, 1] }
+                for x in 0..2 { B[x, 0, 1].up -> B[x, 0, 2] }
+                B[2, 1, 0].up -> B[2, 1, 1]
+                cap(B[0, 1, 0], east)
+                for x in 0..2 { B[x, 2, 0].up -> B[x, 2, 1] }
+                for x in 0..2 { B[x, 0, 2].north -> B[x, 1, 2] }
+            }
+        }";
+    let remedies = apply_remedies(text);
+    assert!(remedies.written_out > 0, "{remedies:?}");
+    let now = checked(text);
+    let asks =
+        |it: &&Diagnostic| (it.help.as_deref()).is_some_and(|help| help.contains("... as a"));
+    assert!(sealed(&now).iter().any(asks));
+}
+
 /// Returns a program event by event, without loops and patterns. `added` maps waiting events to the
 /// events that they additionally wait for.
 fn written_out(checked: &Checked, added: &BTreeMap<String, String>) -> String {
