@@ -21,7 +21,7 @@ const OPTIONS: [(&str, Level, &str); 3] = [
     (
         "allow",
         Level::Allow,
-        "Do not report this warning; `warnings` stands for all, `stochc explain` lists them",
+        "Do not report this warning. `warnings` means all warnings; `stochc explain` lists their codes",
     ),
     ("warn", Level::Warn, "Report this warning [default]"),
     (

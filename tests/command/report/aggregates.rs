@@ -26,7 +26,7 @@ fn an_aggregate_has_the_sections_that_fit_and_none_that_are_empty() {
                 .collect()
         })
         .collect();
-    assert_eq!(headings, ["How its largest group grows", "Single runs"]);
+    assert_eq!(headings, ["Growth of the largest group", "Single runs"]);
     for body in document
         .descendants()
         .filter(|node| node.has_tag_name("tbody"))

@@ -19,9 +19,9 @@ pub enum Called {
 /// First parts of the block names.
 #[derive(Clone, Copy, Debug)]
 pub struct NameWords<'a> {
-    /// First part for a block of the target.
+    /// First word of the names of target blocks.
     pub block: &'a str,
-    /// First part for a block of a scaffold.
+    /// First word of the names of scaffold blocks.
     pub scaffold: &'a str,
 }
 

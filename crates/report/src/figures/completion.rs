@@ -32,7 +32,7 @@ pub fn completion(
         })
         .collect();
     let axis = PlotAxis::new("time", clock.unit());
-    let title = "Runs that are not complete yet, over time";
+    let title = "Incomplete runs over time";
     Ok(survival(
         medium,
         "survival",

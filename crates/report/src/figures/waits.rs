@@ -41,7 +41,7 @@ pub(crate) fn waits(
     let mut out = Drawing::new(
         medium,
         &format!("waits-{program}"),
-        &format!("{}: how long each capture was waited for", subject.label),
+        &format!("{}: waiting times of captures", subject.label),
         &description(subject, &shown),
     );
     let decisive = shown.iter().any(|wait| wait.share.is_some());

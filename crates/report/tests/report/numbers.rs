@@ -240,7 +240,10 @@ fn a_failed_run_counts_nowhere() {
             let (_, table) = report.page.split_once(caption).unwrap();
             table.split_once("</table>").unwrap().0.to_owned()
         };
-        [cells("Times of the phases"), cells("The captures; waits")]
+        [
+            cells("Times of the phases"),
+            cells("Captures: mean waiting"),
+        ]
     };
     let mut runs: Vec<Finished> = Vec::new();
     five(0.2)

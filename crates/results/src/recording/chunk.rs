@@ -29,7 +29,7 @@ pub(super) fn unpacked(bodies: u32, ticks: u32) -> u64 {
 pub(super) struct PoseChunk {
     /// Ticks in rising order.
     pub ticks: Vec<u64>,
-    /// Coordinate of the number 0, by axis \[block lengths\].
+    /// Coordinate of the cell with index 0 on each axis \[block lengths\].
     pub corner: [f64; 3],
     /// Step of a coordinate \[block lengths\].
     pub step: f64,

@@ -27,7 +27,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         None => PlotAxis::new("time", unit),
     };
     let incomplete = picture::incomplete();
-    let title = "Runs that are not complete yet, over time";
+    let title = "Incomplete runs over time";
     let figure = |medium| {
         picture::survival(
             medium,
@@ -38,15 +38,15 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
             Colours::Compared,
         )
     };
-    let caption = "The estimate of Kaplan and Meier; bands are pointwise 95 % intervals (up to four \
-                   curves), <code>|</code> a run that timed out or was censored. At risk are the runs under \
-                   observation at a tick of the axis, those that a timeout has ended among them.";
+    let caption = "Kaplan-Meier estimate. Bands are pointwise 95 % confidence intervals (up to four \
+                   curves), <code>|</code> marks a run that timed out or was censored. At risk is the number of \
+                   runs under observation, including runs that timed out.";
     show(parts, out, drawings, figure, caption, &["survival.csv"]);
     let times: Vec<(&str, Time)> = (parts.detailed())
         .filter_map(|(_, subject)| Some((subject.label.as_str(), parts.time(subject)?)))
         .collect();
     if times.len() > 1 {
-        let caption = "Dots are means, lines their 95 % intervals; ≥ a lower bound, because runs \
+        let caption = "Dots are means, lines their 95 % confidence intervals. ≥ marks lower bounds: some runs \
                        timed out or were censored.";
         let figure = |medium| picture::means(medium, &times, unit);
         show(parts, out, drawings, figure, caption, &["means.csv"]);
@@ -84,7 +84,9 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         Some(_) => ", and below in seconds",
         None => "",
     };
-    let caption = format!("Times to completion in {unit}{seconds}; ± is half of a 95 % interval");
+    let caption = format!(
+        "Times to completion in {unit}{seconds}; ± is the 95 % confidence interval of the mean"
+    );
     out.table(&caption, &header, &rows);
     for subject in parts.subjects {
         failures(parts, subject, out);
@@ -168,7 +170,7 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
     };
     let rows: Vec<_> = rows.iter().map(row).collect();
     let caption = format!(
-        "Mean of the first less that of the second, in {}; ± is half of a 95 % interval",
+        "Mean of the first program minus mean of the second, in {}; ± is the 95 % confidence interval",
         parts.clock.unit()
     );
     out.table(
@@ -177,9 +179,9 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
         &rows,
     );
     out.note(
-        "p is the probability of a difference at least this large if there were none; p (Holm) is \
-         corrected for the number of pairs that are tested in this table, and a difference is called one where it is \
-         below 0.05. Programs with one seed meet the same kicks in runs of the same number, so that they \
-         are compared run by run.",
+        "p is the probability of a difference at least this large if there were none. p (Holm) is \
+         corrected for the number of tested pairs. Differences with p (Holm) below 0.05 are called \
+         significant. Programs with the same seed have the same random impulses in runs with the \
+         same number, so they are compared run by run.",
     );
 }

@@ -25,7 +25,7 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
             .map(|(option, value)| format!("{option} = {value}"))
             .collect();
         let rows: Vec<Vec<HtmlCell>> = [
-            ("made by", format!("stochc {}", manifest.stochc)),
+            ("version", format!("stochc {}", manifest.stochc)),
             ("model", manifest.settings.model.name().to_owned()),
             ("substeps", steps(&manifest.settings).unwrap_or_default()),
             ("settings", settings.join(", ")),
@@ -39,13 +39,13 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         .map(|(what, value)| vec![HtmlCell::Plain(what.into()), HtmlCell::Marked(name(&value))])
         .collect();
         out.table("The ensemble", &["", "value"], &rows);
-        out.paragraph("The same runs again, bit for bit:");
+        out.paragraph("Repeat the same runs, bit for bit:");
         out.raw(&command(&format!(
             "stochc repeat {} --out AGAIN",
             shell::file(&input.path)
         )));
         if let Some(line) = simulate(manifest) {
-            out.paragraph("From its files, as they were then:");
+            out.paragraph("Repeat them from the source files, if these are unchanged:");
             out.raw(&command(&line));
         }
         let programs = manifest.programs.iter().enumerate();
@@ -59,7 +59,7 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
                 .map(|term| term.text.clone())
                 .collect();
             out.raw(&format!(
-                "<details id=\"{}\"><summary>{}, in the scene {}: the text</summary>\n",
+                "<details id=\"{}\"><summary>{}, scene {}: source</summary>\n",
                 text_id(folder, number),
                 name(&program.name),
                 name(&scene.name)
@@ -196,26 +196,27 @@ fn setting_axes(manifest: &stochc_results::Manifest) -> Option<Vec<(&str, Vec<&s
 }
 
 pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
-    out.heading(2, "methods", "How to read this, and data");
+    out.heading(2, "methods", "Definitions and data");
     out.list(
         "ul",
         &[
-            "<strong>Ticks</strong> are the scene's clock, and <em>seconds</em> those of the scene, not of the \
-             computer. A face is magnetized, blocks come into \
-             the reach of its pull (<em>entries</em>), and one docks; its <em>docking</em> time \
-             counts from its last entry."
+            "<strong>Times</strong> are scene times, in ticks or seconds, not CPU times. A capture has \
+             a <em>waiting time</em>: from the tick at which its face is switched on to the docking. \
+             Blocks enter the reach of the face (<em>entries</em>) and may leave again. The \
+             <em>docking</em> time starts at the last entry."
                 .to_owned(),
-            "<strong>Censored</strong> runs reached <code>--max-ticks</code>: their times are longer, by an unknown amount. \
-             Runs that <strong>timed out</strong> never complete. The curves take both into \
-             account (Kaplan and Meier; intervals by Greenwood's formula for log(−log S)); means \
-             are then those of min(time, horizon), lower bounds."
+            "<strong>Censored</strong> runs reached <code>--max-ticks</code>, so their times are only known to be \
+             longer. Runs that <strong>timed out</strong> never complete. The curves account for both \
+             (Kaplan-Meier estimate; intervals by Greenwood's formula for log(−log S)). Means are then \
+             those of min(time, horizon), which are lower bounds."
                 .to_owned(),
-            "<strong>What decided</strong> a run is found by walking back from its last event to \
-             the one that it waited for last, and so on to the beginning. These waits fill the run \
-             from end to end; <em>of all time</em> is their part of the time of all runs together."
+            "The <strong>critical path</strong> of a run is found backwards from its last event: each event \
+             leads to the event that it waited for last. <em>Share of time</em> is the time spent on \
+             the critical path of all runs, over the time of all runs."
                 .to_owned(),
-            "<strong>Tests</strong>: paired t run by run for programs with one seed, Welch's t for \
-             others, on times up to the last that both tell of; p (Holm) for all pairs together."
+            "<strong>Tests</strong>: paired t-test for programs with the same seed, Welch's t-test for \
+             others. Times are cut at the last tick that both programs have. p (Holm) is corrected for \
+             all pairs."
                 .to_owned(),
             "Formulas with their sources, and the columns of the data files: \
              <code>docs/guides/report.md</code> of stochc."

@@ -41,17 +41,13 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
         return;
     }
     phases(parts, n, subject, out, drawings);
-    out.heading(
-        3,
-        &format!("waits-of-{n}"),
-        "Which capture is the bottleneck",
-    );
+    out.heading(3, &format!("waits-of-{n}"), "Waiting times of captures");
     let figure = |medium| picture::waits(medium, n, subject, waits);
-    let caption = "From the magnetizing of a face to the docking of a block. Dots are means, thick \
-                   lines their 95 % intervals, thin lines hold the middle 80 % of the waits; ≥ where \
-                   a run was stopped while it waited. Captures stand in the order of the dependency \
-                   graph, a hook where one needs the one above. The bars are what counts: a wait \
-                   beside a longer one costs nothing.";
+    let caption = "Waiting time: from the tick at which a face is switched on to the docking of a block. Dots \
+                   are means, thick lines their 95 % confidence intervals, thin lines the middle 80 %. \
+                   ≥ marks lower bounds. Captures are in the order of the dependency graph; a hook \
+                   marks a capture that needs the one above. Bars show the share of the completion \
+                   time spent waiting for this capture only.";
     show(
         parts,
         out,
@@ -74,7 +70,7 @@ fn sizes(
     out: &mut Html,
     drawings: &mut Vec<Drawing>,
 ) {
-    out.heading(3, &format!("sizes-of-{n}"), "How its largest group grows");
+    out.heading(3, &format!("sizes-of-{n}"), "Growth of the largest group");
     let phases = subject.program.phases();
     let curves: Vec<SurvivalCurve> = (phases.iter().enumerate())
         .map(|(number, phase)| SurvivalCurve {
@@ -82,9 +78,9 @@ fn sizes(
             times: on_axis(subject, subject.size_times(number)),
         })
         .collect();
-    let title = format!("{}: runs without a group of each size yet", subject.label);
+    let title = format!("{}: runs without a group of each size", subject.label);
     let axis = subject.time_axis("time");
-    let without = PlotAxis::new("runs without a group of this size yet", "%");
+    let without = PlotAxis::new("runs without a group of this size", "%");
     let file = format!("sizes-{n}");
     let figure = |medium| {
         picture::survival(
@@ -96,7 +92,7 @@ fn sizes(
             Colours::Phases,
         )
     };
-    let caption = "From the beginning of each run to its first group of each size.";
+    let caption = "Time from the start of a run to its first group of each size.";
     show(parts, out, drawings, figure, caption, &["sizes.csv"]);
     let rows = curves.iter().enumerate().map(|(number, curve)| {
         let observed = subject.size_times(number);
@@ -125,7 +121,7 @@ fn sizes(
         "min",
         "max",
     ];
-    let caption = "Times from the beginning in ticks, and below in seconds";
+    let caption = "Times from the start in ticks, and below in seconds";
     out.table(caption, &header, &rows);
 }
 
@@ -134,7 +130,7 @@ fn text_link(parts: &Parts, subject: &ReportedProgram) -> String {
     let programs = &parts.inputs[subject.folder].manifest.programs;
     let first = first_of_text(programs, subject.number);
     format!(
-        "<a href=\"#{}\">Its text and its scene</a>",
+        "<a href=\"#{}\">Source and scene</a>",
         text_id(subject.folder, first)
     )
 }
@@ -148,7 +144,7 @@ pub(super) fn phases(
 ) {
     let phases = subject.program.phases();
     let times = |phase: usize| subject.phase_times(phase);
-    out.heading(3, &format!("phases-of-{n}"), "Phase by phase");
+    out.heading(3, &format!("phases-of-{n}"), "Phases");
     let curves: Vec<SurvivalCurve> = (phases.iter().enumerate())
         .map(|(number, phase)| SurvivalCurve {
             name: phase.name.clone(),
@@ -156,7 +152,7 @@ pub(super) fn phases(
         })
         .collect();
     if phases.len() > 1 {
-        let title = format!("{}: phases that are not complete yet", subject.label);
+        let title = format!("{}: incomplete phases over time", subject.label);
         let axis = subject.time_axis("time since the phase began");
         let incomplete = picture::incomplete();
         let file = format!("phases-{n}");
@@ -170,7 +166,7 @@ pub(super) fn phases(
                 Colours::Phases,
             )
         };
-        let caption = "Each phase from its own beginning, of the runs that reached it.";
+        let caption = "Time from the start of each phase, for the runs that reached it.";
         show(parts, out, drawings, figure, caption, &["survival.csv"]);
     }
     let total = subject.decisive.total;
@@ -202,7 +198,7 @@ pub(super) fn phases(
         "CV",
         "min",
         "max",
-        "of all time",
+        "share of time",
     ];
     out.table(
         "Times of the phases in ticks, and below in seconds",
@@ -218,7 +214,7 @@ pub(super) fn captures(subject: &ReportedProgram, waits: &[ReportedCapture], out
         shown.sort_by(|a, b| share(b).total_cmp(&share(a)));
         shown.truncate(ROWS);
         out.note(&format!(
-            "The {ROWS} of {} captures that decided most.",
+            "The {ROWS} of {} captures with the largest shares.",
             waits.len()
         ));
     }
@@ -243,15 +239,15 @@ pub(super) fn captures(subject: &ReportedProgram, waits: &[ReportedCapture], out
     let header = [
         "capture",
         "phase",
-        "wait",
+        "waiting time",
         "CV",
         "entries",
         "docking",
-        "runs it decided",
-        "of all time",
+        "on the critical path",
+        "share of time",
     ];
     out.table(
-        "The captures; waits and docking in ticks, and below in seconds, means with half of their 95 % intervals",
+        "Captures: mean waiting and docking times in ticks, and below in seconds; ± is the 95 % confidence interval",
         &header,
         &rows,
     );
@@ -265,7 +261,7 @@ pub(super) fn origins(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     out.heading(
         3,
         &format!("origins-of-{}", index + 1),
-        "Where captured blocks came from",
+        "Origin of captured blocks",
     );
     if free + released == 0 {
         out.paragraph("There are no captures yet.");
@@ -273,21 +269,21 @@ pub(super) fn origins(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     }
     if released == 0 {
         out.paragraph(&format!(
-            "All {} captures took a block that had never been captured.",
+            "All {} captures bonded a block that had never been captured.",
             number(free as f64)
         ));
         return;
     }
     let total = free + released;
     out.paragraph(&format!(
-        "{} of {} captures ({}) took a block that had been part of the structure before.",
+        "{} of {} captures ({}) bonded a released block.",
         number(released as f64),
         number(total as f64),
         percent(released as f64 / total as f64)
     ));
     let label = &subject.label;
     let figure = |medium| picture::origins(medium, index + 1, label, subject.program, waits);
-    let caption = "Captures that ever took a released block, and the role that it had held last.";
+    let caption = "Captures that bonded a released block, and its last role in the structure.";
     show(parts, out, drawings, figure, caption, &["origins.csv"]);
 }
 
@@ -296,12 +292,12 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut
     let title = if is_aggregate {
         "Single runs"
     } else {
-        "What decided single runs"
+        "Critical paths of single runs"
     };
     out.heading(3, &format!("runs-of-{n}"), title);
-    let note = "Told from the chain of waits that met end to end: every other wait of the run was over \
-         before it mattered. Shares are of the whole run; a captured block had never been captured \
-         before unless it is said.";
+    let note = "The critical path is the chain of waiting times that decided the completion time. Shares are \
+                those of the whole run. A captured block had never been captured before, unless \
+                stated.";
     if !is_aggregate {
         out.note(note);
     }

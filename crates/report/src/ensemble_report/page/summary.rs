@@ -32,9 +32,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         // If a timeout ended all runs, no mean is meaningful, because none completes.
         let may_complete = |it: &Observation| it.status != Status::Competing;
         let is_any = subject.times().iter().any(may_complete);
-        let mut of = "the time";
         if let Some(time) = parts.time(subject).filter(|_| is_any) {
-            of = "that";
             let seconds = tick(parts).map(|tick| tick.beside_interval(time.mean, time.half_width));
             let seconds = seconds.unwrap_or_default();
             item += &format!(", in {} {unit}{seconds} on average", mean(&time));
@@ -44,7 +42,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         let most = waits.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
         if let Some(wait) = most.filter(|wait| share(wait) > 0.0) {
             item += &format!(
-                "The capture that decides most of {of} is {}, with {} of all time.",
+                "The bottleneck is {}, with {} of the time.",
                 code(&wait.text),
                 whole_percent(share(&wait))
             );
@@ -84,7 +82,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         .collect();
     sections.extend(ids.iter().map(|(id, label)| (id.as_str(), label.clone())));
     sections.push(("origin", "Programs and settings".into()));
-    sections.push(("methods", "How to read this, and data".into()));
+    sections.push(("methods", "Definitions and data".into()));
     let links: Vec<String> = (sections.iter())
         .map(|(id, text)| format!("<a href=\"#{id}\">{}</a>", name(text)))
         .collect();

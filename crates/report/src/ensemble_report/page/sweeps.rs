@@ -22,10 +22,10 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
         let [screen, printed] = [Medium::Screen, parts.surroundings.figures.medium].map(drawn);
         for (screen, printed) in screen.into_iter().zip(printed) {
             let caption = if screen.name.ends_with("-completed") {
-                "Dots are parts of the finished runs, lines their 95 % intervals."
+                "Dots are shares of the finished runs, lines their 95 % confidence intervals."
             } else {
-                "With 95 % intervals; ≥ a lower bound, because runs were stopped before they \
-                 completed."
+                "Lines are 95 % confidence intervals. ≥ marks lower bounds: some runs did not \
+                 complete."
             };
             let figure = |medium| match medium {
                 Medium::Screen => Some(screen.clone()),
@@ -87,7 +87,7 @@ fn table(sweep: &Sweep, out: &mut Html) {
         "median",
         "completed",
         "per capture",
-        "released before",
+        "released blocks",
     ];
     let header: Vec<&str> = (std::iter::once("program"))
         .chain(axes.iter().map(String::as_str))

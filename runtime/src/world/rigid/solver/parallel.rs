@@ -53,7 +53,7 @@ struct BatchPoint<R: Lane, const N: usize> {
     /// Mask of the contacts with this many points.
     real: R::Quad,
     depth: R::Quad,
-    /// Target velocity along the normal, or that of a spring.
+    /// Target velocity along the normal, set by restitution or by a spring.
     target: R::Quad,
     /// Displacement per tick that corrects the overlap.
     recovery: R::Quad,

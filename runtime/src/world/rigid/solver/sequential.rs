@@ -36,7 +36,7 @@ struct SequentialContact {
 struct PointConstraint<R: Lane> {
     /// Depth of the overlap.
     depth: R,
-    /// Target velocity along the normal, or that of a spring.
+    /// Target velocity along the normal, set by restitution or by a spring.
     target: R,
     /// Softness of a compliant contact: velocity reduction per impulse.
     softness: R,
