@@ -12,7 +12,7 @@ use stochc::progress::WorkProgress;
 use stochc::results::now;
 
 /// Width of drawings \[columns\].
-pub const WIDTH: usize = 100;
+pub const WIDTH: usize = 80;
 
 /// Messages and progress for a caller.
 #[derive(Debug, Default)]
