@@ -268,7 +268,7 @@ class Ensemble:
         """Returns all results and comparisons, in the form of `stochc show --format json`. `captures` includes every capture."""
         return json.loads(self._native.results(_arguments.yes("captures", captures), None))
 
-    def text(self, *, captures: bool = False, width: int = 100) -> str:
+    def text(self, *, captures: bool = False, width: int = 80) -> str:
         """Returns the output of `stochc show` for this line width [columns]."""
         columns = whole("width", width, 40, 10_000)
         return self._native.results(_arguments.yes("captures", captures), columns)
