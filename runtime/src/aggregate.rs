@@ -23,14 +23,14 @@ stochc_ir::state! {
     () Growth;
     values: phase_ticks, began, largest;
     parts: ;
-    // Observers receive these events before a state is saved.
+    // Not part of the state: observers receive these events before a state is saved.
     same: events
 }
 
 /// Steps a world until its largest group reaches the size in the tables.
 ///
 /// Calls `step_observer` at every tick with the phases that begin there. Phase i ends at the first
-/// tick with a group of i + 2 blocks. It takes 0 ticks if several sizes are reached at once. A
+/// tick with a group of i + 2 blocks. A phase takes 0 ticks if several sizes are reached at once. A
 /// group that breaks later still counts.
 ///
 /// # Errors
@@ -85,7 +85,8 @@ pub(crate) fn gather<W: World>(
 }
 
 impl Growth {
-    /// Records the size of the largest group at a tick, in a run with this number of phases.
+    /// Records `largest`, the size of the largest group at `tick`. `phases` is the number of phases
+    /// in the run.
     fn take_in(&mut self, largest: u32, tick: u64, phases: usize) {
         self.largest = self.largest.max(largest);
         while self.phase_ticks.len() < phases && self.largest as usize >= self.phase_ticks.len() + 2

@@ -182,7 +182,7 @@ fn follow<W: World>(
             break Outcome::TimedOut { phase, by };
         }
         tell(watch, tick, phase, &[&controller, world, &step_observer])?;
-        // The next step leads to the tick that needs the controller.
+        // Stop one tick early: the next step then ends at the tick that needs the controller.
         if let Some(last) = controller.next_due(max_ticks).checked_sub(1) {
             world.skip(last);
         }

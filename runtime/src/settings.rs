@@ -18,15 +18,16 @@ pub struct Settings {
     pub substeps: u32,
     /// Steps per tick of blocks away from open faces. `None` if equal to `substeps`.
     ///
-    /// `substeps` must be a multiple of it. Only `rigid` uses it; `rapier` takes the short steps
-    /// everywhere.
+    /// `substeps` must be a multiple of it. Only `rigid` uses this setting; `rapier` takes the
+    /// short steps everywhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub away: Option<u32>,
     /// Effort of the contact solver per substep. `None` selects [`Settings::iterations`] of the
     /// model.
     ///
     /// For `rapier`, its `num_solver_iterations`: internal steps that also make contacts stiffer.
-    /// For `rigid`, the largest number of rounds over contacts that still change.
+    /// For `rigid`, the largest number of solver rounds. A round visits the contacts whose impulses
+    /// may still change.
     pub solver_iterations: Option<u32>,
     /// Floating-point precision. `rapier` has single precision only.
     #[serde(default, skip_serializing_if = "Precision::is_single")]
@@ -41,7 +42,7 @@ pub struct Settings {
     pub max_ticks: Option<u64>,
 }
 
-/// Default limit of the rounds over contacts in model `rigid`.
+/// Default limit of solver rounds in model `rigid`.
 pub(crate) const ROUNDS: u32 = 10;
 
 /// Model of block motion.
@@ -123,7 +124,7 @@ impl Model {
         }
     }
 
-    /// Returns a description in one line.
+    /// Returns a one-line description.
     pub const fn meaning(self) -> &'static str {
         match self {
             Model::Rapier => "Rigid bodies by the general engine Rapier",
@@ -166,7 +167,7 @@ impl Reduction {
         }
     }
 
-    /// Returns a description in one line.
+    /// Returns a one-line description.
     pub const fn meaning(self) -> &'static str {
         match self {
             Reduction::Rotation => "Blocks never turn",
@@ -197,7 +198,7 @@ impl Precision {
         }
     }
 
-    /// Returns a description in one line.
+    /// Returns a one-line description.
     pub const fn meaning(self) -> &'static str {
         match self {
             Precision::Single => "32-bit floating point",
@@ -237,7 +238,7 @@ impl Settings {
         }
     }
 
-    /// Returns the steps per tick that blocks of a scene take.
+    /// Returns the numbers of steps per tick that the model uses for a scene.
     pub fn steps_in(&self, scene: &Scene) -> Substeps {
         let steps = self.steps();
         match self.model {
@@ -249,7 +250,7 @@ impl Settings {
         }
     }
 
-    /// Returns the steps and precision of runs with physics, or `None` for other models.
+    /// Returns the steps per tick and the precision, or `None` for models without physics.
     pub fn stepping(&self) -> Option<Stepping> {
         let steps = match self.model {
             Model::Rigid => self.steps(),
@@ -300,7 +301,8 @@ impl Settings {
         self.solver_iterations.unwrap_or(usual).max(1)
     }
 
-    /// Returns the settings with all defaults filled in. Equal results compute the same.
+    /// Returns the settings with all defaults filled in. Two settings compute the same if the
+    /// results of this function are equal.
     #[must_use]
     pub fn resolved(&self) -> Settings {
         let local = |&away: &u32| away != self.substeps && self.model == Model::Rigid;
@@ -346,8 +348,7 @@ impl Settings {
                 ),
             ]
         };
-        // Settings that only one of the two models uses follow from the model. Compare only common
-        // ones.
+        // If the models differ, compare only settings that both models use.
         let is_same = self.model == other.model;
         let uses = |setting| self.model.uses(setting) && other.model.uses(setting);
         let counts = |setting: Option<Setting>| is_same || setting.is_none_or(uses);

@@ -22,11 +22,11 @@ const PATIENCE: u32 = 100_000;
 /// Result of an experiment, averaged over 32 starting moments within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepError {
-    /// Measured quantity.
+    /// Name of the measured quantity.
     pub figure: &'static str,
     /// Unit of the quantity. Empty if it is dimensionless.
     pub unit: &'static str,
-    /// Steps per tick that such blocks take.
+    /// Number of steps per tick of the blocks in this experiment.
     pub steps: u32,
     /// Value with the chosen steps.
     pub taken: f64,
@@ -79,7 +79,8 @@ pub fn step_errors(scene: &Scene, steps: Substeps) -> Vec<StepError> {
     errors.collect()
 }
 
-/// Function of the scene, the steps per tick, and the starting moment in (0, 1).
+/// Experiment: maps a scene, steps per tick and starting moment in a step, in (0, 1), to the
+/// measured value.
 type Experiment = fn(&Scene, u32, f64) -> Option<f64>;
 
 /// Returns the coefficient of restitution of two blocks that meet face to face at the expected
@@ -155,7 +156,7 @@ fn docking(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
 /// Distance from the plate, large enough to be out of its reach \[block lengths\].
 const FAR: f64 = 30.0;
 
-/// Returns the scene without anything around the blocks that moves them.
+/// Returns the scene without enclosure, random impulses, gravity and flow. Viscous drag stays.
 fn surroundings_of_none(scene: &Scene) -> Scene {
     let still = scene.fluid.as_ref().and_then(|fluid| fluid.viscosity);
     Scene {

@@ -78,7 +78,7 @@ impl<'t> Controller<'t> {
         }
     }
 
-    /// Processes the captures of the world's last step and everything else due at this tick.
+    /// Processes the captures of the world's last step, then the messages that have arrived.
     pub fn advance(&mut self, dockings: &[Docking], world: &mut impl World) {
         self.recorder.tick = world.tick();
         for (i, docking) in dockings.iter().enumerate() {
@@ -108,7 +108,7 @@ impl<'t> Controller<'t> {
             .min(or_never(self.recorder.network.next_due()))
     }
 
-    /// Records that a phase begins, or that the last one has ended.
+    /// Records that a phase begins. `None` records that the last phase has ended.
     pub(super) fn note_phase(&mut self, phase: Option<PhaseId>) {
         self.phase_began = self.recorder.tick;
         let timeout = phase.and_then(|phase| self.tables.phases[phase.0 as usize].timeout);
@@ -150,7 +150,7 @@ impl<'t> Controller<'t> {
         })
     }
 
-    /// Delivers all messages that are due and begins the phases that they make ready.
+    /// Delivers all messages that are due. Begins each phase that can then start.
     fn settle(&mut self, world: &mut impl World) {
         loop {
             while let Some((from, at, message)) = self.recorder.due() {
@@ -173,7 +173,7 @@ impl<'t> Controller<'t> {
             .next_phase(&mut self.recorder.in_world(world));
     }
 
-    /// Attaches the pre-attached blocks of the first phases within the current tick.
+    /// Attaches all pre-attached blocks within the current tick. They belong to the first phases.
     fn plant(&mut self, world: &mut impl World) {
         while self.structure.is_planting() {
             while let Some((site, child)) = self.structure.next_to_plant() {
@@ -188,7 +188,7 @@ impl<'t> Controller<'t> {
         }
     }
 
-    /// Returns the open faces, each with the tick of its switching on.
+    /// Returns the open faces, each with the tick when it was switched on.
     fn waiting(&self, world: &impl World) -> Vec<WaitRecord> {
         let Some(phase) = self.phase() else {
             return Vec::new();

@@ -20,7 +20,7 @@ pub(super) struct Network {
     hop: u64,
     /// Transfers in the order of sending, which is also the order of arrival.
     under_way: VecDeque<Transfer>,
-    /// Transfers that may need resending, in the order of their times and of sending.
+    /// Transfers that may need resending, sorted by the time of resending and then by `order`.
     reminders: VecDeque<Transfer>,
     sent: u64,
     /// Number of hops so far, including resent messages.
@@ -34,7 +34,7 @@ pub(super) struct Network {
 struct Transfer {
     /// Tick of arrival or of resending.
     due: u64,
-    /// Number of earlier transfers.
+    /// Number of transfers sent before this one.
     order: u64,
     from: Body,
     to: Body,
@@ -170,7 +170,7 @@ impl Network {
     }
 
     /// Performs `hops` hops at once if hops take no time and nothing else is in transit. Returns
-    /// whether it did.
+    /// whether the hops were performed.
     pub fn carry(&mut self, hops: u32) -> bool {
         let is_alone = self.hop == 0 && self.loss.is_none() && self.under_way.is_empty();
         if is_alone {
@@ -196,7 +196,7 @@ impl Network {
     }
 
     /// Removes the transfers to and from a block. `unreceived` is the number of hops that the
-    /// structure still expects there.
+    /// structure still expects at this block.
     pub fn recall(&mut self, gone: Body, unreceived: u32) -> Recalled {
         let mut recalled = Recalled::default();
         if let Some(loss) = &mut self.loss {

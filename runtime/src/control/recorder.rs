@@ -15,10 +15,10 @@ use crate::world::World;
 #[derive(Debug)]
 pub(super) struct RunRecorder {
     pub tick: u64,
-    /// Running phase, or the last one.
+    /// Running phase, or the last phase if all phases are complete.
     phase: PhaseId,
     pub network: Network,
-    /// Whether another capture of this tick has not been processed yet.
+    /// Whether captures of this tick remain to be processed.
     pub has_more: bool,
     /// Origin of each released block.
     released: FxHashMap<u32, Origin>,
@@ -33,7 +33,7 @@ stochc_ir::state! {
     () RunRecorder;
     values: tick, phase, released, bonds, releases, unplanned;
     parts: network;
-    // Both are empty between ticks.
+    // Not part of the state: both have their initial values between ticks.
     same: log, has_more
 }
 

@@ -13,8 +13,8 @@ const LANES: usize = 4;
 /// Words of keystream in one ChaCha block.
 const BLOCK: usize = 16;
 
-/// Draws of blocks 0 to 3 in a stream. Equal to [`Draws`](super::Draws), and fastest in rising
-/// order of steps or for block 0 alone.
+/// Draws of blocks 0 to 3 in a stream, with the same values as [`Draws`](super::Draws). Fastest if
+/// steps are read in rising order, or if only block 0 is read.
 #[derive(Clone, Debug)]
 pub struct DrawsAhead {
     key: [u32; 8],
@@ -59,7 +59,8 @@ impl<const COUNT: usize> Ahead<COUNT> {
         words: [[0; LANES]; COUNT],
     };
 
-    /// Returns the lane of a step if its words are available.
+    /// Returns the index of a step among the computed steps, or `None` if its words are not
+    /// available.
     #[inline]
     fn lane(&self, step: u64) -> Option<usize> {
         let lane = self.first.and_then(|first| step.checked_sub(first))?;
@@ -100,7 +101,7 @@ fn keystreams<const COUNT: usize>(key: &[u32; 8], nonce: u64) -> [[u32; LANES]; 
     for _ in 0..3 {
         double_round(&mut w);
     }
-    // Outside the loop, so that the compiler drops the work for words that are not returned.
+    // The last round is outside the loop so that the compiler omits the work for unused words.
     double_round(&mut w);
     std::array::from_fn(|word| (w[word] + start[word]).to_array())
 }

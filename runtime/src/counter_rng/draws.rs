@@ -6,7 +6,7 @@ use stochc_control::explore::DrawIndex;
 /// Words of keystream per block and step.
 pub const WORDS: u32 = 4;
 
-/// Independent sources of randomness. A number is never reused for another source.
+/// Independent source of randomness. The number of a removed source is never reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Stream {
@@ -20,7 +20,7 @@ pub enum Stream {
     Schedule = 3,
     /// Turbulence: amplitudes of one wave in one tick.
     Eddy = 4,
-    /// Brownian motion: two blocks of words for each block of the scene and step of the model.
+    /// Brownian motion. Each step of the model uses two groups of words per block of the scene.
     Heat = 5,
     /// Draws of the model `rate`. Its n-th draw is step n.
     Rate = 6,
@@ -62,7 +62,7 @@ pub(super) fn key(seed: u64, run: u64, stream: Stream) -> [u8; 32] {
     key
 }
 
-/// Draws of one step, fastest in rising order of blocks.
+/// Draws of one step. Reading the blocks in rising order is fastest.
 #[derive(Debug)]
 pub struct StepDraws<'a> {
     pub(super) keystream: &'a mut ChaCha8Rng,
@@ -80,7 +80,7 @@ impl StepDraws<'_> {
         std::array::from_fn(|_| self.keystream.next_u32())
     }
 
-    /// Writes the words of blocks 0 to `blocks` in order, as little-endian bytes.
+    /// Replaces `words` by the words of the first `blocks` blocks, as little-endian bytes.
     pub fn fill(self, blocks: usize, words: &mut Vec<u8>) {
         words.resize(blocks * WORDS as usize * size_of::<u32>(), 0);
         self.keystream.set_word_pos(0);
@@ -88,8 +88,8 @@ impl StepDraws<'_> {
     }
 }
 
-/// Returns the draws of [`Exploration::sample`](stochc_control::explore::Exploration::sample) with
-/// this seed.
+/// Returns the source of random numbers for
+/// [`Exploration::sample`](stochc_control::explore::Exploration::sample) with this seed.
 pub fn schedules(seed: u64) -> impl FnMut(DrawIndex, u32) -> u32 {
     move |draw, n| {
         let mut draws = Draws::new(seed, draw.schedule, Stream::Schedule);
@@ -118,7 +118,7 @@ pub(crate) fn gaussians(words: [u32; WORDS as usize]) -> [f64; 4] {
     [a, b, c, d]
 }
 
-/// Returns one of `0..n`, each equally likely within 2^-32.
+/// Returns a number in `0..n`. All numbers have the same probability within 2^-32.
 pub fn below(word: u32, n: u32) -> u32 {
     ((u64::from(word) * u64::from(n)) >> 32) as u32
 }

@@ -52,7 +52,7 @@ impl<W> StepObserver<W> for () {
 /// of free blocks.
 pub(crate) struct EventObservation<'o, O> {
     pub(super) observer: &'o mut O,
-    /// Block, owner of the face, face and tick of entry, sorted.
+    /// Blocks within reach of a face: block, owner of the face, face, and tick of entry. Sorted.
     inside: Vec<(u32, Body, Face, u64)>,
     /// Bonds between free blocks, sorted.
     bonds: Vec<FreeBond>,

@@ -35,7 +35,7 @@ impl EventRows {
         EventRows { roles, cells }
     }
 
-    /// Returns the number of a block in events.
+    /// Returns the number that stands for a block in rows. It is negative for seeds.
     pub fn number(&self, body: Body) -> i64 {
         match body {
             Body::Free(id) => id.into(),

@@ -17,7 +17,7 @@ use super::parameters::{
 };
 
 impl WorldParameters {
-    /// Returns the terms of a scene around a plate.
+    /// Returns the terms of a scene around a plate, in block units.
     pub fn new(scene: &Scene, plate: &Plate) -> Result<WorldParameters, SceneError> {
         let units = Units::from_scene(scene)?;
         let shell = made(&scene.enclosure, |enclosure| units.shell(enclosure, plate))?;
@@ -62,7 +62,7 @@ struct Units {
 
 type SceneResult<T> = Result<T, SceneError>;
 
-/// Converts an optional term of a scene.
+/// Converts a term of a scene with `make`. Returns `None` if the term is absent.
 fn made<A, B>(term: &Option<A>, make: impl FnOnce(&A) -> SceneResult<B>) -> SceneResult<Option<B>> {
     term.as_ref().map(make).transpose()
 }
@@ -209,7 +209,8 @@ impl Units {
             }),
             Bond::Suction { pump, seal, .. } => {
                 let side = self.of.side;
-                // In block units, a pressure is the acceleration of a block with it on one face.
+                // In block units, a pressure equals the acceleration of a block whose single face
+                // it acts on.
                 let resistance = |number, value: f64| {
                     checked(number, value * side.powi(4) * self.of.tick / self.of.mass)
                 };

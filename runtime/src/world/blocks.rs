@@ -63,15 +63,15 @@ pub(crate) trait Blocks {
     /// Returns the orientation of an anchored block, or `None` if it is free.
     fn anchored(&self, id: u32) -> Option<Orientation>;
     fn position(&self, id: u32) -> Vector3<Self::Real>;
-    /// Returns the position including the part lost to rounding.
+    /// Returns the position, including the part that rounding removed from [`Blocks::position`].
     fn exact_position(&self, id: u32) -> Vector3<f64> {
         cast(self.position(id))
     }
     fn velocity(&self, id: u32) -> Vector3<Self::Real>;
     fn spin(&self, id: u32) -> Vector3<Self::Real>;
-    /// Returns the current rotation after updating it.
+    /// Updates the rotation to the current step and returns it.
     fn rotation(&mut self, id: u32) -> UnitQuaternion<Self::Real>;
-    /// Returns the current state without updating anything.
+    /// Returns the current state without updating stored rotations.
     fn state(&self, id: u32) -> BodyState;
 
     fn set_state(&mut self, id: u32, state: &BodyState);

@@ -15,7 +15,7 @@ use super::parameters::{Attraction, Magnet, Passive};
 pub(crate) struct FreeBonds {
     magnet: Magnet,
     passive: Passive,
-    /// Remaining effect of forces over a step.
+    /// Fraction of the effect of forces that drag leaves in a step.
     response: Response,
     pub groups: BlockGroups,
     /// Velocity changes of rejected blocks, applied in the next step.
@@ -95,7 +95,7 @@ impl FreeBonds {
         self.stiffen(blocks);
     }
 
-    /// Gives each group a rigid motion, whatever the loads of its bonds.
+    /// Gives each group a rigid motion, without a test of bond loads.
     pub fn stiffen(&self, blocks: &mut impl Blocks) {
         self.groups.stiffen(blocks, self.response);
     }

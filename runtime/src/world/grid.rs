@@ -16,7 +16,7 @@ type ChunkKey = [i32; 3];
 /// Window size limit: chunks per requested cell or existing chunk, and an additional constant.
 const ROOM: (i64, i64) = (4, 512);
 
-/// Marks of the cells of a chunk between two coordinates along each axis.
+/// Bit masks of the cells of a chunk between two coordinates, by axis.
 const SLABS: [[[u64; SIDE as usize]; SIDE as usize]; 3] = {
     // Marks at coordinate 0, and the shift to the next coordinate.
     let axes = [
@@ -57,7 +57,7 @@ pub(super) struct ChunkedGrid<T> {
 /// A cube of cells.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct CellChunk {
-    /// Index of its first cell, or [`ABSENT`].
+    /// Index of the chunk's first cell, or [`ABSENT`].
     start: u32,
     /// Marked cells, one bit each.
     marks: u64,
@@ -227,7 +227,7 @@ impl<T: Copy> ChunkedGrid<T> {
         let high = centre.map(|at| at.saturating_add(steps));
         let first = low.map(|at| at.div_euclid(SIDE));
         let last = high.map(|at| at.div_euclid(SIDE));
-        // Marks in the chunk on either side, or in the only one.
+        // Bit masks of the cells to search along an axis, in its first and its second chunk.
         let slabs = |axis: usize| {
             let (low, high) = (low[axis].rem_euclid(SIDE), high[axis].rem_euclid(SIDE));
             let (low, high) = (low as usize, high as usize);
@@ -288,7 +288,8 @@ impl<T: Copy> ChunkedGrid<T> {
         }
     }
 
-    /// Returns the slow path of `chunk`: adds an absent chunk or looks outside the window.
+    /// Returns the same chunk as `chunk`. This slow path adds absent chunks and looks outside the
+    /// window.
     #[cold]
     fn chunk_to_add(&mut self, key: ChunkKey) -> &mut CellChunk {
         if self.find(key).start == ABSENT {

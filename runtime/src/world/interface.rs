@@ -43,8 +43,8 @@ pub trait World: State {
     /// Returns the number of completed ticks.
     fn tick(&self) -> u64;
 
-    /// Sets the cells of the plate that belong to the structure. Called before everything else. If
-    /// all faces always attract, theirs do from now on.
+    /// Sets the cells of the plate that belong to the structure. Called before all other methods.
+    /// If the faces of the scene always attract, the faces of these blocks do from now on.
     fn place_seeds(&mut self, _cells: &[Cell]) {}
 
     /// Switches on a face of an anchored block, to capture the first block that docks there.
@@ -53,20 +53,21 @@ pub trait World: State {
     /// entry count of the face.
     fn magnetize(&mut self, site: BlockFace);
 
-    /// Switches a face off. The block that it holds, and all its descendants, are released at rest.
+    /// Switches a face off. Releases the block that it holds and all descendants of that block, at
+    /// rest.
     fn switch_off(&mut self, site: BlockFace);
 
     /// Attaches the free block with the highest number to a face, straight, and switches the face
     /// on.
     ///
     /// For pre-attached blocks before the first tick. Returns `None` if there is no free block or
-    /// the face holds one.
+    /// the face already holds a block.
     fn plant(&mut self, site: BlockFace) -> Option<Docking>;
 
     /// Returns the number of entries into the reach of an open face so far, including re-entries.
     ///
-    /// Returns 0 for other faces and for worlds without positions. Entries into the cell in front
-    /// by capture at another face do not count.
+    /// Returns 0 for other faces and for worlds without positions. A block does not count if
+    /// another face captures it into the cell in front.
     fn entries(&self, _site: BlockFace) -> u32 {
         0
     }
@@ -93,8 +94,7 @@ pub trait World: State {
 /// All quantities are in block units: the block length is 1, its mass 1, the tick 1. The origin is
 /// the centre of the plate's upper side; z points up.
 pub trait Arena: World + Sized {
-    /// Returns the scene at tick 0, with the random draws of run `run` of the ensemble with this
-    /// `seed`.
+    /// Creates the world of a scene at tick 0. `seed` and `run` are the key of its random draws.
     ///
     /// # Errors
     ///
@@ -110,7 +110,7 @@ pub trait Arena: World + Sized {
         Self::with_blocks(scene, plate, settings, seed, run, &blocks)
     }
 
-    /// Returns the scene with the given free blocks instead of its own.
+    /// Creates the world of a scene with these free blocks instead of the scene's own.
     ///
     /// # Errors
     ///
@@ -148,7 +148,7 @@ pub trait Arena: World + Sized {
     /// Returns the blocks within reach of each open face, by face and time of entry, with the tick
     /// of entry.
     ///
-    /// The state is that at the end of the last step: faces switched on since then are not
+    /// The result describes the end of the last step: faces switched on since then are not
     /// included.
     fn in_reach(&self) -> Vec<(BlockFace, u32, u64)>;
 

@@ -69,7 +69,7 @@ pub(super) fn number(seat: usize, face: Face) -> usize {
     Face::ALL.len() * seat + face as usize
 }
 
-/// Returns the cells that are occupied at some time in the run.
+/// Returns the cells that are occupied at any time in the run.
 pub(super) fn occupied_cells(tables: &Tables) -> impl Iterator<Item = Cell> {
     let seeds = tables.seeds().map(|(_, cell)| cell);
     seeds.chain(tables.captured_cells())
@@ -105,7 +105,7 @@ impl AnchoredBlock {
 }
 
 impl LatticeStructure {
-    /// Returns `count` free blocks and the plate's blocks that are named in these tables.
+    /// Creates a structure of `count` free blocks and of the plate's blocks that these tables name.
     pub fn new(tables: &Tables, count: u32) -> LatticeStructure {
         let mut seeds: Vec<Cell> = tables.seeds().map(|(_, cell)| cell).collect();
         seeds.sort_unstable();
@@ -175,7 +175,7 @@ impl LatticeStructure {
         self.block(cell).is_none().then_some(cell)
     }
 
-    /// Returns the neighbours of a cell with faces that point into it in these directions.
+    /// Returns the faces of neighbours that point into a cell, for a bit set of directions.
     #[inline]
     fn aimed(&self, cell: Cell, ways: u8) -> impl Iterator<Item = (usize, Face)> {
         faces(ways).filter_map(move |way| {
@@ -198,8 +198,8 @@ impl LatticeStructure {
         (content.block == NOBODY).then(|| FaceChange::Opened(number(seat, face)))
     }
 
-    /// Returns the capture of a free block by rank at a face, in one of 24 poses. The entry is at
-    /// the same tick.
+    /// Returns the capture of free block `child`, given by rank, at a face. `pose` is one of 24
+    /// orientations. The entry is at the same tick.
     #[inline]
     pub fn docking(&self, seat: usize, face: Face, child: u32, pose: u8, tick: u64) -> Docking {
         Docking {
@@ -231,7 +231,7 @@ impl LatticeStructure {
         Some((cell, docking))
     }
 
-    /// Puts a captured block into its empty cell and reports the changes of faces.
+    /// Puts a captured block into its empty cell. Calls `emit` with each change of a face.
     #[inline]
     pub fn dock(
         &mut self,
@@ -284,7 +284,8 @@ impl LatticeStructure {
         faces(on | holding).map(move |face| (seat, face))
     }
 
-    /// Removes the block that a face holds and returns its seat. Reports the changes of faces.
+    /// Removes the block that a face holds and returns its seat. Calls `emit` with each change of a
+    /// face.
     pub fn let_go(
         &mut self,
         seat: usize,

@@ -1,4 +1,4 @@
-//! Models of the free blocks' motion, and the actions of the structure's control on them.
+//! How free blocks move in each model, and how the structure acts on them.
 mod block_units;
 mod blocks;
 mod bonding;

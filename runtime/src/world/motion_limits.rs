@@ -39,7 +39,8 @@ impl MotionLimits {
         }
     }
 
-    /// Returns the limits with a smaller distance, if the ground ends there.
+    /// Returns the limits with `far` as the largest distance if that is smaller. The ground ends at
+    /// `far`.
     #[cfg(feature = "rapier")]
     pub fn within(self, far: f64) -> MotionLimits {
         let far = self.far.min(far);

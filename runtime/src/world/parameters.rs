@@ -96,7 +96,7 @@ pub(crate) struct Eddies {
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kicks {
-    /// Smallest and largest change of speed \[block lengths / tick\].
+    /// Smallest and largest change of speed by a random impulse \[block lengths / tick\].
     pub speed: (f64, f64),
 }
 
@@ -119,8 +119,8 @@ pub(crate) struct Magnet {
     pub cos_tilt: f64,
     /// Whether captures are tested only at the end of each tick.
     pub sampled: bool,
-    /// Displacement of a block at rest by a unit force in a step \[tick^2\]: the step squared,
-    /// reduced by drag.
+    /// Displacement of a block at rest by a unit force during one step \[tick^2\]: the square of
+    /// the step, reduced by drag.
     pub square_of_step: f64,
 }
 
@@ -138,9 +138,9 @@ pub(crate) enum Attraction {
 /// Permanent magnets in every face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Passive {
-    /// Force between two touching faces \[block lengths / tick^2\].
+    /// Force between two touching faces, as the acceleration of a block \[block lengths / tick^2\].
     pub hold: f64,
-    /// Depth of two equivalent opposite dipoles \[block lengths\].
+    /// Depth of two opposite dipoles below the faces that attract equally \[block lengths\].
     pub depth: f64,
     /// Reach \[block lengths\].
     pub within: f64,
@@ -151,7 +151,8 @@ pub(crate) struct Passive {
 /// Faces with valves, and the pump, in block units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Suction {
-    /// Pressure of the pump, as the acceleration of a block with it on one face \[1 / tick^2\].
+    /// Pressure of the pump, as the acceleration of a block by this pressure on one face \[1 /
+    /// tick^2\].
     pub head: f64,
     /// Hydraulic resistances \[1 / tick\].
     pub supply: f64,
@@ -175,8 +176,7 @@ impl Magnet {
         felt.max(self.anchoring())
     }
 
-    /// Returns the distance below which a block counts as an entry into the pull's reach \[block
-    /// lengths\].
+    /// Returns the distance below which a block has entered the pull of a face \[block lengths\].
     pub fn field(&self) -> f64 {
         match self.law {
             Attraction::Switched { pull, .. } => pull.within,
@@ -185,8 +185,8 @@ impl Magnet {
         }
     }
 
-    /// Returns the duration of the test for anchoring before the end of a step \[tick\]. This is
-    /// the step's length `dt`, or 0 if anchoring is tested only at the end.
+    /// Returns the time before the end of a step during which captures are tested \[tick\]: the
+    /// step's length `dt`, or 0 if captures are tested only at its end.
     pub fn tested<R: Real>(&self, dt: R) -> R {
         if self.sampled { R::zero() } else { dt }
     }
@@ -210,7 +210,8 @@ pub(crate) struct Pull {
 }
 
 impl WorldParameters {
-    /// Returns the steps per tick of blocks away from magnetized faces and near them.
+    /// Returns two numbers of steps per tick: of blocks away from magnetized faces, and of blocks
+    /// near them.
     pub fn rates(&self, settings: &Settings) -> [u32; 2] {
         let short = settings.substeps.max(1);
         let long = settings
@@ -219,8 +220,8 @@ impl WorldParameters {
         [long.unwrap_or(short), short]
     }
 
-    /// Scales impulses by the fraction of their effect that drag leaves in a step: random impulses,
-    /// rejections, walls and contacts.
+    /// Scales impulses by the fraction of their effect that drag leaves in a step. This concerns
+    /// random impulses, rejections, walls and contacts.
     ///
     /// `dt` is the length of a step \[tick\].
     pub fn weakened(mut self, response: f64, dt: f64) -> WorldParameters {
@@ -236,7 +237,7 @@ impl WorldParameters {
         if let Some(weight) = &mut self.weight {
             *weight *= response;
         }
-        // A velocity is the mean over a step, and drag acts from its start.
+        // A velocity is the mean over a step, so drag reduces an impulse already in its first step.
         if let Some(Kicks { speed: (low, high) }) = &mut self.kicks {
             *low *= response;
             *high *= response;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 /// Subset of the numbers 0 to n, with a Fenwick tree of its members.
 ///
 /// # Source
+///
 /// P. M. Fenwick, Software: Practice and Experience 24 (1994), 327-336.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(from = "Vec<u64>", into = "Vec<u64>")]
@@ -87,7 +88,8 @@ impl RankedSet {
         }
     }
 
-    /// Returns the member with `rank` smaller members, of more than `rank` members.
+    /// Returns the member with exactly `rank` smaller members. There must be more than `rank`
+    /// members.
     pub fn select(&self, mut rank: u32) -> usize {
         let mut before = 0;
         let mut step = 1 << self.words.len().ilog2();

@@ -11,8 +11,8 @@ pub(crate) trait Real: RealField + Copy + Default + Serialize + DeserializeOwned
     fn from_integer(value: i32) -> Self;
     /// Converts to double precision.
     fn double(self) -> f64;
-    /// Returns the nearest integer for numbers from 0 to 2^22, by one addition instead of a general
-    /// conversion.
+    /// Rounds a number from 0 to 2^22 to the nearest integer. Uses one addition instead of a
+    /// general conversion.
     fn round_small(self) -> u32;
 }
 

@@ -1,10 +1,10 @@
-//! Elastic shell around the blocks.
+//! Elastic shell that encloses the blocks.
 use nalgebra::Vector3;
 
 use super::parameters::Shell;
 use super::real::Real;
 
-/// Shell in the precision of a world.
+/// Elastic shell in the precision of a world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShellForce<R> {
     pub radius: R,
@@ -23,17 +23,17 @@ impl<R: Real> ShellForce<R> {
         }
     }
 
-    /// Returns the acceleration of a block at a position \[block lengths / tick^2\].
+    /// Returns the acceleration of a block at a position by the shell \[block lengths / tick^2\].
     pub fn push(&self, place: Vector3<R>) -> Vector3<R> {
         let pull = self.pull(place);
         pull.map_or_else(Vector3::zeros, |(way, pull)| way * -pull)
     }
 
-    /// Returns the position of a block relative to the centre and its inward acceleration per
-    /// distance \[1 / tick^2\]. Returns `None` within the shell.
+    /// Returns the position relative to the shell's centre and the inward acceleration per distance
+    /// \[1 / tick^2\]. Returns `None` if the block is inside the shell.
     pub fn pull(&self, place: Vector3<R>) -> Option<(Vector3<R>, R)> {
         let way = place - Vector3::z() * self.height;
-        // Fast path without a root: most blocks are far within.
+        // Fast path without a square root: most blocks are far inside.
         if way.norm_squared() < R::from_double(0.99) * self.radius * self.radius {
             return None;
         }

@@ -9,15 +9,15 @@ impl WorldParameters {
     ///
     /// # Errors
     ///
-    /// If a spring turns by more than one radian per step or, with drag, overshoots by more than
-    /// its displacement. Beyond twice that it gains energy.
+    /// If a spring turns by more than one radian per step. With drag, if it overshoots by more than
+    /// its displacement. A spring gains energy beyond twice this limit.
     pub fn check(&self, settings: &Settings) -> Result<(), SceneError> {
         let [substeps, _] = self.rates(settings);
         let Some(shell) = self.shell else {
             return Ok(());
         };
-        // Drag reduces the effect of a force in a step that is long compared with its relaxation
-        // time.
+        // In a step that is long compared with its relaxation time, drag reduces the effect of a
+        // force.
         let drag = self.fluid.map_or(0.0, |fluid| fluid.viscous.0);
         let swings =
             |substeps: f64| shell.stiffness * response(drag / substeps) > substeps * substeps;
@@ -25,7 +25,7 @@ impl WorldParameters {
             let (mut few, mut enough) = (f64::from(substeps), shell.stiffness.sqrt().ceil());
             while enough - few > 1.0 {
                 let middle = ((few + enough) / 2.0).floor();
-                // Numbers so large that none is between them.
+                // At this size, no floating-point number is between the two bounds.
                 if middle <= few || middle >= enough {
                     break;
                 }

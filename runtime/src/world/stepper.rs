@@ -1,9 +1,9 @@
 //! Order of operations in a step of a world of rigid blocks, for all integrators.
 //!
-//! A substep has four stages. It finds neighbours and contacts, then changes velocities by external
-//! forces, faces, free bonds and heat. The integrator then moves all blocks with collisions.
-//! Finally, captures and bonds are made. Positions move with the new velocities, so this is the
-//! symplectic Euler method.
+//! A substep has four stages. The first finds neighbours and contacts. The second changes
+//! velocities by external forces, faces, free bonds and heat. In the third, the integrator moves
+//! all blocks with collisions. The last makes captures and bonds. Positions move with the new
+//! velocities, so this is the symplectic Euler method.
 use nalgebra::Vector3;
 use stochc_control::Orientation;
 use stochc_ir::scene::Scene;
@@ -22,7 +22,7 @@ use super::{Arena, BlockFace, Body, BodyState, Docking, Fault, FreeBond, SceneEr
 use crate::counter_rng::{Draws, StepDraws, Stream};
 use crate::settings::{Reduction, Settings};
 
-/// Blocks that move in a short step.
+/// Set of the blocks that move in a short step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Moving {
     /// All blocks. Blocks with long steps move by a whole long step.
@@ -31,7 +31,8 @@ pub(crate) enum Moving {
     Short,
 }
 
-/// Motion and collisions of blocks, the only difference between the worlds of rigid blocks.
+/// Method for motion and collisions of blocks, the only difference between the worlds of rigid
+/// blocks.
 pub(crate) trait Integrator: Sized + State {
     type Real: Real;
     type Blocks: Blocks<Real = Self::Real> + State;
@@ -41,7 +42,8 @@ pub(crate) trait Integrator: Sized + State {
         [settings.substeps.max(1); 2]
     }
 
-    /// Returns an integrator for the terms of a scene, with springs weakened by drag.
+    /// Returns blocks and an integrator for the terms of a scene. Drag has already weakened the
+    /// springs.
     ///
     /// # Errors
     ///
@@ -53,14 +55,14 @@ pub(crate) trait Integrator: Sized + State {
         blocks: &[BodyState],
     ) -> Result<(Self::Blocks, Self), SceneError>;
 
-    /// Updates to the current positions. Returns whether results of [`Integrator::near`] may have
-    /// changed.
+    /// Updates neighbours to the current positions. Returns whether results of [`Integrator::near`]
+    /// may have changed.
     fn follow(&mut self, _blocks: &Self::Blocks) -> bool {
         false
     }
 
-    /// Lists the blocks that may be within `reach` of a position until the next change, in rising
-    /// order.
+    /// Lists the blocks that may come within `reach` of a position before the next change of
+    /// neighbours, in rising order.
     fn near(
         &self,
         blocks: &Self::Blocks,
@@ -69,14 +71,14 @@ pub(crate) trait Integrator: Sized + State {
         found: &mut Vec<u32>,
     );
 
-    /// Returns the largest path in a long step of a block, or of the fastest one. Used only with
-    /// short steps.
+    /// Returns the largest path of a block in a long step \[block lengths\]. `None` is the fastest
+    /// block. Used only with short steps.
     fn distance(&self, _blocks: &Self::Blocks, _id: Option<u32>) -> Self::Real {
         Self::Real::from_double(0.0)
     }
 
-    /// Begins a long step with short steps for these blocks, which may enter the field of a
-    /// magnetized face. They are in rising order.
+    /// Begins a long step with short steps for some blocks. `in_field` are the blocks that may
+    /// enter the field of a magnetized face, in rising order.
     fn begin_long_step(&mut self, _blocks: &mut Self::Blocks, _in_field: &[u32]) {}
 
     /// Returns the blocks that take short steps in this long step.
@@ -149,8 +151,9 @@ pub(crate) struct Stepper<I: Integrator> {
     response: Response,
     /// Bonds between free blocks. `None` if they do not bond.
     free_bonds: Option<FreeBonds>,
-    /// Buffers: free blocks, and blocks near a face.
+    /// Buffer of free blocks.
     free: Vec<u32>,
+    /// Buffer of blocks near a face.
     nearby: Vec<u32>,
     /// Whether the motion of a block was set from outside and needs checking.
     doubtful: bool,
@@ -159,7 +162,7 @@ pub(crate) struct Stepper<I: Integrator> {
     /// Whether a face lacks its list of nearby blocks.
     blind: bool,
     cells: CellCentres,
-    /// Whether blocks rotate.
+    /// Whether a face has no list of nearby blocks yet.
     turns: bool,
 }
 
@@ -207,7 +210,7 @@ impl<I: Integrator> Stepper<I> {
         self.blind = false;
     }
 
-    /// Repeats the neighbour search if something has moved.
+    /// Repeats the neighbour search if a block has moved.
     fn refresh(&mut self) {
         if !std::mem::take(&mut self.stale) {
             return;
@@ -226,7 +229,7 @@ impl<I: Integrator> Stepper<I> {
         }
     }
 
-    /// Finds blocks near faces, and contacts.
+    /// Finds the blocks near faces, and all contacts.
     fn survey(&mut self, who: Moving) {
         if self.ratio == 1 {
             self.refresh();
@@ -250,7 +253,7 @@ impl<I: Integrator> Stepper<I> {
         })
     }
 
-    /// Applies Brownian motion. It breaks no bonds: groups absorb it at any load.
+    /// Applies Brownian motion. It never breaks bonds: groups absorb it at any load.
     fn shake(&mut self, who: Moving) -> Result<(), Fault> {
         let is_hot = self
             .external_forces
@@ -268,7 +271,7 @@ impl<I: Integrator> Stepper<I> {
         Ok(())
     }
 
-    /// Applies a change to the motion of each moving block, in rising order.
+    /// Changes the motion of each moving block by `by`, in rising order.
     fn change(
         &mut self,
         who: Moving,
@@ -291,7 +294,7 @@ impl<I: Integrator> Stepper<I> {
             let spin = motion.spin;
             let span = self.integrator.span(&self.blocks, id);
             by(external_forces, id, &mut motion, span);
-            // Only groups rotate in this case.
+            // If blocks do not turn, only groups rotate.
             if !self.turns {
                 motion.spin = spin;
             }

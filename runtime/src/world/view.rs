@@ -4,7 +4,8 @@ use stochc_ir::Face;
 
 use super::Arena;
 
-/// Returns the centre of a block \[block lengths\] and its quaternion: x, y, z, x, y, z, w.
+/// Returns the centre of a block \[block lengths\] and its quaternion, in the order x, y, z; x, y,
+/// z, w.
 pub fn pose(arena: &impl Arena, id: u32) -> [f32; 7] {
     let state = arena.state(id);
     let (p, q) = (state.position, state.orientation.coords);

@@ -62,7 +62,7 @@ struct Active<R: Real> {
     inside: Vec<(u32, u64)>,
     /// Blocks that may be within reach, in rising order.
     nearby: Vec<u32>,
-    /// Centre of a captured block.
+    /// Centre of the block that the face would capture.
     seat: Vector3<R>,
     /// Orientation of the block that owns the face.
     parent: Orientation,
@@ -125,8 +125,8 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// Adds blocks of the plate to the structure. If all faces always attract, theirs now do as
-    /// well.
+    /// Adds blocks of the plate to the structure. If the faces of the scene always attract, the
+    /// faces of these blocks now do as well.
     pub fn place_seeds(&mut self, seeds: impl Iterator<Item = (Cell, Vector3<R>)>) {
         if let Attraction::Passive(_) = self.magnet.law {
             for (cell, centre) in seeds {
@@ -139,8 +139,8 @@ impl<R: Real> Faces<R> {
 
     /// Switches a face on, unless it is on or holds a block. The owner of the face is at `centre`.
     ///
-    /// If all faces always attract, all faces of the owner now do as well. Returns whether new
-    /// faces are on; see [`Faces::set_nearby`].
+    /// If the faces of the scene always attract, all faces of the owner now do as well. Returns
+    /// whether new faces are on. They need a call of [`Faces::set_nearby`].
     pub fn magnetize(&mut self, site: BlockFace, centre: Vector3<R>, parent: Orientation) -> bool {
         if let Attraction::Passive(_) = self.magnet.law {
             let is_new = self.placed.insert(site.body, centre, parent) && self.expose();
@@ -296,7 +296,8 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// Returns the pressure drop on a face, as acceleration of a block. 0 if faces draw no fluid.
+    /// Returns the pressure drop at a face, as the acceleration of a block. Returns 0 if faces draw
+    /// no fluid.
     fn drop(&self, site: BlockFace) -> f64 {
         let pressures = self.pressures.as_ref();
         pressures.map_or(0.0, |pressures| pressures.at(site.body))
@@ -390,7 +391,8 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// Applies the magnets to the blocks within reach, in the order of faces and numbers.
+    /// Applies the attraction of each face to the blocks within its reach, by a call of `push`. The
+    /// order is by face, then by block number.
     pub fn pull(
         &mut self,
         blocks: &mut impl Blocks<Real = R>,
@@ -413,9 +415,10 @@ impl<R: Real> Faces<R> {
 
     /// Captures blocks that were close and straight enough during a step of length `dt`.
     ///
-    /// The closest block goes first, then the lowest number, then the lowest site. A face captures
-    /// one block, and a block is captured by one face. Bonded blocks, by `is_bonded`, are skipped.
-    /// Sampled captures happen only in the step that `ends` a tick.
+    /// The closest block is captured first, then the block with the lowest number, then the face
+    /// with the lowest site. A face captures one block, and a block is captured by one face. Faces
+    /// of blocks that are bonded, by `is_bonded`, are skipped. If the scene samples captures, they
+    /// happen only in the last step of a tick, given by `ends`.
     pub fn capture(
         &mut self,
         tick: u64,
@@ -483,7 +486,7 @@ impl<R: Real> Faces<R> {
                 child: candidate.body,
                 child_face: candidate.near.face,
                 turn,
-                // A block captured from beyond the pull's reach enters with the capture.
+                // A block that was not within reach before its capture enters with the capture.
                 entries: active.entries + u32::from(entry.is_none()),
                 entered: entry.map_or(tick + 1, |&(_, entered)| entered),
             };

@@ -16,8 +16,8 @@ const COINCIDENT: f64 = 1e-6;
 /// axis half a block length away.
 const FACE_YIELDS: f64 = 1.0 + 0.25 * INVERSE_INERTIA;
 
-/// Velocity change by the four corners together. They turn the block about the normal, at 1/sqrt(2)
-/// block lengths.
+/// Velocity change of a corner by unit forces at all four corners. They turn the block about the
+/// normal, at a distance of 1/sqrt(2) block lengths.
 const CORNERS_YIELD: f64 = 4.0 * 0.5 * INVERSE_INERTIA;
 
 /// Magnetized face in space.
@@ -51,12 +51,12 @@ pub(crate) struct VelocityChange<R: Real> {
 }
 
 impl<R: Real> AttractingFace<R> {
-    /// Returns the structure's face `face` of a block with this centre.
+    /// Returns a face of an anchored block with this centre. `face` is in the structure's frame.
     pub fn new(centre: Vector3<R>, face: Face) -> AttractingFace<R> {
         AttractingFace::turned(centre, UnitQuaternion::identity(), face)
     }
 
-    /// Returns the face `face` of a block with any rotation, in the block's own axes.
+    /// Returns a face of a block with any rotation. `face` is in the block's own frame.
     pub fn turned(
         centre: Vector3<R>,
         rotation: UnitQuaternion<R>,
@@ -130,7 +130,7 @@ impl<R: Real> AttractingFace<R> {
             angular: Vector3::zeros(),
         };
         let square = R::from_double(magnet.square_of_step);
-        // `yields` is the largest velocity change at the point of attack by a unit force.
+        // `yields` is the largest velocity change of the point of attack by a unit force.
         let mut pull = |from: Vector3<R>, to: Vector3<R>, yields: f64, force: &dyn Fn(R) -> R| {
             let way = to - from;
             let length = way.norm();
@@ -218,7 +218,8 @@ impl<R: Real> AttractingFace<R> {
         })
     }
 
-    /// Returns the largest distance between a corner of this face and its counterpart among `own` \[side\].
+    /// Returns the largest distance between a corner of this face and its counterpart among `own`
+    /// \[block lengths\].
     pub fn corner_distance(&self, own: &[Vector3<R>; 4]) -> R {
         let turn = self.pairing(own);
         let distances = own.iter().enumerate();
@@ -226,8 +227,8 @@ impl<R: Real> AttractingFace<R> {
         distances.fold(R::zero(), R::max)
     }
 
-    /// Returns the counterpart of a corner. Touching faces see each other's corners in opposite
-    /// order.
+    /// Returns the corner of this face that meets corner `own` of the other face. Touching faces
+    /// have their corners in opposite order.
     fn counterpart(&self, turn: usize, own: usize) -> Vector3<R> {
         self.corners[(turn + 4 - own) % 4]
     }

@@ -32,7 +32,7 @@ impl Pressures {
         open: impl Iterator<Item = BlockFace>,
         holds: &BTreeMap<BlockFace, u32>,
     ) -> Pressures {
-        // Chamber `None` is the plate.
+        // The key `None` is the chamber of the plate.
         let mut chambers: BTreeMap<Option<u32>, Chamber> = BTreeMap::new();
         let key = |body: Body| match body {
             Body::Seed(_) => None,

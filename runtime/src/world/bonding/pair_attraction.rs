@@ -60,7 +60,7 @@ impl FacePair {
     }
 
     /// Returns whether the blocks come close and straight enough to bond during a step of length
-    /// `dt`. The arguments are the poses and motions at its end.
+    /// `dt`. `ends` has their poses and motions at the end of the step.
     pub fn bonds(&self, magnet: &Magnet, ends: [(&Pose, &Motion); 2], dt: f64) -> bool {
         let [(first, _), (second, _)] = ends;
         let dt = magnet.tested(dt);
@@ -118,7 +118,7 @@ pub(crate) fn energy(passive: &Passive) -> f64 {
 /// Returns the pose of the second block straight on a face of the first, at the nearest quarter
 /// turn.
 pub(crate) fn seat(first: &Pose, face: Face, second: &Pose, other: Face) -> Pose {
-    // As if the first block were aligned with the lattice.
+    // In a frame whose axes are those of the first block.
     let relative = first.rotation.inverse() * second.rotation;
     let (_, orientation) = best_turn(Orientation::IDENTITY, face, other, relative);
     let out = normal::<f64>(face.normal());
@@ -162,8 +162,8 @@ mod tests {
         pair.pushes(&magnet(), a, b).expect("within reach")
     }
 
-    /// Returns whether two blocks bond that rotate as one body about the origin, by this angle per
-    /// step.
+    /// Returns whether two blocks form a bond while they rotate as one body about the origin.
+    /// `spin` is the angle per step.
     fn turning(a: &Pose, b: &Pose, spin: Vector3<f64>) -> bool {
         let [first, second] = [a, b].map(|pose| Motion {
             position: pose.position,

@@ -18,8 +18,8 @@ pub(crate) struct FaceSweep<R: Real> {
 }
 
 impl<R: Real> FaceSweep<R> {
-    /// Returns the path of a face that is at this place after a step of length `dt` with this
-    /// velocity and spin.
+    /// Returns the path of a face during a step of length `dt`. The place is at the end of the
+    /// step; velocity and spin are those of the step.
     pub fn of_step(
         near: &Near<R>,
         position: Vector3<R>,
@@ -80,7 +80,8 @@ impl<R: Real> FaceSweep<R> {
     }
 }
 
-/// Returns the fraction of a path, within an interval, of the point nearest to the origin.
+/// Returns the fraction of a path at its point nearest to the origin, within an interval of
+/// fractions.
 fn nearest<R: Real>(from: Vector3<R>, way: Vector3<R>, [first, last]: [R; 2]) -> R {
     let length = way.norm_squared();
     if length > R::zero() {
@@ -90,8 +91,8 @@ fn nearest<R: Real>(from: Vector3<R>, way: Vector3<R>, [first, last]: [R; 2]) ->
     }
 }
 
-/// Returns the interval of path fractions with a number below `most`. The number changes linearly
-/// by `change` from `from`.
+/// Returns the interval of path fractions with a quantity below `most`. The quantity starts at
+/// `from` and changes linearly by `change`.
 fn between<R: Real>(from: R, change: R, most: R) -> Option<[R; 2]> {
     if change == R::zero() {
         return (from.abs() < most).then_some([R::zero(), R::one()]);
@@ -123,8 +124,8 @@ mod tests {
         }
     }
 
-    /// Returns whether a step that ends with the lower face at `end` docks at a face up at the
-    /// origin.
+    /// Returns whether a block docks at an upward face at the origin during a step. `end` is the
+    /// centre of its lower face at the end of the step.
     fn docks(measure: Measure, end: Vector3<f64>, velocity: Vector3<f64>, spin: f64) -> bool {
         docks_on(&magnet(measure), end, velocity, spin)
     }

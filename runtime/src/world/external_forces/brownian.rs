@@ -7,7 +7,7 @@ use crate::world::blocks::Motion;
 use crate::world::parameters::Resistance;
 use crate::world::unit_cube::INVERSE_INERTIA;
 
-/// Fluctuations of a step.
+/// Random velocity changes by Brownian motion in one step.
 #[derive(Debug)]
 pub(super) struct Brownian {
     /// Rms change of each velocity component and of each spin component.
@@ -43,8 +43,8 @@ impl Brownian {
     }
 }
 
-/// Returns the rms velocity change per step for a velocity that decays by `rate`. `energy` is its
-/// variance for short steps.
+/// Returns the rms velocity change per step for a velocity that decays by `rate`. `energy` is the
+/// variance of that velocity for short steps.
 ///
 /// Let c = exp(-rate dt) be the fraction left after a step. The mean velocity of a step must have
 /// variance 2 energy (1 - c) / (rate dt (1 + c)). Positions then diffuse with energy / rate for any

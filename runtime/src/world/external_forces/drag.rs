@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use crate::world::blocks::Motion;
 use crate::world::parameters::Resistance;
 
-/// Remaining effect of a constant force and of a torque over a step.
+/// Fraction of the effect of a constant force and torque that drag leaves in one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Response {
     pub linear: f64,
@@ -30,9 +30,9 @@ pub(super) struct StepDrag {
 /// Solution of v' = -rate v - wake |v| v over a step.
 #[derive(Clone, Copy, Debug)]
 struct Decay {
-    /// Fraction that the viscous drag leaves.
+    /// Fraction of a velocity that viscous drag leaves after a step.
     left: f64,
-    /// Mean of the response over the step: the response to a constant force.
+    /// Mean over the step of the remaining fraction: the response to a constant force.
     mean: f64,
     wake: f64,
 }

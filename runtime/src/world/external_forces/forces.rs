@@ -68,14 +68,14 @@ impl ExternalForces {
         })
     }
 
-    /// Returns the remaining effect of forces over a step.
+    /// Returns the fraction of the effect of forces that drag leaves in a step.
     pub fn response(&self) -> Response {
         self.drag
             .as_ref()
             .map_or(Response::FREE, StepDrag::response)
     }
 
-    /// Begins a substep of a tick. Steps are counted from the start of the run.
+    /// Begins a substep of a tick. `step` counts the substeps from the start of the run.
     pub fn begin(&mut self, tick: u64, substep: u32, step: u64) {
         if substep == 0
             && let Some(eddies) = &mut self.eddies
@@ -133,8 +133,9 @@ impl ExternalForces {
 }
 
 impl Sink {
-    /// Returns the velocity of the drawn fluid, Q / (2 pi d^2) in front of a wall. Below half a
-    /// block length, the closest that a centre can come, it is constant.
+    /// Returns the velocity of the fluid that faces draw: Q / (2 pi d^2) at distance d from a face
+    /// in a wall. It is constant below half a block length, the smallest possible distance of a
+    /// block's centre.
     fn draw(&self, place: Vector3<f64>) -> Vector3<f64> {
         let way = self.centre - place;
         if way.dot(&self.normal) >= 0.0 {

@@ -14,7 +14,7 @@ use crate::world::parameters::MeanFlow;
 const CORE: f64 = 6.2;
 const SPREAD: f64 = 0.094;
 
-/// Adds the mean flow at a position.
+/// Adds the mean flow at a position to `wind`.
 pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut LocalFlow) {
     match *stream {
         MeanFlow::Vortex { radius, rate } => {
@@ -54,7 +54,7 @@ pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut LocalFlow) 
                 let square = aside.norm_squared() / (half * half);
                 let here = middle * libm::exp(-LN_2 * square);
                 wind.velocity -= out * here;
-                // Half of the curl of u(aside) along -out.
+                // Half of the curl of the velocity u(aside) along -out.
                 let slope = -2.0 * LN_2 / (half * half) * here;
                 wind.spin += aside.cross(&-out) * (slope / 2.0);
             }
@@ -122,7 +122,7 @@ mod tests {
             distance: 6.0,
             height: 3.0,
         };
-        // Momentum through a plane across the jet, by rings about its axis.
+        // Momentum flow through a plane across the jet, as a sum over rings about the jet's axis.
         let momentum = |along: f64| {
             let ring = |aside: f64| {
                 let place = Vector3::new(6.0 - along, aside, 3.0);
@@ -135,7 +135,7 @@ mod tests {
         };
         let (near, far) = (momentum(2.0), momentum(5.0));
         assert!((near / far - 1.0).abs() < 1e-5, "{near} {far}");
-        // Momentum from the tube, within the few percent accuracy of the measured constants.
+        // Momentum flow out of the tube. The measured constants are accurate to a few percent.
         let tube = 0.5 * 0.5 * std::f64::consts::FRAC_PI_4 * 0.2 * 0.2;
         assert!((far / tube - 1.0).abs() < 0.1, "{far} {tube}");
         for place in [Vector3::new(2.0, 0.3, 3.1), Vector3::new(-1.0, -0.5, 2.6)] {

@@ -17,7 +17,7 @@ use crate::world::parameters::Eddies;
 /// Number of waves, one per axis.
 const WAVES: usize = 31;
 
-/// Step number of the initial amplitudes.
+/// Step number of the random draw for the initial amplitudes.
 const BEGINNING: u64 = u64::MAX;
 
 #[derive(Debug)]
@@ -66,7 +66,8 @@ impl TurbulenceField {
         let mut field = TurbulenceField {
             waves: waves.collect(),
             left: eddies.left,
-            // A wave has two directions, each a third of three components.
+            // A wave has two directions across it. Each adds a third of its variance to each
+            // velocity component.
             rms: eddies.speed * (3.0 / (2.0 * WAVES as f64)).sqrt(),
             vertical: eddies.vertical,
             draws: Draws::new(seed, run, Stream::Eddy),
@@ -217,8 +218,8 @@ mod tests {
             before = now;
         }
         let mean = squares / ticks as f64;
-        // About ticks (1 - left^2) / (1 + left^2) independent squares: 2.2 % of the variance. The
-        // tolerance is four standard errors.
+        // About ticks (1 - left^2) / (1 + left^2) values are independent. The standard error of the
+        // mean is therefore 2.2 %. The tolerance is four standard errors.
         let variance = 0.3 * 0.3;
         assert!((mean.x / variance - 1.0).abs() < 0.09, "{mean}");
         assert!((mean.y / variance - 1.0).abs() < 0.09, "{mean}");

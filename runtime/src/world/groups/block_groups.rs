@@ -77,7 +77,7 @@ impl BlockGroups {
         self.parted.contains(&(a.min(b), a.max(b)))
     }
 
-    /// Lets all broken pairs bond again except those still separating.
+    /// Forgets broken pairs except those in `parting`. Forgotten pairs can bond again.
     pub fn forgive(&mut self, parting: &BTreeSet<(u32, u32)>) {
         self.parted.retain(|pair| parting.contains(pair));
     }
@@ -209,7 +209,7 @@ impl BlockGroups {
         torn
     }
 
-    /// Gives each group a rigid motion, whatever the loads of its bonds.
+    /// Gives each group a rigid motion, without a test of bond loads.
     pub fn stiffen(&self, blocks: &mut impl Blocks, response: Response) {
         for group in self.groups.values() {
             let before = group.motions(blocks);
@@ -222,7 +222,8 @@ impl BlockGroups {
     pub fn carry(&mut self, blocks: &mut impl Blocks, response: Response, dt: f64) {
         for group in self.groups.values_mut() {
             let motions = group.motions(blocks);
-            // Straight motion conserves angular momentum. The shape is that of the group.
+            // The blocks moved straight, so the group's angular momentum is unchanged. Its shape is
+            // restored.
             let (mut compound, turning) = RigidMotion::momenta(&motions, response);
             let spin = |rotation: UnitQuaternion<f64>, members: &[GroupMember]| {
                 rigid_motion::spin(
@@ -245,8 +246,8 @@ impl BlockGroups {
         }
     }
 
-    /// Dissolves the group of a block and returns its members and bonds. A lone block forms a group
-    /// with itself only.
+    /// Dissolves the group of a block and returns its members and bonds. Returns only the block
+    /// itself if it has no group.
     pub(super) fn take(&mut self, id: u32) -> Part {
         let Some(group) = self.of.get(&id).and_then(|key| self.groups.remove(key)) else {
             return (vec![id], Vec::new());
@@ -258,8 +259,8 @@ impl BlockGroups {
         (ids, group.bonds)
     }
 
-    /// Makes a group of blocks at their current places. Returns its key, or nothing for a lone
-    /// block.
+    /// Makes a group of blocks at their current places. Returns the group's key, or `None` for a
+    /// lone block.
     fn add(
         &mut self,
         mut ids: Vec<u32>,

@@ -7,12 +7,12 @@ use crate::world::blocks::Motion;
 use crate::world::external_forces::Response;
 use crate::world::unit_cube::INVERSE_INERTIA;
 
-/// Returns the bond with the highest load, and its load \[block lengths / tick^2\]. Returns `None`
-/// without bonds.
+/// Returns the index of the bond with the highest load, and the load \[block lengths / tick^2\].
+/// Returns `None` if the group has no bonds.
 ///
 /// A bond transmits the force that the blocks on its far side need to move with the group. Two
-/// faces with attraction F separate if tension plus tipping moment over half a block length exceeds
-/// F. The pattern of the faces resists shear and twist.
+/// faces with attraction F separate if tension plus tipping moment, divided by half a block length,
+/// exceeds F. The pattern of the faces resists shear and twist.
 pub(super) fn worst(
     group: &BlockGroup,
     before: &[Motion],

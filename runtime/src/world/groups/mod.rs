@@ -2,7 +2,7 @@
 //!
 //! A group is a tree of bonds. Its blocks have fixed places in the group's frame. Forces first act
 //! on each block separately. Then the group takes the rigid motion with the same momentum and
-//! angular momentum. The load of a bond is the force that it must transmit for that.
+//! angular momentum. The load of a bond is the force that it must transmit for this motion.
 mod block_groups;
 mod bond_load;
 mod group;

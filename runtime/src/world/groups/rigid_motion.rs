@@ -8,8 +8,8 @@ use crate::world::unit_cube::INVERSE_INERTIA;
 /// Motion of a rigid body with the momentum and angular momentum of its cubes.
 ///
 /// In a viscous fluid, velocities are means over a step. The instantaneous velocity was greater by
-/// 1 / φ, the [`Response`]. The effective inertia is therefore greater by this factor. Under strong
-/// drag it equals the friction that governs rotation and diffusion.
+/// the factor 1 / φ; see [`Response`]. The effective inertia is therefore greater by the same
+/// factor. Under strong drag, this inertia equals the friction that governs rotation and diffusion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RigidMotion {
     pub middle: Vector3<f64>,
@@ -26,7 +26,7 @@ impl RigidMotion {
         compound
     }
 
-    /// Returns the centre and its velocity, without spin, and the angular momentum about the
+    /// Returns the motion of the common centre with spin 0, and the angular momentum about the
     /// centre.
     pub fn momenta(cubes: &[Motion], response: Response) -> (RigidMotion, Vector3<f64>) {
         let count = cubes.len() as f64;
@@ -68,7 +68,8 @@ pub(super) fn spin(
     (inertia.cholesky()).map_or(turning / own, |it| it.solve(&turning))
 }
 
-/// Returns the target poses of cubes, corrected for their common translation and rotation.
+/// Returns the target poses of cubes, moved back by their common translation and rotation. Each of
+/// `ways` is the start and target of a cube.
 pub(super) fn without_drift(ways: &[[Pose; 2]]) -> impl Iterator<Item = Pose> {
     let way = |[from, to]: &[Pose; 2]| Motion {
         position: from.position,

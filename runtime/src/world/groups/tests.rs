@@ -116,8 +116,8 @@ fn a_moment_tips_a_face_about_its_edge() {
 
 #[test]
 fn a_spinning_row_is_torn_by_its_own_weight() {
-    // In a row of five, a bond next to the centre keeps two blocks on their circles: (1 + 2) times
-    // the spin squared.
+    // In a row of five, a bond next to the centre keeps two blocks on their circles. Its load is (1
+    // + 2) times the spin squared.
     for (spin, tears) in [(0.10, false), (0.12, true)] {
         let (mut groups, mut blocks) = row(5);
         for id in 0..5 {

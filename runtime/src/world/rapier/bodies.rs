@@ -13,7 +13,7 @@ use crate::world::real::{Real, cast};
 use crate::world::rotation::quaternion;
 use crate::world::{BodyState, Fault};
 
-/// Blocks by number. The copies are read once per substep.
+/// Blocks by number. Their state is copied from the engine once per substep.
 pub(crate) struct EngineBodies {
     pub(super) engine: Box<PhysicsWorld>,
     pub(super) handles: Vec<RigidBodyHandle>,
@@ -45,7 +45,7 @@ impl Copied {
     }
 }
 
-/// Not supported, because the engine would restore its state without validation.
+/// No method is implemented: the engine would restore its state without validation.
 impl State for EngineBodies {}
 
 impl EngineBodies {
@@ -62,7 +62,7 @@ impl EngineBodies {
         }
     }
 
-    /// Writes the velocity of a block to the engine if it differs. Every write makes the engine
+    /// Writes the velocity of a block to the engine if it has changed. Every write makes the engine
     /// process the block.
     pub fn show_velocity(&mut self, id: usize) {
         let (block, handle) = (&self.copies[id], self.handles[id]);

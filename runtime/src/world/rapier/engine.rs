@@ -16,7 +16,7 @@ use crate::world::real::cast;
 use crate::world::unit_cube::INVERSE_INERTIA;
 use crate::world::{BodyState, SceneError};
 
-/// Thickness of the ground \[block lengths\], large enough that nothing is pushed out below it.
+/// Thickness of the ground \[block lengths\]. The engine would push blocks out below thin ground.
 const GROUND: f32 = 20.0;
 
 /// Returns the engine's contact settings in block units.

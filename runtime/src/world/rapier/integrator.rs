@@ -27,7 +27,7 @@ pub(super) struct Rapier {
     limits: MotionLimits,
 }
 
-/// Not supported, as for [`EngineBodies`].
+/// No method is implemented, as for [`EngineBodies`].
 impl State for Rapier {}
 
 impl Integrator for Rapier {
@@ -69,7 +69,7 @@ impl Integrator for Rapier {
         Ok((EngineBodies::new(engine, handles, blocks), rapier))
     }
 
-    /// Lists all blocks: a selection would cost as much as it saves.
+    /// Lists all blocks: selecting the near ones would cost as much as it saves.
     fn near(&self, bodies: &EngineBodies, _place: Vector3<f32>, _reach: f32, found: &mut Vec<u32>) {
         found.clear();
         found.extend(0..bodies.count());

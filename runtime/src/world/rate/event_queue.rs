@@ -9,9 +9,9 @@ use super::open_face_hazards::Slot;
 /// A scheduled capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ScheduledCapture {
-    /// The face in this slot captures any free block.
+    /// Capture of any free block by the face in this slot.
     OfAny(Slot),
-    /// The face captures a block that was released nearby.
+    /// Capture of a block that was released nearby.
     HeadStart(ScheduledHeadStart),
 }
 
@@ -20,21 +20,21 @@ pub(super) enum ScheduledCapture {
 pub(super) struct ScheduledHeadStart {
     /// Slot of the face.
     pub slot: Slot,
-    /// Opening of the face when this was scheduled.
+    /// Value of [`OpenFace::opening`] when the capture was scheduled.
     pub opening: u64,
     /// Number of the block.
     pub block: u32,
 }
 
-/// Queue of the captures of all open faces, and of head starts. Events at equal times keep their
-/// order of insertion.
+/// Queue of the captures of all open faces, and of captures by head starts. Events at equal times
+/// keep their order of insertion.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct EventQueue {
-    /// Keys by the slots of the faces. [`NONE`] for a face that captures nothing.
+    /// Key of the capture of each slot. [`NONE`] if the slot has no capture.
     captures: Vec<u128>,
-    /// The keys in ascending order.
+    /// All keys except [`NONE`], in ascending order.
     sorted: BTreeSet<u128>,
-    /// Head starts. Obsolete ones are removed when they come first.
+    /// Captures by head starts. Obsolete ones are removed when they come first.
     head_starts: BinaryHeap<Reverse<(u128, ScheduledHeadStart)>>,
     noted: u32,
 }
@@ -75,7 +75,7 @@ impl EventQueue {
         self.captures.get(slot as usize).copied().unwrap_or(NONE)
     }
 
-    /// Sets the capture time of the face in a slot.
+    /// Sets the capture time of a slot's face.
     pub fn note(&mut self, slot: Slot, time: f64) {
         let moment = if time.is_finite() {
             moment(time, self.next_number(), slot)
@@ -99,7 +99,7 @@ impl EventQueue {
         }
     }
 
-    /// Adds a head start.
+    /// Adds a capture by a head start.
     pub fn note_head_start(&mut self, time: f64, start: ScheduledHeadStart) {
         let moment = moment(time, self.next_number(), start.slot);
         self.head_starts.push(Reverse((moment, start)));
@@ -117,8 +117,8 @@ impl EventQueue {
         }
     }
 
-    /// Returns the time of the event after the capture in a slot, which must be the earliest.
-    /// Infinite if there is none.
+    /// Returns the time of the second event. The first must be the capture in `slot`. Returns
+    /// infinity if there is no second event.
     pub fn second(&self, slot: Slot) -> f64 {
         let start = self.head_starts.peek();
         let start = start.map_or(NONE, |Reverse((moment, _))| *moment);
@@ -132,7 +132,7 @@ impl EventQueue {
         }
     }
 
-    /// Removes the earliest head start.
+    /// Removes the earliest capture by a head start.
     pub fn drop_head_start(&mut self) {
         self.head_starts.pop();
     }

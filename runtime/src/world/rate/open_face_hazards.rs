@@ -11,7 +11,7 @@ use crate::world::lattice::faces;
 /// Index of an open face. It is reused after the face has closed.
 pub(super) type Slot = u32;
 
-/// Index of no face.
+/// Slot number that stands for no face.
 const NOWHERE: Slot = Slot::MAX;
 
 /// An open face with its hazard.
@@ -29,11 +29,11 @@ pub(super) struct OpenFace {
     pub since: u64,
     /// Open faces nearby that compete for blocks.
     pub rivals: Rivals,
-    /// Hazard to accumulate before the capture.
+    /// Hazard that must still accumulate before the capture.
     left: f64,
     /// Current distribution of the waiting time. `None` until it is computed.
     wait: Option<Wait>,
-    /// Hazard of `wait` from the opening to the tick of its last update.
+    /// Accumulated hazard of `wait` between the opening of the face and its last update.
     before: f64,
     /// Upper bound of the capture time.
     latest: f64,
@@ -47,16 +47,16 @@ pub(super) struct OpenFace {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct OpenFaceHazards {
     faces: Vec<OpenFace>,
-    /// Slots without a face, the longest vacant first. Faces that open as others close then stay
-    /// near their neighbours in memory.
+    /// Slots without a face, the longest vacant first. This order keeps faces that open close
+    /// together near each other in memory.
     vacant: VecDeque<Slot>,
-    /// Grid with marks and slots in the cells in front of open faces.
+    /// Grid whose marks show cells in front of open faces, with the slot of such a face.
     cells: ChunkedGrid<Slot>,
     /// Number of openings so far.
     opened: u64,
     /// Number of blocks that were free at the start.
     count: u32,
-    /// Reference number of free blocks for the hazards, at least the current number.
+    /// Number of free blocks that the hazards are computed for, at least the current number.
     meant_for: u32,
 }
 
@@ -109,7 +109,8 @@ impl OpenFace {
 }
 
 impl OpenFaceHazards {
-    /// Returns an empty set. `often` are the cells that will be in front of open faces most.
+    /// Returns an empty set. `often` are the cells that are expected most often in front of open
+    /// faces.
     pub fn new(count: u32, often: impl Iterator<Item = Cell>) -> OpenFaceHazards {
         OpenFaceHazards {
             faces: Vec::new(),
@@ -148,8 +149,8 @@ impl OpenFaceHazards {
         slot
     }
 
-    /// Removes a face that is open to a cell and returns its former slot. It still counts as a
-    /// rival.
+    /// Removes a face that is open to a cell and returns its former slot. The face still counts as
+    /// a rival of others.
     pub fn close(&mut self, number: usize, cell: Cell) -> Option<Slot> {
         let (mut slot, mut before) = (self.cells.get(cell), None);
         while self.faces.get(slot as usize)?.number != number {
@@ -167,8 +168,8 @@ impl OpenFaceHazards {
         Some(slot)
     }
 
-    /// Removes faces of a cell from the rivals of all others, one direction bit each. Adds the
-    /// affected faces to `changed`.
+    /// Removes faces of a cell from the rivals of all other faces. `ways` has one bit per
+    /// direction. Adds the affected faces to `changed`.
     pub fn drop_rivals(&mut self, cell: Cell, ways: u8, changed: &mut Vec<Slot>) {
         self.each_near(cell, 1, |slot, face| {
             if face.drop_rivals(cell, ways) {
@@ -183,7 +184,7 @@ impl OpenFaceHazards {
         face.filter(|face| face.opening != 0)
     }
 
-    /// Returns the face in a slot if this opening is still valid.
+    /// Returns the face in a slot if `opening` is the number of its current opening.
     pub fn opening(&self, slot: Slot, opening: u64) -> Option<&OpenFace> {
         let face = self.faces.get(slot as usize);
         face.filter(|face| face.opening == opening)
@@ -266,7 +267,8 @@ impl OpenFaceHazards {
         Some(face.latest)
     }
 
-    /// Continues a face whose capture was rejected, with a new hazard to accumulate.
+    /// Continues the wait of a face whose capture was rejected. `left` is the new hazard to
+    /// accumulate.
     pub fn go_on(&mut self, slot: Slot, left: f64) {
         if let Some(face) = self.faces.get_mut(slot as usize) {
             face.left = left;
@@ -274,7 +276,8 @@ impl OpenFaceHazards {
         }
     }
 
-    /// Returns the reference fraction of free blocks.
+    /// Returns the number of free blocks that hazards are computed for, as a fraction of those at
+    /// the start.
     pub fn part(&self) -> f64 {
         self.part_of(self.meant_for)
     }
@@ -284,8 +287,8 @@ impl OpenFaceHazards {
         f64::from(blocks) / f64::from(self.count.max(1))
     }
 
-    /// Updates the number of free blocks. Returns whether the reference number of the hazards has
-    /// changed.
+    /// Updates the number of free blocks. Returns whether hazards must be computed for another
+    /// number.
     pub fn follow(&mut self, free: u32) -> bool {
         if free <= self.meant_for && self.meant_for / 2 <= free {
             return false;

@@ -34,7 +34,7 @@ stochc_ir::state! {
     () RateWorld<'_>;
     values: tick, lattice, hazards, queue, released, drawn;
     parts: ;
-    // `waits` is only a cache, and `changed` is empty between two calls.
+    // Not part of the state: `waits` is only a cache, and `changed` is empty between two calls.
     same: head_starts, waits, changed, draws
 }
 
@@ -162,7 +162,7 @@ impl<'r> RateWorld<'r> {
         let left = exponential(threshold);
         let open = OpenFace::new(face, (cell, way), near, self.tick, left);
         let slot = self.hazards.open(open, changed);
-        // Recently released blocks may still be nearby.
+        // Blocks that were released recently may still be near this face.
         let tick = self.tick;
         let head_starts = self.head_starts;
         self.released
@@ -208,7 +208,7 @@ impl<'r> RateWorld<'r> {
         }
     }
 
-    /// Updates all capture times if the number of free blocks has changed much.
+    /// Updates all capture times if the hazards must be computed for another number of free blocks.
     fn follow_free_blocks(&mut self) {
         if self.hazards.follow(self.lattice.free.len()) {
             for slot in self.hazards.all() {
@@ -259,21 +259,21 @@ impl<'r> RateWorld<'r> {
         None
     }
 
-    /// Schedules the exact capture time of a face whose bounds are not sufficient.
+    /// Computes the exact capture time of the first face if the bound of its time is not
+    /// sufficient.
     fn look_closer(&mut self, slot: Slot) -> Option<()> {
         let time = self.hazards.time(slot)?;
         self.queue.put_off(slot, time);
         Some(())
     }
 
-    /// Returns the hazard with this number of free blocks, relative to the reference number of the
-    /// hazards.
+    /// Returns the ratio of the hazard with `free` free blocks to the computed hazard.
     fn share(&self, free: u32) -> f64 {
         let hazards = &self.hazards;
         self.waits.of_free(hazards.part_of(free)) / self.waits.of_free(hazards.part())
     }
 
-    /// Captures a block at an open face, or rejects the event to correct for the number of free
+    /// Captures a block at an open face. Rejects some captures to correct for the number of free
     /// blocks.
     pub(super) fn capture(&mut self, scheduled: ScheduledCapture, dockings: &mut Vec<Docking>) {
         let slot = match scheduled {
@@ -398,7 +398,7 @@ impl World for RateWorld<'_> {
 
     fn skip(&mut self, last: u64) {
         let next = self.next_tick().unwrap_or(u64::MAX);
-        // The step after this tick has the capture.
+        // The capture happens in the step after this tick.
         self.tick = self.tick.max(next.saturating_sub(1).min(last));
     }
 

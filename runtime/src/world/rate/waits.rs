@@ -1,4 +1,4 @@
-//! Cache of waiting times: equal surroundings occur again and again.
+//! Cache of waiting times. Equal surroundings occur often.
 use std::hash::{Hash, Hasher};
 
 use rustc_hash::FxHashMap;
@@ -14,14 +14,14 @@ const KEPT: usize = 1 << 16;
 #[derive(Clone, Debug)]
 pub(super) struct RateModel<'r> {
     rates: &'r Rates,
-    /// Relevant cells around a face, for each direction.
+    /// Cells that affect the waiting time of a face, by direction of the face.
     features: [Neighbourhood; 6],
     /// Layer above which all layers are equivalent.
     highest: i32,
     known: FxHashMap<Seen, Wait>,
 }
 
-/// Cache key: everything that determines a waiting time, except the number of free blocks.
+/// Cache key: all causes of a waiting time, except the number of free blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Seen {
     near: Neighbourhood,
@@ -42,13 +42,13 @@ impl<'r> RateModel<'r> {
         RateModel {
             rates,
             features: Face::ALL.map(feature_cells),
-            // A face down has different surroundings in the lowest layer.
+            // In the lowest layer, a face that points down has different surroundings.
             highest: i32::try_from(rates.profile.len().max(2)).unwrap_or(i32::MAX),
             known: FxHashMap::default(),
         }
     }
 
-    /// Returns the factor of all rates at this fraction of free blocks.
+    /// Returns the factor on all rates at this fraction of free blocks.
     pub fn of_free(&self, part: f64) -> f64 {
         self.rates.parameters.of_free(part)
     }

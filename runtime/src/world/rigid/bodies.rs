@@ -20,11 +20,11 @@ use crate::world::{BodyState, Fault};
 /// isotropic inertia, so it rotates at a constant rate while its spin is constant.
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies<R: Lane> {
-    /// Lanes of motions. The last one is filled up with permanently anchored blocks.
+    /// Motions in SIMD groups. The last group is padded with permanently anchored blocks.
     groups: Vec<MotionGroup<R>>,
     attitudes: Vec<Attitude<R>>,
-    /// Blocks whose matrices are up to date at `shown_at`, one bit each. Compact enough to stay in
-    /// the cache.
+    /// Blocks whose matrices are up to date at `shown_at`, one bit each. Bits keep this list small
+    /// enough for the cache.
     shown: Vec<u64>,
     shown_at: u64,
     /// Orientation in the structure. `None` if the block is free.
@@ -57,7 +57,7 @@ stochc_ir::state! {
 }
 
 impl<R: Lane> Attitude<R> {
-    /// Returns the rotation since `turned`, as a rotation vector.
+    /// Returns the rotation since `turned` that is not yet in `rotation`, as a rotation vector.
     fn late(&self, now: u64, dt: R) -> Vector3<R> {
         self.spin * (dt * R::from_double((now - self.turned) as f64))
     }
@@ -91,7 +91,7 @@ impl<R: Lane> Bodies<R> {
         bodies
     }
 
-    /// Returns all blocks, and padding at the end.
+    /// Returns all groups. The last group is padded.
     pub(super) fn groups(&self) -> &[MotionGroup<R>] {
         &self.groups
     }
@@ -117,13 +117,14 @@ impl<R: Lane> Bodies<R> {
         self.groups[group].last[lane] = step;
     }
 
-    /// Sets the motion of a block whose rotation is up to date.
+    /// Sets the velocity and spin of a block whose rotation is up to date.
     pub fn set_velocity_of_turned(&mut self, id: u32, velocity: Vector3<R>, spin: Vector3<R>) {
         self.set_moved(id, velocity);
         self.attitudes[id as usize].spin = spin;
     }
 
-    /// Displaces a block and changes its velocity, spin and rotation.
+    /// Displaces a block by `way`, adds `faster` to its velocity and sets its spin. Returns its
+    /// position, velocity, spin and rotation.
     pub fn correct(
         &mut self,
         id: u32,
@@ -143,7 +144,7 @@ impl<R: Lane> Bodies<R> {
         ([position, gather(&group.velocity, lane), spin], rotation)
     }
 
-    /// Sets the velocity alone, without updating the rotation.
+    /// Sets the velocity without updating the rotation.
     pub fn set_moved(&mut self, id: u32, velocity: Vector3<R>) {
         let (group, lane) = place(id);
         scatter(&mut self.groups[group].velocity, lane, velocity);
@@ -168,16 +169,16 @@ impl<R: Lane> Bodies<R> {
         }
     }
 
-    /// Returns the time over which forces act before a block's next move. Velocities lag positions
-    /// by half a step.
+    /// Returns the time over which forces act before a block's next move \[tick\]. Velocities lag
+    /// positions by half a step.
     pub fn span(&self, id: u32) -> R {
         let (group, lane) = place(id);
         let group = &self.groups[group];
         (group.step[lane] + group.last[lane]) * R::from_double(0.5)
     }
 
-    /// Returns the time over which the force between two touching blocks acts: that of the block
-    /// with the longer steps. One may be anchored.
+    /// Returns the time over which the force between two touching blocks acts \[tick\]. It is the
+    /// longer of their times. One block may be anchored.
     pub fn span_of_pair(&self, [a, b]: [u32; 2]) -> R {
         let steps = |id: u32| {
             let (group, lane) = place(id);
@@ -225,7 +226,7 @@ impl<R: Lane> Bodies<R> {
         limits.check(id, motion, &self.attitudes[id as usize].rotation)
     }
 
-    /// Updates the matrices of these blocks, several at a time.
+    /// Updates the rotation matrices of these blocks, several at a time.
     pub fn show(&mut self, ids: impl Iterator<Item = u32>) {
         if self.shown_at != self.now {
             self.shown_at = self.now;
@@ -251,7 +252,7 @@ impl<R: Lane> Bodies<R> {
         }
     }
 
-    /// Updates the matrices of at least one and at most [`ABREAST`] blocks.
+    /// Updates the rotation matrices of at least one and at most [`ABREAST`] blocks.
     fn show_abreast(&mut self, blocks: &[usize]) {
         let lanes = filled(blocks).map(|i| &self.attitudes[i]);
         let rotation = transposed(lanes.map(|of| of.rotation.coords.into()));
@@ -308,7 +309,7 @@ impl<R: Lane> Bodies<R> {
         }
     }
 
-    /// Sets the position of a block, including the part lost to rounding.
+    /// Sets the position of a block, including the part that rounding removes.
     fn set_exact_position(&mut self, id: u32, position: Vector3<f64>) {
         self.set_position(id, cast(position));
         let kept: Vector3<f64> = cast(self.position(id));
@@ -428,8 +429,8 @@ fn shown_bit(id: u32) -> (usize, u64) {
     (id as usize / 64, 1 << (id % 64))
 }
 
-/// Returns a position after a displacement and its new rounding error. `rounded` is the error so
-/// far.
+/// Returns a position after the displacement `way`, and its new rounding error. `rounded` is the
+/// previous rounding error.
 #[inline(always)]
 pub(super) fn add<W: Copy + Add<Output = W> + Sub<Output = W>>(
     place: W,

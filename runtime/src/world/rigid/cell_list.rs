@@ -1,9 +1,9 @@
 //! Neighbour search: blocks sorted by cells of a grid.
 //!
 //! Cells are long in x and numbered along y first, so that neighbouring cells are adjacent in the
-//! sorted list. Half of the cells around a cell form two ranges of the list, plus three for blocks
-//! close to the cell's end in x. Ranges are short and are tested four blocks at a time, without
-//! branches.
+//! sorted list. Half of the cells around a cell form two ranges of the list. Blocks close to the
+//! cell's end in x need three more ranges. Ranges are short and are tested four blocks at a time,
+//! without branches.
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -14,22 +14,22 @@ use crate::world::blocks::Blocks;
 /// Distance of cube centres beyond which they cannot touch \[block lengths\].
 pub(super) const TOUCH: f64 = 1.732_050_9;
 
-/// Thickness of a cell relative to the search distance, unless there would be too many cells.
+/// Smallest thickness of a cell, relative to the search distance.
 const MARGIN: f64 = 1.005;
 
 /// Largest number of cells per block. Cells grow if there would be more.
 const CELLS_PER_BLOCK: f64 = 2.0;
 
-/// Smallest and largest limit of the number of cells. Cell numbers are also computed as
-/// floating-point numbers.
+/// Bounds of the limit on the number of cells. Cell numbers are also computed as floating-point
+/// numbers.
 const FEW: f64 = 1024.0;
 const MANY: f64 = 4_000_000.0;
 
-/// Blocks by cells.
+/// Blocks sorted by cells.
 ///
-/// There is an empty cell between two rows, and an empty row below and above each slab, so every
-/// neighbour is at a fixed offset. Blocks outside the grid count as inside its outermost cells,
-/// which loses no neighbours.
+/// An empty cell separates two rows, and an empty row lies below and above each slab. Every
+/// neighbour is therefore at a fixed offset. Blocks outside the grid count as inside its outermost
+/// cells, which loses no neighbours.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(super) struct CellList<R: Lane> {
@@ -49,12 +49,12 @@ pub(super) struct CellList<R: Lane> {
     anchored: Vec<u32>,
     /// Cell of each block by number.
     cells: Vec<u32>,
-    /// Blocks sorted by cell and then by number: cell and tag.
+    /// Cell and tag of each block, sorted by cell and then by number.
     ///
-    /// Positions are padded with [`ABREAST`] blocks at no position.
+    /// The positions have [`ABREAST`] additional entries that are not blocks.
     sorted: Vec<(u32, Tag)>,
     places: [Vec<R>; 3],
-    /// Buffers for pairs in order of discovery, and for the end of each block's pairs.
+    /// Buffers: pairs in order of discovery, and the end of each block's pairs.
     #[serde(skip)]
     found: Vec<(u32, u32)>,
     #[serde(skip)]
@@ -111,7 +111,8 @@ impl<R: Lane> CellList<R> {
         let stride = [wide + 1, (wide + 1) * (high + 2)];
         let last = [slabs, wide as f64, high as f64].map(|cells| R::from_double(cells - 1.0));
         CellList {
-            // In x, cells end with slabs. Elsewhere the offset does not matter.
+            // In x, the grid ends with slabs of cells. Along the other axes, the offset does not
+            // matter.
             low: [length / 2.0 - span, -span, floor].map(R::from_double),
             scale: [length, edge, edge].map(|edge| R::from_double(1.0 / edge)),
             near: R::from_double(near),
@@ -132,8 +133,8 @@ impl<R: Lane> CellList<R> {
     pub fn sort(&mut self, bodies: &Bodies<R>) {
         self.look_up_cells(bodies);
         let cells = &self.cells[..self.sorted.len()];
-        // Counts are stored two places further on and positions are assigned one further on. At the
-        // end, each entry is at its own index.
+        // Counts are stored two entries further, and positions are assigned one entry further. At
+        // the end, each entry is at its own index.
         self.start.fill(0);
         for &cell in cells {
             self.start[cell as usize + 2] += 1;
@@ -173,7 +174,7 @@ impl<R: Lane> CellList<R> {
             .map(|cells| R::Wide::splat(R::from_double(cells as f64)));
         let first = R::Wide::splat(R::from_double(self.cell([0; 3]) as f64));
         let zero = R::Wide::splat(R::zero());
-        // Adding so large a number rounds to an integer.
+        // Adding such a large number rounds to an integer.
         let large = R::Wide::splat(R::one() / R::default_epsilon());
         let (low, scale) = (self.low.map(R::Wide::splat), self.scale.map(R::Wide::splat));
         let last = self.last.map(R::Wide::splat);
@@ -211,7 +212,7 @@ impl<R: Lane> CellList<R> {
         x * slab + (z + 1) * row + y + 1
     }
 
-    /// Returns the x beyond which blocks of a slab may be near blocks of the next slab.
+    /// Returns the x coordinate beyond which blocks of a slab may be near blocks of the next slab.
     fn edge(&self, slab: usize, slabs: usize) -> R {
         if slab + 1 < slabs {
             R::from_double(slab as f64 + 0.5) / self.scale[0] + self.low[0]
@@ -221,7 +222,7 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// Returns whether all blocks in the searched cells around a cell are anchored.
+    /// Returns whether all blocks in and around a cell are anchored.
     fn has_no_free_neighbour(&self, cell: usize) -> bool {
         let [row, slab] = self.stride;
         let next = cell + slab;
@@ -310,8 +311,8 @@ impl<R: Lane> CellList<R> {
         pairs.dedup();
     }
 
-    /// Adds the pairs of a block within a range of the sorted list, and possibly a few beyond its
-    /// end.
+    /// Adds the pairs of a block with blocks in a range of the sorted list. May also add pairs with
+    /// a few blocks after the range.
     #[inline(always)]
     fn meet(&self, seeker: &Seeker<R>, stretch: [u32; 2], pairs: &mut Vec<(u32, u32)>) {
         let [mut from, to] = stretch.map(|at| at as usize);
@@ -330,7 +331,8 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// Adds the pairs of a block with the nearby ones of a lane. Rare, hence not inlined.
+    /// Adds the pairs of a block with the blocks of a SIMD vector that `hits` marks. Rare, hence
+    /// not inlined.
     #[inline(never)]
     fn note(&self, own: Tag, from: usize, mut hits: u32, pairs: &mut Vec<(u32, u32)>) {
         while hits != 0 {
@@ -363,7 +365,7 @@ impl<R: Lane> CellList<R> {
     }
 }
 
-/// Block whose neighbours are searched.
+/// Block whose neighbours are being searched.
 struct Seeker<R: Lane> {
     own: Tag,
     here: [R::Quad; 3],
@@ -371,7 +373,7 @@ struct Seeker<R: Lane> {
     near: R::Quad,
 }
 
-/// Returns the squared distances of a lane of blocks from a position.
+/// Returns the squared distances of [`ABREAST`] successive blocks from a position.
 #[inline(always)]
 fn squares<R: Lane>([x, y, z]: [&[R]; 3], here: &[R::Quad; 3], from: usize) -> R::Quad {
     let square = |places: &[R], here: R::Quad| {
@@ -408,7 +410,7 @@ mod tests {
                 })
                 .collect();
             let mut bodies: Bodies<f64> = Bodies::new(&blocks, 1.0, 1.0);
-            // A quarter of them, or three quarters.
+            // A quarter or three quarters of the blocks are anchored.
             let anchored = |i: u32| i.is_multiple_of(4) == (case / 24 % 2 == 0);
             for i in (0..40).filter(|&i| anchored(i)) {
                 let place = blocks[i as usize].position;

@@ -67,7 +67,7 @@ impl<R: Lane> CollisionShape<R> {
         }
     }
 
-    /// Removes blocks that cannot touch the ground from a list of low blocks.
+    /// Removes the blocks that cannot touch the ground from `low`, a list of low blocks.
     fn keep_near_ground(&self, bodies: &Bodies<R>, low: &mut Vec<u32>) {
         if let Ground::Plate(plate) = &self.ground {
             low.retain(|&id| {
@@ -84,7 +84,7 @@ impl<R: Lane> CollisionShape<R> {
             Ground::Plane if self.spheres => ball_on_ground(place),
             Ground::Plane if self.compliant => face_on_ground(place, bodies.axes(id)),
             Ground::Plane => cube_on_ground(place, bodies.axes(id)),
-            // A sphere on an edge of the plate is rare and uses the box as well.
+            // A sphere at an edge of the plate is rare. It is treated as a cube.
             Ground::Plate(PlateBox { centre, axes, half }) => {
                 let (centre, half) = (*centre, *half);
                 let pair = (cube(bodies, id), Cuboid { centre, axes, half });
@@ -95,8 +95,8 @@ impl<R: Lane> CollisionShape<R> {
         on_plane.iter().for_each(touch);
     }
 
-    /// Returns whether rotations matter for contacts with the ground, and for contacts between
-    /// blocks.
+    /// Returns whether rotations affect contacts with the ground, and whether they affect contacts
+    /// between blocks.
     fn has_edges(&self) -> [bool; 2] {
         let balls_only = self.spheres && matches!(self.ground, Ground::Plane);
         [!balls_only, !self.spheres]
@@ -115,8 +115,9 @@ pub(super) struct Contacts<R: Lane> {
     pub solver: Solver<R>,
     /// Whether free blocks collide with each other.
     mutual: bool,
-    /// Buffers: blocks near the ground, and nearby pairs.
+    /// Buffer of the blocks near the ground.
     low: Vec<u32>,
+    /// Buffer of the pairs of nearby blocks.
     close: Vec<(u32, u32)>,
 }
 
@@ -178,7 +179,7 @@ impl<R: Lane> Contacts<R> {
         self.find_among(bodies, None);
     }
 
-    /// Finds the contacts among the listed candidates.
+    /// Finds the contacts among the candidate pairs and low blocks.
     fn find_among(&mut self, bodies: &mut Bodies<R>, bonds: Option<&FreeBonds>) {
         let Contacts {
             shape,

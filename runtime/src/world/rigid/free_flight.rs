@@ -1,5 +1,5 @@
-//! Free flight: the effects on all blocks in every substep that do not depend on other blocks.
-//! Shell, random impulses, drag and motion.
+//! Free flight: all effects on a block that do not depend on other blocks. These are shell, random
+//! impulses, drag and motion.
 use super::bodies::{Bodies, add};
 use super::simd::{LANES, Lane, Wide, square};
 use crate::counter_rng::{StepDraws, WORDS};
@@ -8,7 +8,7 @@ use crate::world::motion_limits::MotionLimits;
 use crate::world::parameters::{self, Kicks};
 use crate::world::shell_force::ShellForce;
 
-/// Number of lanes after which speeds and distances are checked.
+/// Number of SIMD groups between two checks of speeds and distances.
 const CHECKED: usize = 8;
 
 /// Terms that act on all blocks.
@@ -95,7 +95,8 @@ impl<R: Lane> FreeFlight<R> {
         });
         let [long, short] = self.drag.unwrap_or([R::one(); 2]).map(R::Wide::splat);
         let longer = R::Wide::splat(self.short * R::from_double(1.5));
-        // Relative squares: below one while all speeds and distances are within their limits.
+        // Squares of speeds and distances relative to their limits. They are below one in valid
+        // motion.
         let (speeds, ways) = (
             R::from_double(1.0 / (self.limits.speed * self.limits.speed)),
             R::from_double(1.0 / (self.limits.far * self.limits.far)),
@@ -151,8 +152,8 @@ impl<R: Lane> FreeFlight<R> {
     }
 }
 
-/// Returns the velocity change by the shell per distance from its centre, inward. The vector form
-/// of [`ShellForce::push`].
+/// Returns the inward velocity change by the shell, divided by the distance from its centre. SIMD
+/// form of [`ShellForce::push`].
 #[inline(always)]
 fn shell_factor<R: Lane>(shell: &ShellForce<R>, x: &[R::Wide; 3]) -> R::Wide {
     let distance = square(*x).sqrt();
@@ -215,7 +216,7 @@ impl<R: Lane> Kick<R> {
 #[inline(always)]
 fn sincos_turns<R: Lane>(turns: R::Wide) -> (R::Wide, R::Wide) {
     let all = |value: f64| R::Wide::splat(R::from_double(value));
-    // Half of the angle from the opposite direction: -1/2 to 1/2 half turns.
+    // Half of the angle from the opposite direction, in half turns: from -1/2 to 1/2.
     let a = turns - all(0.5);
     let s = a * a;
     let mut cos = all(COS[0]);
@@ -225,7 +226,7 @@ fn sincos_turns<R: Lane>(turns: R::Wide) -> (R::Wide, R::Wide) {
         sin = sin * s + all(SIN[k]);
     }
     let sin = sin * a;
-    // Double-angle formulas, and the opposite direction.
+    // Double-angle formulas. The sign is for the opposite direction.
     (all(-2.0) * sin * cos, all(2.0) * sin * sin - all(1.0))
 }
 

@@ -37,7 +37,8 @@ stochc_ir::state! {
     (<R: Lane>) Kernel<R>;
     values: neighbours, local;
     parts: ;
-    // Contacts are recomputed in every step.
+    // Not part of the state: contacts are recomputed in every step, and the other fields are
+    // constant.
     same: flight, words, contacts, weight, limits
 }
 
@@ -178,7 +179,7 @@ impl<R: Lane> Integrator for Kernel<R> {
 }
 
 impl<R: Lane> Kernel<R> {
-    /// Applies contact impulses to the blocks that touch something.
+    /// Finds the contact impulses and applies them to the touching blocks.
     fn collide(&mut self, bodies: &mut Bodies<R>) -> Result<(), Fault> {
         let Some(contacts) = &mut self.contacts else {
             return Ok(());

@@ -1,9 +1,9 @@
-//! Local time steps: short steps for blocks in the field of a magnetized face, and for blocks that
+//! Local time steps. Blocks in the field of a magnetized face take short steps, as do blocks that
 //! may touch them.
 //!
-//! All others move once per long step. The contact force on a pair acts at the longer of the two
-//! steps, with equal and opposite impulses, so momentum is conserved. The selection depends on
-//! positions, velocities and open faces at the beginning of a long step.
+//! All other blocks move once per long step. The contact force on a pair acts over the longer of
+//! its two steps, with equal and opposite impulses. This conserves momentum. The selection depends
+//! on positions, velocities and open faces at the beginning of a long step.
 use serde::{Deserialize, Serialize};
 
 use super::bodies::Bodies;
@@ -13,21 +13,22 @@ use super::simd::Lane;
 use crate::world::blocks::Blocks;
 use crate::world::real::Real;
 
-/// Allowance for velocity changes by contacts and magnets within a step \[block lengths\].
+/// Allowance for the change of a block's path in a step by contacts and magnets \[block lengths\].
 pub(super) const SURPRISE: f64 = 0.1;
 
-/// Blocks that take short steps within a long one.
+/// Selection of the blocks that take short steps within a long step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(super) struct LocalSteps<R: Real> {
     /// Lengths of a long and a short step \[tick\].
     long: R,
     short: R,
-    /// Blocks with short steps in rising order, in this long step and in the previous one.
+    /// Blocks with short steps in this long step, in rising order.
     pub blocks: Vec<u32>,
+    /// Blocks with short steps in the previous long step, in rising order.
     before: Vec<u32>,
-    /// Pairs of these blocks, and pairs with anchored blocks, that may touch in the long step. The
-    /// lower number first, in rising order.
+    /// Pairs that may touch in the long step, among these blocks or with an anchored block. The
+    /// lower number comes first; pairs are in rising order.
     pub pairs: Vec<(u32, u32)>,
     found: Vec<u32>,
 }
@@ -44,7 +45,7 @@ impl<R: Lane> LocalSteps<R> {
         }
     }
 
-    /// Returns the largest path of a block in a long step.
+    /// Returns the largest path in a long step of a block with this speed \[block lengths\].
     pub fn distance(&self, speed: R) -> R {
         speed * self.long + R::from_double(SURPRISE)
     }

@@ -1,8 +1,8 @@
 //! Rigid cubes by a custom kernel for dilute suspensions.
 //!
-//! Same scenes and magnets as the world of Rapier, in single or double precision. Most blocks fly
-//! freely most of the time. A free block costs only its random draws and its motion: collision
-//! detection covers only neighbours, and rotations are computed on access.
+//! It supports the same scenes and magnets as [`super::rapier`], in single or double precision.
+//! Most blocks fly freely most of the time. A free block costs only its random draws and its
+//! motion: collision detection covers only neighbours, and rotations are computed on access.
 mod bodies;
 mod cell_list;
 mod collision_detection;
@@ -39,7 +39,7 @@ enum ByPrecision {
     Double(Box<Stepper<Kernel<f64>>>),
 }
 
-/// Dispatches to either precision.
+/// Runs an expression with the world of either precision.
 macro_rules! either {
     (new $precision:expr, $stepper:expr) => {
         match $precision {

@@ -1,7 +1,7 @@
 //! Motions of blocks in groups of SIMD width.
 //!
-//! All data of a group are contiguous. A pass over all blocks is one stream through memory, and one
-//! block occupies few cache lines.
+//! All data of a group are contiguous. A pass over all blocks reads memory in order, and one block
+//! occupies few cache lines.
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -22,8 +22,8 @@ pub(super) struct MotionGroup<R: Real> {
     pub velocity: [Lanes<R>; 3],
     /// Length of a block's next step \[tick\].
     pub step: Lanes<R>,
-    /// Rounding errors of the positions, to be subtracted. With them, steps below the last digit of
-    /// a position add up.
+    /// Rounding errors of the positions, to be subtracted. They preserve displacements that are
+    /// smaller than the last digit of a position.
     ///
     /// # Source
     ///
@@ -48,20 +48,20 @@ impl<R: Real> MotionGroup<R> {
     }
 }
 
-/// Returns the group of a block and its lane.
+/// Returns the index of a block's group and the block's index in the group.
 #[inline(always)]
 pub(super) fn place(id: u32) -> (usize, usize) {
     let id = id as usize;
     (id / LANES, id % LANES)
 }
 
-/// Returns the vector of one block.
+/// Returns the vector of one block of a group.
 #[inline(always)]
 pub(super) fn gather<R: Real>(lanes: &[Lanes<R>; 3], lane: usize) -> Vector3<R> {
     Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane])
 }
 
-/// Sets the vector of one block.
+/// Sets the vector of one block of a group.
 #[inline(always)]
 pub(super) fn scatter<R: Real>(lanes: &mut [Lanes<R>; 3], lane: usize, value: Vector3<R>) {
     for (axis, lanes) in lanes.iter_mut().enumerate() {

@@ -12,7 +12,7 @@ use super::simd::{LANES, Lane, Wide, square};
 use crate::world::blocks::Blocks;
 use crate::world::motion_limits::FARTHEST;
 
-/// Largest gap of listed pairs \[block lengths\].
+/// Largest gap between the blocks of a listed pair \[block lengths\].
 const SKIN: f64 = 1.6;
 
 /// Upper bound of rounding errors of a distance \[block lengths\].
@@ -24,28 +24,29 @@ const LASTING: f64 = 2.5;
 /// Number of steps between reviews of the list's lifetime and of the blocks' extent.
 const REVIEW: u32 = 64;
 
-/// At most one block in this many may be outside the grid, whose outermost cells are crowded.
+/// Limit on blocks outside the grid: one in this many. Many blocks there would crowd its outermost
+/// cells.
 const OUTSIDE: usize = 8;
 
-/// Search structure for blocks near each other and near a position.
+/// Index of the pairs of nearby blocks, and of the blocks near a position.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(super) struct NeighbourList<R: Lane> {
     /// Half-width of the region with most blocks \[block lengths\].
     span: f64,
     floor: Option<f64>,
-    /// Height of the grid, below which most blocks are \[block lengths\]. A higher grid would crowd
+    /// Height of the grid, above which few blocks are \[block lengths\]. A higher grid would crowd
     /// a sediment or a flat structure into its lowest cells.
     top: f64,
     grid: CellList<R>,
     /// [`SKIN`], or 0 if all pairs are searched in every step.
     skin: f64,
     pairs: Vec<(u32, u32)>,
-    /// Distance of each pair when the list was made, and the largest approach of any two blocks
-    /// since \[block lengths\].
+    /// Distance of each listed pair when the list was made \[block lengths\].
     distances: Vec<R>,
+    /// Largest approach of any two blocks since then \[block lengths\].
     closer: R,
-    /// Positions when the list was made, in the same groups. Empty if there is no list.
+    /// Positions when the list was made, in SIMD groups. Empty if there is no list.
     places: Vec<[[R; LANES]; 3]>,
     /// Steps until the next review.
     due: u32,
@@ -158,7 +159,7 @@ impl<R: Lane> NeighbourList<R> {
         }
         let touch = R::from_double(TOUCH * TOUCH);
         pairs.clear();
-        // Pairs beyond this distance at that time cannot touch now, including rounding.
+        // Pairs that were beyond this distance when the list was made cannot touch now.
         let far = R::from_double(TOUCH + ROUNDING) + self.closer;
         for (&(i, j), &distance) in self.pairs.iter().zip(&self.distances) {
             if distance > far {

@@ -14,8 +14,8 @@ impl<N: Copy + Add<Output = N> + Sub<Output = N> + Mul<Output = N>> Arithmetic f
 /// Quarter of the squared angle below which [`small`] is accurate.
 pub(super) const SMALL: f64 = 0.04;
 
-/// Returns the cosine of half an angle, and its sine divided by the angle. `s` is a quarter of the
-/// squared angle.
+/// Returns the cosine of half an angle, and the sine of half the angle divided by the angle. `s` is
+/// a quarter of the squared angle.
 #[inline(always)]
 pub(super) fn small<N: Arithmetic>(s: N, of: impl Fn(f64) -> N) -> (N, N) {
     // Both series end at the first term below 1e-10.
@@ -28,14 +28,15 @@ pub(super) fn small<N: Arithmetic>(s: N, of: impl Fn(f64) -> N) -> (N, N) {
     (cos, sinc * of(0.5))
 }
 
-/// Returns the values of [`small`] for any angle.
+/// Returns the same values as [`small`], for any angle.
 pub(super) fn large<R: Real>(s: R) -> (R, R) {
     let half = s.double().sqrt();
     let (sin, cos) = libm::sincos(half);
     (R::from_double(cos), R::from_double(sin / half / 2.0))
 }
 
-/// Rotates a quaternion (x, y, z, w) by a rotation vector with this cosine and scaled sine.
+/// Rotates a quaternion (x, y, z, w) by a rotation vector. `cos` and `over` are the results of
+/// [`small`].
 #[inline(always)]
 pub(super) fn turned<N: Arithmetic>(
     [x, y, z, w]: [N; 4],

@@ -16,7 +16,7 @@ pub(super) const ABREAST: usize = 4;
 pub(crate) trait Lane: Real {
     /// Vector of eight.
     type Wide: Wide<Self, LANES>;
-    /// Vector of four, or a vector in space and a zero.
+    /// Vector of four numbers, or a vector in space and a zero.
     type Quad: Quad<Self>;
 }
 
@@ -43,13 +43,14 @@ pub(crate) trait Wide<R, const N: usize>:
     fn splat(value: R) -> Self;
     /// Returns the square roots.
     fn sqrt(self) -> Self;
-    /// Returns the larger numbers of each lane, if neither is NaN.
+    /// Returns the larger number in each lane if neither is NaN.
     fn maximum(self, other: Self) -> Self;
-    /// Returns the smaller numbers of each lane, if neither is NaN.
+    /// Returns the smaller number in each lane if neither is NaN.
     fn minimum(self, other: Self) -> Self;
     /// Returns the absolute values.
     fn abs(self) -> Self;
-    /// Returns a mask of the lanes that are greater than `other`. NaN is not.
+    /// Returns a mask of the lanes that are greater than in `other`. NaN is not greater than any
+    /// number.
     fn above(self, other: Self) -> Self;
     /// Selects `yes` in the lanes of the mask and `no` elsewhere.
     fn choose(self, yes: Self, no: Self) -> Self;
@@ -69,7 +70,7 @@ pub(crate) trait Quad<R>: Wide<R, ABREAST> + Default {
     fn sum(self) -> R;
 }
 
-/// Returns the cross products of the lanes' vectors.
+/// Returns the cross product of two vectors. Each component may be a SIMD vector.
 #[inline(always)]
 pub(super) fn cross<W: Copy + Mul<Output = W> + Sub<Output = W>>(a: [W; 3], b: [W; 3]) -> [W; 3] {
     [
@@ -85,20 +86,20 @@ pub(super) fn sum<W: Add<Output = W>>([x, y, z]: [W; 3]) -> W {
     x + y + z
 }
 
-/// Returns the squared lengths of the lanes' vectors.
+/// Returns the squared length of a vector. Each component may be a SIMD vector.
 #[inline(always)]
 pub(super) fn square<W: Copy + Add<Output = W> + Mul<Output = W>>(vector: [W; 3]) -> W {
     sum(vector.map(|part| part * part))
 }
 
-/// Transposes vectors into lanes.
+/// Transposes vectors: lane i of result k is component k of vector i.
 #[inline(always)]
 pub(super) fn transposed<R: Lane, const K: usize>(vectors: [[R; K]; ABREAST]) -> [R::Quad; K] {
     let [a, b, c, d] = vectors;
     std::array::from_fn(|axis| R::Quad::load(&[a[axis], b[axis], c[axis], d[axis]]))
 }
 
-/// Returns one to [`ABREAST`] elements, padded with the last one.
+/// Returns one to [`ABREAST`] elements, padded with copies of the last one.
 #[inline(always)]
 pub(super) fn filled<T: Copy>(some: &[T]) -> [T; ABREAST] {
     let last = some.len() - 1;

@@ -1,4 +1,4 @@
-//! The world of random orders.
+//! Lattice world with a random order of captures.
 use std::collections::BTreeMap;
 
 use smallvec::{SmallVec, smallvec};
@@ -23,10 +23,10 @@ pub struct ShuffleWorld {
     /// Groups of free blocks. `None` if free blocks do not bond.
     groups: Option<DisjointSets>,
     pub(super) lattice: LatticeStructure,
-    /// Accessible open faces as numbers: six for each seat.
+    /// Accessible open faces by index: six for each seat.
     open: RankedSet,
-    /// Accessible faces that are off, of the plate and of blocks above it. Used only for stray
-    /// captures.
+    /// Accessible faces that are switched off: first faces of the plate, then faces of blocks above
+    /// it. Used only for stray captures.
     pub(super) exposed: [ExposedFaces; 2],
 }
 
@@ -38,8 +38,8 @@ stochc_ir::state! {
 }
 
 impl ShuffleWorld {
-    /// Returns a world of `count` free blocks and the plate's blocks that are named in these
-    /// tables. (`seed`, `run`) is the key of its random draws.
+    /// Returns a world of `count` free blocks and of the plate's blocks that these tables name.
+    /// (`seed`, `run`) is the key of its random draws.
     pub fn new(tables: &Tables, count: u32, seed: u64, run: u64) -> ShuffleWorld {
         let lattice = LatticeStructure::new(tables, count);
         ShuffleWorld {
@@ -92,7 +92,7 @@ impl ShuffleWorld {
 }
 
 impl ShuffleWorld {
-    /// Puts a captured block into its empty cell.
+    /// Puts a captured block into its empty cell, and updates the open faces.
     #[inline]
     fn dock(&mut self, seat: usize, face: Face, cell: Cell, docking: &Docking) {
         let emit = |change| note(&mut self.open, change);
@@ -163,7 +163,8 @@ impl ShuffleWorld {
         }
     }
 
-    /// Captures a free block at an accessible face. The words select the block and its orientation.
+    /// Captures a free block at an accessible face. Two random words select the block and its
+    /// orientation.
     #[inline]
     fn dock_one(
         &mut self,

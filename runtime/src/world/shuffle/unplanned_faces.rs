@@ -4,10 +4,10 @@ use stochc_ir::{Cell, Face};
 
 use crate::world::lattice::faces;
 
-/// Largest number of blocks in a run.
+/// Largest number of blocks in a chunk of the list.
 const MAX: usize = 256;
 
-/// Exposed faces by cell: runs of blocks, each with its number of faces.
+/// Exposed faces sorted by cell. The list is in chunks of blocks, each with its number of faces.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct ExposedFaces {
     runs: Vec<(u32, Vec<Exposed>)>,
@@ -27,7 +27,7 @@ impl ExposedFaces {
         self.runs.iter().map(|(faces, _)| faces).sum()
     }
 
-    /// Sets the exposed faces of the block in a cell. The block is irrelevant if there are none.
+    /// Sets the exposed faces of the block in a cell. `body` is ignored if `faces` is empty.
     pub fn set(&mut self, cell: Cell, body: u32, faces: u8) {
         let later = (self.runs)
             .partition_point(|(_, run)| run.first().is_some_and(|first| first.cell <= cell));
@@ -66,7 +66,7 @@ impl ExposedFaces {
         }
     }
 
-    /// Returns the face of a rank, which must be below the number of faces.
+    /// Returns the face with this rank, or `None` if there are fewer faces.
     pub fn select(&self, mut rank: u32) -> Option<(u32, Face)> {
         let (_, run) = self.runs.iter().find(|(faces, _)| {
             let is_here = rank < *faces;

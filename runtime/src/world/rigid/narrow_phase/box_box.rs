@@ -26,7 +26,7 @@ pub fn boxes<'a, R: Lane>(
     }
 }
 
-/// Returns the contact points of two boxes with this least overlap.
+/// Returns the contact points of two boxes along the direction of their least overlap.
 fn manifold<R: Lane>(
     a: &Cuboid<'_, R>,
     b: &Cuboid<'_, R>,

@@ -10,15 +10,15 @@ use super::ManifoldPoint;
 use super::cuboid::Cuboid;
 use crate::world::real::Real;
 
-/// Points, and the gradient of the depth.
+/// Points of a contact patch, and the gradient of their depth.
 type Patch<R> = (SmallVec<[ManifoldPoint<R>; 8]>, Vector3<R>);
 
 pub type Polygon<R> = SmallVec<[Vector3<R>; 8]>;
 
-/// Returns the points of `other`'s most opposite face that are below a face of `own`, and the
-/// gradient of the depth.
+/// Returns the points of `other`'s most opposite face that are below a face of `own`. Also returns
+/// the gradient of their depth.
 ///
-/// `out` is the normal of that face, along the axis number `axis` of `own` or against it.
+/// `out` is the outward normal of the face of `own`, parallel to the axis with index `axis`.
 pub fn face_points<R: Real>(
     own: &Cuboid<'_, R>,
     other: &Cuboid<'_, R>,
@@ -47,7 +47,7 @@ pub fn face_points<R: Real>(
     (!points.is_empty()).then(|| (points, slope(opposite, out)))
 }
 
-/// Returns the gradient of the depth of a face with normal `face` below one with normal `out`.
+/// Returns the gradient of the depth of one face below another. The normals are `face` and `out`.
 pub fn slope<R: Real>(face: Vector3<R>, out: Vector3<R>) -> Vector3<R> {
     let against = face.dot(&out);
     face / against - out
@@ -84,7 +84,7 @@ fn clip<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
     cut(polygon, along, limit);
 }
 
-/// Clips a polygon that is partly beyond the limit. Slow path of `clip`.
+/// Clips a polygon that is partly beyond the limit. This is the slow path of `clip`.
 fn cut<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
     let Some(&last) = polygon.last() else {
         return;

@@ -21,7 +21,7 @@ pub(super) struct Manifold<R: Real> {
     pub normal: Vector3<R>,
     /// Points in order around the patch, unless several faces of a body touch.
     pub points: SmallVec<[ManifoldPoint<R>; 8]>,
-    /// Gradient of the depth across the normal. 0 for contact at a single point.
+    /// Gradient of the depth across the normal. 0 if the bodies touch at a single point.
     pub slope: Vector3<R>,
 }
 

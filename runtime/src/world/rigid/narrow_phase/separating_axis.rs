@@ -11,8 +11,8 @@ use crate::world::rigid::simd::{ABREAST, Lane, Wide, first, sum, transposed};
 /// Sine of the angle below which edges count as parallel.
 const PARALLEL: f64 = 1e-3;
 
-/// Preference of faces over edges \[block lengths\]: several contact points are more stable than
-/// one.
+/// Preference of a face over a pair of edges, as overlap \[block lengths\]. Several contact points
+/// are more stable than one.
 const PREFER_FACE: f64 = 1e-3;
 
 /// Direction of the least overlap of two boxes.
@@ -20,7 +20,7 @@ const PREFER_FACE: f64 = 1e-3;
 pub(super) enum Direction {
     /// Normal of a face of the first or second box.
     Face { first: bool, axis: usize },
-    /// Normal to an edge of each box.
+    /// Common normal of an edge of each box.
     Edges { own: usize, other: usize },
 }
 
@@ -31,11 +31,11 @@ pub(super) struct LeastOverlap<R> {
     pub depth: R,
 }
 
-/// A vector for each pair.
+/// One vector per pair of boxes.
 type LaneVector<R> = [<R as Lane>::Quad; 3];
 type LaneMatrix<R> = [LaneVector<R>; 3];
 
-/// One box of each pair.
+/// One box of each of several pairs.
 struct Boxes<R: Lane> {
     /// Axes of the boxes in the world.
     axes: LaneMatrix<R>,
@@ -44,9 +44,9 @@ struct Boxes<R: Lane> {
 
 /// State of the search.
 struct SeparatingAxisSearch<R: Lane> {
-    /// Pairs that no axis separates so far.
+    /// Mask of the pairs that no axis separates so far.
     meet: R::Quad,
-    /// Least depth so far, and the number of its axis.
+    /// Least depth so far.
     depth: R::Quad,
     axis: R::Quad,
 }
@@ -171,7 +171,7 @@ fn gather<'a, R: Lane>(
     }
 }
 
-/// Returns a vector of each pair.
+/// Returns a vector of every pair, chosen by `of`.
 #[inline(always)]
 fn vector<'a, R: Lane>(
     [a, b, c, d]: &[(Cuboid<'a, R>, Cuboid<'a, R>); ABREAST],

@@ -1,10 +1,10 @@
-//! Centre of pressure: the point of attack of a compliant contact's force on a patch.
+//! Centre of pressure: the point of attack of a compliant contact's force within the contact patch.
 //!
-//! A contact has the energy k d² / 2 with d its largest depth, so its force acts at the deepest
-//! point. On an almost level patch, that point jumps between corners many times per step. On
-//! average the force keeps the patch level, as long as a point within the patch can. It acts at the
-//! x that maximizes d(x) - r (x - x0)² / 2. Here g is the gradient of the depth, and r the gradient
-//! that the force makes per length in a step. This is the point of the patch nearest to x0 + g / r.
+//! A contact has the energy k d² / 2, where d is its largest depth. Its force therefore acts at the
+//! deepest point. On an almost level patch, that point jumps between corners many times per step.
+//! On average, the force keeps the patch level if a point within the patch can. The force acts at
+//! the x that maximizes d(x) - r (x - x0)² / 2. This is the point of the patch nearest to x0 + g /
+//! r. Here g is the gradient of the depth. The force makes a gradient of r per length in a step.
 use nalgebra::Vector3;
 
 use crate::world::real::Real;
@@ -13,8 +13,8 @@ use crate::world::unit_cube::INVERSE_INERTIA;
 
 /// Returns the point that represents a patch.
 ///
-/// `centres` are those of the moving bodies. `response` is the velocity change of a block by a unit
-/// of depth in a step, times the step.
+/// `centres` are the centres of the moving bodies. `response` is the displacement of a block in a
+/// step, per unit of depth.
 pub(super) fn centre_of_pressure<R: Real>(
     manifold: &Manifold<R>,
     centres: [Option<Vector3<R>>; 2],

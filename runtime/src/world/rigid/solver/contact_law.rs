@@ -8,10 +8,10 @@ use crate::world::rigid::simd::{Lane, Quad};
 /// Fraction of an overlap that is corrected per substep.
 pub(super) const RECOVERY: f64 = 0.2;
 
-/// Overlap that is tolerated \[block lengths\].
+/// Depth of overlap that is tolerated \[block lengths\].
 pub(super) const SLOP: f64 = 0.001;
 
-/// Largest speed of correction \[block lengths / tick\].
+/// Largest speed of overlap correction \[block lengths / tick\].
 pub(super) const FASTEST: f64 = 0.1;
 
 /// Relative tolerance of velocities, as a fraction of the fastest approach.

@@ -19,9 +19,11 @@ pub(crate) struct Solver<R: Lane> {
     iterations: u32,
     pub(super) touches: ContactList<R>,
     pub(super) moving: SolverBodies<R>,
-    /// Contacts whose bodies have no other contact: one body against an immovable one, and pairs.
+    /// Contacts whose bodies have no other contact, each with an immovable body.
     single: ParallelContacts<R, 1>,
+    /// Contacts of two blocks that have no other contact.
     double: ParallelContacts<R, 2>,
+    /// All other contacts.
     chains: SequentialContacts<R>,
 }
 
@@ -63,20 +65,20 @@ impl<R: Lane> Solver<R> {
         }
     }
 
-    /// Records the velocity change of a rigid block by a force in this step.
+    /// Records the velocity change of a block by a force in this step.
     pub fn pushed(&mut self, id: u32, change: Vector3<R>) {
         if self.law.restitution().is_some() {
             self.moving.pushed(id, change);
         }
     }
 
-    /// Solves all contacts after their bodies moved without them. Changes the velocities and
-    /// corrects the positions by the difference.
+    /// Solves all contacts after the bodies moved as if there were none. Changes the velocities and
+    /// corrects the positions accordingly.
     ///
     /// `push` is the acceleration by the shell, and by the weight of rigid blocks, at a position.
-    /// Contacts occur in the middle of a step, before half of this change. Otherwise collisions
-    /// would add energy to blocks that fall or meet the shell. `moved` receives every changed block
-    /// with its position, velocity, spin and rotation.
+    /// Contacts act in the middle of a step, before the second half of this change. Otherwise
+    /// collisions would add energy to blocks that fall or meet the shell. `moved` receives every
+    /// changed block with its position, velocity, spin and rotation.
     pub fn solve(
         &mut self,
         bodies: &mut Bodies<R>,
@@ -161,7 +163,7 @@ mod tests {
     const BLOCKS: u32 = 41;
 
     /// Returns the motions of blocks after simultaneous collisions with the ground or another block
-    /// at random points. Contacts are solved in parallel or in sequence.
+    /// at random points. `side_by_side` solves the contacts in parallel, otherwise in sequence.
     fn collide(contact: &ContactParameters, side_by_side: bool) -> Vec<[Vector3<f32>; 4]> {
         let mut dice = ChaCha8Rng::seed_from_u64(1);
         let mut vector = |size: f32| Vector3::from_fn(|_, _| dice.random_range(-size..size));
@@ -175,7 +177,7 @@ mod tests {
         let bodies = Bodies::<f32>::new(&blocks, 0.5, 0.5);
         let mut solver = Solver::new(Law::new(contact), blocks.len(), 50, true);
         solver.clear();
-        // By rounding, a corner slightly below the ground may appear level with it.
+        // Because of rounding, a corner slightly below the ground may appear level with it.
         let least = match contact.law {
             ContactLaw::Rigid { .. } => 0.0,
             ContactLaw::Compliant { .. } => 0.01,

@@ -1,10 +1,9 @@
 //! Contact solver: sequential impulses.
 //!
 //! Rigid contacts are solved twice. The first pass finds velocities, with restitution and Coulomb
-//! friction. The second corrects the overlap of the time step by a displacement that leaves no
-//! velocity. Compliant contacts are springs and dampers, integrated implicitly. Most bodies touch
-//! one thing only: their contacts are solved in parallel, all others in sequence, by the same
-//! arithmetic.
+//! friction. The second corrects overlaps by a displacement that does not change velocities.
+//! Compliant contacts are springs and dampers, integrated implicitly. Most bodies have only one
+//! contact. Such contacts are solved in parallel, all others in sequence, by the same arithmetic.
 //!
 //! # Source
 //!

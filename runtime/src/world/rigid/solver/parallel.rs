@@ -1,4 +1,4 @@
-//! Contacts that share no body with another, solved in SIMD lanes.
+//! Contacts of bodies that have no other contact, solved in SIMD lanes.
 //!
 //! Each lane is one contact, with the arithmetic of [`super::sequential`] in the same order.
 //! Results do not depend on the other lanes. Inactive lanes continue with zero changes.
@@ -10,7 +10,7 @@ use crate::world::rigid::simd::{ABREAST, Lane, Wide, cross, filled, first, sum, 
 /// Contacts of `N` moving bodies: two, or one against an immovable body.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ParallelContacts<R: Lane, const N: usize> {
-    /// Indices of the contacts among all.
+    /// Indices of these contacts among all contacts.
     numbers: Vec<usize>,
     /// Batches, including spare ones for reuse.
     groups: Vec<Batch<R, N>>,
@@ -19,13 +19,13 @@ pub(super) struct ParallelContacts<R: Lane, const N: usize> {
 /// Batch of at most [`ABREAST`] contacts.
 #[derive(Clone, Debug)]
 struct Batch<R: Lane, const N: usize> {
-    /// Indices of the bodies in the lists.
+    /// Indices of the bodies among all bodies.
     places: [[usize; N]; ABREAST],
     /// Mask of the lanes with a contact.
     real: R::Quad,
     bodies: [BatchBody<R>; N],
-    /// Change of the relative velocity in the second half of the step, in the contact frame.
-    /// Relative velocities are those of the first body minus those of the second.
+    /// Change of the relative velocity in the second half of the step, in the contact frame. A
+    /// relative velocity is the velocity of the first body minus that of the second.
     late: BatchVector<R>,
     shifts: [BatchBody<R>; N],
     /// Directions along the normal and across it.
@@ -35,10 +35,10 @@ struct Batch<R: Lane, const N: usize> {
     spots: Vec<BatchPoint<R, N>>,
 }
 
-/// A vector for each lane.
+/// One vector per lane.
 type BatchVector<R> = [<R as Lane>::Quad; 3];
 
-/// A body of each contact.
+/// The same body of each contact in a batch.
 #[derive(Clone, Copy, Debug)]
 struct BatchBody<R: Lane> {
     velocity: BatchVector<R>,
@@ -47,10 +47,10 @@ struct BatchBody<R: Lane> {
     inverse_inertia: R::Quad,
 }
 
-/// A point of each contact.
+/// The same point of each contact in a batch.
 #[derive(Clone, Copy, Debug)]
 struct BatchPoint<R: Lane, const N: usize> {
-    /// Mask of the contacts with this many points.
+    /// Mask of the contacts that have this point.
     real: R::Quad,
     depth: R::Quad,
     /// Target velocity along the normal, set by restitution or by a spring.
@@ -81,7 +81,7 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
 
     /// Loads all contacts. Returns the largest approach speed of their points.
     pub fn load(&mut self, touches: &ContactList<R>, moving: &SolverBodies<R>, law: &Law<R>) -> R {
-        // Contacts with equally many points share a batch.
+        // Contacts with equal numbers of points share a batch.
         let points = |&number: &usize| std::cmp::Reverse(touches.list[number].points.len());
         self.numbers.sort_by_key(points);
         let groups = self.numbers.chunks(ABREAST);
@@ -95,7 +95,7 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
             })
     }
 
-    /// Solves for the velocities of all bodies, up to `tolerance`.
+    /// Finds the velocities of all bodies, within `tolerance`.
     pub fn push(&mut self, law: &Law<R>, rounds: u32, tolerance: R, inertia: R) {
         for group in self.groups() {
             group.push(law, rounds, tolerance, inertia);
@@ -109,14 +109,14 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
         }
     }
 
-    /// Solves for the displacements that correct overlaps.
+    /// Finds the displacements that correct overlaps.
     pub fn part(&mut self, rounds: u32, tolerance: R) {
         for group in self.groups() {
             group.part(rounds, tolerance);
         }
     }
 
-    /// Stores the results; for `rigid` contacts, also the displacements.
+    /// Stores the new velocities. For `rigid` contacts, also stores the displacements.
     pub fn store(&mut self, moving: &mut SolverBodies<R>, rigid: bool) {
         for group in self.groups() {
             group.store(moving, rigid);
@@ -181,7 +181,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
             self.late = (self.frame).map(|row| sum([0, 1, 2].map(|axis| row[axis] * late[axis])));
         }
         self.spots.clear();
-        // Contacts with most points come first.
+        // The contact with the most points comes first.
         for nth in 0..list[0].points.len() {
             let have = numbers.partition_point(|&of| touches.list[of].points.len() > nth);
             let points = filled(&list[..have]).map(|touch| &touches.points_of(touch)[nth]);
@@ -295,7 +295,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         greatest
     }
 
-    /// See [`super::sequential::SequentialContacts::spare`].
+    /// Reduces overlap corrections, as [`super::sequential::SequentialContacts::spare`] does.
     fn spare(&mut self) {
         for spot in &mut self.spots {
             let parting = velocity(&self.frame[0], &spot.torques[0], &self.bodies) + self.late[0];
@@ -333,7 +333,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         greatest
     }
 
-    /// Limits the energy of the bodies to that before the contact.
+    /// Limits the energy of the bodies to their energy before the contact.
     fn keep_energy(&mut self, before: &[BatchBody<R>; N], inertia: R) {
         let inertia = R::Quad::splat(inertia);
         let (mut work, mut square) = (all::<R>(0.0), all::<R>(0.0));
@@ -372,7 +372,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
 }
 
 impl<R: Lane, const N: usize> BatchPoint<R, N> {
-    /// Sets an impulse in the active lanes. Returns the change.
+    /// Sets an impulse to `wanted` in the active lanes. Returns the change.
     #[inline(always)]
     fn press(&mut self, row: usize, wanted: R::Quad, active: R::Quad) -> R::Quad {
         let before = self.impulses[row];
@@ -409,7 +409,7 @@ impl<R: Lane> BatchBody<R> {
         }
     }
 
-    /// Returns the changes of velocity and spin.
+    /// Returns the changes of velocity and spin since `before`.
     fn less(&self, before: &BatchBody<R>) -> (BatchVector<R>, BatchVector<R>) {
         (
             [0, 1, 2].map(|axis| self.velocity[axis] - before.velocity[axis]),
@@ -442,7 +442,8 @@ fn velocity<R: Lane, const N: usize>(
     }))
 }
 
-/// Returns the velocity change in one direction of the frame by a unit impulse in the other.
+/// Returns the velocity change in direction `one` of the frame by a unit impulse in direction
+/// `two`.
 #[inline(always)]
 fn yields<R: Lane, const N: usize>(
     frame: &[BatchVector<R>; 3],

@@ -10,24 +10,25 @@ use super::contact_list::{ContactList, ContactPoint, TouchingBodies};
 use super::solver_bodies::{GROUND, SolverBodies, SolverBody};
 use crate::world::rigid::simd::{Lane, Quad, Wide};
 
-/// Contacts of bodies that touch several things.
+/// Contacts of bodies that have several contacts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SequentialContacts<R: Lane> {
     contacts: Vec<SequentialContact>,
     /// Points of all contacts.
     spots: Vec<PointConstraint<R>>,
-    /// Visit of the last change of each body.
+    /// Number of the visit that last changed each body.
     changed: Vec<u32>,
 }
 
-/// Contact with the state of its visits.
+/// Contact, and the result of its last visit.
 #[derive(Clone, Debug)]
 struct SequentialContact {
     a: usize,
     b: usize,
     points: Range<usize>,
-    /// Visit number of the last visit, and whether it changed nothing.
+    /// Number of the last visit to the contact.
     visited: u32,
+    /// Whether the last visit changed nothing.
     content: bool,
 }
 
@@ -42,14 +43,14 @@ struct PointConstraint<R: Lane> {
     softness: R,
     /// Displacement per tick that corrects the overlap.
     recovery: R,
-    /// Velocity change after the middle of the step, along the normal and across it.
+    /// Velocity change in the second half of the step, along the normal and across it.
     late: [R; 3],
     along: ConstraintRow<R>,
     across: [ConstraintRow<R>; 2],
     shift: R,
 }
 
-/// Direction of impulses between the bodies at a point.
+/// Direction of the impulses between two bodies at a point.
 #[derive(Clone, Copy, Debug)]
 struct ConstraintRow<R: Lane> {
     direction: R::Quad,
@@ -91,7 +92,7 @@ impl<R: Lane> SequentialContacts<R> {
         approach
     }
 
-    /// Solves for the velocities of all bodies until no point changes by more than `tolerance`.
+    /// Finds the velocities of all bodies. Stops when no point changes by more than `tolerance`.
     pub fn push(&mut self, moving: &mut SolverBodies<R>, law: &Law<R>, rounds: u32, tolerance: R) {
         let (motions, friction) = (&mut moving.motions, law.friction);
         self.repeat(motions, rounds, |contact, spots, motions| {
@@ -102,8 +103,8 @@ impl<R: Lane> SequentialContacts<R> {
         }
     }
 
-    /// Reduces overlap corrections for points that separate by restitution. Both together would add
-    /// energy.
+    /// Reduces overlap corrections for points that separate by restitution. Correction and
+    /// restitution together would add energy.
     pub fn spare(&mut self, moving: &SolverBodies<R>) {
         for contact in &self.contacts {
             let (a, b) = (&moving.motions[contact.a], &moving.motions[contact.b]);
@@ -114,7 +115,7 @@ impl<R: Lane> SequentialContacts<R> {
         }
     }
 
-    /// Solves for the displacements that correct overlaps.
+    /// Finds the displacements that correct overlaps.
     pub fn part(&mut self, moving: &mut SolverBodies<R>, rounds: u32, tolerance: R) {
         self.repeat(&mut moving.shifts, rounds, |contact, spots, shifts| {
             contact.part(spots, shifts) > tolerance
@@ -138,7 +139,8 @@ impl<R: Lane> SequentialContacts<R> {
             motions, before, ..
         } = moving;
         let before = |place: usize| (before[place].velocity, before[place].spin);
-        // Twice the energy is E0 + 2 s work + s^2 square, with s the fraction of the impulses.
+        // Twice the energy is E0 + 2 s work + s^2 square. Here s is the fraction of the impulses
+        // that is kept.
         let mut sums = vec![(R::zero(), R::zero()); motions.len()];
         for place in (1..motions.len()).filter(of_chains) {
             let motion = &motions[place];
@@ -241,12 +243,13 @@ impl SequentialContact {
             fastest = fastest.max(approach.abs());
             match law.kind {
                 LawKind::Rigid { restitution } => {
-                    // Also for separating points: impulses on a rocking patch must not add energy.
+                    // Separating points also have a target. Otherwise, impulses on a rocking patch
+                    // would add energy.
                     let target = -restitution * approach;
                     point.late = [&point.along, &point.across[0], &point.across[1]]
                         .map(|row| (row.direction * late).sum());
-                    // Resting blocks stay at rest: their weight also acts in the other half of the
-                    // step.
+                    // Resting blocks stay at rest: the target includes their weight in the second
+                    // half of the step.
                     point.target = if approach < R::zero() {
                         target.max(-point.late[0])
                     } else {
@@ -274,7 +277,7 @@ impl SequentialContact {
                     (k11 + k22) * R::from_double(0.5),
                     (k11 - k22) * R::from_double(0.5),
                 );
-                // One effective mass, the smallest, for all tangential directions. Different masses
+                // All tangential directions share the smallest effective mass. Different masses
                 // would deflect friction from the sliding direction.
                 let mass = R::one() / (mean + (half * half + k12 * k12).sqrt());
                 for across in &mut point.across {
@@ -341,7 +344,8 @@ impl SequentialContact {
 }
 
 impl<R: Lane> ConstraintRow<R> {
-    /// Returns the velocity change in this direction by a unit impulse in the other.
+    /// Returns the velocity change in this row's direction by a unit impulse in the other's
+    /// direction.
     fn yields(&self, other: &ConstraintRow<R>, a: &SolverBody<R>, b: &SolverBody<R>) -> R {
         let turned = |i: usize| self.torques[i] * other.torques[i];
         let moved = self.direction * other.direction;

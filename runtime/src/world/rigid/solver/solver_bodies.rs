@@ -1,4 +1,4 @@
-//! Bodies with contacts, and the change of their motion.
+//! Bodies that have contacts, and the changes of their motion.
 use nalgebra::Vector3;
 
 use crate::world::rigid::simd::{Lane, Quad};
@@ -16,7 +16,7 @@ pub(super) struct SolverBody<R: Lane> {
 /// Index of the immovable body.
 pub(super) const GROUND: usize = 0;
 
-/// Number that stands for no block and for no body.
+/// Number that stands for a missing block or body.
 pub(super) const NOBODY: u32 = u32::MAX;
 
 /// All bodies, [`GROUND`] first. The arrays are in the same order.
@@ -29,12 +29,12 @@ pub(super) struct SolverBodies<R: Lane> {
     pub motions: Vec<SolverBody<R>>,
     /// Motions before any impulse.
     pub before: Vec<SolverBody<R>>,
-    /// Velocity changes by forces after the middle of the step, for rigid contacts and the shell.
+    /// Velocity changes by forces in the second half of the step, for rigid contacts and the shell.
     pub late: Vec<R::Quad>,
     /// Displacements that correct overlaps, applied in this substep only. Empty for compliant
     /// contacts.
     pub shifts: Vec<SolverBody<R>>,
-    /// Body of each block, or [`NOBODY`].
+    /// Index of the body of each block, or [`NOBODY`].
     place: Vec<u32>,
     inverse_inertia: R,
 }
@@ -62,7 +62,7 @@ impl<R: Lane> SolverBody<R> {
 }
 
 impl<R: Lane> SolverBodies<R> {
-    /// Returns an empty list for `count` blocks. `turns` is whether contacts can rotate blocks.
+    /// Returns an empty list for `count` blocks. `turns` states whether contacts can rotate blocks.
     pub fn new(count: usize, turns: bool) -> SolverBodies<R> {
         SolverBodies {
             blocks: Vec::new(),
@@ -94,7 +94,8 @@ impl<R: Lane> SolverBodies<R> {
         self.late.push(R::Quad::default());
     }
 
-    /// Returns the body of a free block and counts a contact. Adds the body at its first contact.
+    /// Returns the index of a free block's body and counts a contact. Adds the body at its first
+    /// contact.
     pub fn place(&mut self, id: u32) -> usize {
         let place = &mut self.place[id as usize];
         if *place == NOBODY {
@@ -109,27 +110,28 @@ impl<R: Lane> SolverBodies<R> {
         *place as usize
     }
 
-    /// Records a force's velocity change of a block. Half of it acts after the middle of the step.
+    /// Records a velocity change of a block by a force. Half of it acts in the second half of the
+    /// step.
     pub fn pushed(&mut self, id: u32, change: Vector3<R>) {
         if let Some(late) = self.late.get_mut(self.place[id as usize] as usize) {
             *late += R::Quad::pack(change * R::from_double(0.5));
         }
     }
 
-    /// Returns whether none of these bodies has another contact.
+    /// Returns whether these bodies have no other contact.
     pub fn is_alone(&self, bodies: [usize; 2]) -> bool {
         bodies.iter().all(|&place| self.contacts[place] <= 1)
     }
 
-    /// Makes all bodies appear to have several contacts.
+    /// Makes all bodies appear to have several contacts. For tests.
     #[cfg(test)]
     pub fn entangle(&mut self) {
         self.contacts.iter_mut().for_each(|count| *count += 2);
     }
 
-    /// Loads the velocities in the middle of the step, which exclude `late`, and the spins.
+    /// Loads the spins, and the velocities in the middle of the step. These exclude `late`.
     ///
-    /// `rigid` is whether overlaps are corrected.
+    /// `rigid` states whether overlaps are corrected.
     pub fn start(&mut self, rigid: bool, motion_of: impl Fn(u32) -> [Vector3<R>; 3]) {
         self.shifts.clear();
         if rigid {
