@@ -1,5 +1,5 @@
 //! Compiles syntax trees to dependency graphs, proofs and event tables, without IO, clock or
-//! chance.
+//! randomness.
 //!
 //! [`check`] runs the stages. It loads and parses files, and expands each assembly ([`plan`]). It
 //! checks names, computes cells, and orders events ([`graph`], [`order`]). It proves that free

@@ -28,16 +28,16 @@ pub struct ProgramPlan {
     pub phases: Vec<PlanPhase>,
     /// Captures and releases in source order, phase by phase.
     pub events: Vec<PlanEvent>,
-    /// Orders of `after`, sorted by the waiting event.
+    /// Dependencies that `after` declares, sorted by the waiting event.
     pub afters: Vec<AfterConstraint>,
-    /// Number of blocks that completes an aggregate. Aggregates have no plate, seeds and events,
-    /// and a phase for each size from two.
+    /// Number of blocks in a complete aggregate. `None` for an assembly. Aggregates have no plate,
+    /// seeds and events, and one phase for each size from two.
     pub aggregate: Option<u32>,
-    /// Instances of patterns by scope. The first one has the [`NameKey::scope`] 1.
+    /// Instances of patterns. The first one is the scope 1 of [`NameKey::scope`].
     pub grown: Vec<PatternInstance>,
     /// Number of visited statements.
     pub(crate) steps: usize,
-    /// Words of blocks and instances that may be missing because of a wrong statement.
+    /// First words of names that a wrong statement may have removed: of blocks and of instances.
     pub doubtful: FxHashSet<Symbol>,
 }
 
@@ -67,7 +67,7 @@ impl ProgramPlan {
 pub struct PatternInstance {
     /// Name of the pattern.
     pub pattern: Symbol,
-    /// Location of its declaration.
+    /// Location of the pattern's declaration.
     pub declared: SourceLocation,
     /// Statement of the instance, without the name of the instance.
     pub call: SourceLocation,
@@ -78,13 +78,14 @@ pub struct PatternInstance {
 /// A named block of the plate.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanSeed {
-    /// Name of the seed as a role.
+    /// Role of the seed.
     pub role: RoleId,
     /// Cell of the seed, with z = 0.
     pub cell: Cell,
     /// Location of the name.
     pub location: SourceLocation,
-    /// Location of the whole statement. `None` if the statement has documentation.
+    /// Location of the whole statement. `None` if the statement has documentation, so that no fix
+    /// removes it.
     pub statement: Option<SourceLocation>,
 }
 
@@ -97,7 +98,7 @@ pub struct PlanPhase {
     pub location: SourceLocation,
     /// Time limit of the phase. `None` without a limit.
     pub timeout: Option<Timeout>,
-    /// Range of its events in [`ProgramPlan::events`].
+    /// Range of the phase's events in [`ProgramPlan::events`].
     pub events: std::ops::Range<u32>,
     /// Whether the blocks of the phase are pre-attached. Only the first phase can have pre-attached
     /// blocks.
@@ -109,17 +110,17 @@ pub struct PlanPhase {
 /// Time limit of a phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Timeout {
-    /// Time in ticks of the scene.
+    /// Number of ticks of the scene.
     Ticks(u64),
-    /// Time in seconds.
+    /// Number of seconds.
     Seconds(f64),
 }
 
 impl Timeout {
-    /// The largest number of ticks that a double counts exactly.
+    /// Largest timeout \[ticks\]. A double represents all smaller integers exactly.
     const MAX_TICKS: f64 = 9e15;
 
-    /// Returns the timeout of a quantity of time. Returns `None` if it is not positive.
+    /// Converts a quantity of time to a timeout. Returns `None` if the quantity is not positive.
     pub(crate) fn from_quantity(quantity: &Quantity) -> Option<Timeout> {
         let (value, dimension) = to_si(quantity);
         match dimension {
@@ -143,7 +144,7 @@ impl Timeout {
         [Dimension::TICKS, Dimension::TIME].contains(&to_si(quantity).1)
     }
 
-    /// Converts the time to ticks of this length \[s\]. The result is from 1 to 9e15.
+    /// Returns the time limit \[ticks\], from 1 to 9e15. `tick` is the length of a tick \[s\].
     pub fn ticks(self, tick: f64) -> u64 {
         match self {
             Timeout::Ticks(ticks) => ticks,
@@ -197,7 +198,7 @@ pub struct AfterConstraint {
 /// A name as a value: scope, word and indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NameKey {
-    /// Instance of a pattern that contains the name. 0 for the program itself.
+    /// Number of the pattern instance that contains the name, from 1. 0 for the program itself.
     pub scope: u32,
     /// Word of the name.
     pub word: Symbol,
@@ -238,7 +239,7 @@ impl Roles {
         role
     }
 
-    /// Returns the role of a known name.
+    /// Returns the role of a name. Returns `None` if the name has no role.
     pub fn get(&self, key: &NameKey) -> Option<RoleId> {
         self.roles.get(key).copied()
     }
@@ -282,7 +283,7 @@ impl Roles {
         scope
     }
 
-    /// Returns the scope of a known instance.
+    /// Returns the scope of an instance. Returns `None` if the instance is unknown.
     pub fn scope(&self, key: &NameKey) -> Option<u32> {
         self.scopes.get(key).copied()
     }
@@ -299,12 +300,12 @@ impl Roles {
         Some(key.scope)
     }
 
-    /// Returns a name as the program writes it, such as `a.T[2]`.
+    /// Returns a role's name as the program writes it, such as `a.T[2]`.
     pub fn name(&self, role: RoleId, symbols: &Symbols) -> String {
         self.name_of(self.key(role), symbols)
     }
 
-    /// Returns the name of a key.
+    /// Returns the text of a name, such as `T[2]`.
     pub fn name_of(&self, key: NameKey, symbols: &Symbols) -> String {
         let mut text = String::new();
         self.write(key, symbols, &mut text);

@@ -108,8 +108,8 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// Returns the smallest number of anchored blocks at an event: after a capture, or before a
-    /// release. Returns 0 if it does not exceed the number at the end of the phase. Returns `None`
-    /// if the search reaches its limit.
+    /// release. Returns 0 if that number does not exceed the number at the end of the phase.
+    /// Returns `None` if the search reaches its limit.
     ///
     /// `before` is the number of blocks at the start of the phase, and `releases` its number of
     /// releases.

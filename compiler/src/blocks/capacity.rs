@@ -83,8 +83,10 @@ pub fn check_room(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagn
     );
 }
 
-/// Compares a program with its scene. `order` has one possible order of its events, and the order
-/// that holds in every run. `None` if the graph has a cycle.
+/// Compares a program with its scene.
+///
+/// `order` contains a possible order of the events, and the order that holds in every run. `None`
+/// if the graph has a cycle.
 ///
 /// # Errors
 ///

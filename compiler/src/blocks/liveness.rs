@@ -11,21 +11,22 @@ use crate::expand::members::members;
 use crate::plan::{EventId, EventKind, NameKey, PatternInstance, ProgramPlan};
 use crate::{SourceLocation, Sources};
 
-/// Names of all events, and the events that an `after` waits for.
+/// Blocks that the names of all events refer to, and the events that each `after` waits for.
 #[derive(Clone, Debug)]
 pub struct Liveness {
-    /// Blocks of the names of every event.
+    /// Blocks that the names of each event refer to.
     pub contexts: Vec<EventContext>,
-    /// Event of every `after`. `None` if it happened in an earlier phase.
+    /// Event that each `after` waits for. `None` if it happened in an earlier phase.
     pub subjects: Vec<Option<EventId>>,
 }
 
-/// Blocks of the names of an event.
+/// Events that give and free the blocks of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct EventContext {
     /// Capture of this phase that attaches the parent of a capture, or the block of a release.
+    /// `None` if that block was attached before the phase.
     pub anchored_by: Option<EventId>,
-    /// Release of this phase that frees the name of a capture.
+    /// Release of this phase that frees the name that a capture uses. `None` if the name was free.
     pub freed_by: Option<EventId>,
 }
 
@@ -53,7 +54,7 @@ impl Holder {
         Holder { role, since }
     }
 
-    /// Returns the event that starts its duty in the phase.
+    /// Returns the event of the phase after which the block can act.
     pub fn trigger(self) -> Trigger {
         match self.since {
             Some(_) => Trigger::Anchored,
@@ -204,7 +205,7 @@ impl Checker<'_> {
                 } else {
                     "let it capture a block, or remove its name: the plate stays the same"
                 });
-                // A statement in a loop declares several seeds, and others of them may be used.
+                // A statement in a loop declares several seeds, and the others may be used.
                 let alone = named(self.sources, seed.location, &name);
                 let is_idle = alone.is_some() && !self.attracts;
                 if let Some(statement) = seed.statement.filter(|_| is_idle) {
@@ -533,7 +534,7 @@ impl Checker<'_> {
         Some(Fix::remove(removed, title).unsafe_if(true))
     }
 
-    /// Reports an event of a block that is not attached.
+    /// Reports an event whose acting block is not attached.
     fn absent(&mut self, id: EventId, role: RoleId, state: RoleLiveness) {
         self.plan.events[id.0 as usize].sound = false;
         if is_full(self.diagnostics, Severity::Error) {
@@ -684,7 +685,7 @@ impl Checker<'_> {
         (seeds.chain(captured)).map(|role| self.plan.roles.key(role))
     }
 
-    /// Returns the error of a pattern that uses a block from outside.
+    /// Returns an error if a pattern uses a block from outside of the pattern.
     fn around(&mut self, role: RoleId, location: SourceLocation) -> Option<Diagnostic> {
         let key = self.plan.roles.key(role);
         let grown = self.grown(key.scope)?;

@@ -77,8 +77,8 @@ struct UnplannedBondAnalysis<'a> {
 }
 
 impl UnplannedBondAnalysis<'_> {
-    /// Applies all of a phase except its last capture, and returns the number of exposed faces.
-    /// Returns 0 if the phase has no captures.
+    /// Applies all events of a phase except the last capture, and returns the number of exposed
+    /// faces. Returns 0 if the phase has no captures.
     fn before_last(&self, number: usize, structure: &mut StructureModules) -> usize {
         let (emptied, _) = &self.layout.changes[number];
         for cell in emptied {
@@ -95,7 +95,7 @@ impl UnplannedBondAnalysis<'_> {
                 self.settle(id, structure);
             }
         }
-        // Pre-attached blocks are not waited for.
+        // No run waits for pre-attached blocks.
         if self.plan.phases[number].planted {
             return 0;
         }
@@ -122,7 +122,7 @@ impl UnplannedBondAnalysis<'_> {
         }
     }
 
-    /// Adds the block of a capture.
+    /// Adds the block of a capture to the structure.
     fn settle(&self, id: EventId, structure: &mut StructureModules) {
         let event = self.plan.event(id);
         let (Some(cell), Some(on)) = (
@@ -251,7 +251,7 @@ struct StructureModules {
 }
 
 impl StructureModules {
-    /// Blocks of the plate without a name attract nothing.
+    /// Returns the structure of the named seeds. Other blocks of the plate attract nothing.
     fn from_seeds(plan: &ProgramPlan) -> StructureModules {
         let mut structure = StructureModules {
             blocks: FxHashMap::default(),
@@ -279,7 +279,7 @@ impl StructureModules {
         }
     }
 
-    /// Returns the number of neighbours' faces that face a cell, except attached ones.
+    /// Returns the number of neighbouring faces towards a cell, except attached faces.
     fn facing(&self, cell: Cell) -> usize {
         let looks = |face: &Face| {
             let neighbour = cell

@@ -52,7 +52,8 @@ pub fn check(
     }
 }
 
-/// Returns the scene that a program names, if any. Returns `None` for other items.
+/// Returns the scene that a program names: `Some(None)` if it names none. Returns `None` for items
+/// that are not programs.
 fn scene_of(item: &Item) -> Option<Option<Name>> {
     match &item.kind {
         ItemKind::Assembly(assembly) => Some(assembly.scene),

@@ -93,13 +93,13 @@ impl OrderedProgram {
 struct StageDiagnostics {
     /// Diagnostics of expansion and names.
     early: Vec<Diagnostic>,
-    /// Diagnostics of the stages after the names.
+    /// Diagnostics of the stages after the check of names.
     later: Vec<Diagnostic>,
     /// Whether the expansion is incomplete. Errors that follow from that would only confuse.
     cut_short: bool,
 }
 
-/// An assembly and what its check depends on.
+/// An assembly and the inputs of its check.
 pub(super) struct AssemblyInput<'a> {
     pub declarations: &'a Declarations<'a>,
     pub file: FileId,
@@ -108,7 +108,7 @@ pub(super) struct AssemblyInput<'a> {
     pub bounds: ExpansionBounds<'a>,
     /// Whether all files could be read. Otherwise names may be missing for that reason.
     pub readable: bool,
-    /// Checks the files with a change. `None` inside such a check.
+    /// Check of the files with one change, for the trial of a remedy. `None` inside a trial.
     pub trial: Option<&'a reach::Trial<'a>>,
     /// Model and time steps for the check of scenes. `None` if runs have no physics.
     pub stepping: Option<Stepping>,
@@ -256,7 +256,7 @@ impl<'a> AssemblyInput<'a> {
 
     /// Removes diagnostics that may only follow from unreadable or wrong statements.
     fn retain_certain(&self, errors: &mut Vec<Diagnostic>, symbols: &Symbols) {
-        // Seeds, waits and phases may only seem to be unused if statements are missing.
+        // Missing statements may use seeds, waits and phases that seem to be unused.
         if !self.readable || has_error(errors) {
             errors.retain(Diagnostic::is_error);
         }
@@ -331,7 +331,7 @@ fn is_passive(scene: Option<&Scene>) -> bool {
     scene.is_some_and(|scene| BondKind::from_scene(scene).is_passive())
 }
 
-/// Checks an aggregate. Most stages have nothing to do.
+/// Checks an aggregate. Most stages do not apply.
 pub(super) fn compile_aggregate(
     mut plan: ProgramPlan,
     scene: Option<Scene>,

@@ -25,10 +25,10 @@ pub struct Fixed {
     pub after: Option<Checked>,
 }
 
-/// Returns all safe fixes of the file at `path`, without those of its imports.
+/// Applies all safe fixes of the file at `path`. Its imports stay unchanged.
 ///
-/// A round applies the fixes that do not overlap and cause no new diagnostics. Each was tried
-/// alone. If they fail together, the first half of them is tried.
+/// Each round applies fixes that do not overlap and that passed a trial alone. If they cause new
+/// diagnostics together, the round tries only the first half of them.
 pub fn fix(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &LintLevels) -> Fixed {
     let mut again = |texts: &mut dyn Reader| check_with(path, texts, limits, levels);
     let before = again(reader);
@@ -51,8 +51,8 @@ pub fn fix(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &LintLev
     }
 }
 
-/// Returns the program with the safe fixes of a round, and their number. Returns `None` if none is
-/// left.
+/// Applies one round of safe fixes. Returns the check of the changed program, and the number of
+/// applied fixes. Returns `None` if no safe fix remains.
 fn round(
     now: &Checked,
     reader: &mut dyn Reader,

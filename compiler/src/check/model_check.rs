@@ -65,8 +65,8 @@ fn fault(program: &Program) -> Option<Diagnostic> {
     Some(diagnostic.help(help.trim_end()))
 }
 
-/// Returns the goals of the tables according to the dependency graph. The goals do not depend on
-/// the form of the tables.
+/// Returns the goals of every run of the tables. They are computed from the dependency graph, to
+/// check the tables against it.
 pub fn expected(graph: &EventGraph, tables: &Tables) -> ProgramGoals {
     let meant = (0..graph.events.len() as u32).map(EventId).map(|id| {
         let event = graph.event(id);
@@ -92,7 +92,7 @@ pub fn expected(graph: &EventGraph, tables: &Tables) -> ProgramGoals {
     ProgramGoals::meant(tables, meant)
 }
 
-/// Returns the shortest violation, or `found` if the search for it reaches its limit.
+/// Returns the shortest violation of the tables. Returns `found` if the search reaches its limit.
 pub fn shortest(exploration: &Exploration<'_>, found: &Violation) -> Violation {
     exploration.shortest().unwrap_or_else(|| found.clone())
 }

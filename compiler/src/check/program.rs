@@ -73,7 +73,7 @@ pub fn check_cancellable(
     check_verified(path, reader, bounds, &LintLevels::default(), ("", &[]))
 }
 
-/// Returns bounds that never cancel.
+/// Returns bounds of an expansion that cannot be cancelled.
 fn unhurried(limits: Limits) -> ExpansionBounds<'static> {
     ExpansionBounds {
         limits,
@@ -81,7 +81,7 @@ fn unhurried(limits: Limits) -> ExpansionBounds<'static> {
     }
 }
 
-/// Returns the result of work that is never cancelled.
+/// Returns the result of a computation that cannot be cancelled.
 fn to_its_end<T>(result: Result<T, Cancelled>) -> T {
     match result {
         Ok(result) => result,
@@ -111,7 +111,7 @@ fn check_verified(
 }
 
 /// Checks a program like [`check_with`], and reports when each stage of each assembly is complete.
-/// Fixes are not tried, so none is safe.
+/// Fixes are not tried, so all are unsafe.
 pub fn check_observed(
     path: &str,
     reader: &mut dyn Reader,
@@ -231,13 +231,13 @@ struct About<'a> {
     changes: (&'a str, &'a [ScalarChange]),
     /// Model and time steps for the check of scenes. `None` if runs have no physics.
     stepping: Option<Stepping>,
-    /// Whether a change is being tried, so that helps are not needed.
+    /// Whether a fix is being tried. Diagnostics of a trial need no help.
     is_trial: bool,
 }
 
 impl About<'_> {
-    /// Returns the codes and titles of errors after changes of the first file. Returns `None` if
-    /// the changes do not fit together, or if the check was cancelled.
+    /// Returns the codes and titles of the errors after these changes of the first file. Returns
+    /// `None` if the changes overlap, or if the check was cancelled.
     fn errors_with(&self, fixes: &[&Fix]) -> Option<Vec<(Code, String)>> {
         let own = self.sources.files().first()?;
         let mut change = TextChange::new(FileId(0), &own.text);
@@ -362,7 +362,7 @@ fn programs(
     Ok(programs)
 }
 
-/// Sets the program of diagnostics.
+/// Assigns diagnostics to the program with this index.
 fn attribute(diagnostics: &mut [Diagnostic], program: usize) {
     for diagnostic in diagnostics {
         diagnostic.programs = vec![program];
@@ -383,7 +383,7 @@ fn attribute_by_place(diagnostic: &mut Diagnostic, tree: &Tree) {
     }
 }
 
-/// Declarations of the files at top level.
+/// Returns the declarations at the top level of the files.
 pub(crate) fn declarations<'a>(
     trees: impl Iterator<Item = (FileId, &'a Tree)>,
     names: &'a Names,

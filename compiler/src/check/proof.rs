@@ -21,7 +21,7 @@ pub struct Proof {
     pub shapes: Vec<String>,
     /// Whether a phase has a timeout.
     pub has_timeout: bool,
-    /// The reasons why one of the above has not been proved, as clauses.
+    /// Reasons why a property is not proved, as clauses.
     pub unproved: Vec<String>,
 }
 
@@ -66,7 +66,8 @@ impl Checked {
     }
 }
 
-/// Returns why a diagnostic leaves open whether a cell stays accessible, if it does.
+/// Returns the reason why a diagnostic leaves the accessibility of a cell undecided. Returns `None`
+/// for all other diagnostics.
 fn undecided(diagnostic: &Diagnostic) -> Option<String> {
     let reason = match diagnostic.code {
         Code::ReachUndecided => "the search for access paths reached its limit",
@@ -77,7 +78,8 @@ fn undecided(diagnostic: &Diagnostic) -> Option<String> {
     Some(format!("{reason} ({})", diagnostic.code))
 }
 
-/// Returns why some order may bind every free block before a release, if one may.
+/// Returns the reason why all free blocks may be bound before a release. Returns `None` if no order
+/// does this.
 fn scarcity(program: &Program) -> Option<String> {
     let free = program.scene.as_ref()?.free.count;
     let phase = scarce_phase(&program.plan, &program.layout, &program.graph, free)?;
@@ -88,7 +90,7 @@ fn scarcity(program: &Program) -> Option<String> {
 }
 
 impl fmt::Display for Proof {
-    /// Writes a line for each property: `proved: ...`, or `not proved: ...` with the reason.
+    /// Writes one line per property: `proved: ...`, or `not proved: ...` with the reason.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let order = if self.has_timeout {
             "completes in every order unless a phase times out"

@@ -13,16 +13,16 @@ use crate::diagnostic::{Code, Diagnostic, Severity, TextChange};
 use crate::sources::reader::Reader;
 use crate::{FileId, Sources};
 
-/// Largest number of further checks of a program.
+/// Largest number of trials of a program.
 const MAX: usize = 64;
 
-/// Limit of the total size of repeated checks, in bytes of source and events.
+/// Largest total size of all trials: bytes of source and events.
 const WORK: usize = 1 << 21;
 
-/// Number of statements whose check takes as long as that of one event.
+/// Number of statements whose check takes as long as the check of one event.
 pub(crate) const OF_AN_EVENT: usize = 16;
 
-/// Checks a program with some sources changed.
+/// Function that checks a program with changed sources.
 pub(crate) type Again<'a> = dyn FnMut(&mut dyn Reader) -> Result<Checked, Cancelled> + 'a;
 
 /// Marks fixes as unsafe unless they pass a trial.
@@ -90,7 +90,7 @@ pub(crate) fn distrust(checked: &mut Checked) {
     fixes.for_each(|fix| fix.safe = false);
 }
 
-/// Returns the cost of one more check.
+/// Returns the size of a checked program, in the unit of [`WORK`].
 fn size(checked: &Checked) -> usize {
     let texts = checked.sources.files().iter().map(|file| file.text.len());
     let programs = checked.programs.iter();
@@ -123,7 +123,7 @@ fn try_together(
     Ok((resolves, unfit))
 }
 
-/// Codes that report a limit of diagnostics.
+/// Codes of diagnostics that report a reached limit.
 const TOO_MANY: [Code; 2] = [Code::TooManyErrors, Code::TooManyWarnings];
 
 /// Returns whether a change removes the fixed diagnostics, and leaves all others unchanged.
@@ -182,7 +182,7 @@ struct DiagnosticSpans<'a>(FxHashMap<Kind<'a>, Vec<(usize, usize)>>);
 type Kind<'a> = (Code, Option<&'a str>);
 
 impl<'a> DiagnosticSpans<'a> {
-    /// Returns whether a location overlaps with one of the same code in the other set.
+    /// Returns whether a location overlaps with one of the same code and file in the other set.
     fn meet(&self, others: &DiagnosticSpans<'_>) -> bool {
         self.0.iter().any(|(key, places)| {
             let others = others.0.get(key).map_or(&[][..], Vec::as_slice);
@@ -193,7 +193,7 @@ impl<'a> DiagnosticSpans<'a> {
         })
     }
 
-    /// Collects the locations of diagnostics, converted to those after a change.
+    /// Collects the locations of diagnostics, converted to positions after a change.
     fn new(
         sources: &'a Sources,
         diagnostics: impl Iterator<Item = &'a Diagnostic>,

@@ -1,10 +1,9 @@
 //! Blocks with several active faces: a capture waits for *some* of the earlier captures.
 //!
-//! An edge of the dependency graph is met when its first event has happened. An event needs all
-//! edges into it, with one exception. Of its edges from captures of the same block, it needs only a
-//! number ([`LocatedDependency::Face`]). This module derives two graphs whose edges are all needed.
-//! [`straight`] lets every event happen as early as possible. `certain` has the edges that hold in
-//! every order.
+//! An event waits for all edges into it in the dependency graph, with one exception. Edges from
+//! captures of the same block form a choice: [`LocatedDependency::Face`] states how many of them
+//! are needed. This module derives two graphs without choices. [`straight`] lets every event happen
+//! as early as possible. `certain` has the edges that hold in every order.
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -16,7 +15,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::dependencies::graph::{DependencyGraph, LocatedDependency};
 use crate::plan::EventId;
 
-/// Returns whether enough edges into an event are met, if the events in `has` have happened.
+/// Returns whether an event can happen once the events in `has` have happened.
 pub fn is_ready(graph: &DependencyGraph, event: EventId, has: impl Fn(EventId) -> bool) -> bool {
     let (mut met, mut needed) = (0, 0);
     for edge in graph.edges_directed(NodeIndex::new(event.0 as usize), Incoming) {
@@ -43,7 +42,8 @@ pub fn has_choice(graph: &DependencyGraph) -> bool {
 /// Earliest end of every event, and the event that it waited for last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Earliest {
-    /// Ends by event, after the start of its phase. Infinite if it never happens.
+    /// Earliest end of each event, measured from the start of its phase. Infinite if the event
+    /// never happens.
     pub over: Vec<f64>,
     /// Last event that each event waited for. `u32::MAX` if there was none.
     pub last: Vec<u32>,
@@ -51,8 +51,8 @@ pub struct Earliest {
     pub events: Vec<EventId>,
 }
 
-/// Returns the earliest ends of events with these durations, which are not negative. Events that
-/// need an event of infinite duration never end.
+/// Returns the earliest ends of events with the durations `length`, which must not be negative.
+/// Events that need an event of infinite duration never end.
 pub fn earliest(graph: &DependencyGraph, length: impl Fn(usize) -> f64) -> Earliest {
     let count = graph.node_count();
     let mut out = Earliest {
@@ -134,8 +134,8 @@ pub fn straight(graph: &DependencyGraph, unneeded: &FxHashSet<EdgeIndex>) -> Dep
     )
 }
 
-/// Returns the edges that hold in every order: those without a choice, and those from events
-/// that every possible selection of a choice waits for.
+/// Returns the edges that hold in every order. These are the edges without a choice. An edge of a
+/// choice is included if all possible selections wait for its event.
 ///
 /// `order` contains all events in a possible order. The search is bounded, so edges may be missing.
 /// Edges may also be missing if captures of a choice wait for captures with another choice.
@@ -199,8 +199,8 @@ pub(crate) fn certain(graph: &DependencyGraph, order: &[EventId]) -> DependencyG
     certain
 }
 
-/// Returns an event and all events that it waits for in every order, up to `known` ones. Returns
-/// `None` if that took too long.
+/// Returns an event and all events that it waits for in every order, without events in `known`.
+/// Counts down `steps`, and returns `None` if they are used up.
 fn before(
     certain: &DependencyGraph,
     event: NodeIndex,

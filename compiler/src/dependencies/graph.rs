@@ -23,9 +23,9 @@ pub enum LocatedDependency {
     /// A block can switch on a number of faces at a time, in source order. Of the `of` edges of
     /// this kind into a capture, `needed` are enough.
     Face {
-        /// Number of captures of the block that must have happened.
+        /// Number of these captures that must have happened.
         needed: u8,
-        /// Number of captures that count.
+        /// Number of earlier captures of the block with an edge to this capture.
         of: u8,
     },
     /// An `after` at this location.
@@ -44,7 +44,8 @@ impl LocatedDependency {
         stochc_ir::graph::Dependency::from(self).is_choice()
     }
 
-    /// Returns whether the waiting block needs a message because it does not see the earlier event.
+    /// Returns whether the waiting block needs a message, because it cannot observe the earlier
+    /// event.
     pub fn is_told(self) -> bool {
         matches!(self, LocatedDependency::After(_) | LocatedDependency::Freed)
     }
@@ -109,8 +110,7 @@ pub fn build(
     Ok(graph)
 }
 
-/// Makes the captures of a block wait for those before them, until fewer than `faces` of these are
-/// still open.
+/// Makes each capture of a block wait until fewer than `faces` earlier captures are open.
 fn face_turns(
     plan: &ProgramPlan,
     faces: u8,
@@ -147,7 +147,7 @@ fn face_turns(
             }
             let needed = of + 1 - faces;
             if needed == of {
-                // The capture before has waited for all others.
+                // The previous capture has waited for all earlier ones.
                 let why = LocatedDependency::Face { needed: 1, of: 1 };
                 turns.extend(before.take(1).map(|first| (first, id, why)));
             } else {

@@ -81,11 +81,11 @@ impl<'a> TextChange<'a> {
         }
     }
 
-    /// Returns the range of positions after the change for each of these bytes, which are sorted. A
+    /// Returns, for each sorted byte offset, the range of possible offsets after the change. A
     /// replaced byte may be anywhere in its replacement.
     pub(crate) fn carried(&self, places: &[usize]) -> Vec<(usize, usize)> {
         let mut edits = self.edits.iter().peekable();
-        // Number of bytes removed and added by the changes before.
+        // Numbers of bytes that earlier edits remove and add.
         let (mut removed, mut added) = (0, 0);
         let carry = |&at: &usize| {
             while let Some(&(&start, &(end, new))) = edits.peek()

@@ -20,7 +20,7 @@ impl Severity {
     }
 }
 
-/// Declares codes by topic, with severities, names and pages.
+/// Declares all codes, grouped by topic, with their severities, names and pages.
 macro_rules! codes {
     ($($topic:literal { $($severity:ident $variant:ident $name:literal)* })*) => {
         /// The kind of a diagnostic.
@@ -31,7 +31,7 @@ macro_rules! codes {
         }
 
         impl Code {
-            /// All codes, sorted by topic.
+            /// All codes, grouped by topic.
             pub const ALL: &'static [Code] = &[$($(Code::$variant,)*)*];
 
             /// All topics with their codes.
@@ -192,14 +192,15 @@ impl Code {
         )
     }
 
-    /// Returns the name of a code that is closest to an unknown name, if one is close enough.
+    /// Returns the code name that is closest to an unknown name. Returns `None` if no name is
+    /// close.
     pub fn nearest(name: &str) -> Option<&'static str> {
         let known = Code::ALL.iter().map(|code| code.name());
         stochc_text::suggest::nearest(name, known)
             .and_then(|meant| Code::from_name(&meant.word).map(Code::name))
     }
 
-    /// Returns the code with a name.
+    /// Returns the code with a name. Returns `None` if the name is unknown.
     pub fn from_name(name: &str) -> Option<Code> {
         Code::ALL.iter().copied().find(|code| code.name() == name)
     }

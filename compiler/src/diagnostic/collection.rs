@@ -4,7 +4,7 @@ use stochc_text::suggest::{Suggestion, nearest};
 use super::code::{Code, Severity};
 use super::definition::Diagnostic;
 
-/// Largest number of errors that are reported for one assembly, and of warnings.
+/// Largest number of reported errors of an assembly. The same limit applies to warnings.
 const MAX_DIAGNOSTICS: usize = 1_000;
 
 /// Returns whether the limit of diagnostics of this severity is reached and reported.
@@ -76,7 +76,7 @@ pub(crate) fn is_repeated(diagnostics: &mut [Diagnostic], diagnostic: &Diagnosti
     last_first.any(|told| told.absorb(diagnostic))
 }
 
-/// Merges diagnostics that are sorted by location.
+/// Merges diagnostics of one statement. `diagnostics` are sorted by location.
 pub(crate) fn fold(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let mut folded: Vec<Diagnostic> = Vec::new();
     let mut of_place = 0;

@@ -10,7 +10,8 @@ use crate::{FileId, SourceLocation};
 pub struct Diagnostic {
     /// Kind of the diagnostic. `stochc explain` explains it.
     pub code: Code,
-    /// Severity of the code, unless the file or the command line denies a warning.
+    /// Severity: an error if the code is an error, or if the file or the command line denies the
+    /// warning.
     pub severity: Severity,
     /// Message in one line. Names the wrong part of the program.
     pub title: String,
@@ -26,7 +27,8 @@ pub struct Diagnostic {
     pub(crate) subjects: Option<Subjects>,
     /// Diagnostics that were merged into this one, such as those from other rounds of a loop.
     pub others: Others,
-    /// Indices in [`Checked::programs`](crate::Checked::programs), in order. Empty if it is about the file.
+    /// Indices of the affected programs in [`Checked::programs`](crate::Checked::programs), in
+    /// rising order. Empty if the diagnostic is about the file.
     pub programs: Vec<usize>,
 }
 

@@ -5,7 +5,7 @@ use super::{Edit, Fix};
 use crate::{SourceLocation, Sources, Span};
 
 impl Fix {
-    /// Replaces the source at `location`. Safe by default.
+    /// Returns a safe fix that replaces the source at `location`.
     pub(crate) fn replace(
         location: SourceLocation,
         text: impl Into<String>,
@@ -19,12 +19,13 @@ impl Fix {
         }
     }
 
-    /// Removes the source at `location`. Safe by default.
+    /// Returns a safe fix that removes the source at `location`.
     pub(crate) fn remove(location: SourceLocation, title: impl Into<String>) -> Fix {
         Fix::replace(location, "", title)
     }
 
-    /// Replaces an unknown word by a known one. The fix is safe if only one known word is similar.
+    /// Returns a fix that replaces an unknown word by a known one. The fix is safe if only one
+    /// known word is similar.
     pub(crate) fn word(location: SourceLocation, meant: &Suggestion) -> Fix {
         let title = format!("write `{}`", meant.word);
         Fix::replace(location, &meant.word, title).unsafe_if(!meant.clear)
@@ -61,8 +62,8 @@ pub(crate) fn removal(sources: &Sources, statement: SourceLocation) -> SourceLoc
     }
 }
 
-/// Returns the location of `name` at the start of `location`. Returns `None` if the source has
-/// another text there.
+/// Returns the location of `name` at the start of `location`. Returns `None` if the source differs
+/// there.
 pub(crate) fn named(
     sources: &Sources,
     location: SourceLocation,
@@ -74,8 +75,8 @@ pub(crate) fn named(
     (!rest.starts_with(goes_on)).then_some(SourceLocation { span, ..location })
 }
 
-/// Returns the location of `name` at the end of `location`. Returns `None` if the source has
-/// another text there.
+/// Returns the location of `name` at the end of `location`. Returns `None` if the source differs
+/// there.
 pub(crate) fn last_named(
     sources: &Sources,
     location: SourceLocation,
@@ -87,11 +88,11 @@ pub(crate) fn last_named(
     is_whole.then_some(SourceLocation { span, ..location })
 }
 
-/// Largest number of bytes of a line or block that are read, so that long ones stay fast.
+/// Largest number of bytes that are searched in a line or block. Bounds the work for long ones.
 pub(crate) const LONG: usize = 1 << 12;
 
-/// Returns the range to remove with one entry of the list after a keyword: its comma, or the
-/// keyword.
+/// Returns the range that a removal of one list entry after `keyword` covers. It includes the comma
+/// next to the entry, or the keyword if the entry is the only one.
 ///
 /// Returns `None` if comments are in between, or if the removal would leave an `after` without a
 /// statement.

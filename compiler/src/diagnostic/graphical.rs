@@ -143,9 +143,9 @@ fn labeled(label: &Label) -> LabeledSpan {
     LabeledSpan::new(Some(text), span.start as usize, span.len())
 }
 
-/// Returns text without control characters and without words that fill the terminal.
+/// Returns a text without control characters. Words that would fill the terminal are shortened.
 pub fn visible(text: &str) -> String {
-    /// Largest number of characters of a word that is shown.
+    /// Largest number of characters that are shown of a word.
     const LONGEST: usize = 100;
     let mut out = String::with_capacity(text.len().min(1 << 10));
     let mut length = 0;
@@ -197,9 +197,9 @@ impl SourceCode for Excerpt<'_> {
         before: usize,
         after: usize,
     ) -> Result<Box<dyn SpanContents<'b> + 'b>, MietteError> {
-        /// Number of bytes around the span that are shown of a long line.
+        /// Number of bytes that are shown on each side of the span in a long line.
         const MARGIN: usize = 60;
-        /// Largest number of bytes before or after a span. Longer text is cut.
+        /// Largest number of bytes that are shown before or after a span.
         const LONG: usize = 800;
         /// Largest number of bytes of a span that are shown.
         const LONGEST: usize = 4000;

@@ -20,7 +20,7 @@ pub enum Level {
     Deny,
 }
 
-/// Levels of warnings that have none in a file. By default, all are reported.
+/// Levels of warnings whose level is not set in a file. By default, all warnings are reported.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LintLevels {
     said: Vec<(Option<Code>, Level)>,
@@ -44,7 +44,7 @@ impl LintLevels {
         self.said.push((code, level));
     }
 
-    /// Returns the same levels for runs with other steps, or without physics (`None`).
+    /// Returns these levels for runs with other time steps. `None` means runs without physics.
     #[must_use]
     pub fn for_runs(self, stepping: Option<Stepping>) -> LintLevels {
         LintLevels { stepping, ..self }
@@ -56,8 +56,7 @@ impl LintLevels {
         self.stepping
     }
 
-    /// Returns whether a warning of this code can be found by a check, so that its absence is
-    /// certain.
+    /// Returns whether a check can find warnings of this code. If not, their absence means nothing.
     fn are_about(&self, code: Code) -> bool {
         !code.is_of_runs() || self.stepping == Some(Stepping::DEFAULT)
     }
@@ -75,15 +74,15 @@ impl LintLevels {
 pub struct Allowed {
     /// The warning.
     pub diagnostic: Diagnostic,
-    /// Reason in the file. `None` if the command line allows it.
+    /// Reason that the file states. `None` if the command line allows the warning.
     pub reason: Option<String>,
 }
 
-/// Statements of the files that set levels.
+/// Statements in the files that set levels of warnings.
 #[derive(Debug, Default)]
 pub struct FileLevels {
     statements: Vec<Set>,
-    /// Blocks of each file with such statements, by their first byte.
+    /// Blocks of statements that set levels, for each file, sorted by first byte.
     scopes: FxHashMap<FileId, Vec<LintScope>>,
 }
 
@@ -104,17 +103,18 @@ struct Set {
     used: bool,
 }
 
-/// A block with such statements.
+/// A block of statements that sets levels.
 #[derive(Debug)]
 struct LintScope {
     span: Span,
-    /// Index of the innermost statement around this one.
+    /// Index of the next larger block with such statements around this one. `None` for the
+    /// outermost.
     outer: Option<usize>,
-    /// Last statement for each code.
+    /// Index of the last statement of the block that sets the level of a code.
     set: FxHashMap<Code, usize>,
 }
 
-/// Position during the traversal of a file.
+/// Position in a file during the search for statements that set levels.
 #[derive(Clone, Copy)]
 struct LevelScope {
     file: FileId,
@@ -123,7 +123,7 @@ struct LevelScope {
 }
 
 impl FileLevels {
-    /// Collects the statements of all files, and reports wrong ones.
+    /// Collects the statements that set levels in all files. Reports wrong ones.
     pub fn new(
         modules: &[Module],
         sources: &Sources,
@@ -149,7 +149,7 @@ impl FileLevels {
         levels
     }
 
-    /// Collects the statements of a block. The parser bounds the depth of blocks.
+    /// Collects the statements that set levels in a block. The parser bounds the depth of blocks.
     fn block(
         &mut self,
         items: &[Item],
@@ -283,7 +283,7 @@ impl FileLevels {
         }
     }
 
-    /// Returns the statement for a code in the innermost block around a location.
+    /// Returns the statement that sets the level of a code at a location, in the innermost block.
     fn find(&self, code: Code, location: SourceLocation) -> Option<usize> {
         let scopes = self.scopes.get(&location.file)?;
         let at = location.span.start;
@@ -318,7 +318,11 @@ impl Set {
     }
 }
 
-/// Returns the warning that a statement names.
+/// Returns the code of the warning that a statement allows or denies.
+///
+/// # Errors
+///
+/// Returns a diagnostic if the word is not the code of a warning.
 fn code(
     statement: &LintDirective,
     whole: SourceLocation,

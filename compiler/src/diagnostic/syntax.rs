@@ -198,7 +198,7 @@ fn missing_reason(location: SourceLocation, text: &str) -> Diagnostic {
 
 /// Returns the error of a number that cannot be stored.
 fn number_too_large(location: SourceLocation, number: &str) -> Diagnostic {
-    /// Values of scenes with more digits are too large as well.
+    /// Number of digits that exceeds even a double.
     const DIGITS: usize = 300;
     let is_whole = number.bytes().all(|byte| byte.is_ascii_digit()) && number.len() < DIGITS;
     let (title, limit) = if is_whole {

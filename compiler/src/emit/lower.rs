@@ -45,7 +45,7 @@ pub fn lower(
     Ok(lowering.finish(scene, symbols))
 }
 
-/// Returns whether the block of each event acts later in the same phase.
+/// Returns, for each event, whether its block acts later in the same phase.
 fn busy(plan: &ProgramPlan, graph: &DependencyGraph) -> Vec<bool> {
     let mut busy = vec![false; plan.events.len()];
     for edge in graph.raw_edges() {

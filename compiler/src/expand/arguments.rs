@@ -12,9 +12,9 @@ use crate::names::ValueKind;
 use crate::plan::{NameKey, PatternInstance};
 use crate::{FileId, SourceLocation};
 
-/// An argument of the wrong kind.
+/// An argument whose kind differs from the required kind.
 struct Misfit {
-    /// Number of the argument.
+    /// Index of the argument.
     number: usize,
     /// Kind of the argument.
     given: ValueKind,
@@ -23,7 +23,8 @@ struct Misfit {
 }
 
 impl<'a> Expander<'a, '_> {
-    /// Returns the arguments of an instance. Arguments of the wrong kind are reported and unknown.
+    /// Returns the values of the arguments of an instance. Reports arguments of the wrong kind and
+    /// makes them unknown.
     pub(super) fn arguments(
         &mut self,
         instance: &'a Instance,

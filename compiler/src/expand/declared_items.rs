@@ -1,4 +1,4 @@
-//! Patterns and shapes by definition.
+//! Declared patterns and shapes, looked up by definition.
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Item, ItemKind, Name, Pattern, Shape};
 use stochc_grammar::{Symbol, Symbols};
@@ -24,8 +24,8 @@ pub struct DeclaredItems<'a> {
 }
 
 impl<'a> DeclaredItems<'a> {
-    /// Adds a pattern or a shape. Ignores other items. Returns an error if another one has the same
-    /// name.
+    /// Adds a pattern or a shape. Ignores other items. Returns an error if its name is already
+    /// declared.
     pub fn declare(
         &mut self,
         (file, item): (FileId, &'a Item),

@@ -61,7 +61,8 @@ impl ExpansionSize {
     }
 }
 
-/// The two passes through a seed plate. Seeds have the first numbers.
+/// The two passes through a seed plate. Seeds are expanded first, so that they get the first role
+/// numbers.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Seeding {
     /// Expands seeds.
@@ -93,7 +94,7 @@ pub(super) struct Expander<'a, 'f> {
     pub(super) steps: usize,
     /// Operations of expressions that are not counted as a step yet.
     pub(super) operations: usize,
-    /// Whether the limit of errors is reached, and the number of diagnostics at the last count.
+    /// Number of diagnostics at the last count, and whether the limit of errors is reached.
     pub(super) errors: (usize, bool),
     pub(super) limits: Limits,
     pub(super) cancellation: Cancellation<'f>,
@@ -101,7 +102,7 @@ pub(super) struct Expander<'a, 'f> {
     pub(super) grown: ExpansionSize,
     /// Whether a limit is reached and expansion has stopped.
     pub(super) exhausted: bool,
-    /// Whether [`Limits::events`] is the exceeded limit.
+    /// Whether the exceeded limit is [`Limits::events`].
     pub(super) outgrown: bool,
     pub(super) plate: Option<SourceLocation>,
     phase_sites: FxHashMap<String, SourceLocation>,
@@ -499,7 +500,7 @@ impl<'a> Expander<'a, '_> {
         timeout
     }
 
-    /// Returns the removal of a block. Returns `None` if the block is not empty.
+    /// Returns a fix that removes a block of statements. Returns `None` if the block is not empty.
     pub(super) fn without(&self, block: &Item) -> Option<Fix> {
         let location = self.location(block.span);
         if block.span.len() > LONG {

@@ -10,7 +10,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::ProgramPlan;
 use crate::{FileId, Sources};
 
-/// An expanded program and the shapes that it can claim.
+/// An expanded program, and the shapes that its phases can claim.
 pub type Expanded<'a> = (ProgramPlan, Shapes<'a>);
 
 /// Expands a program.

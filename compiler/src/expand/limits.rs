@@ -8,14 +8,14 @@ const MAX_EVENTS: usize = 500_000;
 /// Limits of an expanded program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Number of captures, releases, seeds, names in `after`, instances, phases and claims
+    /// Largest number of captures, releases, seeds, names in `after`, instances, phases and claims
     /// together.
     pub events: usize,
-    /// Number of visited statements, empty rounds of loops included.
+    /// Largest number of visited statements, including empty rounds of loops.
     pub steps: usize,
-    /// Number of cells searched for access paths, in addition to 10 for every capture and release.
+    /// Number of cells to search for access paths, in addition to 10 for every capture and release.
     pub search: u64,
-    /// Command with higher limits, for messages.
+    /// Command that has higher limits, for messages. `None` if there is none.
     pub further: Option<&'static str>,
 }
 
@@ -57,8 +57,8 @@ pub struct ExpansionBounds<'c> {
     pub cancellation: Cancellation<'c>,
 }
 
-/// Programs with more than one in `UNCOUNTED` of the allowed events are counted before expansion.
-/// Programs beyond the limit then use no memory.
+/// Share of the allowed events that is expanded without counting first: 1/5. Larger programs are
+/// counted first, so that those beyond the limit use no memory.
 pub(super) const UNCOUNTED: usize = 5;
 
 /// Largest depth of loops, instances and blocks.

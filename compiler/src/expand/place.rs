@@ -236,7 +236,7 @@ impl Expander<'_, '_> {
         None
     }
 
-    /// Returns the error of a pattern that uses an instance from outside.
+    /// Returns an error if a pattern uses an instance from outside of the pattern.
     fn instance_around(&self, key: NameKey, segment: &Segment) -> Option<Diagnostic> {
         let grown = self.grown().filter(|_| key.scope == self.scope.instance)?;
         let roles = &self.plan.roles;
@@ -253,7 +253,7 @@ impl Expander<'_, '_> {
         Some(diagnostic.help(help))
     }
 
-    /// Returns the names of a segment.
+    /// Returns the names that a segment of a path stands for, and whether an index is a range.
     fn keys(&mut self, scope: u32, segment: &Segment) -> Option<(Keys, bool)> {
         let mut key = NameKey {
             scope,

@@ -43,7 +43,7 @@ struct Binding {
     level: u32,
 }
 
-/// Values of words, by block of statements.
+/// Values of words, looked up by block of statements.
 #[derive(Debug, Default)]
 pub struct Scope {
     words: FxHashMap<Symbol, SmallVec<[Binding; 1]>>,
@@ -145,7 +145,7 @@ impl Scope {
         Some(self.words.get(&word)?.last()?.location)
     }
 
-    /// Returns every word of a number, for suggestions.
+    /// Returns every word that names a number, for suggestions.
     pub fn words(&self) -> impl Iterator<Item = Symbol> {
         self.words
             .iter()

@@ -92,8 +92,8 @@ impl Expander<'_, '_> {
         self.plan.grown.get(number).copied()
     }
 
-    /// Returns a later `let` with this name in a block around the current statement, with the
-    /// location of the name.
+    /// Returns a `let` of this name below its use, in a block around the current statement. Also
+    /// returns the location of the name.
     fn let_below(&self, word: Symbol) -> Option<(SourceLocation, SourceLocation)> {
         let names = |item: &Item| match &item.kind {
             ItemKind::Let(let_) if let_.name.symbol == word => Some((item.span, let_.name.span)),

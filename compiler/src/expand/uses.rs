@@ -8,7 +8,7 @@ use super::{MAX_NESTING, Patterns};
 use crate::names::{Names, Use, ValueKind};
 use crate::{FileId, SourceLocation};
 
-/// First location of each kind of use of a parameter.
+/// First location of each kind of use of a parameter. `None` for kinds without a use.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Uses([Option<SourceLocation>; ValueKind::ALL.len()]);
 
@@ -33,12 +33,13 @@ impl Uses {
     }
 }
 
-/// Uses of parameters by pattern.
+/// Uses of the parameters of each pattern.
 #[derive(Debug, Default)]
 pub struct KnownUses(FxHashMap<(FileId, u32), Rc<[Uses]>>);
 
 impl KnownUses {
-    /// Returns the uses of each parameter of a pattern, also as an argument of other patterns.
+    /// Returns the uses of each parameter of a pattern. Includes its uses inside other patterns
+    /// that get it as an argument.
     pub fn uses(
         &mut self,
         pattern: (FileId, &Pattern),

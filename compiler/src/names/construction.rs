@@ -1,4 +1,4 @@
-//! Constructors of the index of names.
+//! Constructors of [`Names`].
 use stochc_grammar::tree::Tree;
 use stochc_grammar::{Cancellation, Cancelled};
 

@@ -30,8 +30,8 @@ pub struct DeclaredNames {
 }
 
 impl DeclaredNames {
-    /// Returns the meaning of a word in an assembly, or outside of all. Declarations of the
-    /// assembly hide those of the files.
+    /// Returns the declaration of a word in an assembly, or outside of every assembly. Declarations
+    /// of the assembly hide those of the files.
     pub fn seen_from(
         &self,
         assembly: Option<usize>,

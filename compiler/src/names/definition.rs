@@ -35,7 +35,7 @@ impl ValueKind {
     }
 }
 
-/// Selects the names to record.
+/// Selection of the names to record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Keep {
     /// All names.

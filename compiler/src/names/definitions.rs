@@ -1,4 +1,4 @@
-//! Collects definitions, and merges definitions that turn out to be the same.
+//! Collects definitions, and merges definitions that prove to be the same.
 use rustc_hash::FxHashMap;
 use stochc_grammar::Symbol;
 
@@ -117,7 +117,7 @@ impl Definitions {
     }
 }
 
-/// Numbers, counters and parameters, by block.
+/// Definitions of numbers, counters and parameters, for each block of statements.
 #[derive(Default)]
 pub struct Bindings {
     words: FxHashMap<Symbol, Vec<Definition>>,

@@ -1,4 +1,4 @@
-//! All names of a program, by place and by definition.
+//! All names of a program, sorted by location and linked to their definitions.
 use rustc_hash::FxHashMap;
 use stochc_grammar::{Span, Symbol};
 
@@ -41,7 +41,7 @@ impl Names {
         seen.map(|it| it.location)
     }
 
-    /// Returns the scene that a word names. It need not be declared.
+    /// Returns the scene that a word names. The scene may be undeclared.
     pub(crate) fn scene(&self, word: Symbol) -> Option<Definition> {
         self.declared.scenes.get(&word).copied()
     }
@@ -92,8 +92,8 @@ mod tests {
     use super::*;
     use crate::{Limits, check};
 
-    /// Returns the names of a program with the numbers of their definitions, in the order of
-    /// mention. A star marks declarations.
+    /// Returns the names of a program with the numbers of their definitions, in source order. A
+    /// star marks declarations.
     fn shown(files: &[(&str, &str)]) -> String {
         let mut reader = |path: &str| {
             let file = files.iter().find(|(name, _)| *name == path);

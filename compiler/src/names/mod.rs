@@ -4,9 +4,9 @@
 //! counter, parameter, pattern or shape. It also decides whether a parameter is a face. The
 //! expansion, the warnings about unused declarations and the editor use it.
 //!
-//! Here, names are words: `T[1]` and `T[i + 1]` are uses of the same `T`. Only the expansion can
-//! distinguish them ([`crate::sources::source_map`]). Definitions that one name can refer to are
-//! merged. This happens if a pattern uses a number that several assemblies define.
+//! In this module, names are words: `T[1]` and `T[i + 1]` are uses of the same `T`. Only the
+//! expansion can distinguish them ([`crate::sources::source_map`]). Definitions that one name can
+//! refer to are merged. This happens if a pattern uses a number that several assemblies define.
 mod construction;
 mod declared;
 mod definition;

@@ -11,11 +11,7 @@ use super::definitions::{Bindings, Definitions};
 use super::{Definition, Keep, NameKind, Names, Use, ValueKind};
 use crate::{FileId, SourceLocation};
 
-/// Resolves all names of the files of a program.
-///
-/// # Errors
-///
-/// Returns [`Cancelled`] if the check was cancelled.
+/// Resolves the names of all files of a program.
 pub fn resolve<'a>(
     trees: impl Iterator<Item = (FileId, &'a Tree)>,
     keep: Keep,
@@ -356,7 +352,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Declares a new name in this scope.
+    /// Declares a new name in the current scope. Returns `None` if its kind is not recorded.
     fn new_name(&mut self, kind: NameKind, place: &Place) -> Option<Definition> {
         let [segment] = &place.path[..] else {
             return None;
@@ -436,7 +432,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns the parameter of a word.
+    /// Returns the parameter that a word names. Returns `None` for other words.
     fn parameter(&self, word: Symbol) -> Option<Definition> {
         let definition = self.bindings.get(word)?;
         (self.definitions.kind(definition) == NameKind::Parameter).then_some(definition)
@@ -521,7 +517,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns the number, counter or parameter of a word.
+    /// Returns the number, counter or parameter that a word names.
     fn number(&mut self, word: Symbol) -> Option<Definition> {
         if let Some(definition) = self.bindings.get(word) {
             return Some(definition);
@@ -538,7 +534,7 @@ impl Resolver<'_> {
         self.definitions.unite(definitions)
     }
 
-    /// Returns the pattern or shape of a word.
+    /// Returns the pattern or shape that a word names.
     fn named(&mut self, kind: NameKind, word: Symbol) -> Option<Definition> {
         let assembly = match self.enclosing {
             EnclosingScope::Assembly(number) | EnclosingScope::OwnPattern(number) => Some(number),

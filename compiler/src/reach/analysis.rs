@@ -18,7 +18,7 @@ use crate::plan::{EventId, EventKind};
 /// Number of cells that the search may visit per event, in addition to the limit.
 const STEPS_PER_EVENT: u64 = 10;
 
-/// The trial of remedies may use one in this many steps of the search.
+/// Divisor of the search limit. The trial of remedies may use one `TRIED`th of all steps.
 const TRIED: u64 = 100;
 
 /// Reports captures whose cells free blocks may not reach, or only through a narrow gap.
@@ -86,10 +86,10 @@ pub(super) struct ReachAnalysis<'a> {
     pub(super) is_safe: Vec<bool>,
     /// Known paths of cubes of one and of two block lengths.
     pub(super) known_paths: [KnownPaths; 2],
-    /// Work for the proof and for the warnings.
+    /// Search effort for the proof and for the warnings.
     pub(super) proof: SearchEffort<'a>,
     pub(super) warning: SearchEffort<'a>,
-    /// Work for messages and remedies, and for trials of remedies.
+    /// Search effort for messages, remedies, and trials of remedies.
     pub(super) remedies: SearchEffort<'a>,
     pub(super) trials: SearchEffort<'a>,
     /// Errors of the unchanged files. `None` before the first trial.
@@ -156,8 +156,8 @@ impl ReachAnalysis<'_> {
 }
 
 impl<'a> ReachAnalysis<'a> {
-    /// Returns the graph with every choice made, so that as few events as possible follow the
-    /// `late` ones. An event that can happen before all of them has no path from them.
+    /// Returns the dependency graph with every choice made, so that as few events as possible
+    /// follow the `late` ones. An event that can happen before all of them has no path from them.
     pub(super) fn straight(&self, is_late: impl Fn(EventId) -> bool) -> Cow<'a, DependencyGraph> {
         let graph = self.subject.graph;
         if !self.has_choice() {

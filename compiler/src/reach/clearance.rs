@@ -20,18 +20,19 @@ use stochc_ir::Cell;
 
 /// A capture whose block must enter through a one-block gap.
 pub struct NarrowCapture {
-    /// The capture that is checked.
+    /// The capture.
     pub capture: EventId,
     /// Number of cells of the best path that are one cell wide. `None` if they are too many to
     /// count.
     pub length: Option<u32>,
-    /// Captures next to its cell: a pair on opposite sides if there is one, else all.
+    /// Captures next to the cell in the gap: a pair on opposite sides if there is one, otherwise
+    /// all.
     pub walls: Vec<EventId>,
 }
 
-/// Captures of a phase that must enter through a gap.
+/// Captures of a phase whose blocks must enter through a one-block gap.
 pub struct NarrowCaptures {
-    /// Number of such captures.
+    /// Number of captures that enter through a gap.
     pub count: usize,
     /// The tightest captures, the worst one first.
     pub worst: Vec<NarrowCapture>,
@@ -44,7 +45,7 @@ const MAX_SHOWN: usize = 5;
 const FARTHEST: usize = 1_000;
 
 impl ReachAnalysis<'_> {
-    /// Returns the captures of a phase that enter through a gap in their worst case.
+    /// Returns the captures of a phase that enter through a gap in their worst order.
     pub fn narrow(&mut self, events: &[EventId], descendants: &DescendantIndex) -> NarrowCaptures {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
         // For each event, whether only its descendants can be above its cell.
@@ -114,7 +115,8 @@ impl ReachAnalysis<'_> {
         Some((anchored_by.0 - first) as usize)
     }
 
-    /// Returns whether the columns of one side, the next side and the corner between are empty.
+    /// Returns whether three columns next to a cell are empty: two neighbouring sides and the
+    /// corner between them.
     fn has_open_corner(&self, cell: Cell) -> bool {
         let is_clear = |dx: i32, dy: i32| {
             cell.offset([dx, dy, 0])
@@ -124,7 +126,7 @@ impl ReachAnalysis<'_> {
         (corners.into_iter()).any(|(dx, dy)| is_clear(dx, 0) && is_clear(0, dy) && is_clear(dx, dy))
     }
 
-    /// Returns the face of a capture, if blocks pass gaps along it in this scene.
+    /// Returns the face of a capture if blocks can pass a gap along its direction in this scene.
     fn way(&self, id: EventId) -> Option<Face> {
         match self.subject.plan.event(id).kind {
             EventKind::Capture { face, .. } if self.subject.has_passable_gaps => Some(face),

@@ -1,4 +1,4 @@
-//! Data of a phase whose captures may be closed in.
+//! Data of a phase whose cells may be closed before their captures.
 use std::borrow::Cow;
 
 use rustc_hash::FxHashSet;
@@ -14,17 +14,17 @@ pub struct ClosablePhase<'a> {
     pub events: &'a [EventId],
     /// Descendants of each event.
     pub descendants: &'a DescendantIndex,
-    /// Captures that no order reaches.
+    /// Captures that cannot happen in any order.
     pub never: FxHashSet<EventId>,
-    /// Dependencies with every choice made, by events that some order reaches if possible.
+    /// Dependencies with every choice made. The choices prefer events that happen in some order.
     pub straight: Cow<'a, DependencyGraph>,
-    /// Order that allows removing all other blocks again. `None` if the phase has releases or the
-    /// search was stopped.
+    /// Order for removing all other blocks again. `None` if the phase has releases or the search
+    /// was stopped.
     pub apart: Option<Dismantled>,
 }
 
 impl ClosablePhase<'_> {
-    /// Returns whether one order reaches everything except the captures that no order reaches.
+    /// Returns whether a single order contains all captures except [`never`](Self::never).
     pub fn is_whole(&self) -> bool {
         self.apart.as_ref().is_some_and(|apart| apart.is_whole)
     }

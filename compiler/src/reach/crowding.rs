@@ -52,7 +52,7 @@ impl ReachAnalysis<'_> {
         report(diagnostics, diagnostic.help(help));
     }
 
-    /// Returns the captures of a phase that are in such a square, in the order of the source.
+    /// Returns the captures of a phase that wait in a crowded square, in source order.
     fn crowded(&mut self, events: &[EventId], descendants: &DescendantIndex) -> Vec<EventId> {
         let captures = events.iter().filter(|&&id| self.is_capture(id));
         let at: FxHashMap<Cell, EventId> = captures
@@ -85,7 +85,7 @@ impl ReachAnalysis<'_> {
         crowded
     }
 
-    /// Returns whether these events are independent of each other.
+    /// Returns whether no event of the list waits for another one of the list.
     fn are_together(&mut self, events: &[EventId], descendants: &DescendantIndex) -> bool {
         let node = |id: &EventId| NodeIndex::new(id.0 as usize);
         let waits = |id: &EventId, other: &EventId| {

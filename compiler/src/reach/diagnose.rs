@@ -349,7 +349,7 @@ impl ReachAnalysis<'_> {
             && CaptureStatement::new(&self.subject, id).is_some_and(|it| it.is_first())
     }
 
-    /// Counts the captures of a phase from `first` on.
+    /// Returns a diagnostic that counts the captures of a phase from the capture `first`.
     fn more(&self, code: Code, first: EventId, count: usize) -> Diagnostic {
         let what = match code {
             Code::SealedCavity => "may become unreachable",

@@ -9,7 +9,7 @@ use crate::plan::EventId;
 use crate::plan::{EventKind, NameKey};
 use crate::{FileId, SourceLocation};
 
-/// An arrow of a chain with its captures. In a range, loop or pattern it has many.
+/// An arrow of a chain. In a range, loop or pattern, one arrow makes many captures.
 #[derive(Clone, Copy)]
 pub struct CaptureStatement<'a> {
     chain: &'a Chain,
@@ -115,7 +115,7 @@ impl<'a> CaptureStatement<'a> {
         names.into_iter().map(|(_, name)| name).collect()
     }
 
-    /// Makes the captures of the statement wait for a block.
+    /// Returns the edits that make the captures of the statement wait for a block.
     pub fn wait(&self, subject: &SoundProgram, name: &str) -> Vec<Edit> {
         let CaptureStatement { chain, link } = *self;
         let at = |start: u32, end: u32, text: String| Edit {
@@ -207,13 +207,14 @@ fn ending<'k>(place: &Place, path: &'k [NameKey]) -> Option<&'k [NameKey]> {
     (is_written && from < path.len()).then_some(&path[from..])
 }
 
-/// Returns whether the index of a written name is this one.
+/// Returns whether one of the last indices of a written name is `index`.
 fn stands_in(name: &str, index: &str) -> bool {
     let indices = name.rsplit('[').next().unwrap_or_default();
     indices.split(", ").any(|other| other == index)
 }
 
-/// Finds counters in indices that contain only a counter, or a counter and a number.
+/// Records the values of loop counters. An index must contain only a counter, or a counter and a
+/// number.
 fn solve(place: &Place, keys: &[NameKey], counters: &mut Vec<(Symbol, i64)>) {
     for (segment, key) in place.path.iter().zip(keys) {
         let entries = segment.index.as_deref().unwrap_or_default();
@@ -231,8 +232,8 @@ fn solve(place: &Place, keys: &[NameKey], counters: &mut Vec<(Symbol, i64)>) {
     }
 }
 
-/// Returns the word in an expression with its value. Returns `None` if the expression has no such
-/// form.
+/// Returns the counter of an index, and its value if the index has the value `value`. Returns
+/// `None` for any other form of index.
 fn counter(expr: &Expr, value: i64) -> Option<(Symbol, i64)> {
     match &expr.kind {
         ExprKind::Name(name) => Some((*name, value)),
@@ -250,7 +251,8 @@ fn counter(expr: &Expr, value: i64) -> Option<(Symbol, i64)> {
     }
 }
 
-/// Returns the possible spellings of an index, with their distances.
+/// Returns the possible spellings of an index. Each has a distance, which is small for likely
+/// spellings.
 fn indices(index: i64, counters: &[(Symbol, i64)], subject: &SoundProgram) -> Vec<(u64, String)> {
     let mut written: Vec<(u64, String)> = (counters.iter())
         .map(|&(name, value)| {

@@ -1,7 +1,7 @@
 //! Limits of the search for access paths.
 use stochc_grammar::Cancellation;
 
-/// Number of searched positions, with its limit.
+/// Number of searched positions, and its limit.
 pub(super) struct SearchEffort<'a> {
     pub(super) steps: u64,
     pub(super) budget: u64,

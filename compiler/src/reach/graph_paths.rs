@@ -1,4 +1,4 @@
-//! Predecessors and successors in a dependency graph.
+//! Neighbours and ancestors of events in a dependency graph.
 use petgraph::Direction::{Incoming, Outgoing};
 use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef as _;

@@ -10,7 +10,8 @@ use super::moving_cube::MovingCube;
 /// Positions of a cube of one size with a path to the outside, in every order of the current phase.
 #[derive(Default)]
 pub struct KnownPaths {
-    /// Next position on the path (itself at the end), and the phase of the proof.
+    /// Next position on the path, and the phase that proved it. The last position is its own
+    /// successor.
     next: FxHashMap<Cell, (Cell, u32)>,
     phase: u32,
 }

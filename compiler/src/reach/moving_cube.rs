@@ -19,8 +19,8 @@ impl MovingCube<'_> {
         self.meets(at, 0, self.size)
     }
 
-    /// Returns whether a cell of the cube from `low` to below `high`, relative to `at`, is
-    /// occupied.
+    /// Returns whether a cube overlaps an occupied cell. The cube extends from `low` to below
+    /// `high` along each axis, relative to `at`.
     fn meets(&self, at: Cell, low: i32, high: i32) -> bool {
         let range = || low..high;
         range().any(|dz| {
@@ -33,7 +33,7 @@ impl MovingCube<'_> {
         })
     }
 
-    /// Returns whether a cube could touch something with an edge or a corner, except the ground.
+    /// Returns whether an edge or a corner of a cube could touch anything except the ground.
     pub fn is_at_wall(&self, at: Cell) -> bool {
         (-1..=self.size).any(|dz| {
             (-1..=self.size).any(|dy| {

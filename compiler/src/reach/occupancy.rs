@@ -25,7 +25,7 @@ pub struct OccupiedCells {
 }
 
 impl OccupiedCells {
-    /// Reserves space for a number of blocks.
+    /// Creates an empty structure with space for `count` blocks.
     pub fn with_capacity(count: usize) -> OccupiedCells {
         OccupiedCells {
             cells: FxHashMap::with_capacity_and_hasher(count, Default::default()),
@@ -95,7 +95,8 @@ impl OccupiedCells {
         cell.z < 1 || (self.cells.get(&cell)).is_some_and(|&by| has(by) || self.is_held_over(cell))
     }
 
-    /// Returns whether a previous block may still be in a cell that a capture of the phase fills.
+    /// Returns whether a capture of the phase fills the cell while a previous block may still be
+    /// there.
     pub fn is_held_over(&self, cell: Cell) -> bool {
         !self.held_over.is_empty() && self.held_over.contains(&cell)
     }

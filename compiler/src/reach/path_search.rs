@@ -21,7 +21,7 @@ use crate::plan::EventId;
 pub enum SearchOutcome {
     /// There is a path.
     Out,
-    /// No path exists. Has the cells along the walls in the order of the search.
+    /// No path exists. Contains the cells along the walls in the order of the search.
     Sealed(Vec<Cell>),
     /// The search reached its limit.
     Unknown,

@@ -1,4 +1,4 @@
-//! Input of the check of access paths.
+//! Inputs of the check of access paths.
 use stochc_grammar::tree::Assembly;
 use stochc_grammar::{Cancellation, Symbols};
 
@@ -24,7 +24,7 @@ pub struct SoundProgram<'a> {
     pub graph: &'a DependencyGraph,
     /// Dependencies that hold in every order.
     pub certain: &'a DependencyGraph,
-    /// An order of the events.
+    /// A possible order of the events.
     pub order: &'a Order,
     /// Syntax tree of the assembly.
     pub assembly: &'a Assembly,
@@ -32,8 +32,8 @@ pub struct SoundProgram<'a> {
     pub patterns: &'a Patterns<'a>,
     /// File of the assembly.
     pub file: FileId,
-    /// Checks the files with a change. `None` inside such a check, where only titles of diagnostics
-    /// matter.
+    /// Check of the files with one change. `None` inside such a check, which needs only the titles
+    /// of diagnostics.
     pub trial: Option<&'a Trial<'a>>,
     /// Whether blocks are known to [pass gaps](stochc_estimate::Rates::passes_gaps) in the scene.
     pub has_passable_gaps: bool,

@@ -1,4 +1,4 @@
-//! Finds captures that some order reaches, and such an order.
+//! Finds the captures that can happen in some order, and one order that contains them.
 use rustc_hash::FxHashSet;
 
 use super::analysis::ReachAnalysis;
@@ -11,36 +11,37 @@ use crate::dependencies::face_turns::is_ready;
 use crate::dependencies::graph::DependencyGraph;
 use crate::plan::EventId;
 
-/// Order that allows removing the blocks of a phase again, the last block first.
+/// Order for removing the blocks of a phase again, the last captured block first.
 ///
 /// The phase has no releases, so removing a block only opens paths. A block that can be removed now
 /// can also be removed later, so the first choice does not matter. A block that stays keeps its
 /// dependencies.
 pub struct Dismantled {
     first: u32,
-    /// Number of events removed before each event of the phase.
+    /// For each event of the phase, the number of events that are removed before it.
     gone_at: Vec<u32>,
-    /// Whether all requested blocks are removed. If so, the reverse order reaches all of them.
+    /// Whether all requested blocks can be removed. If so, the reverse order builds all of them.
     pub is_whole: bool,
 }
 
-/// Position of a block that cannot be removed.
+/// Value of `gone_at` for a block that cannot be removed.
 const STAYS: u32 = u32::MAX;
 
 impl Dismantled {
-    /// Returns the number of events removed before an event. Returns `u32::MAX` if it stays.
+    /// Returns the number of events that are removed before an event. Returns `u32::MAX` if its
+    /// block cannot be removed.
     pub fn gone_at(&self, id: EventId) -> u32 {
         self.gone_at[(id.0 - self.first) as usize]
     }
 
-    /// Returns whether an event of the phase is removed.
+    /// Returns whether an event can be removed.
     pub fn has_gone(&self, id: EventId) -> bool {
         self.gone_at(id) != STAYS
     }
 }
 
 impl ReachAnalysis<'_> {
-    /// Searches a path from the cell of a capture.
+    /// Searches for a path from the cell of a capture to the open sky.
     pub fn way_out(&mut self, id: EventId, has: Has) -> SearchOutcome {
         let Some(cell) = self.cell(id) else {
             return SearchOutcome::Out;
@@ -59,12 +60,11 @@ impl ReachAnalysis<'_> {
         )
     }
 
-    /// Returns the events of a phase that no order reaches. These are captures whose cells are
-    /// closed by blocks that they wait for, and events that wait for such captures.
+    /// Returns the events of a phase that cannot happen in any order. The cell of such a capture is
+    /// closed by blocks that it waits for. Other such events wait for such a capture.
     ///
-    /// None of these events can be the first to happen. At least the captures that it certainly
-    /// waits for would surround its cell, although every earlier release is assumed to have
-    /// happened.
+    /// None of these events can be the first to happen. The captures that it certainly waits for
+    /// would surround its cell, even if every earlier release has happened.
     pub fn never(
         &mut self,
         events: &[EventId],
@@ -115,7 +115,8 @@ impl ReachAnalysis<'_> {
         never
     }
 
-    /// Searches a path from a cell if only the ancestors of its capture have happened.
+    /// Searches for a path from the cell of a capture, if only the ancestors of the capture have
+    /// happened.
     pub fn way_past_its_own(
         &mut self,
         id: EventId,
@@ -131,10 +132,12 @@ impl ReachAnalysis<'_> {
         })
     }
 
-    /// Removes events of a phase without releases. With each event, they include the events that it
-    /// waits for, in a graph with every choice made. Returns `None` if the search was stopped.
+    /// Removes the events that `is_member` selects, in a phase without releases. These include all
+    /// events that a member waits for in `straight`, a graph with every choice made. Returns `None`
+    /// if the search was stopped.
     ///
-    /// The reverse is an order of the program. If something stays, other choices may do better.
+    /// The reverse is an order of the program. If an event cannot be removed, other choices may do
+    /// better.
     pub fn dismantle(
         &mut self,
         straight: &DependencyGraph,

@@ -1,4 +1,4 @@
-//! Finds captures that must come later so that a block has an access path.
+//! Finds captures that must happen later to leave a block an access path.
 use std::collections::VecDeque;
 
 use rustc_hash::FxHashMap;
@@ -18,8 +18,8 @@ use stochc_ir::Cell;
 const FARTHEST: usize = 20_000;
 
 impl ReachAnalysis<'_> {
-    /// Returns captures of a phase that open a path for `id` if they come after it. All of them are
-    /// needed.
+    /// Returns captures of a phase that leave a path for `id` if they happen after it. All of them
+    /// are needed.
     ///
     /// In the order `apart`, these captures are removed before `id`. All results for one phase
     /// therefore agree with one order. Captures written at the locations `barred` are not used.
@@ -57,7 +57,7 @@ impl ReachAnalysis<'_> {
         Some(later)
     }
 
-    /// Returns whether a cell has a path in its worst order if these captures also come after it.
+    /// Returns whether a cell has a path in its worst order if these captures also happen after it.
     fn is_open_after(
         &mut self,
         id: EventId,
@@ -75,7 +75,7 @@ impl ReachAnalysis<'_> {
     }
 
     /// Returns the captures on the path that passes the fewest blocks of the worst order. The path
-    /// avoids blocks that must stay. Returns `None` if there is none.
+    /// avoids blocks that must stay. Returns `None` if there is no such path.
     fn on_the_way(
         &mut self,
         id: EventId,

@@ -53,7 +53,7 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// Removes blocks whose release waits only for safe captures.
+    /// Removes blocks whose releases wait only for safe captures.
     fn depart_surely(&mut self, events: &[EventId], gone: &mut [bool]) {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
         let local = |id: EventId| (id.0 - first) as usize;
@@ -68,7 +68,7 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// Decides a capture without a search, if possible.
+    /// Returns whether a capture is safe without a search.
     fn is_clearly_safe(&mut self, id: EventId) -> bool {
         let Some(cell) = self.cell(id) else {
             return true;

@@ -18,11 +18,11 @@ struct DelayedStatement<'a> {
     name: String,
 }
 
-/// Largest number of lists of captures that are tried for one cell.
+/// Largest number of sets of later captures that are tried for one cell.
 const MAX_LISTS: usize = 6;
-/// Largest number of spellings of the names to try for one list of captures.
+/// Largest number of spellings that are tried for one set of captures.
 const MAX_WRITINGS: usize = 16;
-/// Largest number of further spellings to try after one that helps.
+/// Largest number of further spellings that are tried after a successful one.
 const MAX_BETTER: usize = 3;
 /// Fixed cost of a trial, as a number of events.
 const OVERHEAD: u64 = 250;
@@ -49,7 +49,7 @@ impl<'a> ReachAnalysis<'a> {
         let mut barred: Vec<SourceLocation> = Vec::new();
         for i in 0..MAX_LISTS {
             let later = lists.get(i)?;
-            // The spelling with the fewest remaining errors. Of several, the likeliest one.
+            // The spelling with the fewest remaining errors. Among equals, the likeliest one.
             let mut best: Option<(Vec<ReportedError>, Vec<DelayedStatement<'a>>)> = None;
             let mut tried = 0;
             for delayed in self.writings(id, later) {
@@ -174,9 +174,8 @@ impl<'a> ReachAnalysis<'a> {
         }
     }
 
-    /// Returns the errors that remain after a change. The inner `None` means that the change does
-    /// not remove `error` or causes another one. The outer `None` means that the limit of trials is
-    /// reached.
+    /// Returns the errors that remain after a change. `Some(None)` means that the change does not
+    /// remove `error`, or causes another error. `None` means that the limit of trials is reached.
     fn errors_after(
         &mut self,
         error: &ReportedError,

@@ -19,7 +19,7 @@ pub const BUILT_IN: [(&str, &str); 6] = [
 /// Name of the default scene.
 pub const DEFAULT: &str = "hemisphere";
 
-/// Returns the built-in scene with this name.
+/// Returns the built-in scene with this name. Returns `None` if there is none.
 pub fn built_in(name: &str) -> Option<Scene> {
     let (_, text) = BUILT_IN.into_iter().find(|&(known, _)| known == name)?;
     let mut symbols = Symbols::new();

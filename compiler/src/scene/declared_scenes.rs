@@ -39,7 +39,7 @@ pub fn declared_scenes(checked: &Checked) -> Vec<DeclaredScene<'_>> {
     of_trees(checked.trees(), &names, &checked.symbols, &mut |_, _| {})
 }
 
-/// Returns the scenes of trees, and reports each that has the name of an earlier one.
+/// Returns the declared scenes of all trees. Reports a scene that has the name of an earlier one.
 pub(crate) fn of_trees<'a>(
     trees: impl Iterator<Item = (FileId, &'a Tree)>,
     names: &Names,

@@ -23,7 +23,7 @@ impl From<SceneWarningKind> for Code {
 
 /// Reports the reasons why a scene does not work, one diagnostic per code, and returns them.
 ///
-/// `location` is that of the scene's name in the program, or else of the program's name.
+/// `location` is the scene's name in the program, or the program's name if it names no scene.
 pub fn check(
     scene: &Scene,
     layers: Option<RangeInclusive<i32>>,
@@ -57,7 +57,8 @@ fn diagnostic(scene: &Scene, warnings: &[SceneWarning], location: SourceLocation
         .help(help)
 }
 
-/// Returns the lowest and the highest layer of a program's captures.
+/// Returns the lowest and the highest layer of a program's captures. Returns `None` without
+/// captures.
 pub fn layers(plan: &ProgramPlan, layout: &Layout) -> Option<RangeInclusive<i32>> {
     let phases = plan.phases.iter().filter(|phase| !phase.planted);
     let events = phases.flat_map(|phase| plan.events_of(phase));

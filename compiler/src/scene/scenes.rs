@@ -19,7 +19,7 @@ const MAX_LISTED: usize = 20;
 pub struct Scenes<'a> {
     names: &'a Names,
     read: FxHashMap<Definition, Option<Scene>>,
-    /// Built-in scenes that others are based on.
+    /// Built-in scenes that serve as bases of declared scenes.
     built_in: FxHashMap<Symbol, Option<Scene>>,
 }
 
@@ -56,7 +56,8 @@ impl<'a> Scenes<'a> {
         symbols: &Symbols,
         diagnostics: &mut Vec<Diagnostic>,
     ) {
-        // The scene, its base, and so on. Ends at a scene that has been read, or in a cycle.
+        // The scene, its base, the base of that, and so forth. Ends at a scene that has been read,
+        // or in a cycle.
         let mut line: Vec<&DeclaredScene<'_>> = Vec::new();
         let mut passed = FxHashSet::default();
         let mut base = None;

@@ -3,7 +3,7 @@ use stochc_grammar::tree::{SceneDeclaration, Term};
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::scene::schema::{CLAUSES, SchemaEntry, SchemaPart};
 
-/// Words around a position in a scene.
+/// Valid and existing words around a position in a scene.
 #[derive(Debug)]
 pub struct WordContext {
     /// Word at the position.
@@ -15,13 +15,13 @@ pub struct WordContext {
 }
 
 impl WordContext {
-    /// Returns the words around a byte.
+    /// Returns the words around the byte `at` of a scene.
     pub fn at(scene: &SceneDeclaration, symbols: &Symbols, at: u32) -> WordContext {
         within(&scene.terms, symbols, &[], &CLAUSES, at)
     }
 }
 
-/// Returns the context of a position in the braces of `outer`. Valid words are those of `known`.
+/// Returns the words around a byte in the braces of `outer`. `known` has the valid entries there.
 fn within(
     terms: &[Term],
     symbols: &Symbols,
@@ -89,7 +89,8 @@ fn follow(
     }
 }
 
-/// Returns the words that select the kind of an entry, or the words after its values.
+/// Returns the words that select the kind of an entry if `of_kind`. Otherwise returns the words
+/// after its values.
 fn choices(entry: &'static SchemaEntry, of_kind: bool) -> Vec<&'static SchemaEntry> {
     let parts = entry.parts.iter().flat_map(|part| match part {
         SchemaPart::OneOf { of, .. } if of_kind => *of,

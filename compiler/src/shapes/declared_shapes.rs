@@ -21,7 +21,7 @@ pub struct DeclaredShape<'a> {
     pub item: &'a Item,
     /// Content of the declaration.
     pub shape: &'a Shape,
-    /// Whether the shape is declared inside an assembly, which alone can use it.
+    /// Whether the shape is declared inside an assembly. Only that assembly can use it.
     pub is_local: bool,
 }
 

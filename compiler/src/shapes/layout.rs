@@ -42,7 +42,7 @@ pub struct Attachment {
 #[derive(Clone, Copy)]
 struct AnchoredPosition {
     cell: Cell,
-    /// `None` for blocks of the plate.
+    /// Bond to the parent. `None` for blocks of the plate.
     on: Option<Attachment>,
 }
 
@@ -321,8 +321,8 @@ impl LayoutBuilder<'_> {
         }
     }
 
-    /// Returns a fix that replaces the face in a capture. Returns `None` if the source has another
-    /// text there.
+    /// Returns a fix that replaces the face in a capture. Returns `None` if the source differs
+    /// there.
     fn other_face(
         &self,
         capture: SourceLocation,
@@ -335,7 +335,7 @@ impl LayoutBuilder<'_> {
         Some(Fix::replace(location, &text, format!("write `{text}`")).unsafe_if(true))
     }
 
-    /// Returns the error that two captures fill the same cell.
+    /// Returns the error for two captures that fill the same cell.
     fn occupied(
         &self,
         id: EventId,
@@ -356,7 +356,7 @@ impl LayoutBuilder<'_> {
             ))
     }
 
-    /// Returns the error that one statement captures two blocks into the same cell.
+    /// Returns the error for one statement that captures two blocks into the same cell.
     fn occupied_again(&self, id: EventId, cell: Cell, first: RoleId) -> Diagnostic {
         let event = self.plan.event(id);
         let name = self.plan.roles.name(event.role, self.symbols);
@@ -449,8 +449,8 @@ impl LayoutBuilder<'_> {
         Ok(())
     }
 
-    /// Returns the blocks attached to `parent` in a cell during the phase, with their captures: the
-    /// block at its start, and the block that replaces it.
+    /// Returns the blocks attached to `parent` in a cell during the phase, with their captures. A
+    /// cell can have two: the block at the start of the phase, and its replacement.
     fn children(
         &self,
         parent: Holder,

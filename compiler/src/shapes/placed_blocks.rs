@@ -14,7 +14,7 @@ pub struct PlacedBlock {
     pub role: RoleId,
     /// Capture that attached the block.
     pub capture: EventId,
-    /// Phase of that capture.
+    /// Phase of the block's capture.
     pub since: u32,
 }
 

@@ -14,7 +14,8 @@ use crate::plan::ProgramPlan;
 use crate::shapes::layout::Layout;
 use crate::{FileId, SourceLocation};
 
-/// Largest number of cells of a shape, and of blocks of all claimed shapes.
+/// Largest number of cells of one shape. Also the largest number of blocks of all claimed shapes
+/// together.
 pub(crate) const MAX_CELLS: usize = 5_000_000;
 
 /// Largest number of cells that are compared to describe differences.
@@ -78,7 +79,7 @@ pub fn check(
     Ok(())
 }
 
-/// Compared claims of an assembly.
+/// State of the comparison of an assembly with its claimed shapes.
 #[derive(Default)]
 struct Comparison {
     built: BuiltCells,
@@ -124,7 +125,7 @@ impl Comparison {
         is_read
     }
 
-    /// Returns the difference as a title and a help.
+    /// Returns the title and the help of the error for a shape that differs from the structure.
     fn difference(&mut self, name: Symbol, word: &str) -> Option<(String, String)> {
         let claimed = self.claimed.get(&name)?.as_ref()?;
         let now = (name, self.built.fingerprint);
@@ -289,7 +290,8 @@ fn constant(expr: &Expr) -> Option<i64> {
     }
 }
 
-/// Returns the title and the help for a shape and a structure. The cells of the shape are sorted.
+/// Returns the title and the help of the error for a shape and a structure that differ. The cells
+/// of the shape are sorted.
 fn difference(word: &str, claimed: &[Cell], built: &FxHashSet<Cell>) -> (String, String) {
     let absent = |cell: &&Cell| !built.contains(cell);
     let missing: Vec<Cell> = claimed.iter().filter(absent).copied().collect();

@@ -68,7 +68,7 @@ const MAX_BYTES: u64 = 1 << 32;
 /// Progress of a file.
 #[derive(Clone, Copy, PartialEq)]
 enum LoadState {
-    /// The imports of this file are being read. Has the location of the current import.
+    /// The imports of this file are being read. Contains the location of the current import.
     Open(SourceLocation),
     Done,
 }
@@ -92,8 +92,8 @@ struct Loader<'a> {
 struct Pending {
     path: String,
     module: Module,
-    /// Remaining imports: path, location, and location of the whole statement if it has no
-    /// documentation.
+    /// Remaining imports: path, location of the path, and location of the whole statement. `None`
+    /// for a statement with documentation.
     imports: std::vec::IntoIter<(String, Span, Option<Span>)>,
 }
 
@@ -132,7 +132,7 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Returns the path of the first import of a file.
+    /// Returns the first path of a file. Other paths can lead to the same file through links.
     fn first_path(&mut self, path: String) -> String {
         match self.reader.identity(&path) {
             Some(identity) => self.first.entry(identity).or_insert(path).clone(),
@@ -140,7 +140,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Reports once that the limit of files is reached.
+    /// Reports once that the limit of the number or size of files is reached.
     fn too_many(&mut self, import: SourceLocation) {
         if std::mem::replace(&mut self.full, true) {
             return;
@@ -246,7 +246,7 @@ impl Loader<'_> {
         report(self.diagnostics, diagnostic);
     }
 
-    /// Reports a cycle of imports, with a label for each.
+    /// Reports a cycle of imports, with a label for each import.
     fn cycle(&mut self, path: &str, stack: &[Pending], statement: Option<SourceLocation>) {
         /// Largest number of reported cycles, and of labelled imports of each.
         const MAX: usize = 10;

@@ -5,11 +5,12 @@ use std::io;
 pub trait Reader {
     /// Returns the bytes of a file.
     ///
-    /// `path` is the program's own path joined with that of the import, with `/` between folders.
+    /// `path` is the path of the importing file joined with the path of the import. Its folders are
+    /// separated by `/`.
     ///
     /// # Errors
     ///
-    /// If the file cannot be read. Diagnostics contain the message.
+    /// Returns an error if the file cannot be read. Diagnostics contain the message.
     fn read(&mut self, path: &str) -> io::Result<Vec<u8>>;
 
     /// Returns a unique name of a file that may have several paths, because of links or `..`.

@@ -1,4 +1,4 @@
-//! Finds the blocks that a source location names, with their events.
+//! Finds the blocks that a source location names, and their events.
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::ItemKind;
 use stochc_grammar::{Cancellation, Cancelled};
@@ -20,7 +20,7 @@ pub struct Located {
     pub roles: Vec<RoleId>,
 }
 
-/// Returns the blocks that the name at a byte of a file means, by assembly.
+/// Returns the blocks that the name at a byte of a file means, for each assembly.
 ///
 /// In a loop or a pattern, one name means many blocks, so the programs are expanded again.
 ///

@@ -403,7 +403,7 @@ fn sinking_is_held_against_what_stirs() {
         close(settling.mean(), settling.lifted * by_hand),
         "the others lie on the floor"
     );
-    // Without vertical eddies, nothing lifts the blocks.
+    // Without vertical eddies, the liquid does not lift the blocks.
     let Some(Agitation::Turbulence(turbulence)) = &mut tank.agitation else {
         panic!("eddies stir it");
     };
@@ -411,7 +411,8 @@ fn sinking_is_held_against_what_stirs() {
     assert_eq!(Settling::from_scene(&tank).unwrap().above(0.0), 0.0);
 }
 
-/// Checks that collisions in a sphere take energy too, from blocks with twice the space.
+/// Checks that collisions in a sphere take energy too. The blocks have twice the space of a
+/// hemisphere.
 #[test]
 fn a_sphere_is_a_gas_as_a_hemisphere_is() {
     let in_ball = Scene {
