@@ -30,7 +30,7 @@ impl<'a> Cancellation<'a> {
     ///
     /// # Errors
     ///
-    /// [`Cancelled`] if it is not.
+    /// Returns [`Cancelled`] if the work should stop.
     pub fn check(self) -> Result<(), Cancelled> {
         if self.is_cancelled() {
             Err(Cancelled)

@@ -21,7 +21,7 @@ pub enum SyntaxErrorKind {
         /// First word of the statement if it is the only one before the error. Otherwise empty.
         after: String,
     },
-    /// A block without its closing brace. The span is that of the opening one.
+    /// A block without its closing brace. The span is the opening brace.
     Unclosed,
     /// The head of a block without its opening brace. The span is the position of the missing
     /// brace.
@@ -36,7 +36,7 @@ pub enum SyntaxErrorKind {
         /// Kind of the block.
         what: &'static str,
     },
-    /// A statement or block in the wrong surroundings.
+    /// A statement or block in a block that cannot contain it.
     Misplaced {
         /// Kind of the statement or block.
         what: &'static str,
@@ -49,19 +49,19 @@ pub enum SyntaxErrorKind {
     },
     /// Parentheses around the list after a keyword. The span includes both.
     Parentheses {
-        /// The keyword that was used as a name.
+        /// The keyword before the list.
         word: String,
     },
     /// A unit without a number before it.
     MissingNumber,
     /// A keyword used as a name.
     ReservedWord {
-        /// The unknown word.
+        /// The keyword.
         word: String,
     },
     /// A face where a block is required, or a block where a face is required.
     FaceMisused {
-        /// Advice, in the imperative.
+        /// Advice in the imperative.
         hint: &'static str,
     },
     /// An integer beyond 64 bits, or a number of a scene beyond double precision.
@@ -72,23 +72,23 @@ pub enum SyntaxErrorKind {
     TooManyTerms,
     /// A single statement longer than [`crate::MAX_STATEMENT`] bytes.
     StatementTooLong,
-    /// An `allow` or `deny` without a reason. The span is that of its code.
+    /// An `allow` or `deny` without a reason. The span is its code.
     MissingReason,
     /// A `///` comment without a declaration or statement after it.
     DanglingDoc,
-    /// More than [`crate::MAX_ERRORS`] errors; the rest of the file was not read.
+    /// More than [`crate::MAX_ERRORS`] errors. The rest of the file was not read.
     TooMany,
-    /// The file is JSON. The span is that of its first bracket.
+    /// The file is JSON. The span is its first bracket.
     Json,
     /// A file of 4 GiB or more.
     FileTooLarge,
 }
 
 impl SyntaxErrorKind {
-    /// Returns whether the grammar rejects the source.
+    /// Returns whether the grammar itself rejects the source.
     ///
-    /// Surroundings of statements, reserved names, limits of numbers and reasons of levels are
-    /// checked after the grammar.
+    /// Later checks find misplaced statements, reserved words as names, numbers beyond their
+    /// limits, and levels without reasons.
     pub fn is_of_grammar(&self) -> bool {
         !matches!(
             self,

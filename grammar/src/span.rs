@@ -1,6 +1,6 @@
 /// A range of bytes in one file.
 ///
-/// Spans are ignored when trees are compared: two trees are equal if their content is.
+/// Comparisons of trees ignore spans: two trees are equal if their contents are equal.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Span {
     /// Position of the first byte.

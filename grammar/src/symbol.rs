@@ -41,7 +41,7 @@ impl Symbols {
         Symbol(self.0.get_or_intern(word).to_usize() as u32)
     }
 
-    /// Returns the symbol of `word`, if it occurs.
+    /// Returns the symbol of `word`. Returns `None` if the table does not contain the word.
     pub fn get(&self, word: &str) -> Option<Symbol> {
         self.0
             .get(word)

@@ -197,7 +197,7 @@ pub struct Let {
     pub value: Expr,
 }
 
-/// A level of a warning in the block around it.
+/// A statement that sets the level of a warning in the block around it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LintDirective {
     /// Level of the warning.
@@ -277,7 +277,7 @@ pub struct Aggregate {
 pub struct Shape {
     /// Name of the shape.
     pub name: Name,
-    /// South-west corner of every layer. (0, 0) by default.
+    /// South-west corner of every layer. `None` for (0, 0).
     pub at: Option<(Expr, Expr)>,
     /// Layers of the shape.
     pub layers: Vec<Layer>,

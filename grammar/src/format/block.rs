@@ -34,7 +34,7 @@ pub struct LineLayout<'s, 't> {
     fresh: bool,
     /// Whether the last token was a `///` comment.
     documented: bool,
-    /// Whether the last item of the file was a block.
+    /// Whether the last item at the top level was a block. `None` before the first item.
     ended: Option<bool>,
 }
 
@@ -73,7 +73,8 @@ impl LineLayout<'_, '_> {
         next
     }
 
-    /// Returns whether a blank line always precedes the piece. This holds around top-level blocks.
+    /// Returns whether the layout always writes a blank line before the piece. It does so around
+    /// blocks at the top level.
     fn is_set_apart(&self, at: usize) -> bool {
         let (Some(was_block), 0, false) = (self.ended, self.depth, self.documented) else {
             return false;
@@ -227,8 +228,8 @@ impl LineLayout<'_, '_> {
         next
     }
 
-    /// Lays out the rows of a layer. They have no spaces if none of them had, else spaces between
-    /// cells.
+    /// Lays out the rows of a layer. If no row has spaces, none are added. Otherwise, one space
+    /// separates all cells.
     fn rows(&mut self, at: usize) -> usize {
         let source = self.source;
         let rows = source.pieces[at..].iter();

@@ -9,7 +9,7 @@ use crate::{Symbols, parse};
 pub enum FormatError {
     /// The source has syntax errors.
     Wrong(Vec<SyntaxError>),
-    /// Formatting would have changed the meaning: a bug in this crate.
+    /// Formatting would change the meaning: a bug in this crate.
     Unfaithful,
 }
 
@@ -29,7 +29,7 @@ pub fn format(text: &str) -> Result<String, FormatError> {
     }
     let source = source::read(text, &record);
     let laid_out = block::lay_out(&source);
-    // A result that replaces the user's file is checked twice.
+    // The result replaces the user's file, so it is checked twice.
     let again = parse(&laid_out, &mut symbols);
     if !again.errors.is_empty() || again.tree != parsed.tree {
         return Err(FormatError::Unfaithful);
