@@ -114,7 +114,7 @@ def main():
     places, runs, elsewhere, part = TABLES[table]
     runs = int(sys.argv[4]) if len(sys.argv) > 4 else runs
     folder.mkdir(parents=True, exist_ok=True)
-    print(f"| scene | {table} | runs | mean wait | 90 % | over {LONG} | longest | by rates | `check` reports |")
+    print(f"| scene | {table} | runs | mean wait | 90 % | over {LONG} | longest | rate model | `check` reports |")
     print("|---|---|--:|--:|--:|--:|--:|--:|---|")
     for scene, name in [("hemisphere", name) for name in places] + [(scene, name) for scene in SCENES for name in elsewhere]:
         what, before, captures = places[name]

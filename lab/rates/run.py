@@ -89,7 +89,7 @@ def reachable(runs, size):
 
 def compare(rows):
     """Prints a table of programs with a summary."""
-    print("| program | `rigid`, ticks | by rates | mean | median | 90 % | waits, rank correlation | at best |\n|---|--:|--:|--:|--:|--:|--:|--:|")
+    print("| program | `rigid`, ticks | rate model | mean | median | 90 % | rank correlation of waiting times | best possible |\n|---|--:|--:|--:|--:|--:|--:|--:|")
     errors, pairs = [], []
     for name, (physics, physics_runs), (rate, rate_runs) in rows:
         rank = rank_correlation(waits(physics_runs), waits(rate_runs))
@@ -98,18 +98,19 @@ def compare(rows):
         pairs.append((physics, rate))
         shown = " | ".join(f"{100 * value:+.1f} %" for value in off)
         print(f"| {name} | {physics.mean:.0f} ± {physics.half:.0f} | {rate.mean:.0f} | {shown} | {rank:.2f} | {reachable(rate_runs, len(physics_runs)):.2f} |", flush=True)
+    print("\n| error of the | average size | largest size | average with sign |\n|---|--:|--:|--:|")
     for place, what in enumerate(["mean", "median", "90 % quantile"]):
         size = [abs(error[place]) for error in errors]
-        print(f"- {what}: off by {100 * sum(size) / len(size):.1f} % on average, {100 * max(size):.1f} % at most, "
-              f"{100 * sum(error[place] for error in errors) / len(errors):+.1f} % in the mean")
+        print(f"| {what} | {100 * sum(size) / len(size):.1f} % | {100 * max(size):.1f} % | "
+              f"{100 * sum(error[place] for error in errors) / len(errors):+.1f} % |")
     means = [(a.mean, b.mean) for a, b in pairs]
-    print(f"- rank correlation of the means: {correlation(ranks([a for a, _ in means]), ranks([b for _, b in means])):.3f}")
     apart = right = 0
     for (a, x), (b, y) in itertools.combinations(pairs, 2):
         if abs(a.mean - b.mean) > 1.96 * math.hypot(a.sd / math.sqrt(a.n), b.sd / math.sqrt(b.n)):
             apart += 1
             right += (a.mean < b.mean) == (x.mean < y.mean)
-    print(f"- pairs of programs that differ significantly: {apart}; in order: {right}")
+    print(f"\nThe rank correlation of the means is {correlation(ranks([a for a, _ in means]), ranks([b for _, b in means])):.3f}. "
+          f"{apart} pairs of programs differ significantly, and the rate model orders {right} of them correctly.")
 
 
 def main():

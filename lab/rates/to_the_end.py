@@ -40,7 +40,7 @@ def main():
     runs = sys.argv[3] if len(sys.argv) > 3 else "16"
     folder.mkdir(parents=True, exist_ok=True)
     rates = folder / "weak.rates"
-    print("| program | `rigid`, ticks | by rates | mean |\n|---|--:|--:|--:|")
+    print("| program | `rigid`, ticks | rate model | mean |\n|---|--:|--:|--:|")
     errors = []
     for place, source in enumerate(PROGRAMS):
         name = source.stem
@@ -56,7 +56,7 @@ def main():
         errors.append(expected / mean - 1)
         print(f"| {name} | {mean:.0f} ± {1.96 * sd / math.sqrt(len(physics)):.0f} | {expected:.0f} | {100 * errors[-1]:+.1f} % |", flush=True)
     sizes = [abs(error) for error in errors]
-    print(f"- mean: off by {100 * sum(sizes) / len(sizes):.1f} % on average, {100 * max(sizes):.1f} % at most, {100 * sum(errors) / len(errors):+.1f} % in the mean")
+    print(f"\nThe error of the mean is {100 * sum(sizes) / len(sizes):.1f} % on average and {100 * max(sizes):.1f} % at most.")
 
 
 main()
