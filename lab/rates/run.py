@@ -16,7 +16,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 SCENES = {
     "half": ("half as many blocks", "free 150 uniform"),
     "double": ("twice as many blocks", "free 600 uniform"),
-    "calm": ("kicks of three quarters", "agitation kicks { speed 0 .. 0.6 m/s }"),
+    "calm": ("random impulses of three quarters", "agitation kicks { speed 0 .. 0.6 m/s }"),
     "weak": ("a pull of two thirds", "bond attract { pull 12 N within 20cm  align 0.803 N within 10cm  anchor centres 1mm tilt 26 deg }"),
     "small": ("a radius of 4 m", "enclosure hemisphere { radius 4m  wall 250 N/m }"),
 }
