@@ -10,7 +10,7 @@ use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::ItemKind;
 
-/// Number of bytes of lookahead.
+/// Largest number of bytes that are searched for the next piece.
 const AHEAD: usize = 1 << 12;
 
 impl Parser<'_, '_> {
@@ -74,8 +74,8 @@ impl Parser<'_, '_> {
             .is_some_and(|next| holds(head, next))
     }
 
-    /// Returns whether a `}` that ends at `end` is an extra brace. This is so if the next piece can
-    /// be in the innermost block but not in the block around it.
+    /// Returns whether a `}` that ends at `end` is an extra brace. It is one if the next piece fits
+    /// into the innermost block, but not into the block around it.
     pub fn goes_on(&mut self, end: usize) -> bool {
         let Some(outer) = self.frames.len().checked_sub(1) else {
             return false;
@@ -115,8 +115,8 @@ impl Parser<'_, '_> {
         pairs.next().map(|piece| piece.as_rule())
     }
 
-    /// Returns the head of the innermost of the first `depth` blocks that is not a loop. Returns
-    /// `None` for the file.
+    /// Returns the rule of the head of the innermost block that is not a loop, among the first
+    /// `depth` blocks. Returns `None` if there is no such block.
     fn holder(&self, depth: usize) -> Option<Rule> {
         (self.frames[..depth].iter().rev())
             .map(head)

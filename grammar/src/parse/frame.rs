@@ -74,7 +74,7 @@ impl Parser<'_, '_> {
                     shape.layers.push(layer);
                 }
             }
-            // A broken block around it makes these words doubtful as well.
+            // This block is in a broken block, so its words are doubtful as well.
             OpenBlockContent::Broken(_) => {
                 let outer = self.frames.last().map(|frame| &frame.content);
                 if !matches!(outer, Some(OpenBlockContent::Broken(_))) {

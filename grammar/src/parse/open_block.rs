@@ -12,7 +12,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// Returns the rule for a sequence of pieces.
+    /// Returns the rule for a sequence of pieces in this mode.
     pub const fn run(self) -> Rule {
         match self {
             Mode::Block => Rule::pieces,
@@ -21,7 +21,7 @@ impl Mode {
         }
     }
 
-    /// Returns the rule for one piece.
+    /// Returns the rule for one piece in this mode.
     pub const fn single(self) -> Rule {
         match self {
             Mode::Block => Rule::any_piece,
@@ -47,7 +47,7 @@ pub struct OpenBlock {
     pub opened: Span,
     /// Items read so far.
     pub body: Vec<Item>,
-    /// Start of the block without its documentation.
+    /// Position of the block's first byte, after its documentation.
     pub start: u32,
 }
 

@@ -9,7 +9,8 @@ use crate::Span;
 #[derive(Debug, Default)]
 pub(crate) struct Record {
     pub tokens: Vec<Token>,
-    /// For every statement, head of a block, closing brace and so on: its rule, and its first token.
+    /// Rule and first token of each piece, such as a statement, the head of a block or a closing
+    /// brace.
     pub pieces: Vec<(Rule, u32)>,
 }
 

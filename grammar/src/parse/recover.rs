@@ -100,8 +100,8 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Reports an `after` at a statement that cannot wait or already has one. Returns whether there
-    /// is one.
+    /// Reports an `after` at a statement that cannot wait or already has one. Returns whether it
+    /// reported one.
     fn waits_in_vain(&mut self, at: usize) -> bool {
         let after = words::found(self.text, at);
         let Some(last) = self.frames.last().and_then(|frame| frame.body.last()) else {
@@ -159,7 +159,7 @@ impl Parser<'_, '_> {
         (at, false)
     }
 
-    /// Returns the block that these first words of its head suggest.
+    /// Returns the kind of block that the first words of an unreadable head suggest.
     fn broken_head(&mut self, start: usize, end: usize) -> OpenBlockContent {
         let head = &self.text[start..end];
         let mut words = head

@@ -82,7 +82,8 @@ impl Parser<'_, '_> {
         self.open(OpenBlockContent::Layer(layer), span);
     }
 
-    /// Reports a unit such as `N/m` without a number. The unexpected character is at `at`.
+    /// Reports a unit such as `N/m` without a number. The unexpected character is at `at`. Returns
+    /// whether there is such a unit.
     pub fn lone_unit(&mut self, at: usize) -> bool {
         let content = self.frames.last_mut().map(|frame| &mut frame.content);
         let Some(OpenBlockContent::Scene(_, terms) | OpenBlockContent::SceneBlock(terms)) = content

@@ -4,7 +4,7 @@ use pest::iterators::Pair;
 use super::grammar::Rule;
 use crate::Span;
 
-/// Returns the end of the last word, excluding space and comments before an absent optional part.
+/// Returns the end of the last word. Excludes space and comments before an absent optional part.
 pub(super) fn end_of(pair: &Pair<'_, Rule>, base: usize) -> u32 {
     let mut last = pair.clone();
     while let Some(inner) = last.clone().into_inner().next_back() {

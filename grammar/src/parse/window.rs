@@ -21,7 +21,7 @@ pub enum Read<'t> {
 pub struct Unreadable {
     /// Position in the source where one of `expected` is valid.
     pub at: usize,
-    /// Rules that were tried there.
+    /// Rules that were tried at this position.
     pub expected: Vec<Rule>,
     /// Cause of the error.
     pub cause: Cause,
@@ -137,7 +137,8 @@ fn explain(window: &str, base: usize, mode: Mode) -> Unreadable {
     }
 }
 
-/// Returns the error of an index or `after` that follows a complete statement.
+/// Returns a more precise error if an index or `after` follows a complete statement. Returns all
+/// other errors unchanged.
 pub fn sharpen(text: &str, base: usize, error: Unreadable) -> Unreadable {
     const MAX: usize = 1 << 12;
     let window = &text[base..cut(text, base.saturating_add(MAX))];
