@@ -15,7 +15,7 @@ pub struct EventId(pub u32);
 pub struct EventGraph {
     /// Events. Each phase owns a contiguous range.
     pub events: Vec<GraphEvent>,
-    /// Longest serial chain of each phase: captures that must follow one another, with the releases
+    /// Critical path of each phase: captures that must follow one another, with the releases
     /// between them. A pre-attached phase has none.
     pub chains: Vec<Vec<EventId>>,
     /// Edges, sorted by the waiting event.
@@ -30,7 +30,7 @@ pub struct GraphEvent {
     /// Action of the event.
     #[serde(flatten)]
     pub action: EventAction,
-    /// Cell of the block.
+    /// Cell of the block. `None` if it is unknown.
     pub cell: Option<Cell>,
 }
 
@@ -80,7 +80,7 @@ pub enum Dependency {
     Face {
         /// Number of the block's captures that must be complete.
         needed: u8,
-        /// Number of candidate events.
+        /// Number of edges of this kind to the capture.
         of: u8,
     },
     /// The program states `after`.
@@ -99,7 +99,7 @@ impl Dependency {
         matches!(self, Dependency::Face { needed, of } if needed < of)
     }
 
-    /// Returns the reason in text forms.
+    /// Returns the word for this kind of dependency in text and JSON.
     pub fn word(self) -> &'static str {
         match self {
             Dependency::Anchored => "anchored",
@@ -141,7 +141,7 @@ impl EventAction {
         matches!(self, EventAction::Capture { .. })
     }
 
-    /// Returns the event as content of messages.
+    /// Returns the event as the content of a message.
     pub fn news(self) -> News {
         match self {
             EventAction::Capture { child, .. } => News::Anchored(child),

@@ -13,8 +13,8 @@ pub struct RunRecord {
     pub outcome: Outcome,
     /// Duration of the run \[ticks\].
     pub ticks: u64,
-    /// Duration of each completed phase \[ticks\]; 0 for a pre-attached one. For an aggregate, the
-    /// times to the first bond and then from each size to the next.
+    /// Duration of each completed phase \[ticks\]. 0 for a pre-attached phase. For an aggregate,
+    /// the time to the first bond, then the time from each size to the next.
     pub phase_ticks: Vec<u64>,
     /// Number of distinct blocks captured. For an aggregate, the size of the largest group.
     pub blocks_used: u32,
@@ -26,7 +26,7 @@ pub struct RunRecord {
     pub unplanned: u64,
     /// Captures in order.
     pub bonds: Vec<BondRecord>,
-    /// Faces that were open at the end, by the start of their waiting times. These times are
+    /// Faces that were open at the end, sorted by the start of their waiting times. These times are
     /// right-censored.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub waiting: Vec<WaitRecord>,
@@ -98,8 +98,8 @@ pub enum Limit {
 }
 
 impl Limit {
-    /// Returns the limit that stops a run at this tick. `is_late` is whether its phase has timed
-    /// out.
+    /// Returns the limit that stops a run at this tick. `is_late` states whether the phase has
+    /// timed out. Returns `None` if the run continues.
     pub fn reached(is_late: bool, tick: u64, max_ticks: Option<u64>) -> Option<Limit> {
         if is_late {
             return Some(Limit::Timeout);
@@ -201,7 +201,7 @@ pub enum Origin {
     },
 }
 
-/// Form with a tag, for self-describing formats.
+/// Serialized form with a tag, for formats such as JSON.
 #[derive(Serialize)]
 #[serde(remote = "Origin", rename_all = "snake_case", tag = "kind")]
 enum NamedOrigin {
@@ -209,7 +209,8 @@ enum NamedOrigin {
     Released { role: RoleId, tick: u64 },
 }
 
-/// Form for reading by fields: a tagged form would have to buffer the other fields.
+/// Serialized form that is read field by field. A form with a tag would have to buffer the other
+/// fields.
 #[derive(Deserialize)]
 struct OriginFields {
     kind: OriginKind,

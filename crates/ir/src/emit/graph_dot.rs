@@ -6,7 +6,7 @@ use super::graph_text::label;
 use crate::graph::{Dependency, EventAction, EventGraph};
 use crate::table::{PhaseId, Tables};
 
-/// Returns the graph in DOT: a box for each phase, with its longest chain in bold.
+/// Returns the graph in DOT: a box for each phase, with its critical path in bold.
 pub fn graph_dot(graph: &EventGraph, tables: &Tables) -> impl Display {
     Text(move |out: &mut Formatter<'_>| write_dot(out, graph, tables))
 }

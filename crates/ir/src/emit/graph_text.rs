@@ -5,7 +5,7 @@ use super::Text;
 use crate::graph::{Dependency, EventGraph};
 use crate::table::{PhaseId, Tables};
 
-/// Returns the graph phase by phase: each event with its predecessors, then the longest chain.
+/// Returns the graph phase by phase: each event with its predecessors, then the critical path.
 pub fn graph_text(graph: &EventGraph, tables: &Tables) -> impl Display {
     Text(move |out: &mut Formatter<'_>| write_graph(out, graph, tables))
 }
@@ -52,9 +52,9 @@ pub(super) fn label(why: Dependency) -> String {
     }
 }
 
-/// Returns a chain in one line, without the middle of a long one.
+/// Returns a chain in one line. Omits the middle of a long chain.
 pub fn chain_text<T>(chain: &[T], describe: impl Fn(&T) -> String) -> String {
-    /// Number of events shown of a long chain.
+    /// Number of events that are shown of a long chain.
     const SHOWN: usize = 12;
     let describe = |events: &[T]| -> Vec<String> { events.iter().map(&describe).collect() };
     if chain.is_empty() {

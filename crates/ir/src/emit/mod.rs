@@ -13,7 +13,7 @@ pub use graph_text::{chain_text, graph_text};
 pub use table_json::table_json;
 pub use table_text::{duties_text, table_text};
 
-/// Text that is generated while it is written, without holding all of it.
+/// Text that is generated while it is written, so that it is never in memory as a whole.
 pub struct Text<F>(
     /// Function that writes the text.
     pub F,

@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 pub enum Bond {
     /// A face is switched on to capture. Distances are between the centres of two faces.
     Attract {
-        /// Pull on the centre of the nearest face of every free block within reach.
+        /// Pull of the face on every free block within reach. It acts on the centre of the block's
+        /// nearest face.
         pull: Reach,
-        /// Pull on each corner of that face towards its counterpart.
+        /// Pull on each corner of that face towards the matching corner of the open face.
         align: Option<Reach>,
         /// Condition of a capture.
         anchor: Anchor,
@@ -87,8 +88,8 @@ impl BondKind {
     }
 }
 
-/// Permanent magnets of a face: four pairs of dipoles somewhat below the surface. The pattern
-/// attracts every other face in each of the four quarter turns.
+/// Permanent magnets of a face: four pairs of dipoles slightly below the surface. With this
+/// pattern, any two faces attract each other in all four quarter turns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Magnets {
     /// Force between two touching faces \[N\]. A larger load separates them.
@@ -108,8 +109,8 @@ pub struct Pump {
     pub supply: f64,
     /// Resistance of an open face \[Pa s/m^3\].
     pub valve: f64,
-    /// Resistance from a block's chamber through a joint to that of its parent, or of the plate
-    /// \[Pa s/m^3\].
+    /// Resistance of the joint between the chambers of a block and its parent, or the plate \[Pa
+    /// s/m^3\].
     pub passage: f64,
 }
 
@@ -125,11 +126,11 @@ pub struct Reach {
 /// Condition of a capture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Anchor {
-    /// Kind of distance.
+    /// Kind of distance that [`within`](Anchor::within) limits.
     pub measure: Measure,
-    /// Largest distance \[m\].
+    /// Largest distance of a capture \[m\].
     pub within: f64,
-    /// Largest angle of the two normals from opposite \[rad\].
+    /// Largest angle between the two normals, measured from opposite directions \[rad\].
     pub tilt: f64,
     /// Whether bonding is tested only at the end of each tick, instead of along the path of every
     /// step.

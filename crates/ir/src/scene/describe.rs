@@ -31,7 +31,7 @@ pub struct DescribedLaw {
 /// Value of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DescribedValue {
-    /// Symbol in equations. Empty if it occurs in none.
+    /// Symbol in equations. Empty if no equation contains the value.
     pub symbol: &'static str,
     /// Name of the value.
     pub name: &'static str,
@@ -50,7 +50,7 @@ pub struct DescribedValue {
 pub struct AbsentTerm {
     /// Clause that would add the term.
     pub clause: String,
-    /// Consequence, as a clause.
+    /// Consequence of the missing term, as a clause.
     pub meaning: &'static str,
 }
 

@@ -10,7 +10,7 @@ pub struct Fluid {
     /// Dynamic viscosity \[Pa s\], for linear drag.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<f64>,
-    /// Added mass over displaced mass. Needs a density.
+    /// Ratio of added mass to displaced mass. Needs a density.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub added_mass: Option<f64>,
 }
@@ -38,20 +38,20 @@ impl Fluid {
         6.0 * std::f64::consts::PI * viscosity * CUBE * side
     }
 
-    /// Returns Stokes' friction coefficient of a rotating cube \[N m s\]: that of a sphere of equal
-    /// volume, 8 pi eta r^3.
+    /// Returns Stokes' friction coefficient of a rotating cube \[N m s\]. It equals that of a
+    /// sphere with the same volume, 8 pi eta r^3.
     pub fn turning_friction(viscosity: f64, side: f64) -> f64 {
         6.0 * viscosity * side.powi(3)
     }
 
-    /// Returns the wake drag of a cube over its squared speed \[N s^2/m^2\], for a drag coefficient
-    /// of 1.
+    /// Returns the wake drag of a cube, divided by its squared speed \[N s^2/m^2\], for a drag
+    /// coefficient of 1.
     pub fn wake(density: f64, side: f64) -> f64 {
         density * side * side / 2.0
     }
 
-    /// Returns the drag torque of a rotating cube over its squared spin \[N m s^2\]: rho r^5 for a
-    /// half-side r, as in MuJoCo.
+    /// Returns the drag torque of a rotating cube, divided by its squared spin \[N m s^2\]: rho r^5
+    /// for a half-side r, as in MuJoCo.
     pub fn turning_wake(density: f64, side: f64) -> f64 {
         density * (side / 2.0).powi(5)
     }
@@ -77,7 +77,7 @@ pub struct Stir {
     /// Tangential force on the ring \[N\], to compute its power only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<f64>,
-    /// Speed of the fluid at the ring relative to the ring, 0 to 1.
+    /// Ratio of the fluid's speed at the ring to the speed of the ring, from 0 to 1.
     pub follow: f64,
 }
 
@@ -148,10 +148,10 @@ pub struct Turbulence {
     pub strength: Strength,
     /// Size of an eddy \[m\]: half of the wavelength.
     pub length: f64,
-    /// Correlation time of an eddy \[s\]. Default: the time to move by its size.
+    /// Correlation time of an eddy \[s\]. `None` for the size of the eddy divided by its speed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
-    /// Vertical rms velocity over the horizontal one. 1 is isotropic.
+    /// Ratio of the vertical to the horizontal rms velocity. 1 is isotropic.
     pub vertical: f64,
 }
 
@@ -161,7 +161,8 @@ pub struct Turbulence {
 pub enum Strength {
     /// Rms velocity in each horizontal direction \[m/s\].
     Speed(f64),
-    /// Rms velocity relative to the driving speed of the mean flow; see [`Flow::speed`].
+    /// Ratio of the rms velocity in each horizontal direction to the driving speed of the mean flow
+    /// ([`Flow::speed`]).
     Intensity(f64),
 }
 

@@ -77,20 +77,20 @@ impl Dimension {
     }
 }
 
-/// Largest number of digits of a value that was probably written in a unit.
+/// Largest number of digits of a value that its author probably wrote in this unit.
 const CHOSEN: usize = 8;
 
 /// Relative error allowed for a conversion between units.
 const ROUNDING: f64 = 1e-15;
 
 impl QuantityKind {
-    /// Returns the units that its values are written in.
+    /// Returns the units for values of this kind.
     pub(super) fn units(&self) -> impl Iterator<Item = &'static str> + Clone + use<> {
         self.preferred.iter().copied().chain([self.si])
     }
 
-    /// Returns a value in SI units with the unit that makes it short. It reads back within the
-    /// rounding error of the unit conversion.
+    /// Writes a value in SI units as source text, in the unit that makes it short. Reading the text
+    /// gives the value within the rounding error of the conversion.
     pub fn write(&self, value: f64) -> String {
         let chosen = |rounding: f64| {
             let preferred = self.preferred.iter().find_map(|&unit| {
@@ -112,8 +112,8 @@ fn text(number: f64, unit: &str) -> String {
     format!("{number} {unit}").trim_end().to_owned()
 }
 
-/// Returns the shortest number, of up to [`CHOSEN`] digits, that equals `value` in a unit within a
-/// relative error.
+/// Returns the shortest number with up to [`CHOSEN`] digits that equals `value` in a unit within a
+/// relative error. Returns `None` if there is none.
 fn shortest(value: f64, unit: &str, rounding: f64) -> Option<f64> {
     let in_si = |value: f64| to_si(value, factors(unit)).0;
     let about = value / in_si(1.0);
@@ -137,7 +137,7 @@ fn factors(unit: &str) -> impl Iterator<Item = (&str, i8)> {
 mod tests {
     use super::*;
 
-    /// Values in any unit of the kind are read back within rounding, with few digits.
+    /// Checks that values in any unit of a kind are read back within rounding, with few digits.
     #[test]
     fn a_short_number_in_any_unit_is_written_as_a_short_number() {
         let kinds: [(QuantityKind, &[&str]); 12] = [

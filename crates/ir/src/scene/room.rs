@@ -9,7 +9,7 @@ use crate::table::plate::Plate;
 /// Smallest distance of a centre from the ground and from the shell \[block lengths\].
 pub const MARGIN: f64 = 1.0;
 
-/// Smallest spacing of the lattice \[block lengths\], so that blocks do not touch.
+/// Smallest spacing of the initial lattice \[block lengths\], so that blocks do not touch.
 pub const MIN_SPACING: f64 = 1.1;
 
 /// Reason why the free blocks cannot be placed.
@@ -56,15 +56,15 @@ impl fmt::Display for NoRoom {
 /// Region available to the centres of free blocks, above the centre of the plate.
 #[derive(Clone, Copy, Debug)]
 pub struct Interior {
-    /// Largest distance of a block from its centre without a force \[block lengths\].
+    /// Radius of the region \[block lengths\]. The shell exerts no force on block centres inside.
     pub radius: f64,
-    /// Height of its centre above the ground \[block lengths\].
+    /// Height of the region's centre above the ground \[block lengths\].
     pub height: f64,
 }
 
 impl Interior {
-    /// Returns the height of rings and jets \[block lengths\]: that of a sphere's centre, or half
-    /// of a hemisphere's.
+    /// Returns the height of rings and jets \[block lengths\]: the centre of a sphere, or half the
+    /// height of a hemisphere.
     pub fn halfway(&self) -> f64 {
         if self.height > 0.0 {
             self.height
@@ -73,8 +73,8 @@ impl Interior {
         }
     }
 
-    /// Returns the sites of a cubic lattice with this spacing in the region \[block lengths\],
-    /// symmetric about the vertical axis, in the order of z, y, x.
+    /// Returns the lattice sites in the region \[block lengths\], in the order of z, y, x. The
+    /// lattice is cubic with this spacing, and symmetric about the vertical axis.
     pub fn lattice(&self, spacing: f64) -> impl Iterator<Item = [f64; 3]> + use<> {
         let Interior { radius, height } = *self;
         let (radius, low) = (radius - MARGIN, MARGIN - height);

@@ -6,8 +6,8 @@ pub use super::scalar_error::ScalarError;
 use super::schema::{self, CLAUSES, SchemaNumber};
 use stochc_text::suggest::nearest;
 
-/// Returns every parameter of any scene once, in the order of the language reference. One of
-/// several with equal names represents all.
+/// Returns every parameter of any scene, in the order of the language reference. Parameters that
+/// several kinds share are returned once.
 pub fn all() -> impl Iterator<Item = &'static SchemaNumber> {
     let all: Vec<_> = CLAUSES.iter().flat_map(schema::numbers).collect();
     // Parameters shared by several kinds of a clause come after their own.
@@ -32,7 +32,7 @@ pub fn scalars(scene: &Scene) -> impl Iterator<Item = &'static SchemaNumber> {
 ///
 /// # Errors
 ///
-/// If no scene, or not this one, has it.
+/// If the name is unknown, or the scene does not have the parameter.
 pub fn find(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, ScalarError> {
     if let Some(found) = scalars(scene).find(|number| number.names.contains(&name)) {
         return Ok(found);

@@ -6,9 +6,9 @@ use super::{Bond, Scene};
 /// `1/8` is one step for blocks away from magnetized faces and eight for those near them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Substeps {
-    /// Steps of blocks near magnetized faces.
+    /// Number of steps per tick of blocks near magnetized faces.
     pub near: u32,
-    /// Steps of all other blocks. `None` if equal to `near`.
+    /// Number of steps per tick of all other blocks. `None` if equal to `near`.
     pub away: Option<u32>,
 }
 
@@ -22,12 +22,12 @@ impl Substeps {
         away: Some(2),
     };
 
-    /// Returns the steps per tick of the blocks with the longest steps.
+    /// Returns the number of steps per tick of the blocks with the longest steps.
     pub fn longest(self) -> u32 {
         self.away.unwrap_or(self.near)
     }
 
-    /// Returns the steps that blocks of a scene take with the model `rigid`.
+    /// Returns the steps that the model `rigid` takes in a scene.
     ///
     /// Steps of two lengths require that no fluid carries blocks and that free blocks do not
     /// attract each other.
@@ -40,8 +40,8 @@ impl Substeps {
         }
     }
 
-    /// Returns whether the numbers are valid: at least 1, at most [`Substeps::MAX`], and an integer
-    /// number of short steps per long one.
+    /// Returns whether both numbers are from 1 to [`Substeps::MAX`], and a long step contains an
+    /// integer number of short ones.
     pub fn are_sound(self) -> bool {
         (1..=Substeps::MAX).contains(&self.near)
             && (self.away).is_none_or(|away| away > 0 && self.near.is_multiple_of(away))

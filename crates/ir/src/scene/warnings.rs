@@ -17,7 +17,7 @@ pub struct SceneWarning {
     pub symbol: &'static str,
     /// Dimensionless number and its limit.
     pub figure: String,
-    /// Consequence, as a clause.
+    /// Effect of the problem on runs, as a clause.
     pub effect: String,
     /// Remedy for the problem.
     pub remedy: String,
@@ -33,11 +33,12 @@ pub struct Stepping {
 }
 
 impl Stepping {
-    /// Smallest rotations per step that single precision, and Rapier, resolve \[rad\].
+    /// Smallest rotation per step that single precision resolves \[rad\].
     ///
-    /// docs/validation/stability.md measures both.
+    /// docs/validation/stability.md measures this limit and [`Stepping::RAPIER`].
     pub const SINGLE: f64 = 2.5e-7;
-    /// Limit for the model `rapier`. See [`Stepping::SINGLE`].
+    /// Smallest rotation per step that the model `rapier` resolves \[rad\]. See
+    /// [`Stepping::SINGLE`].
     pub const RAPIER: f64 = 2.5e-6;
 
     /// Time step of a run without options.
@@ -194,7 +195,7 @@ fn coarse(
     }
 }
 
-/// Returns the consequence of a drag of `taken` per step.
+/// Describes the error of displacements if `taken` is the drag rate times the step.
 ///
 /// Drag acts before a block moves, so its displacement is x e^-x / (1 - e^-x) of the correct one.
 fn slowed(taken: f64) -> String {

@@ -37,7 +37,7 @@ pub struct Scene {
     pub drag: Option<Drag>,
     /// Contact between blocks and with the ground. `None` lets them pass through each other.
     pub contact: Option<Contact>,
-    /// Capture by a magnetized face.
+    /// Capture and bonding of free blocks. `None` captures no blocks.
     pub bond: Option<Bond>,
     /// Message parameters. `None` delivers a message in the tick of its sending.
     pub messages: Option<Messages>,
@@ -93,7 +93,7 @@ pub enum Enclosure {
     Hemisphere {
         /// Radius of the shell \[m\].
         radius: f64,
-        /// Inward force per depth on the centre of a block outside the shell \[N/m\].
+        /// Inward force on the centre of a block outside the shell, per depth \[N/m\].
         wall: f64,
     },
     /// Sphere, cut off by the ground so that the cut circumscribes the plate. Without a plate it
@@ -101,7 +101,7 @@ pub enum Enclosure {
     Sphere {
         /// Radius of the shell \[m\].
         radius: f64,
-        /// Inward force per depth on a block whose inscribed sphere extends beyond the shell
+        /// Inward force on a block whose inscribed sphere extends beyond the shell, per depth
         /// \[N/m\].
         wall: f64,
     },
@@ -114,8 +114,7 @@ impl Enclosure {
         radius
     }
 
-    /// Returns the largest distance of a block's centre from the shell's centre without a force
-    /// \[m\].
+    /// Returns the radius of the region where the shell exerts no force on a block's centre \[m\].
     pub fn reach(&self, side: f64) -> f64 {
         match *self {
             Enclosure::Hemisphere { radius, .. } => radius,
@@ -182,7 +181,7 @@ pub enum ContactLaw {
 pub struct Messages {
     /// Time of a hop between parent and child \[ticks\].
     pub hop: u32,
-    /// Probability of loss of a hop, and of its acknowledgement. `None` if nothing is lost.
+    /// Probability that a hop or its acknowledgement is lost. `None` if messages are never lost.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub loss: Option<f64>,
 }

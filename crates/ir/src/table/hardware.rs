@@ -11,7 +11,7 @@ impl BondKind {
     /// Returns the number of faces of a block that can capture at the same time. `faces` is the
     /// number that it can magnetize.
     ///
-    /// There is no limit if every face always attracts, since nothing is switched.
+    /// There is no limit if every face always attracts, because faces are not switched.
     pub const fn faces(self, faces: u8) -> u8 {
         match self {
             BondKind::Attract | BondKind::Suction => faces,

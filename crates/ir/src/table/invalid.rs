@@ -45,7 +45,7 @@ pub enum InvalidTables {
     /// Duties are not sorted.
     #[error("the duties are not sorted, or one comes twice")]
     DutyOrder,
-    /// A phase does not expect the reports of its blocks.
+    /// The number of reports that a phase expects differs from the number that its blocks make.
     #[error("`tables.phases[{phase}].reports` is {expected}, and its blocks make {made}")]
     Reports {
         /// Index of the phase.
@@ -58,10 +58,10 @@ pub enum InvalidTables {
     /// A timeout is zero.
     #[error("`tables.phases[{0}].timeout` is 0: it is at least 1, or null")]
     Timeout(usize),
-    /// There is no such phase.
+    /// A phase with this index does not exist.
     #[error("there is no phase {0}")]
     UnknownPhase(u32),
-    /// There is no such role.
+    /// A role with this index does not exist.
     #[error("there is no role {}", .0.0)]
     UnknownRole(RoleId),
     /// A block is captured in the role of a seed.

@@ -11,13 +11,13 @@ pub struct RoleId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct PhaseId(pub u32);
 
-/// Start of a duty.
+/// Event that starts a duty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Trigger {
-    /// At the start of the phase, for a block anchored then.
+    /// The start of the phase, for a block that is anchored then.
     Start,
-    /// At its own capture, for a block captured during the phase.
+    /// The block's own capture, for a block that is captured during the phase.
     Anchored,
 }
 
@@ -76,9 +76,9 @@ pub enum Action {
     },
     /// Sends news to another block of the structure, along parents and children.
     Tell {
-        /// Receiver.
+        /// Receiver of the message.
         to: RoleId,
-        /// Event.
+        /// Event to report.
         news: News,
     },
     /// Reports to the plate, along the chain of parents, that this branch of the phase is complete.

@@ -29,7 +29,7 @@ impl Serialize for Tables {
     }
 }
 
-/// Duties serialized one by one, without a second copy of all.
+/// Serializer of the duties, one by one, without a second copy of all.
 struct Duties<'a>(&'a Tables);
 
 impl Serialize for Duties<'_> {

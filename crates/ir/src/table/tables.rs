@@ -53,7 +53,7 @@ pub struct Phase {
     pub planted: bool,
 }
 
-/// Name of the program.
+/// A role: a name in the program that blocks take.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Role {
     /// Name as in the program, such as `E`, `T[2]` or `a.T[2]`.
@@ -62,14 +62,14 @@ pub struct Role {
     pub seed: Option<Cell>,
 }
 
-/// Rules of a role in one phase.
+/// Rules of a role in one phase, for one trigger.
 #[derive(Clone, Copy, Debug)]
 pub struct Duty<'a> {
-    /// Role.
+    /// Role that has the duty.
     pub role: RoleId,
-    /// Phase.
+    /// Phase of the duty.
     pub phase: PhaseId,
-    /// Start.
+    /// Event that starts the duty.
     pub trigger: Trigger,
     pub(super) tables: &'a Tables,
     rules: RuleRange,
@@ -95,13 +95,13 @@ struct DutyRow {
     pub role: RoleId,
     pub phase: PhaseId,
     pub trigger: Trigger,
-    /// Start of its rules, which end at those of the next duty.
+    /// Index of the first rule. The rules end at the first rule of the next duty.
     pub rules: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct RuleRow {
-    /// Start of its conditions, which end at those of the next rule.
+    /// Index of the first condition. The conditions end at the first condition of the next rule.
     pub when: u32,
     pub then: Action,
 }
@@ -114,18 +114,19 @@ impl<'a> Duty<'a> {
         (0..rules.count() as usize).map(move |place| tables.rule(rules, place))
     }
 
-    /// Returns the range of its rules.
+    /// Returns the range of the duty's rules.
     #[inline]
     pub fn range(&self) -> RuleRange {
         self.rules
     }
 
-    /// Returns the roles that the rules before this index assign.
+    /// Returns the roles that earlier rules of the duty assign. `place` is the index of a rule.
     pub fn given_before(&self, place: usize) -> impl Iterator<Item = RoleId> + use<'a> {
         self.tables.given_before(self.rules, place)
     }
 
-    /// Calls [`Tables::is_true`] for one of its rules.
+    /// Returns whether a condition of the rule at `place` holds for a block with the observations
+    /// `has`.
     pub fn is_true(&self, place: usize, when: Condition, has: impl Fn(Condition) -> bool) -> bool {
         self.tables.is_true(self.rules, place, when, has)
     }
@@ -159,7 +160,7 @@ impl Tables {
 
     /// Assembles tables from loose duties, for tools and tests.
     ///
-    /// `duties` may be in any order; empty lists of rules are dropped. The bond is the default one
+    /// `duties` may be in any order. Duties without rules are dropped. The bond is the default one
     /// and can be changed through [`Tables::bond`].
     pub fn assemble(
         assembly: impl Into<String>,

@@ -108,7 +108,7 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
     out
 }
 
-/// Effect of a force over a step.
+/// Conversion of a force to a displacement in one step.
 #[derive(Clone, Copy)]
 struct Push {
     /// Fraction of a velocity that viscous drag removes per tick.
@@ -133,13 +133,13 @@ impl Push {
         speed::mean_left(self.drag / steps)
     }
 
-    /// Returns the symbol with or without drag.
+    /// Returns one of two symbols: `free` without drag, `slowed` with drag.
     fn symbol(self, [free, slowed]: [&'static str; 2]) -> &'static str {
         if self.drag > 0.0 { slowed } else { free }
     }
 
-    /// Returns the number of a force \[block lengths / tick^2\] and a capture distance \[block
-    /// lengths\].
+    /// Returns the dimensionless number of a force \[block lengths / tick^2\] and a capture
+    /// distance \[block lengths\].
     fn anchoring(self, force: f64, within: f64) -> DimensionlessGroup {
         let value = force / within;
         DimensionlessGroup::new(
@@ -157,7 +157,7 @@ impl Push {
         .of_faces()
     }
 
-    /// Returns the number of a spring \[1 / tick^2\].
+    /// Returns the dimensionless number of a spring \[1 / tick^2\].
     fn spring(
         self,
         symbols: [&'static str; 2],
@@ -217,7 +217,7 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
     }
 }
 
-/// Range of Stokes' drag alone: at 10, a cube's drag is twice that.
+/// Largest Reynolds number for Stokes' drag alone. At 10, a cube's drag is twice as large.
 ///
 /// # Source
 ///
@@ -232,8 +232,8 @@ const STOKES: ExpectedRange = ExpectedRange {
 /// Symbol of the fraction of a speed that `drag` removes per tick.
 pub(crate) const DRAG_SYMBOL: &str = "γ τ";
 
-/// Limit of the fraction that drag removes per step. Forces act before drag, so terminal speeds
-/// lack half of it.
+/// Largest fraction of a speed that drag may remove per step. Forces act before drag, so terminal
+/// speeds are too small by half of it.
 const DRAG: f64 = 0.2;
 
 /// Limit for springs: the phase √(k/m) τ per step is below half a radian. With strong drag, a step

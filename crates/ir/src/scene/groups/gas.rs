@@ -9,23 +9,24 @@ use super::BlockUnits;
 /// Mean surface area of the excluded volume of two cubes with random orientations \[block
 /// lengths^2\].
 ///
-/// It is twice the area of the parallelograms of all pairs of their six edges. The edges of one
-/// cube make 6, and nine pairs of different cubes 2 π/4 each, the mean of a sine.
+/// It is twice the area of the parallelograms of all pairs of the six edge directions. The pairs of
+/// edges of the same cube contribute 6. Each of the nine other pairs contributes the mean of a
+/// sine, π/4.
 const MEETING_SURFACE: f64 = 12.0 + 4.5 * PI;
 
 /// Gas of a scene's free blocks, before any capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gas {
-    /// Blocks per volume of the enclosure \[1 / block length^3\]. Also the volume fraction, as a
-    /// block has volume 1.
+    /// Number of blocks per volume of the enclosure \[1 / block length^3\]. Equal to the volume
+    /// fraction, because a block has volume 1.
     pub density: f64,
-    /// Floor area over volume \[1 / block length\].
+    /// Floor area divided by volume \[1 / block length\].
     floor: f64,
 }
 
 impl Gas {
-    /// Returns the gas, or `None` without free blocks or enclosure. Neglects the part that the
-    /// plate cuts off a sphere.
+    /// Returns the gas, or `None` without free blocks or enclosure. Neglects the part of a sphere
+    /// that the plate cuts off.
     pub fn from_scene(scene: &Scene) -> Option<Gas> {
         let enclosure = scene.enclosure.as_ref()?;
         if scene.free.count == 0 {
@@ -47,14 +48,14 @@ impl Gas {
         1.0 / (2f64.sqrt() * self.density * MEETING_SURFACE / 4.0)
     }
 
-    /// Returns the collisions of a block with others per tick, at an rms speed \[block lengths /
-    /// tick\].
+    /// Returns the number of collisions of a block with other blocks per tick. `rms` is the rms
+    /// speed \[block lengths / tick\].
     pub fn meetings(&self, rms: f64) -> f64 {
         mean(rms) / self.free_path()
     }
 
-    /// Returns the collisions of a block with the floor per tick, at an rms speed \[block lengths /
-    /// tick\]: n v / 4 per area.
+    /// Returns the number of collisions of a block with the floor per tick: n v / 4 per area. `rms`
+    /// is the rms speed \[block lengths / tick\].
     pub fn landings(&self, rms: f64) -> f64 {
         mean(rms) / 4.0 * self.floor
     }

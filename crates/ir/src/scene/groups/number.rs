@@ -9,7 +9,7 @@ use crate::scene::warning_kind::SceneWarningKind;
 pub struct DimensionlessGroup {
     /// Definition of the number in the symbols of the terms.
     pub symbol: &'static str,
-    /// Meaning.
+    /// Meaning of the number.
     pub meaning: &'static str,
     /// Value with one step per tick.
     pub value: f64,
@@ -24,22 +24,22 @@ pub struct DimensionlessGroup {
 /// Largest value that the time step resolves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ResolutionLimit {
-    /// Approximate value with one step per tick.
+    /// Approximate limit with one step per tick.
     pub most: f64,
     /// Smallest number of substeps within the limit. `None` if there is none.
     pub substeps: Option<u32>,
-    /// Consequence beyond it, as a clause.
+    /// Consequence of exceeding the limit, as a clause.
     pub beyond: &'static str,
 }
 
 /// Largest value for a working scene, at any time step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ExpectedRange {
-    /// Approximate value.
+    /// Approximate limit.
     pub most: f64,
-    /// Consequence beyond it, as a clause.
+    /// Consequence of exceeding the limit, as a clause.
     pub beyond: &'static str,
-    /// Remedy.
+    /// Remedy for a value beyond the limit.
     pub remedy: &'static str,
     /// Kind of the warning.
     #[serde(skip)]
@@ -53,7 +53,7 @@ impl DimensionlessGroup {
         (self.limit).is_some_and(|limit| needed(limit).is_none_or(|needed| substeps < needed))
     }
 
-    /// Returns the steps per tick of the blocks concerned.
+    /// Returns the number of steps per tick of the blocks that the dimensionless number concerns.
     pub fn steps_of(&self, steps: Substeps) -> u32 {
         if self.of_faces {
             steps.near

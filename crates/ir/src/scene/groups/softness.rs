@@ -49,11 +49,11 @@ const SHELL: Words = Words {
 /// Without contacts, the shell alone supports sinking blocks.
 const FLOORLESS: &str = "give the scene a `contact`, without which there is no floor, or the enclosure a stiffer `wall`";
 
-/// Largest tolerable penetration of contacts and shell \[block lengths\].
+/// Largest acceptable penetration of contacts and shell under a steady load \[block lengths\].
 const MAX_STEADY: f64 = 0.5;
 const MAX_MOVING: f64 = 1.0;
 
-/// Adds the depths due to forces and speeds.
+/// Adds the dimensionless numbers for penetration depths by forces and speeds.
 pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
     let units = BlockUnits::from_scene(scene);
     let down = settling::down(scene);

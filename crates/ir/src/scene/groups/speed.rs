@@ -9,7 +9,7 @@ use super::{BlockUnits, Gas};
 pub struct Speed {
     /// Root mean square \[m/s\]. `None` if it grows without limit.
     pub rms: Option<f64>,
-    /// Origin of the value.
+    /// Origin of the speed.
     pub from: SpeedFrom,
 }
 
@@ -75,7 +75,7 @@ pub(super) fn left_by_drag(scene: &Scene) -> f64 {
     (-2.0 * BlockUnits::from_scene(scene).rate(rate)).exp()
 }
 
-/// Returns φ: the mean fraction of a velocity that viscous drag leaves over a step. `taken` is the
+/// Returns φ, the mean fraction of a velocity that viscous drag leaves over a step. `taken` is the
 /// drag rate times the step.
 pub(super) fn mean_left(taken: f64) -> f64 {
     if taken < 1e-8 {
@@ -119,7 +119,8 @@ pub(super) fn flow_force(scene: &Scene, away: f64) -> f64 {
     linear * speed + square * speed * speed
 }
 
-/// Returns the largest speed of the mean flow \[m/s\], for jets at a distance from their mouths.
+/// Returns the largest speed of the mean flow \[m/s\]. For jets, `away` is the distance from their
+/// mouths \[m\].
 fn flow_at(scene: &Scene, away: f64) -> f64 {
     let slowed = match &scene.flow {
         Some(Flow::Jets(jets)) => (JET * jets.nozzle / away).min(1.0),
@@ -128,14 +129,15 @@ fn flow_at(scene: &Scene, away: f64) -> f64 {
     carried(scene) * slowed
 }
 
-/// Speed on the axis of a round jet at one diameter, relative to its mouth.
+/// Decay constant of a round jet. At x diameters from the mouth, the speed on the axis falls by
+/// this constant / x.
 ///
 /// # Source
 ///
 /// S. B. Pope, Turbulent Flows (2000), section 5.1.
 const JET: f64 = 6.2;
 
-/// Returns the rms speed corresponding to the kinetic energy \[m/s\]. Velocities averaged over a
+/// Returns the rms speed that corresponds to the kinetic energy \[m/s\]. Velocities averaged over a
 /// tick are smaller.
 pub(super) fn energetic(scene: &Scene) -> Option<f64> {
     match scene.agitation {
@@ -154,8 +156,8 @@ pub(super) fn viscous(scene: &Scene) -> f64 {
     })
 }
 
-/// Returns the rms speed within the first of this number of steps per tick \[m/s\]. Returns `None`
-/// if it grows without limit.
+/// Returns the rms speed in the first step of a tick with this number of steps \[m/s\]. Returns
+/// `None` if it grows without limit.
 ///
 /// It depends on the step only in a viscous fluid, where velocities are step averages. Under strong
 /// drag, Brownian motion moves a block by √(6 D dt) per step.
@@ -198,8 +200,8 @@ fn of_fluid(scene: &Scene, steps: f64) -> Option<Speed> {
     }
 }
 
-/// Returns the rms velocity change by random impulses per tick \[block lengths / tick\]. 0 without
-/// them.
+/// Returns the rms velocity change by random impulses per tick \[block lengths / tick\]. Returns 0
+/// if the scene has no random impulses.
 pub fn kick(scene: &Scene) -> f64 {
     let Some(Agitation::Kicks { speed: (low, high) }) = scene.agitation else {
         return 0.0;
@@ -208,7 +210,7 @@ pub fn kick(scene: &Scene) -> f64 {
     rms_of_range(units.speed(low), units.speed(high))
 }
 
-/// Returns the rms of a uniform distribution.
+/// Returns the rms of a uniform distribution from `low` to `high`.
 pub(in crate::scene) fn rms_of_range(low: f64, high: f64) -> f64 {
     ((low * low + low * high + high * high) / 3.0).sqrt()
 }
@@ -277,7 +279,7 @@ fn rebound(ratio: f64) -> f64 {
     (-2.0 * ratio * angle).exp()
 }
 
-/// Returns the v that solves v^2 = v^2 left + gain - loss v^3.
+/// Returns the speed v that solves v^2 = v^2 left + gain - loss v^3.
 fn balance(gain: f64, left: f64, loss: f64) -> f64 {
     let grows = |v: f64| v * v * left + gain - v * v - loss * v.powi(3);
     // Upper bound, attained without drag.
@@ -299,7 +301,7 @@ mod tests {
 
     #[test]
     fn a_spring_throws_back_what_its_damping_leaves() {
-        // Integrated step by step until the force would become attractive.
+        // Integrates step by step until the force would become attractive.
         let solved = |ratio: f64| {
             let dt = 1e-5;
             let (mut depth, mut speed) = (0.0, 1.0);

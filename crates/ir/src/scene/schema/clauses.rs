@@ -8,7 +8,7 @@ use super::numbers::*;
 use super::{Absent, Either, FieldAlternative, FieldGroup, SchemaEntry, SchemaNumber, SchemaPart};
 use Absent::{Example, NoTerm, NoTermWhere};
 
-/// Value of a parameter that is not given yet.
+/// Value of a parameter that the source does not give yet.
 const UNSAID: f64 = f64::NAN;
 
 /// Default of a parameter, as a value and as source text.
@@ -81,7 +81,7 @@ const fn unsaid_contact(law: ContactLaw) -> Contact {
     }
 }
 
-/// Returns a field with one number, named by the last word of the number's name.
+/// Returns a field with one number. Its keyword is the last word of the number's name.
 const fn field(number: &'static SchemaNumber, part: &'static [SchemaPart]) -> SchemaEntry {
     let name = number.names[0];
     let mut start = name.len();

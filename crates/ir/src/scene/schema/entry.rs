@@ -18,8 +18,8 @@ pub struct SchemaEntry {
     pub equations: &'static [&'static Equation],
     /// Function that adds the clause to a scene, with parameters not set.
     pub make: fn(&mut Scene),
-    /// Function that returns whether a scene has the entry. `None` if this follows from its
-    /// required parameters.
+    /// Function that returns whether a scene has the entry. `None` if its required parameters
+    /// decide it.
     pub(super) is: Option<fn(&Scene) -> bool>,
 }
 
@@ -93,9 +93,9 @@ pub struct FieldAlternative {
 pub enum Absent {
     /// The entry is required.
     Needed,
-    /// The entry is required in every scene. Has an example.
+    /// The entry is required in every scene. Contains an example.
     Example(&'static str),
-    /// The entry is required. Has a specific message.
+    /// The entry is required. Contains a specific message.
     Message {
         /// Title of the diagnostic.
         title: &'static str,
@@ -108,7 +108,7 @@ pub enum Absent {
     Default(&'static str),
     /// The term does not exist, with this consequence.
     NoTerm(&'static str),
-    /// The term does not exist, with this consequence. Only mentioned for scenes that fulfil the
+    /// The term does not exist, with this consequence. Mentioned only for scenes that fulfil the
     /// condition.
     NoTermWhere(&'static str, fn(&Scene) -> bool),
 }
@@ -122,7 +122,7 @@ impl Absent {
         )
     }
 
-    /// Returns the meaning, or `None` if the keyword is required.
+    /// Returns the meaning of the absent keyword, or `None` if the keyword is required.
     pub fn meaning(self) -> Option<&'static str> {
         match self {
             Absent::Default(it) | Absent::NoTerm(it) | Absent::NoTermWhere(it, _) => Some(it),

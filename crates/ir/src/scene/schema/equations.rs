@@ -15,9 +15,9 @@ pub struct Equation {
     pub meaning: &'static str,
     /// Formula in the symbols of the values, in plain text. `None` if nothing is computed.
     pub formula: Option<&'static str>,
-    /// Symbols in the law. Scenes without the first of them do not have this law.
+    /// Symbols in the law. A scene without the first symbol does not have the law.
     pub symbols: &'static [EquationSymbol],
-    /// Condition on the scene.
+    /// Function that returns whether a scene has the law.
     pub holds: fn(&Scene) -> bool,
 }
 

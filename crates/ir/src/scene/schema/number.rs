@@ -13,7 +13,7 @@ pub struct SchemaNumber {
     pub kind: QuantityKind,
     /// Range of valid values.
     pub range: Range,
-    /// Symbol in equations. Empty if it occurs in none.
+    /// Symbol in equations. Empty if no equation contains the parameter.
     pub symbol: &'static str,
     /// Label for the value.
     pub label: &'static str,
@@ -39,7 +39,7 @@ pub enum Range {
     Whole(u32, u32),
 }
 
-/// Location of a parameter.
+/// Location of a parameter's value in a scene.
 pub(super) enum Accessor<'a> {
     Real(&'a mut f64),
     Byte(&'a mut u8),
@@ -73,8 +73,8 @@ impl<'a> From<&'a mut u32> for Accessor<'a> {
 }
 
 impl Range {
-    /// Range of magnitudes other than 0 whose products of a few factors neither overflow nor
-    /// underflow.
+    /// Allowed magnitudes of values other than 0. Products of a few such values neither overflow
+    /// nor underflow.
     const COMPUTABLE: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
     /// Returns the rule that a value in SI units violates, or `None` if it is valid.

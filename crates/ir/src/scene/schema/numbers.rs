@@ -7,7 +7,7 @@ use super::number::{Accessor, Range, SchemaNumber};
 use Accessor::{High, Low, Optional, Term};
 use Range::{Acute, AtLeast, Between, Positive, Whole};
 
-/// Location in a variant of an enum.
+/// Makes the location of a value in a variant of an enum.
 macro_rules! of {
     ($it:expr, $variant:pat => $place:expr) => {
         match $it {

@@ -56,7 +56,7 @@ pub(super) const fn prefix(sign: char, power: i32, is_common: bool) -> Prefix {
     }
 }
 
-/// Prefixes that the grammar reads, the most frequent first.
+/// Prefixes that the grammar reads, the most common first.
 pub const PREFIXES: [Prefix; 11] = [
     prefix('m', -3, true),
     prefix('k', 3, true),

@@ -61,7 +61,7 @@ pub fn converted(values: &[f64], word: &str, kinds: &[QuantityKind]) -> Option<S
     let mut foreign = FOREIGN.iter().filter(|(_, unit, ..)| fits(unit, kinds));
     let (_, unit, factor, zero) = foreign.find(|(names, ..)| names.iter().any(is_meant))?;
     let numbers = values.iter().map(|value| {
-        // Such values have fewer digits than this.
+        // Rounds to 12 digits, to remove errors of the conversion.
         let rounded = format!("{:.11e}", value * factor + zero).parse::<f64>();
         rounded.map(|number| number.to_string())
     });

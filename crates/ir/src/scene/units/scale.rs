@@ -37,7 +37,7 @@ impl Scale {
         turns: 1,
     };
 
-    /// Returns the scale with a further power of ten.
+    /// Returns this scale multiplied by a power of ten.
     pub(super) const fn tens(self, power: i32) -> Scale {
         Scale {
             tens: self.tens.saturating_add(power),
@@ -45,7 +45,7 @@ impl Scale {
         }
     }
 
-    /// Returns the product with a power of another scale.
+    /// Returns this scale multiplied by a power of another scale.
     pub(super) const fn times(self, other: Scale, power: i32) -> Scale {
         Scale {
             sixes: self.sixes.saturating_add(other.sixes.saturating_mul(power)),
@@ -54,7 +54,8 @@ impl Scale {
         }
     }
 
-    /// Returns a value in this unit in SI units. The product is the nearest double; with turns, it has one more rounding.
+    /// Converts a value in this unit to SI units. The result is the nearest double. With turns, it
+    /// is rounded once more.
     pub(super) fn apply(self, value: f64) -> f64 {
         match self.turns {
             0 => self.times_decimal(value),

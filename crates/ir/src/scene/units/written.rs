@@ -120,7 +120,8 @@ fn factors(text: &str) -> (Vec<(&str, i8)>, usize) {
     (factors, end)
 }
 
-/// Returns the factor at the start of a text, such as `mm^2`: symbol, power and length.
+/// Returns the factor at the start of a text, such as `mm^2`: symbol, power and length. Returns
+/// `None` if there is none.
 fn factor(text: &str) -> Option<(&str, i8, usize)> {
     let base = |text: &str| {
         let mut lengths = BASES.iter().filter(|(base, ..)| text.starts_with(base));
@@ -145,7 +146,8 @@ fn factor(text: &str) -> Option<(&str, i8, usize)> {
     })
 }
 
-/// Returns whether the operator between two factors divides, and its length.
+/// Returns whether the operator between two factors divides, and its length. Returns `None` if
+/// there is no operator.
 fn operator(text: &str) -> Option<(bool, usize)> {
     let behind = text.trim_start_matches(BLANK);
     let space = text.len() - behind.len();
