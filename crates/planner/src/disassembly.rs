@@ -19,7 +19,7 @@ use crate::space::support::Support;
 pub struct Disassembly {
     /// Sites in construction order.
     pub order: Vec<u32>,
-    /// Position of each site in that order.
+    /// Position of each site in the construction order.
     pub rank: Vec<u32>,
     /// Access to each site from a path two cells wide. `None` if there is no such path.
     pub way_in: Vec<Option<WayIn>>,
@@ -127,7 +127,8 @@ struct Disassembler<'a, U> {
     frontiers: [Frontier; 2],
     /// For each space, whether a site is queued.
     is_queued: [Vec<bool>; 2],
-    /// For each space, sites with a path that were skipped because they may hold others.
+    /// For each space, skipped sites that have a path. Other sites may be attached only through
+    /// them.
     doubtful: [Vec<u32>; 2],
     urgency: &'a U,
 }
@@ -153,7 +154,7 @@ impl<U: Fn(u32) -> (u32, u32)> Disassembler<'_, U> {
         None
     }
 
-    /// Like `next` for the skipped sites, by a search of the whole structure.
+    /// Returns a skipped site that can be removed through a space. Searches the whole structure.
     fn next_exactly(&mut self, space: usize) -> Option<(u32, WayIn)> {
         let support = &self.support;
         self.doubtful[space].retain(|&site| support.stands(site));

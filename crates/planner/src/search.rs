@@ -25,15 +25,15 @@ pub struct PlanSearch<'a> {
     pub rounds: u64,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Cancels the search in favour of scaffolds, if there is a place for any.
+    /// Ends the search for plans without scaffolds, if scaffolds are possible.
     pub halfway: Cancellation<'a>,
-    /// Ends the search with the best plan so far.
+    /// Ends the search, with the best plan so far.
     pub enough: Cancellation<'a>,
     /// Cancels planning before the first plan.
     pub cancellation: Cancellation<'a>,
-    /// Whether scaffolds remain.
+    /// Whether scaffolds remain in the structure.
     pub keeps_scaffolds: bool,
-    /// Receives the number of schedules tried and the best completion time \[ticks\].
+    /// Function that receives the number of schedules tried and the best completion time \[ticks\].
     pub tried: &'a dyn Fn(u64, f64),
 }
 
@@ -63,18 +63,18 @@ impl Default for PlanSearch<'_> {
 /// Best schedule found.
 #[derive(Clone, Debug)]
 pub struct FoundSchedule {
-    /// Construction order and access.
+    /// Construction order, with the access path of each site.
     pub disassembly: Disassembly,
-    /// Dependencies for access paths.
+    /// Dependencies that keep access paths open.
     pub corridors: Corridors,
-    /// Opening order and parents.
+    /// Opening order of the faces, and the parent of each site.
     pub schedule: Schedule,
     /// Number of schedules tried.
     pub rounds: u64,
 }
 
 impl FoundSchedule {
-    /// Returns the scheduling job of the result.
+    /// Returns the scheduling job that the schedule solves.
     pub fn job<'a>(
         &'a self,
         sites: &'a Sites<'a>,
@@ -87,7 +87,7 @@ impl FoundSchedule {
 
 /// Access paths, and the best schedule with them.
 struct ScheduleCandidate {
-    /// Keys of the disassembly order.
+    /// Keys of the sites for the disassembly order. A higher key is removed first.
     order: Vec<f32>,
     /// Whether paths lead through gaps.
     has_gaps: bool,
@@ -124,7 +124,7 @@ const VARIANTS: u64 = 8;
 /// targets thus get fewer variations, and the effort is the same for all targets.
 const WAYS: u64 = 2000;
 
-/// Consecutive variations of priorities after that.
+/// Number of consecutive variations of priorities after the variations of access paths.
 const PRIORITIES: u64 = 150;
 
 /// Largest number of schedules tried with the less promising access paths.
@@ -186,7 +186,7 @@ struct Searcher<'a> {
     samples: Samples,
     /// Free positions of cubes of size two around the complete target.
     wide: FreeSpace,
-    /// Free positions of cubes of size one around it.
+    /// Free positions of cubes of size one around the complete target.
     narrow: FreeSpace,
     rng: ChaCha8Rng,
     /// Number of schedules tried.

@@ -1,4 +1,4 @@
-//! Phase of handing over blocks and removing masts.
+//! Program text of the phase that hands over blocks and removes masts.
 use std::fmt::Write as _;
 
 use stochc_ir::{Cell, Face};

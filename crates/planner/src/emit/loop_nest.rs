@@ -1,10 +1,10 @@
-//! Nested loops: how they are written, and when repeated things form one.
+//! Nested loops, and the rules for writing repeated statements as loops.
 use std::fmt::Write as _;
 
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
-/// Nested loops around something that begins at a cell.
+/// Nested loops around a statement that begins at a cell.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct LoopNest {
     pub(super) base: Cell,
@@ -116,8 +116,8 @@ impl Indices<'_> {
     }
 }
 
-/// Returns runs of equal nests at equal distances along an axis that are long enough for a loop,
-/// from the lowest.
+/// Returns runs of equal nests at equal distances along an axis, the lowest first. All runs are
+/// long enough for a loop.
 pub(super) fn runs<'a>(
     axis: usize,
     nests: impl Iterator<Item = (usize, &'a LoopNest)>,
@@ -156,7 +156,7 @@ pub(super) fn runs<'a>(
     runs
 }
 
-/// Returns one nest for a whole run.
+/// Returns one nest that repeats the nests of a run.
 pub(super) fn joined<'a>(
     axis: usize,
     run: &[usize],

@@ -59,7 +59,7 @@ pub fn program(
     format(&draft(target, plan, naming))
 }
 
-/// Returns the program without formatting, which takes longer than everything else.
+/// Returns the program without formatting. Formatting takes longer than all other steps.
 pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
     let planted = planted(target);
     let there = statements(&planted, |_| None);
@@ -153,7 +153,7 @@ pub fn continuation(plan: &BuildPlan, word: &str, name: impl Fn(Cell) -> Option<
     out
 }
 
-/// Explanations already given. Each is given once.
+/// Explanations that the program already contains. Each one is written only once.
 #[derive(Default)]
 struct ExplainedComments {
     grows: bool,

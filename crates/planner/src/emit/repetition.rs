@@ -34,7 +34,7 @@ pub fn seats(statements: &[Statement]) -> Vec<LoopNest> {
 
 /// Equal statements at the positions of a nest.
 struct RepeatedItem {
-    /// Index of the first one in the text.
+    /// Index of the first of these statements in the text.
     at: usize,
     /// Number of the statement. Equal statements have equal numbers.
     kind: usize,

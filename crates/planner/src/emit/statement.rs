@@ -7,7 +7,7 @@ use stochc_ir::{Cell, Face};
 use super::loop_nest::Indices;
 use crate::plan::capture::Capture;
 
-/// Kind of block name, indexed by cell.
+/// Kind of a block name. The indices of the name are the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Called {
     /// Block of the target.
@@ -16,7 +16,7 @@ pub enum Called {
     Scaffold,
 }
 
-/// First parts of the block names.
+/// First words of block names.
 #[derive(Clone, Copy, Debug)]
 pub struct NameWords<'a> {
     /// First word of the names of target blocks.
@@ -26,13 +26,13 @@ pub struct NameWords<'a> {
 }
 
 impl NameWords<'_> {
-    /// First parts in a program that consists of a plan only.
+    /// First words in a program that contains only a plan.
     pub const OWN: NameWords<'static> = NameWords {
         block: "B",
         scaffold: "S",
     };
 
-    /// Returns the first part of the names of this kind.
+    /// Returns the first word of the names of a kind.
     pub fn of(&self, called: Called) -> &str {
         match called {
             Called::Block => self.block,
@@ -187,8 +187,8 @@ fn rows_of(mut cells: Vec<Cell>) -> Vec<(Cell, Cell)> {
     )
 }
 
-/// Statement relative to its base: whether a seed captures first, another first parent, kinds,
-/// sections and predecessors.
+/// Content of a statement, relative to its base. It states whether a seed captures first, any other
+/// name of the first parent, kinds of names, sections and predecessors.
 pub type StatementSignature<'a> = (
     bool,
     Option<&'a str>,
@@ -198,17 +198,17 @@ pub type StatementSignature<'a> = (
 );
 
 impl Statement {
-    /// Returns the index of its first capture in the plan.
+    /// Returns the index of the statement's first capture in the plan.
     pub fn first(&self) -> usize {
         self.captures[0]
     }
 
-    /// Returns the cell of its first capture.
+    /// Returns the cell of the statement's first capture.
     pub fn base(&self) -> Cell {
         self.base
     }
 
-    /// Returns the plate position of its seed, if a seed captures first.
+    /// Returns the plate position of the seed that captures first. Returns `None` if no seed does.
     pub fn seed(&self) -> Option<(i32, i32)> {
         let is_seed = self.base.z == 1 && self.rows[0].0 == Face::Up && self.parent.is_none();
         is_seed.then_some((self.base.x, self.base.y))

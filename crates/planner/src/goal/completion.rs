@@ -36,7 +36,7 @@ pub struct Completion {
     word: String,
     /// Number of false claims, including this one.
     untrue: usize,
-    /// Assembly to complete, and the index of the phase with the new captures.
+    /// Name of the assembly to complete.
     assembly: String,
     phase: usize,
     change: Change,

@@ -148,7 +148,7 @@ impl Goal {
         is_built_in(name) || self.scenes.declare(name)
     }
 
-    /// Returns the declarations of the selected scene and its bases.
+    /// Returns the source of the selected scene and its bases.
     pub(super) fn needed_scenes(&self) -> String {
         // A file may declare a scene with the name of the default scene.
         self.scenes

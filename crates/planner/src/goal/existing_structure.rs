@@ -42,11 +42,11 @@ pub enum NoRepair {
         "`{wrong}` does not belong to the shape, and cannot be released with `{name}`: `{dead}` is dead, and no message comes through it"
     )]
     Unreachable {
-        /// Block outside of the shape.
+        /// The block to release or its ancestor, with a cell outside of the shape.
         wrong: String,
-        /// Block attached to it.
+        /// Block to release.
         name: String,
-        /// Dead block before them.
+        /// The block to release or its ancestor, which is dead.
         dead: String,
     },
     /// The structure is complete.
@@ -110,8 +110,8 @@ impl ExistingStructure {
         self.blocks.keys().map(String::as_str)
     }
 
-    /// Returns the blocks to keep and to release. A block is released if its cell, or that of an
-    /// ancestor, is not in `wanted`. A block can capture unless it or an ancestor is in `dead`,
+    /// Returns the blocks to keep and to release. A block is released if its cell, or the cell of
+    /// an ancestor, is not in `wanted`. A block can capture unless it or an ancestor is in `dead`,
     /// because dead blocks pass on no messages.
     ///
     /// # Errors

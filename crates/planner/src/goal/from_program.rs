@@ -14,11 +14,12 @@ use super::no_goal::NoGoal;
 use super::scenes::WrittenScenes;
 
 impl Goal {
-    /// Returns a shape of a correct program as a goal. Plate, seeds and scene are those of the
-    /// assembly that claims it, or of the only assembly. Without a name, takes the only shape or
-    /// the one claimed last.
+    /// Returns a shape of a correct program as a goal. Plate, seeds and scene come from the
+    /// assembly that claims the shape, or from the only assembly. Without a name, takes the only
+    /// shape or the one claimed last.
     ///
     /// # Errors
+    ///
     /// If there is no such shape.
     pub fn from_program(checked: &Checked, name: Option<&str>) -> Result<Goal, NoGoal> {
         let symbols = &checked.symbols;

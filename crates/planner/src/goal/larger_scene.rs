@@ -183,7 +183,7 @@ fn declaration(larger: &LargerScene, scene: &Scene) -> String {
 }
 
 impl LargerScene {
-    /// Returns a phrase that compares the density with that of the base scene.
+    /// Returns a phrase that compares the density with the density of the base scene.
     fn density_in_words(&self) -> String {
         match self.radius {
             None => String::new(),

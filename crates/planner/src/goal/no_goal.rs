@@ -4,19 +4,19 @@ use thiserror::Error;
 /// Error of finding the shape to build.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NoGoal {
-    /// The program declares no shape.
+    /// The program does not declare a shape.
     #[error("it declares no shape")]
     NoShape,
     /// The program declares several shapes, and none is chosen.
     #[error("it declares {0}: name one with `--shape`")]
     Ambiguous(String),
-    /// The program declares no shape of this name, and no other.
+    /// The program does not declare any shape, so not this one.
     #[error("it declares no shape `{0}`, nor any other")]
     NoSuchShape(String),
-    /// The program declares other shapes.
+    /// The program declares other shapes, but not this one.
     #[error("it declares no shape `{name}`, but {others}")]
     OtherShapes {
-        /// Name of the shape.
+        /// Name of the missing shape.
         name: String,
         /// Names of the declared shapes.
         others: String,

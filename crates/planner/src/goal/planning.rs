@@ -39,7 +39,7 @@ pub struct Planned {
 pub enum Unplanned {
     /// The shape cannot be built.
     Refused(TargetError),
-    /// The names, the scene or the plate are invalid. These diagnostics state the errors.
+    /// The names, the scene or the plate are invalid. The result of the check contains the errors.
     Wrong(Box<Checked>),
 }
 
@@ -236,8 +236,8 @@ impl Goal {
         check_text(NAME, &draft)
     }
 
-    /// Returns the program of a plan, with the warnings that it must allow. Replaces the estimate
-    /// by that of the whole program.
+    /// Returns the program of a plan, with the warnings that it must allow. Replaces the plan's
+    /// estimate by the estimate of the whole program.
     ///
     /// # Errors
     /// If the check reports diagnostics that cannot be allowed.

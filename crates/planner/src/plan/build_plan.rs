@@ -53,7 +53,7 @@ pub struct RaceTimes {
     pub stopped: u64,
     /// Mean completion time \[ticks\].
     pub mean: f64,
-    /// 95 % confidence interval, half-width \[ticks\].
+    /// Half-width of the 95 % confidence interval \[ticks\].
     pub error: f64,
 }
 
@@ -167,7 +167,7 @@ impl BuildPlan {
         self.captures.iter().chain(rest)
     }
 
-    /// Iterates over the same captures mutably.
+    /// Iterates mutably over the captures of both phases, without handed-over blocks.
     pub(crate) fn all_captures_mut(&mut self) -> impl Iterator<Item = &mut Capture> {
         let rest = self.dismantling.iter_mut().flat_map(|it| &mut it.captures);
         self.captures.iter_mut().chain(rest)

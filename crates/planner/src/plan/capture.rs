@@ -13,7 +13,7 @@ pub struct Capture {
     pub way: Face,
     /// Mean waiting time \[ticks\].
     pub wait: f64,
-    /// Cells that must be occupied before the face opens, with reasons. Implied ones are omitted.
+    /// Cells that must be occupied before the face opens, with reasons. Implied cells are omitted.
     pub after: Vec<(Cell, Why)>,
     /// Whether no access path two cells wide was found.
     pub is_tight: bool,

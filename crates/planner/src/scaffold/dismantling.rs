@@ -9,7 +9,7 @@ use crate::plan::capture::Capture;
 /// Second phase of a plan with scaffolds.
 #[derive(Clone, Debug, Serialize)]
 pub struct Dismantling {
-    /// Hand-overs, each after that of its new parent.
+    /// Hand-overs. Each comes after the hand-over of its new parent.
     pub hand_overs: Vec<HandOver>,
     /// Masts.
     pub masts: Vec<Mast>,
@@ -26,7 +26,7 @@ pub struct HandOver {
     pub cell: Cell,
     /// Direction from the new parent.
     pub way: Face,
-    /// Cell of the capture that must come before, in the same phase.
+    /// Cell of the capture that must come before, in the same phase. `None` if there is none.
     pub after: Option<Cell>,
 }
 
@@ -79,7 +79,7 @@ impl Dismantling {
     }
 }
 
-/// Returns the pieces, each after the one that it joins.
+/// Returns the pieces, each after the piece that it joins.
 fn in_order(scaffolding: &Scaffolding) -> Vec<&MastPiece> {
     let mut left: Vec<&MastPiece> = scaffolding.pieces.iter().collect();
     let mut order = Vec::new();

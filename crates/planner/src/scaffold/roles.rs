@@ -1,21 +1,21 @@
-//! Roles of the cells of a target with scaffolds.
+//! Parts of a plan with scaffolds that sites belong to.
 use stochc_ir::{Cell, Face};
 
 use super::Scaffolding;
 use crate::space::sites::{NONE, Sites};
 
-/// Role of a site.
+/// Part of a plan with scaffolds: the target, a piece on a mast, or a mast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SitePart {
-    /// Target block with its final parent from the start.
+    /// Target block that its final parent captures from the start.
     Own,
-    /// Target block on a mast until its hand-over, with the number of its piece.
+    /// Target block on a mast until its hand-over. Contains the number of its piece.
     Held(u32),
-    /// Block of a mast, with its number.
+    /// Block of a mast. Contains the number of the mast.
     Mast(u32),
 }
 
-/// Roles of all sites.
+/// Part of every site.
 #[derive(Debug)]
 pub struct SiteRoles {
     part: Vec<SitePart>,
@@ -26,7 +26,7 @@ pub struct SiteRoles {
     temporary: usize,
 }
 
-/// Piece in terms of sites.
+/// Piece, given by its sites.
 #[derive(Debug)]
 pub struct SitePiece {
     /// Sites in hand-over order, with the direction from the final parent.
@@ -38,7 +38,7 @@ pub struct SitePiece {
 }
 
 impl SiteRoles {
-    /// Returns the roles for the sites of a target with masts.
+    /// Returns the part of every site of a target with masts.
     pub fn new(sites: &Sites<'_>, scaffolding: &Scaffolding) -> SiteRoles {
         let mut part = vec![SitePart::Own; sites.len()];
         let mut way = vec![None; sites.len()];
@@ -73,7 +73,7 @@ impl SiteRoles {
         }
     }
 
-    /// Returns the role of a site.
+    /// Returns the part that a site belongs to.
     pub fn part(&self, site: u32) -> SitePart {
         self.part[site as usize]
     }
@@ -89,13 +89,13 @@ impl SiteRoles {
         &self.pieces
     }
 
-    /// Returns the number of sites of masts or initially on masts.
+    /// Returns the number of sites of masts, plus target sites that are first on masts.
     pub fn temporary(&self) -> usize {
         self.temporary
     }
 
-    /// Returns for each site the block required for its hand-over: the final parent of the first
-    /// piece towards the plate. [`NONE`] without hand-over.
+    /// Returns, for each site, the block that must exist before its hand-over. This is the final
+    /// parent of the first piece towards the plate. [`NONE`] for a site without hand-over.
     pub fn roots(&self) -> Vec<u32> {
         let mut roots = vec![NONE; self.part.len()];
         for piece in &self.pieces {

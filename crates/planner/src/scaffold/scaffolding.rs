@@ -16,9 +16,9 @@ pub struct Scaffolding {
 pub struct MastPiece {
     /// Position of the mast on the plate.
     pub foot: (i32, i32),
-    /// Layer of the mast's block that holds the piece.
+    /// Layer of the mast's block that captures the first cell.
     pub height: i32,
-    /// Direction from that block to the first cell.
+    /// Direction from the mast's block to the first cell.
     pub way: Face,
     /// Cells of the piece, from the mast outwards.
     pub cells: Vec<Cell>,
@@ -53,7 +53,7 @@ impl Scaffolding {
 }
 
 impl MastPiece {
-    /// Returns each cell from the mast on, with the direction from the one before.
+    /// Returns each cell from the mast on, with the direction from the previous cell.
     pub fn grown(&self) -> impl Iterator<Item = (Cell, Face)> {
         let steps = self.cells.windows(2).map(|two| way(two[0], two[1]));
         (self.cells.iter().copied()).zip(std::iter::once(self.way).chain(steps))

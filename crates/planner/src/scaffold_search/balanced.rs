@@ -10,8 +10,7 @@ use super::places::{GrowthSchedule, supports};
 use crate::Target;
 use crate::scaffold::{MastPiece, Scaffolding};
 
-/// Costs of a mast position: for a new mast, and per diagonal neighbour, since the two take turns
-/// \[captures\].
+/// Cost of a new mast \[captures\].
 const NEW: f32 = 1.0;
 const ACROSS: f32 = 1.5;
 

@@ -51,10 +51,10 @@ const WORTH: f64 = 0.005;
 /// Smallest limit of chain lengths for masts.
 const MIN_LIMIT: usize = 2;
 
-/// Tries of one search. Further tries are made with other seeds.
+/// Number of tries of one search. Further tries are made with other seeds.
 const TRIES: u64 = 3000;
 
-/// Fractions of the tries left when the exchange of pieces and the schedule search begin.
+/// Fraction of the tries that is left when the exchange of pieces begins.
 const EXCHANGES: f64 = 0.8;
 
 const SCHEDULES: f64 = 0.2;
@@ -71,16 +71,16 @@ struct ScaffoldTrials<'a> {
     samples: CellSamples,
     /// Number of tries in earlier searches.
     before: u64,
-    /// Number of tries of this search, and of those left.
+    /// Number of tries of this search.
     pub(super) all: u64,
     pub(super) tries: u64,
 }
 
-/// Checks whether scaffolds can be searched for.
+/// Checks whether a search for scaffolds is possible.
 ///
 /// # Errors
 ///
-/// If they cannot.
+/// Returns the reason why it is not.
 pub(crate) fn may_have_scaffolds(
     target: &Target,
     hardware: Hardware,
@@ -173,7 +173,7 @@ impl ScaffoldTrials<'_> {
         self.tries as f64 / self.all as f64
     }
 
-    /// Returns whether more than a fraction of the tries is left, and uses one of them if so.
+    /// Uses one try if more than the fraction `part` of the tries is left. Returns whether it did.
     fn may_try(&mut self, part: f64, value: f64) -> bool {
         let may = self.left() > part && !self.how.enough.is_cancelled();
         if may {

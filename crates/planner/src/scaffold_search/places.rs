@@ -16,7 +16,7 @@ pub struct GrowthSchedule {
     cells: FxHashMap<Cell, (Option<Cell>, f32)>,
 }
 
-/// Time after everything else, in waiting times.
+/// Time that is later than all captures \[waiting times\].
 const LATE: f32 = 10_000.0;
 
 /// Largest number of cells of a piece.
