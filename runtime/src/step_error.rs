@@ -2,7 +2,7 @@
 //! shorter ones.
 use nalgebra::Vector3;
 use stochc_ir::scene::groups::{BlockUnits, speed};
-use stochc_ir::scene::{Block, Bond, ContactLaw, Fluid, Scene, Substeps};
+use stochc_ir::scene::{Bond, ContactLaw, Scene, Substeps};
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
@@ -100,7 +100,7 @@ fn restitution(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
     let alone = Scene {
         bond: None,
         drag: None,
-        ..surroundings_of_none(scene)
+        ..scene.in_still_medium()
     };
     let block = |side: f64| BodyState {
         velocity: Vector3::z() * (-side * speed),
@@ -136,7 +136,7 @@ fn docking(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
     // Each step is a tick, because captures are reported per tick.
     let alone = Scene {
         tick: scene.tick / f64::from(steps),
-        ..surroundings_of_none(scene)
+        ..scene.in_still_medium()
     };
     let mut world = world(&alone, 1, &[BodyState::at_rest(Vector3::z() * start)])?;
     world.magnetize(BlockFace {
@@ -155,27 +155,6 @@ fn docking(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
 
 /// Distance from the plate, large enough to be out of its reach \[block lengths\].
 const FAR: f64 = 30.0;
-
-/// Returns the scene without enclosure, random impulses, gravity and flow. Viscous drag stays.
-fn surroundings_of_none(scene: &Scene) -> Scene {
-    let still = scene.fluid.as_ref().and_then(|fluid| fluid.viscosity);
-    Scene {
-        enclosure: None,
-        agitation: None,
-        gravity: None,
-        flow: None,
-        block: Block {
-            mass: scene.inertial_mass(),
-            ..scene.block.clone()
-        },
-        fluid: still.map(|viscosity| Fluid {
-            density: None,
-            viscosity: Some(viscosity),
-            added_mass: None,
-        }),
-        ..scene.clone()
-    }
-}
 
 fn world(scene: &Scene, steps: u32, blocks: &[BodyState]) -> Option<RigidWorld> {
     let plate = Plate { width: 1, depth: 1 };

@@ -1,6 +1,7 @@
 //! A scene in block units: block length 1, mass 1, and the tick as unit of time.
 //!
 //! Single precision and contact settings then suit blocks of 10 um and of 20 cm alike.
+use nalgebra::Vector3;
 use stochc_ir::scene::groups::BlockUnits;
 use stochc_ir::scene::schema::SchemaNumber;
 use stochc_ir::scene::schema::numbers::*;
@@ -37,13 +38,12 @@ impl WorldParameters {
             }
             _ => {}
         }
-        let weight = |&gravity: &f64| units.weight(gravity, scene);
         Ok(WorldParameters {
             local: takes_local_steps(scene),
             shell,
             kicks,
             drag: made(&scene.drag, |drag| units.number(&DRAG_RATE, drag.rate))?,
-            weight: made(&scene.gravity, weight)?,
+            acceleration: units.acceleration(scene)?,
             fluid: made(&scene.fluid, |fluid| units.resistance(fluid))?,
             flow: made(&scene.flow, |flow| units.stream(flow, shell))?,
             eddies: units.eddies(scene)?,
@@ -98,6 +98,12 @@ impl Units {
             )?,
             stiffness: self.number(&ENCLOSURE_WALL, wall)?,
         })
+    }
+
+    /// Returns the sum of the steady accelerations of a scene, or `None` without any.
+    fn acceleration(self, scene: &Scene) -> SceneResult<Option<Vector3<f64>>> {
+        let weight = made(&scene.gravity, |gravity| self.weight(*gravity, scene))?;
+        Ok(weight.map(|weight| Vector3::z() * -weight))
     }
 
     fn weight(self, gravity: f64, scene: &Scene) -> SceneResult<f64> {

@@ -1,6 +1,7 @@
 //! Parameters of all physical terms, in block units.
 use super::real::Real;
 use crate::settings::{Model, Settings};
+use nalgebra::Vector3;
 use stochc_ir::scene::room::Interior;
 use stochc_ir::scene::{ContactLaw, Measure};
 
@@ -13,8 +14,9 @@ pub(crate) struct WorldParameters {
     pub kicks: Option<Kicks>,
     /// Rate of the linear drag \[1 / tick\].
     pub drag: Option<f64>,
-    /// Acceleration of gravity minus buoyancy, downward \[block lengths / tick^2\].
-    pub weight: Option<f64>,
+    /// Steady acceleration of every free block, e.g. by gravity minus buoyancy \[block lengths /
+    /// tick^2\].
+    pub acceleration: Option<Vector3<f64>>,
     pub fluid: Option<Resistance>,
     pub flow: Option<MeanFlow>,
     pub eddies: Option<Eddies>,
@@ -234,8 +236,8 @@ impl WorldParameters {
         if let Some(shell) = &mut self.shell {
             shell.stiffness *= response;
         }
-        if let Some(weight) = &mut self.weight {
-            *weight *= response;
+        if let Some(acceleration) = &mut self.acceleration {
+            *acceleration *= response;
         }
         // A velocity is the mean over a step, so drag reduces an impulse already in its first step.
         if let Some(Kicks { speed: (low, high) }) = &mut self.kicks {

@@ -90,9 +90,7 @@ impl Rates {
         };
         // A sphere has a different gas near the plate.
         let is_other = !matches!(scene.enclosure, Some(Enclosure::Hemisphere { .. }))
-            || scene.fluid.is_some()
-            || scene.flow.is_some()
-            || scene.gravity.is_some();
+            || scene.uncalibrated_term().is_some();
         if is_other || scene.drag.is_none() || scene.contact.is_none() {
             return None;
         }

@@ -49,6 +49,40 @@ impl Scene {
         let fluid = self.fluid.as_ref();
         self.block.mass + fluid.map_or(0.0, |fluid| fluid.taken_along(self.block.side))
     }
+
+    /// Returns the name of the first term whose effect on waiting times has not been calibrated.
+    /// The rate model and the uncalibrated estimate do not support such scenes.
+    pub fn uncalibrated_term(&self) -> Option<&'static str> {
+        if self.fluid.is_some() || self.flow.is_some() {
+            Some("fluid")
+        } else if self.gravity.is_some() {
+            Some("gravity")
+        } else {
+            None
+        }
+    }
+
+    /// Returns the scene in a still medium without boundaries: without enclosure, agitation,
+    /// gravity and flow. Viscous drag remains. Blocks have their inertial mass.
+    pub fn in_still_medium(&self) -> Scene {
+        let viscosity = self.fluid.as_ref().and_then(|fluid| fluid.viscosity);
+        Scene {
+            enclosure: None,
+            agitation: None,
+            gravity: None,
+            flow: None,
+            block: Block {
+                mass: self.inertial_mass(),
+                ..self.block.clone()
+            },
+            fluid: viscosity.map(|viscosity| Fluid {
+                density: None,
+                viscosity: Some(viscosity),
+                added_mass: None,
+            }),
+            ..self.clone()
+        }
+    }
 }
 
 /// Block properties. All blocks are equal.

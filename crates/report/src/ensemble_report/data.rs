@@ -29,33 +29,66 @@ pub(super) type NamedFile = (String, String);
 /// Name of the table of critical paths.
 pub const CHAINS: &str = "chains.csv";
 
-/// Returns the names of the tables of a report. Tables without rows are left out.
-pub(super) fn names(
+/// Table of a report.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Table {
+    Survival,
+    Means,
+    Waits,
+    Origins,
+    Chains,
+    Sizes,
+    Differences,
+    Sweeps,
+    Maps,
+    Faces,
+}
+
+impl Table {
+    /// Returns the name of the table's file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Table::Survival => "survival.csv",
+            Table::Means => "means.csv",
+            Table::Waits => "waits.csv",
+            Table::Origins => "origins.csv",
+            Table::Chains => CHAINS,
+            Table::Sizes => "sizes.csv",
+            Table::Differences => "differences.csv",
+            Table::Sweeps => "sweeps.csv",
+            Table::Maps => "maps.csv",
+            Table::Faces => "faces.csv",
+        }
+    }
+}
+
+/// Returns the tables of a report. Tables without rows are left out.
+pub(super) fn tables(
     subjects: &[ReportedProgram],
     differences: bool,
     sweeps: bool,
     maps: &[Option<Maps>],
-) -> Vec<&'static str> {
+) -> Vec<Table> {
     let captures = subjects.is_empty() || !subjects.iter().all(ReportedProgram::is_aggregate);
     let sizes = subjects.iter().any(ReportedProgram::is_aggregate);
     let maps = maps.iter().flatten().any(|maps| maps.runs > 0);
     let all = [
-        ("survival.csv", true),
-        ("means.csv", true),
-        ("waits.csv", captures),
-        ("origins.csv", captures),
-        (CHAINS, captures),
-        ("sizes.csv", sizes),
-        ("differences.csv", differences),
-        ("sweeps.csv", sweeps),
-        ("maps.csv", maps),
-        ("faces.csv", maps),
+        (Table::Survival, true),
+        (Table::Means, true),
+        (Table::Waits, captures),
+        (Table::Origins, captures),
+        (Table::Chains, captures),
+        (Table::Sizes, sizes),
+        (Table::Differences, differences),
+        (Table::Sweeps, sweeps),
+        (Table::Maps, maps),
+        (Table::Faces, maps),
     ];
-    let there = all.into_iter().filter(|(_, there)| *there);
-    there.map(|(name, _)| name).collect()
+    let present = all.into_iter().filter(|(_, present)| *present);
+    present.map(|(table, _)| table).collect()
 }
 
-/// Returns all tables of a report except [`CHAINS`], in the order of [`names`]. The last observed
+/// Returns all tables of a report except [`CHAINS`], in the order of [`tables`]. The last observed
 /// time is in the unit of the report.
 pub(super) fn files(
     subjects: &[ReportedProgram],
@@ -66,25 +99,25 @@ pub(super) fn files(
     clock: TimeUnit,
     last: f64,
 ) -> Vec<NamedFile> {
-    let names = names(
-        subjects,
-        !pairwise_tests.is_empty(),
-        !sweeps.is_empty(),
-        maps,
-    );
-    let table = |name: &str| match name {
-        "survival.csv" => survival(subjects),
-        "means.csv" => means(subjects, clock, last),
-        "waits.csv" => captures(subjects, waits),
-        "origins.csv" => origins(subjects, waits),
-        "sizes.csv" => sizes(subjects),
-        "differences.csv" => differences(subjects, pairwise_tests, clock),
-        "sweeps.csv" => swept(sweeps),
-        "maps.csv" => mapped(subjects, maps),
-        _ => faces(subjects, maps),
+    let differ = !pairwise_tests.is_empty();
+    let content = |table: Table| {
+        Some(match table {
+            Table::Survival => survival(subjects),
+            Table::Means => means(subjects, clock, last),
+            Table::Waits => captures(subjects, waits),
+            Table::Origins => origins(subjects, waits),
+            // Written run by run.
+            Table::Chains => return None,
+            Table::Sizes => sizes(subjects),
+            Table::Differences => differences(subjects, pairwise_tests, clock),
+            Table::Sweeps => swept(sweeps),
+            Table::Maps => mapped(subjects, maps),
+            Table::Faces => faces(subjects, maps),
+        })
     };
-    let kept = names.into_iter().filter(|name| *name != CHAINS);
-    kept.map(|name| (name.to_owned(), table(name))).collect()
+    (tables(subjects, differ, !sweeps.is_empty(), maps).into_iter())
+        .filter_map(|table| Some((table.name().to_owned(), content(table)?)))
+        .collect()
 }
 
 /// Returns the growth of the largest groups of aggregates: the share of runs without a group of

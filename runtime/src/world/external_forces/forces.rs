@@ -23,7 +23,7 @@ pub(crate) struct Sink {
 /// External forces of a scene.
 #[derive(Debug)]
 pub(crate) struct ExternalForces {
-    weight: Option<f64>,
+    acceleration: Option<Vector3<f64>>,
     pub(super) drag: Option<StepDrag>,
     mean_flow: Option<MeanFlow>,
     pub(super) eddies: Option<TurbulenceField>,
@@ -37,7 +37,7 @@ stochc_ir::state! {
     () ExternalForces;
     values: ;
     parts: eddies;
-    same: weight, drag, mean_flow, heat, displaced, dt
+    same: acceleration, drag, mean_flow, heat, displaced, dt
 }
 
 impl ExternalForces {
@@ -48,13 +48,13 @@ impl ExternalForces {
         seed: u64,
         run: u64,
     ) -> Option<ExternalForces> {
-        let (weight, fluid) = (parameters.weight, parameters.fluid);
-        if weight.is_none() && fluid.is_none() {
+        let (acceleration, fluid) = (parameters.acceleration, parameters.fluid);
+        if acceleration.is_none() && fluid.is_none() {
             return None;
         }
         let dt = 1.0 / f64::from(substeps);
         Some(ExternalForces {
-            weight,
+            acceleration,
             drag: fluid.map(|fluid| StepDrag::new(&fluid, dt)),
             mean_flow: parameters.flow.filter(|_| fluid.is_some()),
             eddies: (parameters.eddies)
@@ -89,14 +89,11 @@ impl ExternalForces {
 
     /// Applies one step of all forces except heat to the velocity and spin of a free block.
     ///
-    /// `span` is the number of steps during which the weight acts. It exceeds 1 only for steps of
+    /// `span` is the number of steps during which the steady acceleration acts. It exceeds 1 only for steps of
     /// different lengths, which scenes with a fluid do not use.
     pub fn act(&self, motion: &mut Motion, sinks: &[Sink], span: f64) {
         let response = self.response();
-        let mut force = Vector3::zeros();
-        if let Some(weight) = self.weight {
-            force.z -= weight;
-        }
+        let mut force = self.acceleration.unwrap_or_else(Vector3::zeros);
         if let Some(drag) = &self.drag {
             let wind = self.wind(motion.position, sinks);
             force += wind.acceleration * self.displaced;

@@ -86,9 +86,7 @@ impl<'r> RateWorld<'r> {
             Some(Bond::Reject { .. }) => "bond by magnets that always attract",
             Some(Bond::Suction { .. }) => "bond by suction",
             None => "scene without bonds",
-            Some(_) if scene.fluid.is_some() || scene.flow.is_some() => "fluid",
-            Some(_) if scene.gravity.is_some() => "gravity",
-            Some(_) => return None,
+            Some(_) => scene.uncalibrated_term()?,
         };
         Some(not_known(what))
     }

@@ -28,8 +28,8 @@ pub(super) struct Kernel<R: Lane> {
     neighbours: Option<NeighbourList<R>>,
     /// Local time steps. `None` if all blocks take the same steps.
     local: Option<LocalSteps<R>>,
-    /// Weight of rigid blocks \[block lengths / tick^2\].
-    weight: R,
+    /// Steady acceleration of rigid blocks \[block lengths / tick^2\]. Zero for other contacts.
+    acceleration: Vector3<R>,
     limits: MotionLimits,
 }
 
@@ -39,7 +39,7 @@ stochc_ir::state! {
     parts: ;
     // Not part of the state: contacts are recomputed in every step, and the other fields are
     // constant.
-    same: flight, words, contacts, weight, limits
+    same: flight, words, contacts, acceleration, limits
 }
 
 impl<R: Lane> Integrator for Kernel<R> {
@@ -82,11 +82,12 @@ impl<R: Lane> Integrator for Kernel<R> {
             words: Vec::new(),
             contacts,
             neighbours,
-            weight: match &parameters.contact {
+            acceleration: match &parameters.contact {
                 Some(contact) if matches!(contact.law, ContactLaw::Rigid { .. }) => {
-                    R::from_double(parameters.weight.unwrap_or(0.0))
+                    let acceleration = parameters.acceleration.unwrap_or_else(Vector3::zeros);
+                    acceleration.map(R::from_double)
                 }
-                _ => R::zero(),
+                _ => Vector3::zeros(),
             },
             local: (rates[0] != rates[1]).then(|| LocalSteps::new(steps)),
             limits,
@@ -185,10 +186,10 @@ impl<R: Lane> Kernel<R> {
             return Ok(());
         };
         let (mut sound, limits, shell) = (Ok(()), &self.limits, self.flight.shell);
-        let weight = Vector3::z() * self.weight;
+        let acceleration = self.acceleration;
         let push = |place| {
             let inward = shell.map_or_else(Vector3::zeros, |shell| shell.push(place));
-            inward - weight
+            inward + acceleration
         };
         (contacts.solver).solve(bodies, push, |id, motion, rotation| {
             if sound.is_ok() {

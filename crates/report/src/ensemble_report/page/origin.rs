@@ -228,13 +228,13 @@ pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
         .iter()
         .flat_map(|it| parts.surroundings.figures.names(it))
         .collect();
-    let tables = data::names(
+    let tables = data::tables(
         parts.subjects,
         !parts.pairwise_tests.is_empty(),
         !parts.sweeps.is_empty(),
         parts.maps,
     );
-    names.extend(tables.into_iter().map(str::to_owned));
+    names.extend(tables.into_iter().map(|table| table.name().to_owned()));
     let links: Vec<String> = names.iter().map(|file| link(folder, file)).collect();
     out.paragraph(&format!(
         "The figures and their data, in {}: {}.",

@@ -75,7 +75,7 @@ impl<R: Lane> Solver<R> {
     /// Solves all contacts after the bodies moved as if there were none. Changes the velocities and
     /// corrects the positions accordingly.
     ///
-    /// `push` is the acceleration by the shell, and by the weight of rigid blocks, at a position.
+    /// `push` is the acceleration by the shell, and of rigid blocks by steady forces, at a position.
     /// Contacts act in the middle of a step, before the second half of this change. Otherwise
     /// collisions would add energy to blocks that fall or meet the shell. `moved` receives every
     /// changed block with its position, velocity, spin and rotation.

@@ -34,9 +34,9 @@ enum Template {
 impl Template {
     fn text(self) -> &'static str {
         match self {
-            Template::Structure => include_str!("structure.sa"),
-            Template::Scene => include_str!("scene.sa"),
-            Template::Plan => include_str!("plan.sa"),
+            Template::Structure => include_str!("new/structure.sa"),
+            Template::Scene => include_str!("new/scene.sa"),
+            Template::Plan => include_str!("new/plan.sa"),
         }
     }
 
