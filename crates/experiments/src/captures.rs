@@ -1,4 +1,5 @@
-//! Waiting time and origin of each capture of a program, over all runs that did not fail.
+//! Statistics of the waiting time and origin of each capture of a program, over all runs that did
+//! not fail.
 //!
 //! A capture in progress at the end of its run counts as right-censored. Tables and reports all use
 //! this module.
@@ -28,12 +29,13 @@ pub struct CaptureKey {
     pub repetition: u32,
 }
 
-/// Counter that distinguishes repeated captures within a phase.
+/// Counter of repeated captures, which gives each capture in a phase its own key.
 #[derive(Debug, Default)]
 pub struct Repetitions(BTreeMap<CaptureKey, u32>);
 
 impl Repetitions {
-    /// Returns the key of the next capture, in the order of the program or of the run.
+    /// Returns the key of the next capture. Captures must be passed in the order of the program or
+    /// of the run.
     pub fn next(
         &mut self,
         phase: PhaseId,
@@ -56,33 +58,36 @@ impl Repetitions {
     }
 }
 
-/// Statistics of a capture over many runs.
+/// Statistics of one capture of a program over many runs.
 #[derive(Clone, Debug)]
 pub struct Waits {
-    /// Waiting time from magnetizing to capture, or right-censored at the end of the run \[ticks\].
+    /// Waiting time from switching the face on to the capture \[ticks\]. Right-censored at the end
+    /// of the run.
     pub time: Time,
-    /// 10th and 90th percentile \[ticks\], from a Kaplan-Meier curve if waiting times are censored.
-    /// `None` if too few completed.
+    /// 10th and 90th percentile of the waiting time \[ticks\], from a Kaplan-Meier curve if waiting
+    /// times are censored. `None` if too few waits ended in a capture.
     pub spread: Option<(f64, f64)>,
-    /// Mean entries into the reach of the pull per capture. `None` without captures or motion.
+    /// Mean number of entries into the reach of the pull per capture. `None` without captures or
+    /// motion.
     pub entries: Option<f64>,
     /// Mean time from the captured block's last entry to its capture \[ticks\].
     pub docking: Option<f64>,
-    /// Entries per tick of waiting, including censored waits. `None` without waiting or motion.
+    /// Number of entries per tick of waiting, including censored waits. `None` without waiting or
+    /// motion.
     pub entry_rate: Option<f64>,
-    /// Number of captures of blocks that had never been captured.
+    /// Number of captured blocks that had never been captured before.
     pub free: usize,
-    /// Numbers of captured blocks that had been released before, by their last role.
+    /// Number of captured blocks that had been released before, by their last role.
     pub released: Vec<(RoleId, usize)>,
 }
 
-/// Partial statistics of a capture.
+/// Accumulator for the statistics of one capture.
 #[derive(Clone, Debug, Default)]
 struct CaptureTally {
     times: TimeSample,
     entries: Mean,
     docking: Mean,
-    /// Entries in all waiting times, including censored ones.
+    /// Number of entries in all waiting times, including censored ones.
     all_entries: f64,
     free: usize,
     released: BTreeMap<RoleId, usize>,
@@ -92,7 +97,7 @@ impl CaptureTally {
     fn add(&mut self, bond: &BondRecord) {
         let wait = bond.docked.saturating_sub(bond.magnetized);
         self.times.push(Observation::completed(wait as f64));
-        // A captured block has entered at least once, except in models without motion.
+        // Except in models without motion, a captured block has entered the reach at least once.
         if bond.entries > 0 {
             self.entries.add(bond.entries.into());
             self.docking.add(bond.docking as f64);
@@ -127,7 +132,7 @@ impl CaptureTally {
     }
 }
 
-/// Returns the 10th and 90th percentile of waiting times. Waiting times may be censored.
+/// Returns the 10th and 90th percentile of waiting times, which may be censored.
 fn spread(waits: &[Observation]) -> Option<(f64, f64)> {
     if waits.iter().all(|wait| wait.is_completed()) {
         let ended: Vec<f64> = waits.iter().map(|wait| wait.time).collect();
@@ -137,7 +142,7 @@ fn spread(waits: &[Observation]) -> Option<(f64, f64)> {
     curve.quantile(0.1).zip(curve.quantile(0.9))
 }
 
-/// Partial statistics of all captures of one program. Failed runs are ignored.
+/// Accumulator for the statistics of all captures of one program. Failed runs are ignored.
 #[derive(Clone, Debug, Default)]
 pub struct WaitsTally(BTreeMap<CaptureKey, CaptureTally>);
 
@@ -183,20 +188,21 @@ pub struct CaptureSummary {
     pub child: String,
     /// Number of earlier captures with the same blocks in the phase.
     pub repetition: u32,
-    /// Waiting time from magnetizing to capture, right-censored at the end of the run.
+    /// Waiting time from switching the face on to the capture. Right-censored at the end of the
+    /// run.
     pub wait: Time,
-    /// Mean entries into the reach of the pull per capture. `None` without captures.
+    /// Mean number of entries into the reach of the pull per capture. `None` without captures.
     pub entries: Option<f64>,
     /// Mean time from the captured block's last entry to its capture \[ticks\].
     pub docking: Option<f64>,
-    /// Entries per tick of waiting, over all waiting times. `None` without waiting.
+    /// Number of entries per tick of waiting, over all waiting times. `None` without waiting.
     pub entry_rate: Option<f64>,
-    /// Numbers of captured blocks by their former role, sorted by role. All other captured blocks
-    /// were free.
+    /// Number of captured blocks with each former role, sorted by role. All other captured blocks
+    /// had never been captured before.
     pub released: Vec<(String, usize)>,
 }
 
-/// Returns the captures of a program, sorted by phase and roles.
+/// Returns a summary of each capture of a program, sorted by phase and roles.
 pub fn captures(program: &EnsembleProgram, tally: WaitsTally) -> Vec<CaptureSummary> {
     (tally.finish().into_iter())
         // Pre-attached blocks have no waiting times.
@@ -220,7 +226,7 @@ pub fn captures(program: &EnsembleProgram, tally: WaitsTally) -> Vec<CaptureSumm
 }
 
 impl CaptureSummary {
-    /// Returns the name of the capture: `grow: A.up -> B`.
+    /// Returns the name of the capture, such as `grow: A.up -> B`.
     pub fn label(&self) -> String {
         let again = match self.repetition {
             0 => String::new(),

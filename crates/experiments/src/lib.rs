@@ -1,6 +1,6 @@
 //! Analysis of ensembles: comparison, sweeps, trades of accuracy for speed, calibration and fits.
 //!
-//! Everything here is a function of a manifest and its runs.
+//! Every result is a function of a manifest and its runs only.
 pub mod calibration;
 mod captures;
 mod comparison;

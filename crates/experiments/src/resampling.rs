@@ -1,8 +1,9 @@
-//! Bootstrap over runs in a single pass: a draw for each run determines its weight in each sample.
+//! Bootstrap over runs in a single pass. A random draw for each run gives its weight in each
+//! bootstrap sample.
 //!
 //! Weights are Poisson with mean 1, close to the multinomial weights of the usual bootstrap for
-//! many runs. They are keyed by seed and run, so sums do not depend on the order of runs, and all
-//! statistics of a run use the same weights.
+//! many runs. They depend only on seed and run number. Sums therefore do not depend on the order of
+//! runs, and all statistics of a run use the same weights.
 //!
 //! # Source
 //!
@@ -14,7 +15,7 @@ use crate::statistics::quantile;
 /// Number of bootstrap samples.
 pub const SAMPLES: usize = 200;
 
-/// Returns the weight of a run in each sample.
+/// Returns the weight of a run in each bootstrap sample.
 pub fn weights(seed: u64, run: u64) -> [u8; SAMPLES] {
     let mut draws = Draws::new(seed, run, Stream::Resample);
     let mut draws = draws.step(0);
@@ -31,7 +32,7 @@ pub fn weights(seed: u64, run: u64) -> [u8; SAMPLES] {
 fn poisson(probability: f64) -> u8 {
     let (mut number, mut term) = (0, (-1.0_f64).exp());
     let mut reached = term;
-    // 12 is exceeded with a probability below 2^-33, and no draw is nearer to 1.
+    // A value above 12 has a probability below 2^-33, and no random draw is that close to 1.
     while probability > reached && number < 12 {
         number += 1;
         term /= f64::from(number);
@@ -40,33 +41,34 @@ fn poisson(probability: f64) -> u8 {
     number
 }
 
-/// Sum over runs, for the original and for each sample.
+/// Sum over runs, with the sum in each bootstrap sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replicates {
     runs: usize,
     sum: f64,
-    /// Sums of the samples. Empty before the first run.
+    /// Sum in each bootstrap sample. Empty before the first run.
     samples: Vec<f64>,
 }
 
-/// Ratio of two sums, such as counts over time.
+/// Ratio of two sums, such as a count divided by a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ratio {
     /// Ratio over all runs.
     pub value: f64,
-    /// Middle 95 % of the samples. `None` for fewer than two runs.
+    /// Interval that contains the middle 95 % of the bootstrap samples. `None` for fewer than two
+    /// runs.
     pub interval: Option<(f64, f64)>,
 }
 
 impl Ratio {
-    /// Returns whether half of the interval is at most the value.
+    /// Returns whether the half-width of the interval is at most the value itself.
     pub fn is_certain(&self) -> bool {
         (self.interval).is_some_and(|(low, high)| high - low <= 2.0 * self.value)
     }
 }
 
 impl Replicates {
-    /// Adds the value of a run with its [`weights`].
+    /// Adds the value of a run. `weights` are the run's [`weights`].
     pub fn add(&mut self, much: f64, weights: &[u8]) {
         self.samples.resize(SAMPLES, 0.0);
         self.runs += 1;
@@ -76,7 +78,7 @@ impl Replicates {
         }
     }
 
-    /// Adds another sum over the same runs.
+    /// Adds another sum over the same runs to this one.
     pub fn join(&mut self, other: &Replicates) {
         self.samples.resize(SAMPLES, 0.0);
         self.runs = self.runs.max(other.runs);
@@ -86,8 +88,8 @@ impl Replicates {
         }
     }
 
-    /// Returns the ratio of this sum to `times` the other sum. Returns `None` if the other sum is
-    /// 0.
+    /// Returns this sum divided by the product of `times` and the other sum. Returns `None` if the
+    /// other sum is 0.
     pub fn over(&self, other: &Replicates, times: f64) -> Option<Ratio> {
         if other.sum <= 0.0 {
             return None;
@@ -123,7 +125,7 @@ mod tests {
             }
         }
         let all = runs as f64 * SAMPLES as f64;
-        // e^-1 (1, 1, 1/2), and the rest.
+        // Probabilities of 0, 1 and 2, and of all larger numbers: e^-1 (1, 1, 1/2), and the rest.
         for (count, expected) in counts.into_iter().zip([0.3679, 0.3679, 0.1839, 0.0803]) {
             let error = (expected * (1.0 - expected) / all).sqrt();
             assert!(
@@ -133,7 +135,7 @@ mod tests {
         }
     }
 
-    /// Checks that the interval covers the mean with about the stated probability.
+    /// Checks that the interval covers the mean with about its nominal probability.
     #[test]
     fn intervals_hold_the_mean_in_19_of_20() {
         let ensembles = 400;
@@ -152,8 +154,8 @@ mod tests {
             assert!(low < ratio.value && ratio.value < high);
             inside += u32::from((low..=high).contains(&1.0));
         }
-        // Binomial with 0.93 (percentiles of 60 skewed numbers are slightly short), within four
-        // standard deviations.
+        // A percentile interval of 60 skewed numbers covers 93 %. The tolerance is four standard
+        // deviations of a binomial.
         let share = f64::from(inside) / ensembles as f64;
         assert!((0.87..=0.99).contains(&share), "{share}");
     }

@@ -1,4 +1,4 @@
-//! JSON documents of an ensemble.
+//! JSON documents about an ensemble.
 use serde::Serialize;
 use serde_json::json;
 use stochc_results::Manifest;
@@ -6,7 +6,8 @@ use stochc_results::Manifest;
 /// Version of the format of `sweep.json` and `trade.json`.
 const FORMAT: u32 = 1;
 
-/// Returns a document with the format, the version of stochc and the identity of the ensemble.
+/// Returns a JSON document with `content` and three more fields: format, version of stochc and
+/// identity of the ensemble.
 pub(crate) fn stamped_json(content: &impl Serialize, manifest: &Manifest) -> String {
     let mut value = json!(content);
     value["format"] = FORMAT.into();

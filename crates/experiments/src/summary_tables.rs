@@ -1,14 +1,14 @@
-//! Summary tables. Defined like those of Parquet, but without files.
+//! Summary tables. They are defined like Parquet tables, but not written to files.
 use crate::sweep::{Sweep, SweepPoint};
 use crate::{Comparison, ProgramSummary, Time};
 use stochc_results::parquet::setting_column;
 use stochc_results::parquet::{FilledTable, TableDefinition};
 use stochc_results::{EnsembleProgram, Manifest};
 
-/// Condition of null values in a summary.
+/// Condition for null values in a summary table.
 const UNKNOWN: &str = "unknown";
 
-/// Program with its results.
+/// Row of a summary table: a program with its results.
 struct SummaryRow<'a> {
     program: &'a EnsembleProgram,
     summary: &'a ProgramSummary,
@@ -20,7 +20,7 @@ impl SummaryRow<'_> {
     }
 }
 
-/// Returns the results of each program, with the scene parameters of a sweep.
+/// Returns a table with the results of each program. A sweep adds columns for its scene parameters.
 pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> FilledTable<'a> {
     let mut table = TableDefinition::<SummaryRow<'a>>::new("summary", "a program of the ensemble");
     table.text(
@@ -80,7 +80,7 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
     table.filled(&rows)
 }
 
-/// Adds the columns about the time to completion.
+/// Adds the columns about the completion time.
 fn add_times<'a>(table: &mut TableDefinition<'a, SummaryRow<'a>>, unit: &'static str) {
     table.text("unit", "unit of the times", move |_| unit);
     table
@@ -129,7 +129,7 @@ fn add_times<'a>(table: &mut TableDefinition<'a, SummaryRow<'a>>, unit: &'static
         .null(UNKNOWN);
 }
 
-/// Returns a row for each point of a sweep, with a column for each axis.
+/// Returns a table with a row for each point of a sweep and a column for each axis.
 pub(crate) fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
     fn time(point: &SweepPoint, of: impl Fn(&Time) -> Option<f64>) -> Option<f64> {
         point.time.as_ref().and_then(of)

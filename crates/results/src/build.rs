@@ -1,10 +1,10 @@
-//! Build of `stochc` that made a run.
+//! Identification of the build of `stochc` that made a run.
 //!
-//! A version number changes with a release, but results may change with every change of the
-//! protocol, the rates or the runtime. A digest of their sources identifies a build, equally on
-//! every machine. The output of the compiler is in the manifest.
+//! A version number changes only with a release. Results may change with every change of the
+//! protocol, the rates or the runtime. A digest of their sources identifies a build, with the same
+//! value on every machine. The manifest contains the output of the compiler.
 
-/// Returns the digest of this build: 16 hexadecimal digits.
+/// Returns the digest of the sources of this build: 16 hexadecimal digits.
 pub fn this_build() -> String {
     let sources = [
         stochc_ir::SOURCES,
@@ -17,7 +17,8 @@ pub fn this_build() -> String {
     digest
 }
 
-/// Returns a message if this build adds to or repeats runs of other builds.
+/// Returns a message if `builds`, the builds that made the existing runs, include a build other
+/// than this one.
 pub fn other_build(builds: &[String]) -> Option<String> {
     let this = this_build();
     let other = builds.iter().find(|&build| *build != this)?;

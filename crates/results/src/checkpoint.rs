@@ -32,27 +32,28 @@ const VERSION: u32 = 1;
 
 /// Suffix of the file name of a checkpoint.
 const SUFFIX: &str = ".state";
-/// Limit on the length of the first line [bytes], exclusive.
+/// Exclusive upper limit on the length of the first line \[bytes\].
 const MAX: u64 = 1 << 12;
-/// Length of the checksum at the end [bytes].
+/// Length of the checksum at the end \[bytes\].
 const CHECKSUM: u64 = 4;
 
 /// Number of ticks between two readings of the clock.
 const LOOK_EVERY: u32 = 16;
-/// Reciprocal of the largest share of a run's time that its checkpoints take.
+/// Reciprocal of the largest share of a run's time that may be spent on its checkpoints.
 const SHARE: u32 = 100;
-/// Shortest interval. A stopped run with checkpoints loses at most this time.
+/// Shortest interval between two checkpoints. A run that is stopped loses at most this time.
 const MIN: Duration = Duration::from_secs(10);
 
-/// Interval of checkpoints of a run.
+/// Interval between two checkpoints of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interval {
     /// Writes a checkpoint this time after the last one. Waits longer if writing takes more than a
     /// hundredth of this time.
     ///
-    /// Checkpoints never affect results, so the clock may decide: a kill costs only time.
+    /// The interval is in real time because a kill costs only time. Checkpoints never affect
+    /// results.
     Time(Duration),
-    /// Writes a checkpoint every this number of ticks, at any cost.
+    /// Writes a checkpoint each time this number of ticks has passed, at any cost.
     Ticks(u64),
     /// Writes no checkpoints.
     Never,
@@ -79,7 +80,7 @@ impl std::fmt::Display for Interval {
 /// Error of an interval between checkpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidInterval {
-    /// The text has another form.
+    /// The text does not have the form of an interval.
     #[error("give a time (90s, 5m, 2h), ticks (20000ticks) or `never`")]
     Form,
     /// The interval is zero.
@@ -122,16 +123,16 @@ struct CheckpointHeader {
 enum CheckpointFile {
     /// Valid state of this ensemble and build: its tick, and its range in the file.
     Sound(u64, [u64; 2]),
-    /// Valid state of something else, with a description.
+    /// Valid state of another run or build. Contains a description of the difference.
     Foreign(&'static str),
-    /// Corrupted, with the reason.
+    /// Corrupted file. Contains the reason.
     Damaged(String),
 }
 
 /// Checkpoints of an ensemble.
 #[derive(Debug)]
 pub struct Checkpoints {
-    /// Path of the results folder.
+    /// Path of the results folder that contains the checkpoints.
     path: PathBuf,
     ensemble: String,
     build: String,
@@ -144,8 +145,8 @@ pub struct Checkpoints {
 }
 
 impl Checkpoints {
-    /// Opens the checkpoints in a results folder and moves corrupted ones aside. Ignores those of
-    /// runs that `wants` rejects.
+    /// Opens the checkpoints in a results folder and moves corrupted ones aside. Ignores
+    /// checkpoints of runs that `wants` rejects.
     ///
     /// # Errors
     ///
@@ -189,14 +190,14 @@ impl Checkpoints {
         Ok(checkpoints)
     }
 
-    /// Returns and removes the messages so far: sentences without a period.
+    /// Returns the messages since the last call: sentences without a period. Removes them.
     pub fn notes(&self) -> Vec<String> {
         std::mem::take(&mut *self.notes.lock().expect("no panic while it is locked"))
     }
 
     fn note(&self, note: String) {
         let mut notes = self.notes.lock().expect("no panic while it is locked");
-        // A full disk repeats the same error.
+        // On a full disk, every checkpoint fails with the same error.
         if !notes.contains(&note) {
             notes.push(note);
         }
@@ -226,8 +227,8 @@ impl Checkpoints {
         Ok(())
     }
 
-    /// Removes the checkpoint of a finished run, after `sync` has made its record survive a power
-    /// failure.
+    /// Removes the checkpoint of a finished run. Before that, calls `sync` to make the run's record
+    /// survive a power failure.
     ///
     /// # Errors
     ///
@@ -246,7 +247,7 @@ impl Checkpoints {
         gone(disk::remove(&self.file(key)))
     }
 
-    /// Returns the checkpoints of a run that begins.
+    /// Returns the access of a beginning run to its checkpoints.
     pub(crate) fn of_run(&self, program: usize, run: u64) -> RunCheckpoints<'_> {
         RunCheckpoints {
             all: self,
@@ -314,9 +315,9 @@ pub(crate) struct RunCheckpoints<'a> {
     /// Tick of the last report.
     tick: Cell<u64>,
     calls: Cell<u32>,
-    /// Time and tick of the start or of the last checkpoint.
+    /// Time and tick of the last checkpoint, or of the start of the run.
     since: Cell<(Instant, u64)>,
-    /// Required time since then.
+    /// Required time between the last checkpoint and the next one.
     wait: Cell<Duration>,
     is_due: Cell<bool>,
     /// Whether the run was resumed from a checkpoint.
@@ -324,7 +325,8 @@ pub(crate) struct RunCheckpoints<'a> {
 }
 
 impl RunCheckpoints<'_> {
-    /// Records that a tick begins, and whether the run is asked to stop.
+    /// Records that a tick begins. Decides whether a checkpoint is due. `is_stopped` states whether
+    /// the run is asked to stop.
     pub fn tick(&self, tick: u64, is_stopped: bool) {
         self.tick.set(tick);
         let (then, at) = self.since.get();
@@ -358,7 +360,7 @@ impl RunCheckpoints<'_> {
         }
     }
 
-    /// Returns the checkpoint to resume from.
+    /// Returns the checkpoint that the run can resume from, if there is one.
     pub fn begin(&self) -> Option<Box<dyn Read>> {
         if !self.all.there().contains(&self.key) {
             return None;
@@ -377,7 +379,7 @@ impl RunCheckpoints<'_> {
                 self.has_begun.set(true);
                 Some(Box::new(state))
             }
-            // Another process has finished the run or changed the file.
+            // Another process has finished the run or changed the file in the meantime.
             Err(_) => {
                 self.all.there().remove(&self.key);
                 None
@@ -385,7 +387,8 @@ impl RunCheckpoints<'_> {
         }
     }
 
-    /// Discards a checkpoint that does not allow resuming the run. Returns whether there was one.
+    /// Moves a checkpoint aside that does not fit the run's recording, so that the run restarts.
+    /// Returns whether there was one.
     pub fn begins_anew(&self) -> bool {
         if !self.has_begun.replace(false) {
             return false;
@@ -405,7 +408,7 @@ fn file(path: &Path, (program, run): RunKey) -> PathBuf {
         .join(format!("{program}-{run}{SUFFIX}"))
 }
 
-/// Returns the checkpoints in a results folder, sorted.
+/// Returns the runs with checkpoints in a results folder, with their files, sorted.
 fn list(path: &Path) -> io::Result<Vec<(RunKey, PathBuf)>> {
     let of = |path: &Path| {
         let name = path.file_name()?.to_str()?;
@@ -432,8 +435,7 @@ fn files(path: &Path) -> io::Result<Vec<PathBuf>> {
     }
 }
 
-/// Removes all checkpoints that `wants` rejects, and leftovers, from a folder without running
-/// simulations.
+/// Removes leftovers and all checkpoints that `wants` rejects. No simulation may use the folder.
 ///
 /// # Errors
 ///
@@ -517,7 +519,7 @@ fn read(file: &File) -> io::Result<Result<(CheckpointHeader, [u64; 2]), &'static
     }
 }
 
-/// Accepts that another process has already removed a file.
+/// Converts a "not found" error to success: another process has already removed the file.
 fn gone(removed: io::Result<()>) -> io::Result<()> {
     match removed {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),

@@ -8,10 +8,9 @@ use super::head_start::HeadStartTally;
 use super::observation::Observations;
 use super::{likelihood, observation};
 
-/// Programs to observe: name and source.
+/// Programs to observe for a calibration: name and source.
 ///
-/// Growing structures are required: single blocks next to a fixed structure give errors of 5 to 10
-/// %.
+/// Their structures must grow. Single blocks next to a fixed structure give errors of 5 to 10 %.
 pub const PROGRAMS: [(&str, &str); 25] = [
     ("towers", include_str!("programs/towers.sa")),
     ("wall", include_str!("programs/wall.sa")),
@@ -40,7 +39,7 @@ pub const PROGRAMS: [(&str, &str); 25] = [
     ("fin", include_str!("programs/fin.sa")),
 ];
 
-/// Observations of a scene.
+/// Observed waiting times and head starts of a scene.
 #[derive(Debug)]
 pub struct Calibration {
     pub(super) scene: Scene,
@@ -66,11 +65,12 @@ impl std::fmt::Display for TooFew {
     }
 }
 
-/// Smallest number of captures for a calibration.
+/// Smallest number of captures that allows a calibration.
 pub(super) const MIN: u64 = 100;
 
 impl Calibration {
-    /// Returns an empty calibration of a scene with this [`profile`](super::profile) of its gas.
+    /// Returns a calibration of a scene without observations. `profile` is the
+    /// [`profile`](super::profile) of its gas.
     pub fn new(scene: &Scene, profile: Vec<f64>) -> Calibration {
         Calibration {
             scene: scene.clone(),
@@ -88,7 +88,7 @@ impl Calibration {
         self.head_starts.add(&history);
     }
 
-    /// Returns the rates. `settings` and `seed` are those of the runs.
+    /// Returns the calibrated rates. `settings` and `seed` are those of the runs.
     ///
     /// # Errors
     ///

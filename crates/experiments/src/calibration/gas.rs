@@ -1,16 +1,17 @@
-//! Density profile of the free blocks without captures.
+//! Density profile of the free blocks in a scene without captures.
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_runtime::Settings;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena as _, SceneError, World as _};
 
-/// Ticks until the initial state at rest is forgotten.
+/// Number of ticks until the initial state at rest no longer matters.
 const WARM_UP: u64 = 500;
 
-/// Observation time and interval \[ticks\]. The relative error of a layer's density is about 2 %;
-/// with 4000 ticks it would be 7 %.
+/// Duration of the observation \[ticks\]. The relative error of a layer's density is then about 2
+/// %; with 4000 ticks it would be 7 %.
 const TICKS: u64 = 40_000;
+/// Interval between two observations \[ticks\].
 const EVERY: u64 = 5;
 
 /// Half-width of the observed column above the plate \[block lengths\].

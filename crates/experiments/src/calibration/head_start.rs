@@ -1,21 +1,22 @@
-//! Observation of head starts: captures of blocks released near an open face.
+//! Observation of head starts: captures of blocks that were released near an open face.
 use std::collections::BTreeMap;
 
 use stochc_estimate::{HeadStart, relative};
 
 use super::observation::{History, LATELY, NEAR, WaitingFace};
 
-/// Ticks after which a returning block counts as any other.
+/// Number of ticks after a release. A block that is captured later counts as any other free block.
 const LATEST: u64 = 2 * LATELY;
 
-/// Smallest number of releases for a head start.
+/// Smallest number of releases for estimating a head start.
 const MIN: u32 = 10;
 
-/// Largest delay of a late face \[ticks\]. Messages that take no time arrive within one tick.
+/// Largest delay of a face that opens shortly after the release \[ticks\]. Messages that take no
+/// time arrive within one tick.
 const A_MOMENT: u64 = 2;
 
-/// Tally by lateness of the face and position of the block relative to the open cell
-/// ([`relative`]). Counts releases, captures, and the sum of capture times.
+/// Counts of releases, captures, and the sum of capture times. The key is the lateness of the face,
+/// and the position of the block relative to the open cell ([`relative`]).
 #[derive(Debug, Default)]
 pub(super) struct HeadStartTally(BTreeMap<(bool, u32, i32), (u32, u32, u64)>);
 
@@ -24,7 +25,7 @@ impl HeadStartTally {
     pub fn add(&mut self, history: &History) {
         let released = || history.moves.iter().filter(|it| !it.came);
         for it in released() {
-            // Faces that are open, or open with the release or shortly after.
+            // Faces that are open, or that open with the release or shortly after.
             let open =
                 |wait: &&WaitingFace| wait.since <= it.tick + A_MOMENT && wait.until > it.tick;
             for wait in history.waits.iter().filter(open) {
@@ -39,7 +40,7 @@ impl HeadStartTally {
                 }
                 let ticks = wait.until - it.tick.max(wait.since);
                 let docked = wait.captured == Some(it.body) && ticks <= LATEST;
-                // A block released at the same time was faster.
+                // Another block that was released at the same time was captured first.
                 let beaten = ticks <= LATEST
                     && released().any(|other| {
                         other.body != it.body

@@ -12,7 +12,7 @@ type ParameterMatrix = SMatrix<f64, COUNT, COUNT>;
 /// Largest number of Newton steps.
 const STEPS: usize = 200;
 
-/// Returns the parameters and their covariance row by row.
+/// Returns the most likely parameters, and their covariance row by row.
 pub(super) fn fit(pieces: &[WaitInterval]) -> ([f64; COUNT], Vec<f64>) {
     let loss = |at: &Vector| loss(pieces, at);
     let mut at = Vector::from(Parameters::TYPICAL.0);
@@ -25,7 +25,7 @@ pub(super) fn fit(pieces: &[WaitInterval]) -> ([f64; COUNT], Vec<f64>) {
                 &curvature.diagonal().map(|it| damping * it.abs().max(1.0)),
             );
         let step = damped.cholesky().map(|factor| factor.solve(&slope));
-        // Far from the optimum, longer steps diverge.
+        // Longer steps diverge far from the optimum.
         let step = step.filter(|step| step.amax() < 3.0);
         let tried = step.map(|step| (at - step, loss(&(at - step)), step.amax()));
         match tried {
@@ -46,7 +46,7 @@ pub(super) fn fit(pieces: &[WaitInterval]) -> ([f64; COUNT], Vec<f64>) {
     (at.into(), covariance.transpose().as_slice().to_vec())
 }
 
-/// Returns the second derivatives, by differences of the slopes.
+/// Returns the matrix of second derivatives, by finite differences of the slopes.
 fn curvature(loss: impl Fn(&Vector) -> (f64, Vector), at: &Vector) -> ParameterMatrix {
     let step = 1e-4;
     let columns: Vec<Vector> = (0..COUNT)
@@ -60,7 +60,7 @@ fn curvature(loss: impl Fn(&Vector) -> (f64, Vector), at: &Vector) -> ParameterM
     (matrix + matrix.transpose()) / 2.0
 }
 
-/// Returns the negative logarithm of likelihood and prior, up to a constant, and its slope.
+/// Returns the negative logarithm of likelihood times prior, up to a constant, and its slope.
 fn loss(pieces: &[WaitInterval], at: &Vector) -> (f64, Vector) {
     let parameters = Parameters((*at).into());
     let (mut value, mut slope) = (0.0, Vector::zeros());
@@ -86,7 +86,8 @@ fn loss(pieces: &[WaitInterval], at: &Vector) -> (f64, Vector) {
     (value, slope)
 }
 
-/// Returns the logarithm of the hazard of a capture, which takes at least one tick.
+/// Returns the logarithm of the hazard of a capture after `ticks`. A capture takes at least one
+/// tick.
 fn log_hazard(wait: Wait, ticks: f64) -> f64 {
     wait.hazard(ticks.max(1.0)).max(f64::MIN_POSITIVE).ln()
 }

@@ -1,8 +1,8 @@
-//! Calibration: rates of a scene from physical runs.
+//! Calibration of the rates of a scene from physical runs.
 //!
-//! Growing programs are simulated ([`PROGRAMS`]). Every waiting time is an observation of the rate
-//! law of [`stochc_estimate`], in surroundings that change during the wait. The parameters maximize
-//! the likelihood, with a weak prior from typical scenes.
+//! The simulated [`PROGRAMS`] build growing structures. Every waiting time is an observation of the
+//! rate law of [`stochc_estimate`], in surroundings that change during the wait. The parameters
+//! maximize the likelihood, with a weak prior from typical scenes.
 mod capture_calibration;
 mod gas;
 mod head_start;

@@ -12,7 +12,7 @@ pub(super) const NEAR: u32 = 8;
 pub(super) const LATELY: u64 = 150;
 
 /// Largest observation time of a face, in medians of the completed waiting times. One exponential
-/// waiting time of 65,536 is longer.
+/// waiting time in 65,536 is longer.
 const LONGEST: f64 = 16.0;
 
 /// Events of a run in order of time.
@@ -23,7 +23,7 @@ pub(super) struct History {
     pub waits: Vec<WaitingFace>,
 }
 
-/// Arrival or departure of a block in a cell.
+/// Arrival of a block in a cell, or departure from it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Move {
     pub tick: u64,
@@ -39,7 +39,7 @@ pub(super) struct WaitingFace {
     pub way: Face,
     pub since: u64,
     pub until: u64,
-    /// Captured block. `None` if the run ended first.
+    /// Number of the captured block. `None` if the run ended before a capture.
     pub captured: Option<u32>,
 }
 
@@ -94,7 +94,7 @@ impl History {
 }
 
 impl WaitingFace {
-    /// Returns the squared distance of a cell from the open one \[block lengths^2\], or `None` on
+    /// Returns the squared distance of a cell from the open cell \[block lengths^2\], or `None` on
     /// overflow.
     fn squared_distance(&self, cell: Cell) -> Option<u32> {
         relative(self.cell, self.way, cell).map(|(squared, _)| squared)
@@ -105,14 +105,15 @@ impl WaitingFace {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WaitInterval {
     pub surroundings: Surroundings,
-    /// Start and end, in ticks since the face was switched on.
+    /// Start of the interval, in ticks since the face was switched on.
     pub from: f64,
+    /// End of the interval, in ticks since the face was switched on.
     pub to: f64,
     /// Whether the interval ended with the capture.
     pub captured: bool,
 }
 
-/// All observations of a calibration.
+/// All intervals of waiting times that a calibration observes.
 #[derive(Debug)]
 pub(super) struct Observations {
     pub pieces: Vec<WaitInterval>,
@@ -137,8 +138,9 @@ impl Observations {
         self.pieces.iter().filter(|piece| piece.captured).count() as u64
     }
 
-    /// Returns the intervals without jammed blocks, which the rate law does not cover. The time
-    /// limit does not depend on when a face captures, so it introduces no bias.
+    /// Returns the intervals of faces that did not jam, because the rate law does not include jams.
+    /// All observations are cut at the same time limit. It is independent of each face's capture,
+    /// so the result has no bias.
     pub fn without_jams(&self) -> Vec<WaitInterval> {
         let mut waits: Vec<f64> = (self.pieces.iter())
             .filter(|piece| piece.captured)
@@ -174,7 +176,7 @@ impl Observations {
         }
     }
 
-    /// Adds a waiting time, split when its surroundings change.
+    /// Adds a waiting time. Splits it where its surroundings change.
     fn follow(&mut self, history: &History, wait: &WaitingFace, density: f64, count: u32) {
         let rivals: Vec<&WaitingFace> = (history.waits.iter())
             .filter(|other| other.since < wait.until && other.until > wait.since)

@@ -8,15 +8,15 @@ use crate::comparison::{completion_time, phase_time};
 use crate::statistics::{Difference, KaplanMeier, Mean, Observation, Runs, Summary, TimeSample};
 use stochc_results::{EnsembleProgram, Finished, Manifest};
 
-/// Results of an ensemble.
+/// Results of an ensemble's programs, and of their comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// Unit of the programs' times: ticks, unless converted by [`Comparison::in_seconds`].
     pub time_unit: &'static str,
     /// Results of each program, in the order of the manifest.
     pub programs: Vec<ProgramSummary>,
-    /// Each pair of programs in the same order. In a sweep, only different programs at equal
-    /// values.
+    /// Result for each pair of programs, in the same order. A sweep compares only different
+    /// programs at equal values.
     pub pairs: Vec<Pair>,
     /// Unit of the differences: ticks, or seconds if the programs have different ticks.
     pub unit: &'static str,
@@ -31,29 +31,29 @@ pub struct ProgramSummary {
     pub tick: f64,
     /// Number of phases.
     pub phases: usize,
-    /// Number of captures: the paper's "total units involved".
+    /// Number of captures. Papers call it "total units involved".
     pub captures: u64,
-    /// Mean number of distinct blocks captured by a completed run. `None` if none completed.
+    /// Mean number of distinct blocks that a completed run captures. `None` if no run completed.
     pub blocks_used: Option<f64>,
     /// Mean number of unplanned captures in completed runs. `None` if no run has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unplanned: Option<f64>,
     /// Number of requested runs.
     pub runs: u64,
-    /// Finished runs, the sum of the next four.
+    /// Number of finished runs, the sum of the next four fields.
     pub finished: u64,
     /// Number of completed runs.
     pub completed: u64,
-    /// Runs that timed out in a phase, a competing event. They never complete, and their times are
-    /// infinite.
+    /// Number of runs that timed out in a phase, a competing event. They never complete, so their
+    /// times are infinite.
     pub timed_out: u64,
-    /// Runs that reached the tick limit, `--max-ticks`. Their times are right-censored.
+    /// Number of runs that reached the tick limit, `--max-ticks`. Their times are right-censored.
     pub censored: u64,
-    /// Failed runs, excluded from all times.
+    /// Number of failed runs. They are excluded from all times.
     pub failed: u64,
-    /// Time of the whole run.
+    /// Completion time of a run. `None` if no run has a time.
     pub time: Option<Time>,
-    /// Time of each phase in order. A phase that no run has reached has none.
+    /// Time of each phase in order.
     pub phase_times: Vec<PhaseTime>,
 }
 
@@ -62,9 +62,9 @@ pub struct ProgramSummary {
 pub struct PhaseTime {
     /// Name of the phase.
     pub name: String,
-    /// Index of the phase, from 0. Pre-attached blocks form the first one.
+    /// Index of the phase, from 0. If there are pre-attached blocks, they form phase 0.
     pub number: usize,
-    /// Duration of the phase in the runs that reached it.
+    /// Duration of the phase in the runs that reached it. `None` if no run has reached it.
     pub time: Option<Time>,
 }
 
@@ -75,22 +75,24 @@ pub struct Time {
     pub completed: usize,
     /// Number of incomplete times: timed out or right-censored.
     pub incomplete: usize,
-    /// Mean. With incomplete times, the mean of min(time, horizon), a lower bound.
+    /// Mean. If some times are incomplete, the mean of min(time, horizon), a lower bound of the
+    /// mean.
     pub mean: f64,
     /// Half-width of the 95 % confidence interval of the mean. `None` for fewer than two completed
     /// times.
     pub half_width: Option<f64>,
-    /// Upper limit of the times in the mean, with incomplete times.
+    /// Horizon: upper limit of the times in the mean. `None` if all times are complete.
     pub horizon: Option<f64>,
     /// Shortest completed time.
     pub min: Option<f64>,
-    /// Longest time. `None` with incomplete times.
+    /// Longest time. `None` if some times are incomplete.
     pub max: Option<f64>,
-    /// Standard deviation. `None` with incomplete times.
+    /// Standard deviation. `None` if some times are incomplete.
     pub sd: Option<f64>,
-    /// Median, from Kaplan-Meier with incomplete times. `None` if fewer than half completed.
+    /// Median. If some times are incomplete, by the Kaplan-Meier estimator. `None` if fewer than
+    /// half completed.
     pub median: Option<f64>,
-    /// Coefficient of variation. `None` with incomplete times.
+    /// Coefficient of variation. `None` if some times are incomplete.
     pub cv: Option<f64>,
 }
 
@@ -99,11 +101,12 @@ pub struct Time {
 pub struct Pair {
     /// Name of the first program.
     pub first: String,
-    /// Name of the second.
+    /// Name of the second program.
     pub second: String,
-    /// Completion time of the first minus that of the second. `None` if it cannot be determined.
+    /// Mean completion time of the first program minus that of the second. `None` if it cannot be
+    /// determined.
     pub difference: Option<Difference>,
-    /// Verdict of the comparison. States the reason if the difference is unknown.
+    /// Result of the comparison, with the reason if the difference is unknown.
     #[serde(skip)]
     pub verdict: PairwiseResult,
 }
@@ -119,7 +122,7 @@ impl Comparison {
         tally.finish()
     }
 
-    /// Converts all times and differences to seconds.
+    /// Returns the comparison with all times and differences in seconds.
     pub fn in_seconds(mut self) -> Comparison {
         let seconds = TimeUnit::Seconds.unit();
         if self.time_unit == seconds {
@@ -142,7 +145,7 @@ impl Comparison {
         self
     }
 
-    /// Renames each program by `label`.
+    /// Replaces the name of each program by the result of `label`.
     pub fn relabel(&mut self, label: impl Fn(&str) -> String) {
         let pairs = self.pairs.iter_mut();
         let names = pairs.flat_map(|pair| [&mut pair.first, &mut pair.second]);
@@ -161,7 +164,8 @@ impl Pair {
     }
 }
 
-/// Partial comparison, for runs in the order of program and number. Keeps a few bytes per run.
+/// Accumulator of a comparison. Runs must be added in the order of program and number. Uses a few
+/// bytes per run.
 #[derive(Debug)]
 pub struct ComparisonTally<'a> {
     manifest: &'a Manifest,
@@ -169,7 +173,7 @@ pub struct ComparisonTally<'a> {
     programs: Vec<ProgramTally>,
 }
 
-/// Partial results of a program.
+/// Accumulator for the results of one program.
 #[derive(Clone, Debug, Default)]
 struct ProgramTally {
     finished: u64,
@@ -179,7 +183,7 @@ struct ProgramTally {
     blocks: Mean,
     unplanned: Mean,
     is_any_unplanned: bool,
-    /// Times by run number, in ticks.
+    /// Number and time of each run \[ticks\].
     times: Vec<(u64, Observation)>,
     phase_times: Vec<TimeSample>,
 }
@@ -268,7 +272,7 @@ impl<'a> ComparisonTally<'a> {
     }
 }
 
-/// Returns the last observed time of any run; 0 without runs.
+/// Returns the latest observed time of all runs. Returns 0 without runs.
 pub fn last_seen(observations: impl IntoIterator<Item = Observation>) -> f64 {
     let times = observations.into_iter().map(|observation| observation.time);
     times.fold(0.0, f64::max)
@@ -289,14 +293,14 @@ impl Time {
         others.into_iter().flatten().for_each(|it| *it *= factor);
     }
 
-    /// Computes the statistics of times, which may be incomplete. Returns `None` if there are no
+    /// Returns the statistics of times, which may be incomplete. Returns `None` if there are no
     /// times.
     pub fn new(observations: &[Observation]) -> Option<Time> {
         Time::beside(observations, 0.0)
     }
 
-    /// Computes the statistics for a comparison with other samples. `horizon` is their [last
-    /// observation](last_seen).
+    /// Returns the statistics of times for a comparison with other samples. `horizon` is the
+    /// [latest observation](last_seen) of all samples.
     pub fn beside(observations: &[Observation], horizon: f64) -> Option<Time> {
         let completed: Vec<f64> = observations
             .iter()
@@ -323,8 +327,8 @@ impl Time {
         let curve = KaplanMeier::new(observations)?;
         let horizon = curve.last().max(horizon);
         let mean = curve.restricted_mean(horizon);
-        // The same kind of interval as for complete times. Another kind would jump with the first
-        // incomplete run.
+        // The interval is of the same kind as for complete times. Otherwise, it would jump with the
+        // first incomplete run.
         let spread = Summary::from_values(&curve.contributions(observations, horizon));
         Some(Time {
             completed: completed.len(),
@@ -386,8 +390,8 @@ impl ProgramTally {
 mod tests {
     use super::*;
 
-    /// Checks five runs if the last one is stopped at its completion. Mean and interval are
-    /// unchanged.
+    /// Checks a sample of five runs, with the last run stopped exactly at its completion. Mean and
+    /// interval are unchanged.
     #[test]
     fn an_interval_is_of_one_kind_whether_or_not_a_run_is_stopped() {
         let times = [310.0, 420.0, 500.0, 760.0, 980.0];

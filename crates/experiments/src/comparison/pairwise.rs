@@ -1,29 +1,30 @@
-//! Pairwise tests of programs, for tables, sweeps, reports and trades.
+//! Pairwise tests of programs, as used by tables, sweeps, reports and trades.
 use std::collections::BTreeMap;
 
 use crate::statistics::{Difference, Runs, compare, correct};
 use stochc_results::{ChosenSetting, EnsembleProgram, Varied};
 
-/// Unit of times in a comparison of programs.
+/// Unit of the times in a comparison of programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeUnit {
-    /// All scenes have the same tick.
+    /// Ticks, if the ticks of all scenes have the same length.
     Ticks,
-    /// Ticks differ and are not comparable.
+    /// Seconds, if the ticks of the scenes differ in length.
     Seconds,
 }
 
 /// Program in a comparison.
 #[derive(Clone, Debug)]
 pub struct ComparedProgram<'a> {
-    /// Scene parameters changed by a sweep.
+    /// Scene parameters that a sweep has changed for this program.
     pub varied: &'a [Varied],
-    /// Settings selected by a sweep.
+    /// Settings that a sweep has chosen for this program.
     pub chosen: &'a [ChosenSetting],
-    /// [`Manifest::runs_identity`](stochc_results::Manifest::runs_identity). Programs with the same identity
-    /// have the same runs. `None` if its runs are shared with no other program.
+    /// [`Manifest::runs_identity`](stochc_results::Manifest::runs_identity) of the program.
+    /// Programs with the same identity have the same runs. `None` if no other program has the same
+    /// runs.
     pub identity: Option<String>,
-    /// Runs of the program, in the unit of a [`TimeUnit`].
+    /// Times of the program's runs, in the unit of a [`TimeUnit`].
     pub runs: Runs,
 }
 
@@ -41,18 +42,18 @@ pub struct PairwiseTest {
 /// Result of a pairwise test.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PairwiseResult {
-    /// Both have the same runs of the same program.
+    /// Both programs have the same runs.
     Same,
-    /// Another pair with the same runs has been tested.
+    /// Another pair with the same runs has already been tested.
     Repeated,
-    /// Too few runs, or no spread.
+    /// Not testable: too few runs, or no spread of the times.
     Unknown,
-    /// Estimate with interval and p.
+    /// Estimated difference with its interval and p-value.
     Known(Difference),
 }
 
 impl TimeUnit {
-    /// Returns the common unit of these programs.
+    /// Returns the unit for times of these programs.
     pub fn common<'a>(programs: impl Iterator<Item = &'a EnsembleProgram>) -> TimeUnit {
         let mut ticks = programs.map(|program| program.scene.tick);
         let first = ticks.next();
@@ -71,7 +72,7 @@ impl TimeUnit {
         }
     }
 
-    /// Returns the unit in tables.
+    /// Returns the name of the unit in tables.
     pub fn unit(self) -> &'static str {
         match self {
             TimeUnit::Ticks => "ticks",
@@ -80,10 +81,11 @@ impl TimeUnit {
     }
 }
 
-/// Compares all pairs of programs. In a sweep, only different programs at equal values.
+/// Tests all pairs of programs. In a sweep, tests only pairs of different programs at equal values.
 ///
-/// Equal runs are not compared with each other, and of several pairs with the same runs one is
-/// tested. Each p is also corrected for the number of tested pairs, for the conclusions.
+/// Programs with the same runs are not tested against each other. Of several pairs with the same
+/// runs, only one is tested. Each p-value is also corrected for the number of tested pairs, for the
+/// conclusions.
 pub fn pairwise_tests(groups: &[ComparedProgram]) -> Vec<PairwiseTest> {
     let mut pairs = Vec::new();
     for (i, first) in groups.iter().enumerate() {
@@ -115,14 +117,15 @@ pub fn pairwise_tests(groups: &[ComparedProgram]) -> Vec<PairwiseTest> {
     found
 }
 
-/// Returns the identities of both in a canonical order, or `None` if one has none.
+/// Returns the identities of two programs in a canonical order. Returns `None` if one has no
+/// identity.
 fn identities<'a>(first: &'a ComparedProgram, second: &'a ComparedProgram) -> Option<[&'a str; 2]> {
     let mut both = [first.identity.as_deref()?, second.identity.as_deref()?];
     both.sort_unstable();
     Some(both)
 }
 
-/// Selects one of the pairs with the same runs: the one with the most runs, or the first of
+/// Selects one pair of those that have the same runs: the pair with the most runs, or the first of
 /// several.
 fn tested<'a>(
     groups: &'a [ComparedProgram],
@@ -160,7 +163,7 @@ mod tests {
         }
     }
 
-    /// Checks that equal runs are tested once. Otherwise a folder that is given twice would double
+    /// Checks that equal runs are tested only once. Otherwise, passing a folder twice would double
     /// every p-value.
     #[test]
     fn the_same_runs_are_tested_once() {

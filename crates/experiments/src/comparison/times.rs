@@ -1,4 +1,4 @@
-//! Conversion of outcomes to observations, for all statistics.
+//! Conversion of outcomes of runs to observations, for all statistics.
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 
 use crate::statistics::{Observation, Status};
@@ -6,8 +6,8 @@ use stochc_results::{JournalError, Records};
 
 /// Returns the time to completion of a run in ticks. Returns `None` if the run failed.
 ///
-/// A run that reached its limit of ticks is censored. A run ended by the timeout of a phase never
-/// completes. A timeout ends only slow runs, so the others are not representative for them.
+/// A run that reached its limit of ticks is censored. A run that timed out in a phase never
+/// completes: timeouts stop only slow runs, so other runs do not represent them.
 pub fn completion_time(record: &RunRecord) -> Option<Observation> {
     Some(Observation {
         time: record.ticks as f64,
@@ -15,8 +15,8 @@ pub fn completion_time(record: &RunRecord) -> Option<Observation> {
     })
 }
 
-/// Returns the status at the end of a run of all events that it did not reach. Returns `None` if
-/// the run failed.
+/// Returns the status, at the end of a run, of every event that the run did not reach. Returns
+/// `None` if the run failed.
 pub fn completion_status(outcome: &Outcome) -> Option<Status> {
     match outcome {
         Outcome::Completed => Some(Status::Completed),
@@ -28,8 +28,8 @@ pub fn completion_status(outcome: &Outcome) -> Option<Status> {
     }
 }
 
-/// Sorts runs by time to completion, fastest first. A stopped run is slower than all runs that
-/// completed before its stop.
+/// Sorts runs by time to completion, the fastest first. A stopped run counts as slower than all
+/// runs that completed before it was stopped.
 pub fn sort_by_time(runs: &mut [(u64, Observation)]) {
     runs.sort_by(|(_, a), (_, b)| {
         let times = a.at_risk_until().total_cmp(&b.at_risk_until());
@@ -37,7 +37,7 @@ pub fn sort_by_time(runs: &mut [(u64, Observation)]) {
     });
 }
 
-/// Returns the number of the program's run with the median time to completion. Returns `None` if no
+/// Returns the number of the run with the program's median completion time. Returns `None` if no
 /// run has a time.
 ///
 /// # Errors
@@ -55,8 +55,8 @@ pub fn median_run(finished: &Records, program: usize) -> Result<Option<u64>, Jou
     Ok(times.get(middle).map(|&(run, _)| run))
 }
 
-/// Returns the time of a phase in ticks, censored if the run was stopped in the phase. Returns
-/// `None` if the run failed or did not reach the phase.
+/// Returns the duration of a phase \[ticks\]. It is censored if the run was stopped in this phase.
+/// Returns `None` if the run failed or did not reach the phase.
 pub fn phase_time(record: &RunRecord, phase: usize) -> Option<Observation> {
     match &record.outcome {
         Outcome::Failed { .. } => None,

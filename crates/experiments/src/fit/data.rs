@@ -1,4 +1,4 @@
-//! Measured times from a table of comma-separated values.
+//! Measured times of programs, read from a table of comma-separated values.
 use std::collections::{BTreeMap, HashSet};
 use std::fmt;
 
@@ -9,14 +9,14 @@ use super::observed::Observed;
 use crate::statistics::Observation;
 use stochc_text::number;
 
-/// Largest number in a table, so that sums of squares are accurate.
+/// Largest number that a table may contain. Sums of squares stay accurate below it.
 const MAX: f64 = 1e15;
 
 /// Unit of measured times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Unit {
-    /// Ticks of the program's scene.
+    /// Ticks of each program's scene.
     Ticks,
     /// Times in seconds.
     Seconds,
@@ -25,7 +25,7 @@ pub enum Unit {
 /// Error of reading a table.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum DataError {
-    /// The columns are wrong.
+    /// The names or the number of the columns are wrong.
     #[error(
         "its columns are {0}; give `program,ticks` or `program,seconds`, and `stopped` if runs were stopped, with a row for \
          each run, or `program,n,mean_ticks,sd_ticks` (or `_seconds`) with a row for each program"
@@ -39,7 +39,7 @@ pub enum DataError {
         /// Reason why the line is invalid.
         reason: RowError,
     },
-    /// A program has too few runs.
+    /// This program has too few runs.
     #[error("`{0}` has fewer than two runs, or all took the same time; its spread is unknown")]
     TooFew(String),
     /// There are no rows.
@@ -50,16 +50,16 @@ pub enum DataError {
 /// Reason why a row is invalid.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum RowError {
-    /// The program of a summary has two rows.
+    /// The table contains mean values, but two rows for this program.
     #[error("`{0}` has a row already")]
     Repeated(String),
-    /// A cell is not a positive number up to the limit.
+    /// The cell is not a positive number up to the limit.
     #[error("`{0}` is not a number above 0 and up to 1e15")]
     Number(String),
-    /// A cell is not a number of runs.
+    /// The cell is not a valid number of runs.
     #[error("`{0}` is not a number of runs from 2")]
     Runs(String),
-    /// A cell of the column `stopped` has another value.
+    /// The cell of the column `stopped` has an invalid value.
     #[error("`{0}` in `stopped` is neither `true` nor `false`")]
     Stopped(String),
     /// The row has too many or too few cells.
@@ -77,16 +77,16 @@ pub struct MeasuredTimes {
     pub unit: Unit,
     /// Programs with their measured times, in the order of the table.
     pub programs: Vec<(String, Observed)>,
-    /// Frequent equal times, which suggest right-censored runs.
+    /// Times that too many runs share, which suggests right-censored runs.
     pub pile_ups: Vec<PileUp>,
 }
 
-/// Many completed runs of a program with exactly the same time.
+/// Time that many completed runs of a program share exactly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PileUp {
     /// Name of the program.
     pub program: String,
-    /// Time, in the unit of the table.
+    /// The shared time, in the unit of the table.
     pub time: f64,
     /// Number of runs with this time.
     pub count: usize,
@@ -107,7 +107,7 @@ impl fmt::Display for PileUp {
     }
 }
 
-/// Kind of rows of a table.
+/// Meaning of the rows of a table.
 #[derive(Clone, Copy, PartialEq)]
 enum Rows {
     Runs { with_stopped: bool },
@@ -115,8 +115,8 @@ enum Rows {
 }
 
 impl MeasuredTimes {
-    /// Reads a table with a row for each run or for each program. `docs/guides/fit.md` lists the
-    /// columns.
+    /// Reads a table with one row for each run, or one row for each program. `docs/guides/fit.md`
+    /// lists the columns.
     ///
     /// # Errors
     ///
@@ -217,8 +217,8 @@ fn run(record: &StringRecord, with_stopped: bool) -> Result<Observation, RowErro
     }
 }
 
-/// Returns a time that is much more frequent than others: in at least five runs, at least 5 % of
-/// all, and four times as frequent as others.
+/// Returns a time that is much more frequent than the other times. It must occur in at least five
+/// runs and in 5 % of all runs. It must be four times as frequent as each other time.
 fn pile_up(program: &str, runs: &[Observation]) -> Option<PileUp> {
     let completed = runs.iter().filter_map(|run| run.completed_time());
     let mut times: Vec<f64> = completed.collect();
@@ -290,7 +290,7 @@ mod tests {
         };
         assert_eq!((found.time, found.count, found.n), (350.0, 20, 60));
         assert_eq!(table("a,350,true\n").pile_ups, []);
-        // Rounded times also repeat, but evenly.
+        // Rounded times also repeat, but equally often.
         let rows = (0..60).map(|i| format!("a,{}\n", 10 * (1 + i % 6)));
         let rounded = "program,ticks\n".to_owned() + &rows.collect::<String>();
         let found = MeasuredTimes::read(rounded.as_bytes()).unwrap();

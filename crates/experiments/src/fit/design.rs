@@ -1,4 +1,4 @@
-//! Space-filling designs by Latin hypercubes.
+//! Space-filling designs: Latin hypercubes.
 //!
 //! # Source
 //!
@@ -7,10 +7,11 @@ use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-/// Points of a box within the unit cube. Each coordinate is a fraction of the prior of a parameter.
+/// Points of a design in a box within the unit cube. A coordinate is a probability of the prior of
+/// one parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
-    /// Points, one row each.
+    /// Points of the design. Each is a list of coordinates.
     pub points: Vec<Vec<f64>>,
 }
 
@@ -18,7 +19,8 @@ impl Design {
     /// Returns a Latin hypercube of `number` points in a box with these lower and upper ends. Equal
     /// seeds give equal points.
     ///
-    /// In each direction, slices of equal width contain one point each.
+    /// Each direction is divided into `number` slices of equal width. Every slice contains one
+    /// point.
     pub fn latin_hypercube(ends: &[(f64, f64)], number: usize, seed: u64) -> Design {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut points = vec![vec![0.0; ends.len()]; number];

@@ -7,26 +7,24 @@ use super::statistics::TimeStatistics;
 /// Prediction of an [`Emulator`] at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmulatorPrediction {
-    /// Restricted mean, mean square and fraction of incomplete runs, as defined by
-    /// `TimeStatistics`.
+    /// Predicted statistics in the order of [`TimeStatistics`].
     pub of: Vec<f64>,
-    /// Variances of the emulator's errors.
+    /// Variance of the emulator's error for each statistic.
     pub variance: Vec<f64>,
 }
 
-/// Emulator by quadratic polynomials in the parameters, one for each statistic, fitted by least
-/// squares.
+/// Emulator: a quadratic polynomial in the parameters for each statistic, fitted by least squares.
 #[derive(Clone, Debug)]
 pub struct Emulator {
-    /// Centre and half-width of the points in each direction.
+    /// Centre and half-width of the range of points, by direction.
     scale: Vec<(f64, f64)>,
     /// Polynomial of each statistic.
     polynomials: Vec<Polynomial>,
-    /// (XᵀX)⁻¹ of the least squares.
+    /// Matrix (XᵀX)⁻¹ of the least-squares fit.
     inverse: DMatrix<f64>,
     /// Mean leverage of the points.
     mean_leverage: f64,
-    /// Covariance of the statistics of a single run. That of n runs is 1/n of it.
+    /// Covariance of the statistics of one run. The covariance for n runs is 1/n of it.
     unit_covariance: DMatrix<f64>,
 }
 
@@ -36,20 +34,20 @@ struct Polynomial {
     coefficients: DVector<f64>,
     /// Variance of the residuals.
     residual: f64,
-    /// Part of the variance that is not due to scatter of the runs.
+    /// Part of this variance that the scatter of the runs does not explain.
     lack_of_fit: f64,
 }
 
 impl Emulator {
-    /// Returns the number of coefficients for a number of parameters.
+    /// Returns the number of coefficients of a polynomial in `numbers` parameters.
     pub fn terms(numbers: usize) -> usize {
         1 + 2 * numbers + numbers * numbers.saturating_sub(1) / 2
     }
 
-    /// Fits polynomials to the statistics of simulated points, with times limited by `horizon`.
+    /// Fits polynomials to the statistics of simulated points. Times are limited by `horizon`.
     ///
-    /// Returns `None` if the points are collinear or too few: two more than [`Emulator::terms`] are
-    /// needed.
+    /// Returns `None` if the points are collinear or too few: at least two more than
+    /// [`Emulator::terms`] are needed.
     pub fn new(points: &[Simulated], horizon: Option<f64>) -> Option<Emulator> {
         let numbers = points.first()?.at.len();
         let known: Vec<(&Simulated, TimeStatistics)> = (points.iter())
@@ -97,7 +95,7 @@ impl Emulator {
         }
     }
 
-    /// Returns the terms of the polynomials at a point.
+    /// Returns the terms of the polynomials at a point: 1, x, x² and all products.
     fn features(&self, at: &[f64]) -> DVector<f64> {
         DVector::from_vec(features(at, &self.scale))
     }
@@ -107,7 +105,7 @@ impl Emulator {
         (self.polynomials.iter()).map(|it| it.coefficients.dot(features))
     }
 
-    /// Returns the variances of the errors at a leverage.
+    /// Returns the variances of the emulator's errors at a point with this leverage.
     fn variances(&self, leverage: f64) -> impl Iterator<Item = f64> {
         (self.polynomials.iter()).map(move |it| it.residual * leverage + it.lack_of_fit)
     }
@@ -115,8 +113,8 @@ impl Emulator {
     /// Returns the logarithm of the likelihood of statistics of `n` runs at a point, up to a
     /// constant.
     ///
-    /// Uses the mean variance of the design's points. With local variances, unexplained data would
-    /// be likeliest in poorly known regions.
+    /// Uses the variance averaged over the points of the design. With local variances, data that no
+    /// point explains would seem most likely where the emulator is least certain.
     pub(crate) fn log_likelihood(&self, measured: Vec<f64>, n: f64) -> impl Fn(&[f64]) -> f64 {
         let errors: Vec<f64> = self.variances(self.mean_leverage).collect();
         let errors = DMatrix::from_diagonal(&DVector::from_vec(errors));
@@ -141,8 +139,8 @@ impl Emulator {
 }
 
 impl Polynomial {
-    /// Fits one of the statistics of all points. The rows of `matrix` are their terms, and
-    /// `inverse` is its (XᵀX)⁻¹.
+    /// Fits the polynomial of statistic `which`. The rows of `matrix` are the terms at the points,
+    /// and `inverse` is its (XᵀX)⁻¹.
     fn fit(
         statistics: &[TimeStatistics],
         which: usize,
@@ -164,7 +162,7 @@ impl Polynomial {
     }
 }
 
-/// Returns 1, x, x², and all products of two.
+/// Returns the terms 1, x, x², and all products of two coordinates.
 fn features(at: &[f64], scale: &[(f64, f64)]) -> Vec<f64> {
     let x: Vec<f64> = (at.iter().zip(scale))
         .map(|(at, (middle, half))| (at - middle) / half)
@@ -182,7 +180,8 @@ mod tests {
     use super::super::Design;
     use super::*;
 
-    /// Returns quantiles of a gamma distribution of shape 4, permuted by the number of the point.
+    /// Returns `n` quantiles of a gamma distribution of shape 4, in an order that depends on
+    /// `turn`.
     fn times(mean: f64, n: usize, turn: usize) -> Vec<f64> {
         use statrs::distribution::{ContinuousCDF as _, Gamma};
         let gamma = Gamma::new(4.0, 4.0 / mean).unwrap();

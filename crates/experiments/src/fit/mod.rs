@@ -1,10 +1,10 @@
 //! Fits of scene parameters to measured times.
 //!
-//! Bayesian inference with a synthetic likelihood. A simulation has no explicit likelihood, but
-//! mean and spread of its times can be simulated. Programs are simulated at points of the prior
-//! ([`Design`]). For each program, a quadratic polynomial interpolates these statistics and
-//! estimates its own error ([`Emulator`]). The data are compared with it ([`Posterior`]). The
-//! caller runs the simulations.
+//! The method is Bayesian inference with a synthetic likelihood. A simulation has no explicit
+//! likelihood, but the mean and spread of its times can be estimated. Programs are simulated at
+//! points of the prior ([`Design`]). For each program, a quadratic polynomial interpolates these
+//! statistics and estimates its own error ([`Emulator`]). The [`Posterior`] compares the data with
+//! these predictions. The caller runs the simulations.
 //!
 //! # Source
 //!

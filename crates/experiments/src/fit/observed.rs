@@ -1,7 +1,7 @@
 //! Statistics of measured times, which may be right-censored.
 use crate::statistics::{KaplanMeier, Observation, Summary};
 
-/// Required fraction of runs that are observed up to the horizon.
+/// Fraction of runs that must have been observed up to the horizon.
 const FOLLOWED: f64 = 0.5;
 
 /// Statistics of a program's measured completion times.
@@ -11,20 +11,22 @@ pub struct Observed {
     pub n: usize,
     /// Number of right-censored runs.
     pub stopped: usize,
-    /// Upper limit of the times that count, in the unit of the table. `None` if all count.
+    /// Horizon: upper limit of the times that count, in the unit of the table. `None` if all times
+    /// count.
     pub horizon: Option<f64>,
-    /// Mean of the times, each limited by the horizon.
+    /// Mean of the times. Each time is limited by the horizon.
     pub mean: f64,
     /// Standard deviation of the times.
     pub sd: f64,
-    /// Fraction of runs incomplete at the horizon; 0 without one.
+    /// Fraction of runs that were incomplete at the horizon. 0 without a horizon.
     pub incomplete: f64,
-    /// Effective number of runs: as informative as this many without censoring before the horizon.
+    /// Effective number of runs: number of completely observed runs that would be equally
+    /// informative.
     pub effective_n: f64,
 }
 
 impl Observed {
-    /// Returns the statistics from mean and standard deviation.
+    /// Returns the statistics for a given mean and standard deviation.
     pub(crate) fn from_summary(n: usize, mean: f64, sd: f64) -> Observed {
         Observed {
             n,
@@ -37,7 +39,7 @@ impl Observed {
         }
     }
 
-    /// Computes the statistics of runs, which may be right-censored. Returns `None` for too few
+    /// Returns the statistics of runs, which may be right-censored. Returns `None` for too few
     /// runs.
     ///
     /// # Source
@@ -70,7 +72,7 @@ impl Observed {
         let n = runs.len() as f64;
         let mean = curve.restricted_mean(end).mean;
         let variance = (second_moment(&curve) - mean * mean).max(0.0);
-        // Without a horizon, the sample variance, as for complete runs.
+        // Without a horizon, use the sample variance, as for complete runs.
         let correction = if horizon.is_some() {
             1.0
         } else {
@@ -90,14 +92,14 @@ impl Observed {
         })
     }
 
-    /// Returns the mean square of the times, each limited by the horizon.
+    /// Returns the mean square of the times. Each time is limited by the horizon.
     pub(super) fn second_moment(&self) -> f64 {
         self.mean * self.mean + self.sd * self.sd
     }
 }
 
-/// Returns the latest censoring time that enough runs reached under observation. Equal to the limit
-/// if all runs have the same limit.
+/// Returns the end of the time range that enough runs were observed for. If all runs have the same
+/// limit, this is the limit.
 ///
 /// Returns `None` if enough runs were observed to completion.
 fn horizon(runs: &[Observation]) -> Option<f64> {
@@ -106,7 +108,7 @@ fn horizon(runs: &[Observation]) -> Option<f64> {
         .map(|run| run.time)
         .collect();
     stops.sort_by(f64::total_cmp);
-    // Fraction of the runs longer than `time` that were still observed at that time.
+    // Returns whether enough of the runs that lasted longer than `time` were still observed then.
     let is_followed = |followed: usize, incomplete: f64| {
         followed as f64 >= FOLLOWED * incomplete * runs.len() as f64
     };
@@ -122,7 +124,7 @@ fn horizon(runs: &[Observation]) -> Option<f64> {
     stops.iter().rev().find(is_horizon).copied()
 }
 
-/// Returns the mean square of times: twice the integral of S(t) t.
+/// Returns the mean square of times: twice the integral of t S(t).
 fn second_moment(curve: &KaplanMeier) -> f64 {
     let (mut sum, mut began, mut incomplete) = (0.0, 0.0, 1.0);
     for point in curve.curve() {
@@ -133,7 +135,7 @@ fn second_moment(curve: &KaplanMeier) -> f64 {
     sum + incomplete * (end * end - began * began)
 }
 
-/// Returns the number of runs without censoring before the horizon that give the same variance of
+/// Returns the effective number of runs: the number of uncensored runs with the same variance of
 /// the restricted mean.
 fn effective_n(curve: &KaplanMeier, runs: &[Observation], mean: f64, variance: f64) -> f64 {
     let end = curve.last();
@@ -178,7 +180,7 @@ mod tests {
         let found = Observed::from_runs(&runs(&times, &[3.0, 5.0])).unwrap();
         assert_eq!((found.stopped, found.horizon), (2, None));
         assert!((40.0..41.9).contains(&found.effective_n), "{found:?}");
-        // The weight of an early censored run is shared among longer ones.
+        // The runs that lasted longer share the weight of an early censored run.
         assert!(found.mean > 20.5 && found.mean < 21.5, "{found:?}");
         let complete = Observed::from_runs(&runs(&times, &[])).unwrap();
         assert_eq!((complete.mean, complete.effective_n), (20.5, 40.0));

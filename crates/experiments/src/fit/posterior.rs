@@ -12,45 +12,48 @@ use super::Prior;
 use super::simulated::is_within;
 use crate::statistics::quantile;
 
-/// Number of draws from the posterior.
+/// Number of draws from the posterior distribution.
 const DRAWS: usize = 4_000;
 
-/// Steps of each draw at every temperature.
+/// Number of steps that each draw takes at each temperature.
 const MOVES: usize = 12;
 
-/// Smallest width of a box as a fraction of the prior, so that a polynomial can be fitted.
+/// Smallest width of a box, as a fraction of the prior. Narrower boxes do not allow fitting a
+/// polynomial.
 const MIN: f64 = 0.1;
 
-/// Draws from a posterior. Each coordinate is a fraction of the prior of a parameter.
+/// Draws from a posterior distribution. Each coordinate is a probability of the prior of one
+/// parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posterior {
-    /// Draws, one row each.
+    /// Draws. Each is a list of coordinates.
     pub draws: Vec<Vec<f64>>,
 }
 
-/// Marginal posterior of one parameter.
+/// Marginal posterior distribution of one parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Marginal {
     /// Name of the parameter.
     pub of: String,
-    /// Unit of the values. Empty without unit.
+    /// Unit of the values. Empty if the parameter has no unit.
     pub unit: String,
     /// Median of the posterior.
     pub median: f64,
     /// 95 % interval of the posterior.
     pub interval: (f64, f64),
-    /// Width of the interval as a fraction of the prior's. Near 1, the data do not constrain the
-    /// parameter.
+    /// Width of the interval, as a fraction of the prior's width. If it is near 1, the data do not
+    /// constrain the parameter.
     pub width: f64,
-    /// Whether the posterior is concentrated at an end of the prior. The true value may be outside.
+    /// Whether the posterior is concentrated at an end of the prior. The true value may then be
+    /// outside.
     pub is_at_edge: bool,
 }
 
 impl Posterior {
-    /// Samples a posterior with a uniform prior in a box with these lower and upper ends. Equal
+    /// Draws from a posterior. The prior is uniform in a box with these lower and upper ends. Equal
     /// seeds give equal draws.
     ///
-    /// The likelihood is introduced in steps that keep half of the draws effective.
+    /// The likelihood is introduced in steps. Each step keeps half of the draws effective.
     pub fn sample(
         ends: &[(f64, f64)],
         log_likelihood: impl Fn(&[f64]) -> f64,
@@ -95,7 +98,7 @@ impl Posterior {
         Posterior { draws }
     }
 
-    /// Returns the marginal of parameter `i` with this prior.
+    /// Returns the marginal posterior of parameter `i`, whose prior is given.
     pub fn marginal(&self, i: usize, prior: &Prior) -> Marginal {
         let shares: Vec<f64> = self.draws.iter().map(|draw| draw[i]).collect();
         let at = |share| quantile(&shares, share).unwrap_or(0.5);
@@ -106,8 +109,8 @@ impl Posterior {
                 .filter(|share| (*share - end).abs() < MIN)
                 .count()
         };
-        // A uniform distribution has a tenth of its draws there. Three times as many indicate an
-        // edge.
+        // A uniform distribution has a tenth of its draws at each end. Three times this number
+        // indicates an edge.
         let is_crowded = |end| near(end) as f64 > 3.0 * MIN * shares.len() as f64;
         let (low, high) = prior.outward((low, high));
         Marginal {
@@ -120,7 +123,7 @@ impl Posterior {
         }
     }
 
-    /// Returns a box that contains nearly all draws, with a margin, for the next design.
+    /// Returns a box for the next design. It contains nearly all draws, with a margin.
     pub fn surroundings(&self) -> Vec<(f64, f64)> {
         let numbers = self.draws.first().map_or(0, Vec::len);
         let ends = |i: usize| {
@@ -134,7 +137,7 @@ impl Posterior {
     }
 }
 
-/// Returns normalized weights for a likelihood to some power.
+/// Returns the normalized weights of draws for the likelihood raised to `power`.
 fn weights(known: &[f64], power: f64) -> Vec<f64> {
     let most = known.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weights = known.iter().map(|it| (power * (it - most)).exp());
@@ -145,7 +148,7 @@ fn weights(known: &[f64], power: f64) -> Vec<f64> {
     weights.iter().map(|it| it / sum).collect()
 }
 
-/// Returns the power with half of the draws effective, at most 1.
+/// Returns the next power of the likelihood, at most 1. It keeps half of the draws effective.
 fn next_temperature(known: &[f64], heat: f64) -> f64 {
     let of_use = |power: f64| {
         let squares: f64 = weights(known, power - heat).iter().map(|it| it * it).sum();
@@ -164,11 +167,11 @@ fn next_temperature(known: &[f64], heat: f64) -> f64 {
             high = middle
         }
     }
-    // Strictly increasing in spite of rounding.
+    // The power must increase strictly in spite of rounding.
     low.max(heat + 1e-12).min(1.0)
 }
 
-/// Returns indices by weight (systematic resampling).
+/// Returns indices of draws, selected by weight (systematic resampling).
 fn resample(weights: &[f64], offset: f64) -> Vec<usize> {
     let n = weights.len();
     let (mut sum, mut i) = (weights[0], 0);
@@ -184,7 +187,7 @@ fn resample(weights: &[f64], offset: f64) -> Vec<usize> {
         .collect()
 }
 
-/// Returns a matrix from independent normal numbers to steps of a suitable size.
+/// Returns a matrix that turns independent normal numbers into steps of a suitable size.
 fn step(draws: &[Vec<f64>]) -> DMatrix<f64> {
     let numbers = draws[0].len();
     let n = draws.len() as f64;
@@ -205,7 +208,8 @@ fn step(draws: &[Vec<f64>]) -> DMatrix<f64> {
     )
 }
 
-/// Returns a normal number (G. E. P. Box and M. E. Muller, 1958).
+/// Returns a random number from the standard normal distribution (G. E. P. Box and M. E. Muller,
+/// 1958).
 fn normal(random: &mut ChaCha8Rng) -> f64 {
     let (a, b): (f64, f64) = (random.random(), random.random());
     (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()

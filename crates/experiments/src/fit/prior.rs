@@ -1,27 +1,27 @@
-//! Priors: uniform between two values.
+//! Priors of scene parameters: uniform between two values.
 use stochc_ir::scene::Scene;
 
 use crate::sweep::{RangeError, common, digits, logarithmic, number, value, varied};
 use stochc_results::Varied;
 
-/// Scene parameter with its range.
+/// Prior of a scene parameter: its range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prior {
-    /// Name, such as `bond.pull`.
+    /// Name of the scene parameter, such as `bond.pull`.
     pub of: String,
-    /// Lower end, in `unit`.
+    /// Lower end of the range, in `unit`.
     pub from: f64,
-    /// Upper end, in `unit`.
+    /// Upper end of the range, in `unit`.
     pub to: f64,
-    /// Unit as given. Empty without unit.
+    /// Unit as the user wrote it. Empty if the parameter has no unit.
     pub unit: String,
-    /// Whether the logarithm is uniformly distributed, instead of the value.
+    /// Whether the logarithm of the value is uniformly distributed, instead of the value.
     pub is_logarithmic: bool,
     /// Whether the parameter must be an integer. Set by [`Prior::of_scene`].
     pub is_whole: bool,
 }
 
-/// Smallest range of an integer parameter for a polynomial.
+/// Smallest range of an integer parameter that allows fitting a polynomial.
 const MIN_SPAN: f64 = 4.0;
 
 impl Prior {
@@ -57,12 +57,11 @@ impl Prior {
         })
     }
 
-    /// Checks the prior against a scene.
+    /// Checks the prior against a scene and returns it.
     ///
     /// # Errors
     ///
-    /// If the scene lacks the parameter, an end is out of range, or an integer range is
-    /// too short.
+    /// If the scene lacks the parameter, an end is out of range, or an integer range is too short.
     pub fn of_scene(self, scene: &Scene) -> Result<Prior, RangeError> {
         let number = number(scene, &self.of)?;
         for end in [self.from, self.to] {
@@ -77,7 +76,7 @@ impl Prior {
         })
     }
 
-    /// Returns the value at a probability of the prior, 0 to 1, in `unit`.
+    /// Returns the value at a probability of the prior, from 0 to 1, in `unit`.
     pub fn value(&self, share: f64) -> f64 {
         if self.is_logarithmic {
             self.from * (self.to / self.from).powf(share)
@@ -86,7 +85,7 @@ impl Prior {
         }
     }
 
-    /// Returns the probability of the prior below a value.
+    /// Returns the probability that the prior gives to values below `value`.
     fn share(&self, value: f64) -> f64 {
         let share = if self.is_logarithmic {
             (value / self.from).ln() / (self.to / self.from).ln()
@@ -96,7 +95,7 @@ impl Prior {
         share.clamp(0.0, 1.0)
     }
 
-    /// Returns the probability nearest to `share` that has a valid value.
+    /// Returns the probability nearest to `share` whose value is valid, such as an integer.
     pub fn possible(&self, share: f64) -> f64 {
         if self.is_whole {
             self.share(self.value(share).round())
@@ -105,7 +104,7 @@ impl Prior {
         }
     }
 
-    /// Extends an interval of probabilities to valid values.
+    /// Extends an interval of probabilities until the values at its ends are valid.
     pub fn outward(&self, (low, high): (f64, f64)) -> (f64, f64) {
         if self.is_whole {
             (
@@ -117,7 +116,7 @@ impl Prior {
         }
     }
 
-    /// Extends an interval of probabilities to enough values for a polynomial.
+    /// Extends an interval of probabilities until it has enough values for fitting a polynomial.
     pub fn surroundings(&self, ends: (f64, f64)) -> (f64, f64) {
         let (low, high) = self.outward(ends);
         if !self.is_whole {
@@ -130,7 +129,7 @@ impl Prior {
         (self.share((to - MIN_SPAN).min(from)), self.share(to))
     }
 
-    /// Returns the parameter of a scene at a probability of the prior.
+    /// Returns the scene parameter with its value at a probability of the prior.
     ///
     /// # Errors
     ///
@@ -139,7 +138,7 @@ impl Prior {
         self.varied_to(self.value(share), scene)
     }
 
-    /// Returns the parameter of a scene with a value in `unit`.
+    /// Returns the scene parameter with a value that is given in `unit`.
     ///
     /// # Errors
     ///
@@ -155,7 +154,7 @@ impl Prior {
     }
 }
 
-/// Returns whether a text like `6` would be read as a number of values in a sweep.
+/// Returns whether a sweep would read a text, such as `6`, as a number of values.
 fn is_count(text: &str) -> bool {
     !text.trim().is_empty() && text.trim().chars().all(|c| c.is_ascii_digit())
 }

@@ -8,55 +8,55 @@ use super::posterior::{Marginal, Posterior};
 use super::prior::Prior;
 use crate::statistics::quantile;
 
-/// Result of a fit.
+/// Result of fitting scene parameters to measured times.
 #[derive(Clone, Debug, Serialize)]
 pub struct Fit {
     /// Unit of all times.
     pub unit: Unit,
-    /// Marginal of each parameter, in the order of the priors.
+    /// Marginal posterior of each parameter, in the order of the priors.
     pub numbers: Vec<Marginal>,
-    /// Correlations of the parameters in the posterior.
+    /// Correlation of each pair of parameters in the posterior.
     pub correlations: Vec<Vec<f64>>,
     /// Prediction for each program.
     pub predictions: Vec<Prediction>,
-    /// Number of simulated points in all rounds.
+    /// Number of points that were simulated in all rounds.
     pub points: usize,
-    /// Number of runs at these points.
+    /// Number of runs at all these points.
     pub runs: usize,
-    /// Number of incomplete runs whose times the fit needs.
+    /// Number of incomplete runs whose completion times the fit would need.
     pub stopped: usize,
-    /// Draws from the posterior, in the units of the priors.
+    /// Draws from the posterior, in the units of the priors. Each is a list of values.
     pub draws: Vec<Vec<f64>>,
 }
 
-/// Times of a program in a fit.
+/// Data of a program in a fit: measured times, or a number of runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measurement {
     /// Name of the program.
     pub program: String,
-    /// Number of runs, measured or to be predicted.
+    /// Number of runs: measured runs, or runs to predict.
     pub n: usize,
     /// Measured times. `None` if the program is only predicted.
     pub observed: Option<Observed>,
-    /// Whether the fit uses the program. `false` if it was held out or has no data.
+    /// Whether the parameters are fitted to the program. `false` if it was held out or has no data.
     pub is_fitted: bool,
 }
 
 impl Measurement {
-    /// Returns the upper limit of the times that count, in the unit of the table. `None` if all
-    /// count.
+    /// Returns the horizon, in the unit of the table: the upper limit of the times that count.
+    /// Returns `None` if all times count.
     pub fn horizon(&self) -> Option<f64> {
         self.observed.as_ref()?.horizon
     }
 
-    /// Returns the effective number of runs without early censoring.
+    /// Returns the effective number of runs, which accounts for early censoring.
     fn effective_n(&self) -> f64 {
         let observed = self.observed.as_ref();
         observed.map_or(self.n as f64, |it| it.effective_n)
     }
 }
 
-/// Posterior prediction of a statistic.
+/// Predicted value of a statistic with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
     /// Median of the prediction.
@@ -94,31 +94,31 @@ impl Interval {
 /// Posterior prediction of a program's times for a new measurement of the same size.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Prediction {
-    /// Measured times, or the number of runs to predict.
+    /// Data of the program.
     #[serde(flatten)]
     pub of: Measurement,
-    /// Mean of the times, each limited by the horizon.
+    /// Mean of the times. Each time is limited by the horizon.
     pub mean: Interval,
-    /// Standard deviation. `None` with a horizon.
+    /// Standard deviation. `None` if there is a horizon.
     pub sd: Option<Interval>,
-    /// Fraction of runs incomplete at the horizon. `None` without one.
+    /// Fraction of runs that are incomplete at the horizon. `None` without a horizon.
     pub incomplete: Option<Interval>,
 }
 
 impl Prediction {
-    /// Returns whether the measured mean is within its interval.
+    /// Returns whether the measured mean is within its predicted interval.
     pub fn has_mean(&self) -> bool {
         let observed = self.of.observed.as_ref();
         observed.is_none_or(|observed| self.mean.has(observed.mean))
     }
 
-    /// Returns whether the measured standard deviation is within its interval.
+    /// Returns whether the measured standard deviation is within its predicted interval.
     pub fn has_sd(&self) -> bool {
         let pair = self.of.observed.as_ref().zip(self.sd);
         pair.is_none_or(|(observed, sd)| sd.has(observed.sd))
     }
 
-    /// Returns whether the measured fraction of incomplete runs is within its interval.
+    /// Returns whether the measured fraction of incomplete runs is within its predicted interval.
     pub fn has_incomplete(&self) -> bool {
         let pair = self.of.observed.as_ref().zip(self.incomplete);
         pair.is_none_or(|(observed, incomplete)| incomplete.has(observed.incomplete))
@@ -127,14 +127,14 @@ impl Prediction {
 
 /// Program of a fit, with its emulator.
 pub struct FittedProgram<'a> {
-    /// Measured times, or the number of runs to predict.
+    /// Data of the program.
     pub measurement: &'a Measurement,
-    /// Emulator of its simulations.
+    /// Emulator of the program's simulated times.
     pub emulator: &'a Emulator,
 }
 
 impl Observed {
-    /// Returns the statistics that an emulator interpolates.
+    /// Returns the measured values of the statistics that an emulator predicts.
     fn statistics(&self) -> Vec<f64> {
         match self.horizon {
             None => vec![self.mean.ln(), self.sd.ln()],
@@ -147,8 +147,8 @@ impl Observed {
 }
 
 impl Posterior {
-    /// Returns the posterior of the parameters, given the fitted programs, within the box of the
-    /// emulators. Outside, the emulators have no information.
+    /// Returns the posterior of the parameters, given the data of the fitted programs. The box with
+    /// these ends is the range of the emulators. They give no information outside of it.
     pub fn new(ends: &[(f64, f64)], programs: &[FittedProgram], seed: u64) -> Posterior {
         let fitted = programs.iter().filter(|it| it.measurement.is_fitted);
         let likelihoods: Vec<_> = fitted
@@ -162,7 +162,7 @@ impl Posterior {
         Posterior::sample(ends, likelihood, seed)
     }
 
-    /// Returns the prediction for a measurement of a program.
+    /// Returns the prediction for a repeated measurement of a program.
     pub fn predict(&self, program: &FittedProgram) -> Prediction {
         let measurement = program.measurement;
         let chance = program
@@ -174,7 +174,7 @@ impl Posterior {
                 .map(|(i, draw)| {
                     let estimate = program.emulator.estimate(draw);
                     let sd = (estimate.variance[which] + chance[which]).sqrt();
-                    // Errors at evenly spread quantiles, by a deterministic sequence.
+                    // The errors are at evenly spread quantiles, from a deterministic sequence.
                     let share = (i as f64 * 0.618_033_988_749_894_9 + 0.5).fract();
                     estimate.of[which] + sd * normal_at(share)
                 })
@@ -201,7 +201,7 @@ impl Posterior {
         }
     }
 
-    /// Returns the correlations of all parameters.
+    /// Returns the correlation of each pair of parameters.
     pub fn correlations(&self) -> Vec<Vec<f64>> {
         let numbers = self.draws.first().map_or(0, Vec::len);
         let n = self.draws.len() as f64;
@@ -245,15 +245,16 @@ mod tests {
     use super::*;
     use crate::statistics::Observation;
 
-    /// Returns sums of four waiting times, whose mean is a function of two parameters.
+    /// Returns simulated times: sums of four waiting times whose mean is a function of two
+    /// parameters.
     fn times(random: &mut ChaCha8Rng, at: &[f64], n: usize) -> Vec<f64> {
         let mean = (6.0 - 1.2 * at[0] + 0.4 * at[1] * at[0]).exp();
         let wait = |random: &mut ChaCha8Rng| -(1.0 - random.random::<f64>()).ln() * mean / 4.0;
         (0..n).map(|_| (0..4).map(|_| wait(random)).sum()).collect()
     }
 
-    /// Runs two rounds of a fit of the first parameter, to times measured at `truth` that may be
-    /// censored.
+    /// Returns the result of two rounds of a fit of the first parameter. The times are measured at
+    /// `truth`; run `i` is censored at `limit(i)`.
     fn fitted(
         random: &mut ChaCha8Rng,
         truth: &[f64],
@@ -303,7 +304,7 @@ mod tests {
     }
 
     /// Checks the coverage of 95 % intervals if run `i` of a measurement is censored at `limit(i)`.
-    /// The mean time is 221 at the centre of the range. Returns the mean width of the intervals.
+    /// The mean time is 221 at the centre of the range. Returns the intervals' mean width.
     fn check_coverage(limit: impl Fn(usize) -> f64) -> f64 {
         const TRIALS: u64 = 60;
         let (mut held, mut widths) = (0, 0.0);
@@ -316,7 +317,8 @@ mod tests {
         }
         let width = widths / TRIALS as f64;
         println!("{held} of {TRIALS}, mean width {width}");
-        // Binomial: 52 or fewer of 60 have a probability of 1 %.
+        // By the binomial distribution, at most 52 of 60 intervals contain the truth with a
+        // probability of 1 %.
         assert!(held >= 52, "{held} of {TRIALS}");
         width
     }
@@ -327,8 +329,8 @@ mod tests {
         assert!(width < 0.5, "the data say something");
     }
 
-    /// Checks intervals if runs are stopped: half of them, three quarters, a few at any time, or
-    /// half of them early.
+    /// Checks intervals if runs are stopped. The cases are half of the runs, three quarters, a few
+    /// at any time, and half of them early.
     #[test]
     fn intervals_hold_what_they_promise_if_runs_are_stopped() {
         let early = |i: usize| match i % 10 {
@@ -342,15 +344,15 @@ mod tests {
             check_coverage(early),
             check_coverage(halves),
         ];
-        // The data are informative: without data, the width is 0.95.
+        // The data constrain the parameter: without data, the width would be 0.95.
         assert!(
             widths.iter().all(|width| *width < 0.75 * 0.95),
             "{widths:?}"
         );
     }
 
-    /// Checks a range that does not contain the truth. The prediction then misses the data, usually
-    /// at the nearest end.
+    /// Checks a prior range that does not contain the truth. The prediction then misses the data,
+    /// usually at the nearest end.
     #[test]
     fn a_truth_beyond_the_range_is_told() {
         let mut at_end = 0;

@@ -1,13 +1,13 @@
-//! Simulated times at points of the design.
+//! Simulated times of a program at a point of the design.
 
-/// The times of a program at a point of the design.
+/// Simulated times of a program at a point of the design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulated {
-    /// The point: a share of the prior for every number.
+    /// Coordinates of the point: a probability of the prior of each parameter.
     pub at: Vec<f64>,
-    /// Times to completion, in the unit of the data.
+    /// Times to completion of the runs, in the unit of the data.
     pub times: Vec<f64>,
-    /// Runs that did not complete.
+    /// Number of runs that did not complete.
     pub incomplete: usize,
 }
 

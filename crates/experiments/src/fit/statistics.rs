@@ -5,14 +5,14 @@ use super::simulated::Simulated;
 
 /// Statistics of a sample of times, with their covariance.
 ///
-/// Without a horizon, they are the logarithms of mean and standard deviation. With a horizon, they
-/// are three means over all runs. These are the means of the time as a fraction of the horizon, of
-/// its square, and of being incomplete. A mean is unbiased for any number of runs, even if nearly
-/// all of them are censored.
+/// Without a horizon, the statistics are the logarithms of mean and standard deviation. With a
+/// horizon, they are three means over all runs: the time as a fraction of the horizon, the square
+/// of this fraction, and the fraction of incomplete runs. A mean is unbiased for any number of
+/// runs, even if nearly all are censored.
 pub struct TimeStatistics {
-    /// Two or three statistics.
+    /// Values of the two or three statistics.
     pub of: DVector<f64>,
-    /// Covariance of the statistics times the number of runs.
+    /// Covariance of the statistics, multiplied by the number of runs.
     pub unit_covariance: DMatrix<f64>,
     /// Number of runs.
     pub n: f64,
@@ -23,7 +23,8 @@ pub struct TimeStatistics {
 const MIN_VARIANCE: f64 = 1e-8;
 
 impl TimeStatistics {
-    /// Computes the statistics. Returns `None` for fewer than three times, or without spread.
+    /// Returns the statistics of simulated times. Returns `None` for fewer than three times, or if
+    /// all times are equal.
     pub fn new(simulated: &Simulated, horizon: Option<f64>) -> Option<TimeStatistics> {
         match horizon {
             None => TimeStatistics::logarithms(&simulated.times),
@@ -31,7 +32,7 @@ impl TimeStatistics {
         }
     }
 
-    /// Returns the logarithms of mean and standard deviation, with the jackknife covariance.
+    /// Returns the logarithms of mean and standard deviation, with their jackknife covariance.
     fn logarithms(times: &[f64]) -> Option<TimeStatistics> {
         let n = times.len() as f64;
         let (sum, squares) = (
@@ -65,7 +66,7 @@ impl TimeStatistics {
         })
     }
 
-    /// Returns the means with a horizon.
+    /// Returns the three means for a horizon.
     fn means(simulated: &Simulated, horizon: f64) -> Option<TimeStatistics> {
         let all = simulated.times.len() + simulated.incomplete;
         if all < 3 {
@@ -113,7 +114,7 @@ mod tests {
         for (found, expected) in found.of.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
-        // For four runs, two of them incomplete.
+        // The sample has four runs, two of them incomplete.
         let of_share = found.unit_covariance[(2, 2)];
         assert!((of_share - 1.0 / 3.0).abs() < 1e-6 && found.n == 4.0);
         let none = Simulated {

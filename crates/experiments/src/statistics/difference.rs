@@ -1,9 +1,10 @@
 //! Significance of the difference of two programs: Student's t test on comparable means.
 //!
-//! There is one estimate and one test. If times are censored, both means are restricted to the time
-//! range that both samples cover. Each run counts with its contribution to the mean
-//! ([`super::KaplanMeier::contributions`]), which is its time if all are known. Estimate, interval
-//! and p are thus consistent, and do not change abruptly with the first censored run.
+//! The same estimate and test serve complete and censored times. If times are censored, both means
+//! are restricted to the time range that both samples cover. Each run counts with its contribution
+//! to the mean ([`super::KaplanMeier::contributions`]). The contribution is its time if all times
+//! are known. Estimate, interval and p are thus consistent, and do not change abruptly with the
+//! first censored run.
 use serde::Serialize;
 
 use super::distribution::{normal_quantile_of, t_quantile, t_two_sided};
@@ -11,39 +12,39 @@ use super::holm::holm;
 use super::runs::{Runs, comparable};
 use super::summary::Summary;
 
-/// Significance level: p of a difference outside the 95 % interval.
+/// Significance level. The p-value of a difference is below it if the 95 % interval excludes zero.
 pub const SIGNIFICANT: f64 = 0.05;
 
-/// Relative difference worth detecting.
+/// Relative difference between programs that is large enough to matter.
 pub const DETECTABLE: f64 = 0.05;
 
-/// Probability of detecting a difference with the suggested number of runs.
+/// Probability that the suggested number of runs detects such a difference.
 pub const POWER: f64 = 0.8;
 
-/// Difference of two samples.
+/// Estimated difference of the means of two samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Difference {
-    /// Test that gave `p`.
+    /// Test that gave the p-value.
     pub test: Test,
-    /// Upper limit of the times that count: the end of the time range that both samples cover.
-    /// `None` if all times are known.
+    /// Horizon: upper limit of the times that count, which is the end of the time range that both
+    /// samples cover. `None` if all times are known.
     pub horizon: Option<f64>,
     /// Mean of the first sample minus that of the second, in the unit of the times.
     pub difference: f64,
     /// Half-width of the 95 % confidence interval of the difference.
     pub half_width: f64,
-    /// Probability of a difference at least this large if there were none.
+    /// p-value: probability of a difference at least this large if the true difference were zero.
     pub p: f64,
     /// `p`, corrected for the number of reported differences (S. Holm, 1979).
     pub p_holm: f64,
-    /// Sample with the longer times.
+    /// Sample with the significantly longer times.
     pub longer: Longer,
-    /// Number of runs of each program that finds a difference of 5 % of the mean with a
-    /// probability of 80 %. `None` if the mean is 0.
+    /// Number of runs of each program that detects a difference of 5 % with a probability of 80 %.
+    /// The percentage is of the mean. `None` if the mean is 0.
     pub runs_for_5_percent: Option<u64>,
 }
 
-/// Test of two samples.
+/// Statistical test of two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum Test {
@@ -52,9 +53,9 @@ pub enum Test {
         /// Number of pairs.
         pairs: usize,
     },
-    /// Welch's t test, two-sided, for independent samples with unequal variances.
+    /// Welch's two-sided t test, for independent samples with unequal variances.
     Welch {
-        /// Degrees of freedom by Welch and Satterthwaite.
+        /// Number of degrees of freedom by Welch and Satterthwaite.
         freedom: f64,
     },
 }
@@ -67,12 +68,12 @@ pub enum Longer {
     First,
     /// The second program takes longer.
     Second,
-    /// The difference is not significant. The correction for the number of differences may be the
-    /// reason.
+    /// The difference is not significant, possibly because of the correction for the number of
+    /// differences.
     NotSignificant,
 }
 
-/// Compares two samples. Returns `None` for too few runs, or without spread.
+/// Compares two samples. Returns `None` for too few runs, or if all times are equal.
 ///
 /// Runs of equal seeds are paired by number. Runs without a partner are ignored.
 pub fn compare(first: &Runs, second: &Runs) -> Option<Difference> {
@@ -109,10 +110,11 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Returns the runs of each program that detect a `difference` with a probability of [`POWER`].
+/// Returns the number of runs of each program that detects a `difference` with a probability of
+/// [`POWER`].
 ///
-/// `error` is the standard error of the difference with the present number of runs. Returns `None`
-/// if the difference is not positive, or on overflow.
+/// `error` is the standard error of the difference with the present numbers of `runs`. Returns
+/// `None` if the difference is not positive, or on overflow.
 ///
 /// # Source
 ///
@@ -120,7 +122,7 @@ fn mean(values: &[f64]) -> f64 {
 fn runs_to_detect(difference: f64, test: Test, error: f64, runs: [usize; 2]) -> Option<u64> {
     let significance = normal_quantile_of(1.0 - SIGNIFICANT / 2.0);
     let noise = (significance + normal_quantile_of(POWER)) * error / difference;
-    // For samples of different sizes, the harmonic mean counts.
+    // For samples of different sizes, use the harmonic mean of the sizes.
     let [first, second] = runs.map(|runs| runs as f64);
     let (runs, small) = match test {
         Test::Paired { pairs } => (pairs as f64, significance.powi(2) / 2.0),
@@ -142,7 +144,7 @@ impl Difference {
     }
 }
 
-/// Corrects reported differences for their number, including the conclusions.
+/// Corrects the p-values and conclusions of reported differences for the number of differences.
 pub fn correct<'a>(differences: impl Iterator<Item = &'a mut Difference>) {
     let differences: Vec<&mut Difference> = differences.collect();
     let p: Vec<f64> = differences.iter().map(|it| it.p).collect();
@@ -165,7 +167,7 @@ impl Longer {
 /// Test, degrees of freedom, estimate and standard error.
 type DifferenceEstimate = (Test, f64, f64, f64);
 
-/// Computes the paired test. Only the pairs must be independent.
+/// Computes the paired test. It requires only that the pairs are independent of each other.
 ///
 /// # Source
 ///
@@ -251,8 +253,8 @@ mod tests {
         assert!((found.difference - found.half_width + 2.4598858).abs() < 1e-7);
     }
 
-    /// Compares with a calculation by hand up to the horizon 5: (2 + 5) / 2 minus (4 + 5) / 2. The
-    /// contributions are 2, 5 and 4, 5.
+    /// Compares with a calculation by hand. Up to the horizon 5, the difference is (2 + 5) / 2
+    /// minus (4 + 5) / 2. The contributions are 2, 5 and 4, 5.
     #[test]
     fn censored_means_are_compared_as_far_as_both_are_known() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];
@@ -262,8 +264,7 @@ mod tests {
         assert_eq!(found.test, Test::Paired { pairs: 2 });
     }
 
-    /// Checks a sample whose last run completes, while the time of the censored run remains
-    /// unknown.
+    /// Checks a sample whose last run completed. The time of its censored run remains unknown.
     #[test]
     fn a_sample_with_a_censored_time_is_known_up_to_its_last() {
         let first = [
@@ -274,7 +275,7 @@ mod tests {
         let second = [4.0, 5.0, 20.0].map(Observation::completed);
         let found = compare(&runs(1, first), &runs(1, second)).unwrap();
         assert_eq!(found.horizon, Some(6.0));
-        // By hand: 2 + 2/3 x 4, and (4 + 5 + 6) / 3.
+        // By hand, the means are 2 + 2/3 x 4 and (4 + 5 + 6) / 3.
         assert!(
             (found.difference - (2.0 + 8.0 / 3.0 - 5.0)).abs() < 1e-12,
             "{found:?}"
@@ -306,8 +307,8 @@ mod tests {
     }
 
     /// Compares with R 4.3: `power.t.test(delta = 5, sd = s, power = 0.8, type = "paired")$n`. `s`
-    /// is the SD of the differences. `type = "two.sample"` uses that of each sample. Results are
-    /// rounded up.
+    /// is the SD of the differences. For `type = "two.sample"`, it is the SD of each sample.
+    /// Results are rounded up.
     #[test]
     fn the_runs_for_a_difference_agree_with_power_t_test() {
         for (sd, pairs, each) in [(10.0, 34, 64), (5.0, 10, 17), (100.0, 3142, 6281)] {
@@ -358,7 +359,7 @@ mod tests {
             let (first, second) = (runs(1, first), runs(seed, second));
             let Some(found) = compare(&first, &second) else { return Ok(()) };
             let is_outside = found.difference.abs() > found.half_width;
-            // Not at the edge, where rounding decides.
+            // Skip values at the edge, where rounding decides.
             if (found.p - SIGNIFICANT).abs() > 1e-9 {
                 prop_assert_eq!(found.p < SIGNIFICANT, is_outside);
             }
@@ -374,8 +375,9 @@ mod tests {
         }
     }
 
-    /// Checks exponential waiting times of two programs with equal means. They share part of their
-    /// randomness, and some are censored. The error rate is about 5 %, also with censoring.
+    /// Checks exponential waiting times of two programs with equal means. The samples share part of
+    /// their randomness, and some times are censored. The rate of false positives is about 5 %,
+    /// also with censoring.
     #[test]
     fn the_interval_covers_what_it_says() {
         // SplitMix64, by G. L. Steele, D. Lea and C. H. Flood (2014).
@@ -407,8 +409,8 @@ mod tests {
                 let found = compare(&runs(1, first), &runs(seed, second)).unwrap();
                 wrong += usize::from(found.longer != Longer::NotSignificant);
             }
-            // 100 are expected, with a standard deviation of 10. Skewed waiting times reduce it
-            // slightly.
+            // The expected number is 100, with a standard deviation of 10. Skewed waiting times
+            // reduce it slightly.
             assert!((60..=140).contains(&wrong), "{wrong} at {limit}, {seed}");
         }
     }

@@ -1,12 +1,13 @@
-//! Distributions for intervals and tests, from `statrs`.
+//! Quantiles and probabilities of distributions, computed by `statrs`.
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Confidence level of every interval.
 const LEVEL: f64 = 0.95;
 
-/// Returns the factor from a standard error to the half-width of a 95 % interval, by Student's t.
+/// Returns the half-width of a 95 % interval as a multiple of the standard error, by Student's t.
 ///
-/// `freedom` is the positive number of degrees of freedom; 49 of them give 2.0096.
+/// `freedom` is the number of degrees of freedom, which must be positive. For 49, the result is
+/// 2.0096.
 pub(super) fn t_quantile(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom)
         .expect("the degrees of freedom are positive")
@@ -20,7 +21,7 @@ pub(super) fn t_two_sided(t: f64, freedom: f64) -> f64 {
     2.0 * t_distribution.sf(t.abs())
 }
 
-/// Returns the value of [`t_quantile`] for a normal distribution: 1.96.
+/// Returns 1.96, the result of [`t_quantile`] for a normal distribution.
 pub(super) fn normal_quantile() -> f64 {
     normal_quantile_of(0.5 + LEVEL / 2.0)
 }

@@ -1,9 +1,10 @@
-//! Correction for multiple tests: Holm's step-down method.
+//! Correction of p-values for multiple tests: Holm's step-down method.
 
-/// Corrects p values so that the probability of any false positive is below the level.
+/// Returns corrected p-values, in the order of `p`. The probability of any false positive is then
+/// below the significance level.
 ///
-/// The k-th smallest of m is multiplied by m - k + 1, and raised to the values before it. Valid for
-/// any dependence of the tests. The corrected values are in the order of the given ones.
+/// The k-th smallest of m values is multiplied by m - k + 1. It is then raised to the previous
+/// corrected value if it is smaller. The correction is valid for any dependence of the tests.
 ///
 /// # Source
 ///

@@ -1,6 +1,6 @@
-//! Mean without further statistics.
+//! Arithmetic mean of a stream of values.
 
-/// Sum of values in order, and their number.
+/// Sum and number of the values added so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mean {
     sum: f64,

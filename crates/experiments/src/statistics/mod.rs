@@ -1,9 +1,9 @@
 //! Statistics of completion times: pure functions without I/O and random numbers.
 //!
-//! A time may be *censored*: a run stopped at tick 40 000 has a longer completion time, not 40 000.
-//! A run that timed out in a phase never completes. [`Observation`] distinguishes these cases.
-//! [`Summary`] is for complete times, [`KaplanMeier`] for incomplete ones. [`compare`] compares two
-//! programs.
+//! A time may be *censored*: the completion time of a run that was stopped at tick 40 000 is longer
+//! than that. A run that timed out in a phase never completes. [`Observation`] distinguishes these
+//! cases. [`Summary`] is for complete times, [`KaplanMeier`] for incomplete ones. [`compare`]
+//! compares two programs.
 mod difference;
 mod distribution;
 mod holm;

@@ -5,7 +5,7 @@
 pub struct Observation {
     /// Time of completion or of the last observation, in any unit; finite and not negative.
     pub time: f64,
-    /// Status at that time.
+    /// Status of the run at that time.
     pub status: Status,
 }
 
@@ -37,7 +37,7 @@ impl Observation {
         }
     }
 
-    /// Returns a run that ended at `time` by its program, so that it never completes.
+    /// Returns a run that ended at `time` by a competing event, so that it never completes.
     pub const fn competing(time: f64) -> Observation {
         Observation {
             time,
@@ -50,7 +50,8 @@ impl Observation {
         self.status == Status::Completed
     }
 
-    /// Returns the end of the time at risk. Infinite if the run never completes.
+    /// Returns the time until which the run is under observation. Returns infinity if the run never
+    /// completes.
     pub fn at_risk_until(self) -> f64 {
         match self.status {
             Status::Completed | Status::Censored => self.time,
@@ -58,7 +59,7 @@ impl Observation {
         }
     }
 
-    /// Returns the time of a completed run.
+    /// Returns the time of a completed run. Returns `None` if the run did not complete.
     pub fn completed_time(self) -> Option<f64> {
         self.is_completed().then_some(self.time)
     }
@@ -70,7 +71,7 @@ pub(super) mod tests {
 
     use super::*;
 
-    /// Times of all kinds, mostly completed.
+    /// Returns a strategy for random observations of all kinds, most of them completed.
     pub(crate) fn observation(times: std::ops::Range<u32>) -> impl Strategy<Value = Observation> {
         let status = prop_oneof![
             3 => Just(Status::Completed),

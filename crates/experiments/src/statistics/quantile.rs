@@ -1,7 +1,7 @@
 //! Quantiles of a sample.
 
-/// Returns the quantile `q`, from 0 to 1, of a sample, or `None` for an empty one. Interpolates
-/// like [`stochc_estimate::quantile`].
+/// Returns the quantile `q` of a sample, or `None` if the sample is empty. `q` is from 0 to 1.
+/// Interpolates like [`stochc_estimate::quantile`].
 pub fn quantile(values: &[f64], q: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -5,27 +5,28 @@ use super::distribution::t_quantile;
 use super::runs::comparable;
 use super::{Observation, Summary};
 
-/// Ratio of two means minus one: 0.04 if the first is 4 % larger.
+/// Relative difference of two means: 0.04 if the first is 4 % larger.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Relative {
-    /// First mean / second mean - 1.
+    /// First mean divided by the second mean, minus one.
     pub value: f64,
     /// Half-width of the 95 % interval. `None` for too few runs.
     pub half_width: Option<f64>,
-    /// Upper limit of the times in both means, if some are incomplete, in the unit of the times.
+    /// Upper limit of the times that count in both means, in the unit of the times. `None` if all
+    /// times are complete.
     pub horizon: Option<f64>,
 }
 
-/// Mean with the data for its interval.
+/// Mean with the data that its interval needs.
 struct MeanEstimate {
     mean: f64,
-    /// Standard error. `None` for a single run.
+    /// Standard error of the mean. `None` for a single run.
     error: Option<f64>,
     freedom: f64,
 }
 
-/// Compares the means of two samples as a ratio. Returns `None` without times, or if the second
-/// mean is 0.
+/// Returns the relative difference of the means of two samples. Returns `None` without times, or if
+/// the second mean is 0.
 ///
 /// The interval follows from the logarithm of the ratio by the delta method. It has the degrees of
 /// freedom of Welch and Satterthwaite. With censoring, both means are restricted to the time range
@@ -75,8 +76,8 @@ impl Relative {
         self.half_width.is_some_and(|half| self.value.abs() > half)
     }
 
-    /// Returns the largest bias that the interval does not exclude, or `None` if it excludes
-    /// nothing.
+    /// Returns the largest absolute value in the interval: a bound on the bias. Returns `None` if
+    /// there is no interval.
     pub fn bound(&self) -> Option<f64> {
         Some(self.value.abs() + self.half_width?)
     }
@@ -117,8 +118,8 @@ mod tests {
         assert_eq!(relative(&completed(&[2.0]), &completed(&[0.0])), None);
     }
 
-    /// Checks four runs that do not complete before 300, while a twentieth of the others does. That
-    /// is not a difference.
+    /// Checks a sample of four runs that do not complete before 300. In the other sample, one run
+    /// in twenty does. This is not a significant difference.
     #[test]
     fn runs_that_show_nothing_exclude_little() {
         let mut reference = vec![Observation::competing(300.0); 95];
@@ -132,8 +133,8 @@ mod tests {
         );
     }
 
-    /// Checks (2 + 9) / 2 against (4 + 6) / 2. The second mean is known for all times, since both
-    /// runs completed.
+    /// Checks the means (2 + 9) / 2 and (4 + 6) / 2. The second mean is known for all times,
+    /// because both runs completed.
     #[test]
     fn a_censored_mean_is_taken_as_far_as_it_is_known() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];
@@ -145,7 +146,7 @@ mod tests {
         assert!((back.value - (1.0 / 1.1 - 1.0)).abs() < 1e-12);
     }
 
-    /// Checks a common horizon of 5: (2 + 5) / 2 against (4 + 5) / 2.
+    /// Checks the means up to a common horizon of 5: (2 + 5) / 2 and (4 + 5) / 2.
     #[test]
     fn two_censored_means_are_taken_to_one_horizon() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];

@@ -1,18 +1,21 @@
-//! Runs by number, for pairing.
+//! Runs of programs by number, so that equal numbers can be paired.
 use super::share::unseen_share_error;
 use super::{KaplanMeier, Observation, Status};
 
-/// Times of a program's runs.
+/// Times of a program's runs with their numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Runs {
-    /// Seed. Runs of equal seeds and numbers have the same random draws in all programs.
+    /// Seed of the runs. Runs with equal seeds and numbers have the same random draws in all
+    /// programs.
     pub seed: u64,
-    /// Number and time of each run, by number, in any unit. Failed runs are excluded.
+    /// Number and time of each run, sorted by number. The unit of time is arbitrary. Failed runs
+    /// are excluded.
     pub times: Vec<(u64, Observation)>,
 }
 
 impl Runs {
-    /// Converts times in ticks to a unit. `tick` is the length of a tick in it.
+    /// Returns the runs with their times converted from ticks to another unit. `tick` is the length
+    /// of a tick in that unit.
     pub fn new(seed: u64, mut times: Vec<(u64, Observation)>, tick: f64) -> Runs {
         for (_, time) in &mut times {
             time.time *= tick;
@@ -20,12 +23,12 @@ impl Runs {
         Runs { seed, times }
     }
 
-    /// Returns the times by number.
+    /// Returns the times, sorted by run number.
     pub fn observations(&self) -> Vec<Observation> {
         self.times.iter().map(|&(_, time)| time).collect()
     }
 
-    /// Returns the runs that have a partner of equal number in `other`.
+    /// Returns the runs whose number also occurs in `other`.
     pub(super) fn shared(&self, other: &Runs) -> Vec<Observation> {
         let has_partner = |number: &u64| {
             let place = other.times.binary_search_by_key(number, |&(it, _)| it);
@@ -36,22 +39,22 @@ impl Runs {
     }
 }
 
-/// Two samples as values whose means can be compared.
+/// Two samples of values whose means can be compared.
 pub(super) struct Comparable {
     /// One value per time, in the order of the sample.
     pub values: [Vec<f64>; 2],
     /// Additional standard error of each mean. If no run completes before the horizon, all values
-    /// are equal. The unknown share of completing runs is then the only error. It is bounded by the
-    /// case that they complete at once.
+    /// are equal. The only error is then the unknown share of runs that would complete. It is
+    /// bounded by the case that these runs complete at once.
     pub unseen: [f64; 2],
     /// Horizon of the restricted means. `None` if all times are known.
     pub horizon: Option<f64>,
 }
 
-/// Returns values whose means are the restricted means of both samples. Returns `None` if a sample
-/// is empty.
+/// Returns values for two samples. Their means are the restricted means of the samples. Returns
+/// `None` if a sample is empty.
 ///
-/// The horizon is the end of the time range with both curves known. If some runs never complete, it
+/// The horizon is the end of the time range that both curves cover. If some runs never complete, it
 /// is at most the last observed time of both samples.
 pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Option<Comparable> {
     let curves = [KaplanMeier::new(first)?, KaplanMeier::new(second)?];
@@ -59,7 +62,7 @@ pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Optio
     let mut horizon = reach.fold(f64::INFINITY, f64::min);
     let mut all = first.iter().chain(second);
     if all.any(|run| run.status == Status::Competing) {
-        // Runs that never complete are known for all times, so the mean requires a finite horizon.
+        // The curve of runs that never complete has no end, so the mean requires a finite horizon.
         horizon = horizon.min(curves[0].last().max(curves[1].last()));
     }
     let values = |curve: &KaplanMeier, sample: &[Observation]| {
@@ -67,7 +70,7 @@ pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Optio
             .iter()
             .all(|run| run.is_completed() && run.time <= horizon)
         {
-            // Bit by bit the original times.
+            // Return the original times, bit for bit.
             return sample.iter().map(|run| run.time).collect();
         }
         curve.contributions(sample, horizon)
@@ -95,8 +98,9 @@ mod tests {
         comparable(first, second).unwrap().horizon
     }
 
-    /// Curves of runs that never complete are known for all times. The horizon is the last observed
-    /// time of both samples, or the end of a known curve.
+    /// Checks the horizon of two samples. Curves of runs that never complete are known for all
+    /// times. The horizon is then the last observed time of both samples, or the end of a known
+    /// curve.
     #[test]
     fn times_count_as_far_as_both_samples_are_known() {
         let done = [1.0, 5.0].map(Observation::completed);

@@ -1,16 +1,16 @@
-//! A compact sample of times.
+//! Compact list of times.
 use super::{Observation, Status};
 
-/// Times in the order of addition. Takes 4 bytes per time while all times are short multiples of a
+/// Times in the order of insertion. Uses 4 bytes per time if all times are short multiples of a
 /// quarter, as ticks usually are.
 #[derive(Clone, Debug)]
 pub struct TimeSample(StoredTimes);
 
 #[derive(Clone, Debug)]
 enum StoredTimes {
-    /// Four times the time, plus the number of the status.
+    /// For each time, four times its value plus the number of its status.
     Short(Vec<u32>),
-    /// Times with their statuses.
+    /// Times, and the status of each.
     Any(Vec<f64>, Vec<Status>),
 }
 
@@ -53,7 +53,7 @@ impl TimeSample {
         self.len() == 0
     }
 
-    /// Returns an iterator over the times.
+    /// Returns an iterator over the times in order.
     pub fn iter(&self) -> impl Iterator<Item = Observation> {
         let (shorts, times, statuses): (&[u32], &[f64], &[Status]) = match &self.0 {
             StoredTimes::Short(times) => (times, &[], &[]),
@@ -64,13 +64,13 @@ impl TimeSample {
         shorts.iter().copied().map(long).chain(others)
     }
 
-    /// Returns all times.
+    /// Returns all times as a list.
     pub fn to_vec(&self) -> Vec<Observation> {
         self.iter().collect()
     }
 }
 
-/// Statuses in the order of their numbers.
+/// Statuses, indexed by their number.
 const STATUSES: [Status; 3] = [Status::Completed, Status::Censored, Status::Competing];
 
 fn short(observation: Observation) -> Option<u32> {

@@ -1,4 +1,4 @@
-//! Confidence interval of a share of runs.
+//! Confidence interval of a share of runs, such as the share of completed runs.
 use super::distribution::normal_quantile;
 
 /// Returns the 95 % interval of the share `k / n`. Returns `None` if the sample is empty.
@@ -17,13 +17,13 @@ pub fn share_interval(k: usize, n: usize) -> Option<(f64, f64)> {
     let middle = (share + z2 / (2.0 * size)) / (1.0 + z2 / size);
     let half =
         (z2 * (share * (1.0 - share) / size + z2 / (4.0 * size * size))).sqrt() / (1.0 + z2 / size);
-    // Exact ends, independent of rounding.
+    // The ends are exact, independent of rounding.
     let low = if k == 0 { 0.0 } else { middle - half };
     let high = if k == n { 1.0 } else { middle + half };
     Some((low, high))
 }
 
-/// Returns the standard error of a share that no run of `n` has shown. Its
+/// Returns the standard error of the share of an outcome that none of `n` runs had. Its
 /// [interval](share_interval) is 1.96 standard errors wide.
 pub fn unseen_share_error(n: usize) -> f64 {
     share_interval(0, n).map_or(1.0, |(_, most)| most) / normal_quantile()

@@ -15,7 +15,7 @@ pub struct Summary {
     /// Half the width of the 95 % confidence interval of the mean, t(0.975, n - 1) SD / sqrt n.
     /// `None` if the sample has a single value.
     ///
-    /// The paper uses 1.96 SD / sqrt n, which is 2.5 % narrower for its n = 50.
+    /// Papers often use 1.96 SD / sqrt n. This is 2.5 % narrower for n = 50.
     pub half_width: Option<f64>,
     /// Smallest value.
     pub min: f64,
@@ -26,13 +26,13 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Summarizes finite values. Returns `None` if there are no values.
+    /// Returns the statistics of finite values. Returns `None` if there are no values.
     pub fn from_values(values: &[f64]) -> Option<Summary> {
         let n = values.len();
         let median = median(values)?;
         let min = values.iter().copied().fold(f64::INFINITY, f64::min);
         let max = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        // For equal values, rounding of the sum would cause a positive standard deviation.
+        // If all values are equal, rounding of the sum would cause a positive standard deviation.
         let mean = if min == max {
             min
         } else {
@@ -51,17 +51,17 @@ impl Summary {
         })
     }
 
-    /// Returns the coefficient of variation, SD / mean, without a unit. It is 1 for exponential
+    /// Returns the coefficient of variation, SD / mean, which has no unit. It is 1 for exponential
     /// times.
     ///
-    /// `None` for a single value or a mean of zero.
+    /// Returns `None` for a single value or a mean of zero.
     pub fn cv(&self) -> Option<f64> {
         Some(self.sd? / self.mean).filter(|cv| cv.is_finite())
     }
 }
 
-/// Returns the median of finite values, the mean of the two middle values for an even number.
-/// Returns `None` if there are no values.
+/// Returns the median of finite values. For an even number of values, returns the mean of the two
+/// middle ones. Returns `None` if there are no values.
 pub fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -77,8 +77,8 @@ pub fn median(values: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Compares with `x.mean(), x.std(ddof=1), np.median(x), st.t.ppf(.975, 7) * x.std(ddof=1) /
-    /// 8**.5`.
+    /// Compares with numpy and scipy: `x.mean(), x.std(ddof=1), np.median(x), st.t.ppf(.975, 7) *
+    /// x.std(ddof=1) / 8**.5`.
     #[test]
     fn a_sample_is_summarized_as_numpy_and_scipy_do() {
         let sample = [

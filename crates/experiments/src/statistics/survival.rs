@@ -1,5 +1,5 @@
-//! Censored times: the Kaplan-Meier estimator (1958), and the cumulative incidence with competing
-//! events.
+//! Statistics of censored times: the Kaplan-Meier estimator (1958), and the cumulative incidence
+//! with competing events.
 use super::distribution::normal_quantile;
 use super::{Observation, Status};
 
@@ -23,11 +23,11 @@ use super::{Observation, Status};
 pub struct KaplanMeier {
     steps: Vec<SurvivalStep>,
     last: f64,
-    /// End of the known part of the curve.
+    /// End of the time range where the curve is known.
     reach: f64,
 }
 
-/// A time with at least one completion.
+/// Step of the curve at a time with at least one completion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SurvivalStep {
     time: f64,
@@ -49,12 +49,12 @@ pub struct SurvivalPoint {
     pub completed: usize,
     /// Share of incomplete runs after this time.
     pub incomplete: f64,
-    /// 95 % confidence interval of the share. `None` after the last completion of all runs, because
-    /// the formula has no value there.
+    /// 95 % confidence interval of the share. `None` once all runs have completed, because the
+    /// formula then has no value.
     pub interval: Option<(f64, f64)>,
 }
 
-/// The mean of min(time, horizon).
+/// Restricted mean: the mean of min(time, horizon).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RestrictedMean {
     /// Restricted mean, a lower bound of the mean, in the unit of the times.
@@ -144,11 +144,11 @@ impl KaplanMeier {
         self.quantile(0.5)
     }
 
-    /// Returns the time when a share of the runs has completed. Returns `None` if the estimate
-    /// stays below this share.
+    /// Returns the time when `share` of the runs have completed. Returns `None` if the estimate
+    /// never reaches this share.
     ///
     /// If the estimate equals the share between two completions, the result is the midpoint of the
-    /// two. The quantile of 0.5 is then the plain median of a sample without censoring.
+    /// two times. Without censoring, the quantile of 0.5 is therefore the sample's median.
     pub fn quantile(&self, share: f64) -> Option<f64> {
         // A product of fractions differs from the exact share by rounding errors.
         const ROUNDING: f64 = 1e-12;
@@ -172,7 +172,7 @@ impl KaplanMeier {
     pub(crate) fn restricted_mean(&self, horizon: f64) -> RestrictedMean {
         let horizon = self.known_until(horizon);
         let steps = &self.steps[..self.steps.partition_point(|step| step.time <= horizon)];
-        // From the right, in the same order as the contributions.
+        // Sum from the right, in the same order as the contributions.
         let mut area = 0.0;
         let mut until = horizon;
         for step in steps.iter().rev() {
@@ -200,7 +200,7 @@ impl KaplanMeier {
         let horizon = self.known_until(horizon);
         let steps = &self.steps[..self.steps.partition_point(|step| step.time <= horizon)];
         let n = observations.len() as f64;
-        // Reduction of the mean by a completion at each step, for all n runs.
+        // Reduction of the mean by a completion at each step, multiplied by the number of runs n.
         let mut loss = vec![0.0; steps.len()];
         let (mut area, mut until) = (0.0, horizon);
         for (loss, step) in loss.iter_mut().zip(steps).rev() {
@@ -211,7 +211,7 @@ impl KaplanMeier {
             }
         }
         let mean = area + until;
-        // Expected reduction of a run that is under observation up to a step.
+        // Expected reduction for a run that is under observation up to a step.
         let expected: Vec<f64> = (loss.iter().zip(steps))
             .scan(0.0, |sum, (loss, step)| {
                 *sum += loss * step.completed as f64 / step.at_risk as f64;
@@ -239,9 +239,9 @@ impl KaplanMeier {
         if known.is_finite() { known } else { self.last }
     }
 
-    /// Returns the end of the known part of the curve, infinite without censoring. If the last run
-    /// completed and others were censored, the curve ends at 0. The remaining times of the censored
-    /// runs are then unknown.
+    /// Returns the end of the time range where the curve is known. Returns infinity without
+    /// censoring. If the last run completed and others were censored, the curve ends at 0. The
+    /// remaining times of the censored runs are then unknown.
     pub fn reach(&self) -> f64 {
         self.reach
     }
@@ -255,8 +255,8 @@ mod tests {
     use crate::statistics::observation::tests::observation;
     use crate::statistics::{Summary, median};
 
-    /// Remission of leukaemia under 6-mercaptopurine \[weeks\] (Freireich et al. 1963). The first
-    /// nine completed, the other twelve are censored.
+    /// Duration of remission of leukaemia under 6-mercaptopurine \[weeks\] (Freireich et al. 1963).
+    /// The first nine times are complete, the other twelve are censored.
     const TREATED: [f64; 21] = [
         6.0, 6.0, 6.0, 7.0, 10.0, 13.0, 16.0, 22.0, 23.0, 6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0,
         25.0, 32.0, 32.0, 34.0, 35.0,
@@ -278,8 +278,8 @@ mod tests {
         KaplanMeier::new(&observed()).unwrap()
     }
 
-    /// Returns Greenwood's standard error of the restricted mean. Without censoring it is SD / sqrt
-    /// n, with n in the denominator of the SD.
+    /// Returns the standard error of the restricted mean from the contributions, by Greenwood.
+    /// Without censoring it is SD / sqrt n, where the SD has n in its denominator.
     fn error(curve: &KaplanMeier, runs: &[Observation], horizon: f64) -> f64 {
         let parts = curve.contributions(runs, horizon);
         let n = parts.len() as f64;
@@ -288,7 +288,7 @@ mod tests {
         squares.sqrt() / n
     }
 
-    /// Returns the same error from Greenwood's sum over the steps.
+    /// Returns the same error from Greenwood's sum over the steps of the curve.
     fn greenwood(curve: &KaplanMeier, horizon: f64) -> f64 {
         let (mut area, mut variance, mut until) = (0.0, 0.0, horizon);
         for step in curve.steps.iter().rev().filter(|step| step.time <= horizon) {
@@ -356,7 +356,8 @@ mod tests {
         assert_eq!((mean.mean, error, mean.horizon), (40.0, 0.0, 40.0));
     }
 
-    /// Checks nine completions followed by censored runs, which have only a lower bound.
+    /// Checks nine completed runs, followed by censored runs. Late quantiles of this sample have
+    /// only a lower bound.
     #[test]
     fn quantiles_count_what_is_censored() {
         let of = |censored: &[f64]| {
@@ -370,8 +371,8 @@ mod tests {
         assert_eq!(of(&[20.0; 2]), [Some(2.0), Some(6.0), None]);
     }
 
-    /// Checks ten runs. Every second run is ended at 5 because it is slow. These runs count as
-    /// never complete. They must not be assumed to continue like the five faster runs.
+    /// Checks ten runs. Every second run is stopped at 5 because it is slow, and counts as never
+    /// complete. The estimate must not assume that it would continue like the five faster runs.
     #[test]
     fn runs_that_never_complete_are_not_taken_for_others() {
         let fast = [6.0, 7.0, 8.0, 9.0, 10.0].map(Observation::completed);
@@ -398,7 +399,7 @@ mod tests {
             let mut sorted = times;
             sorted.sort_by(f64::total_cmp);
             let (low, high) = (sorted[(sorted.len() - 1) / 2], sorted[sorted.len() / 2]);
-            // For exactly one half, the last completed run.
+            // At a share of exactly one half, the quantile is the time of the last completed run.
             let plain = if high.is_finite() { f64::midpoint(low, high) } else { low };
             prop_assert_eq!(curve.median(), Some(plain).filter(|time| time.is_finite()));
         }

@@ -1,4 +1,4 @@
-//! Axes of a sweep from the command line: `free=50..600/6 log`.
+//! Axes of a sweep, parsed from texts such as `free=50..600/6 log`.
 use stochc_ir::scene::schema::SchemaNumber;
 use stochc_ir::scene::units::WrittenQuantity;
 
@@ -6,10 +6,10 @@ use stochc_results::{ChosenSetting, Varied};
 
 use super::error::{MAX_VALUES, RangeError};
 
-/// A scene parameter or setting with the values of its axis.
+/// Axis of a sweep: a scene parameter or setting, with its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Name of the parameter or setting, as given.
+    /// Name of the parameter or setting, as the user wrote it.
     pub name: String,
     values: AxisValues,
     /// Unit of all values. Empty for values without a unit.
@@ -18,22 +18,22 @@ pub struct Axis {
 
 #[derive(Clone, Debug, PartialEq)]
 enum AxisValues {
-    /// `50,100,300`, or a single value.
+    /// Listed values: `50,100,300`, or a single value.
     List(Vec<f64>),
-    /// `50..600/6`: evenly spaced, including both ends.
+    /// Evenly spaced values, including both ends: `50..600/6`.
     Even { from: f64, to: f64, n: u32 },
-    /// `50..600/6 log`: with a constant ratio between neighbours.
+    /// Values with a constant ratio between neighbours: `50..600/6 log`.
     Geometric { from: f64, to: f64, n: u32 },
-    /// `model=rigid,rapier`: values of a setting.
+    /// Values of a setting: `model=rigid,rapier`.
     Settings(Vec<ChosenSetting>),
 }
 
 impl Axis {
-    /// Reads `NAME=VALUES`.
+    /// Parses an axis of the form `NAME=VALUES`.
     ///
     /// # Errors
     ///
-    /// If the format is wrong. The scene is not checked here.
+    /// If the form is wrong. Does not check whether a scene has the parameter.
     pub fn parse(text: &str) -> Result<Axis, RangeError> {
         let (name, values) = text
             .split_once('=')
@@ -69,11 +69,11 @@ impl Axis {
         }
     }
 
-    /// Returns the values for a scene parameter, each with its unit.
+    /// Returns the values of the axis for a scene parameter, each with its unit.
     ///
     /// # Errors
     ///
-    /// If a value is not allowed, is not whole for a whole parameter, or occurs twice.
+    /// If a value is out of range, is not an integer for an integer parameter, or occurs twice.
     pub fn values(&self, number: &SchemaNumber) -> Result<Vec<Varied>, RangeError> {
         let mut out: Vec<Varied> = Vec::new();
         for said in self.said(number)? {
@@ -119,7 +119,7 @@ impl Axis {
     }
 }
 
-/// Reads the values of a setting. Each must occur once.
+/// Parses the values of a setting. No value may occur twice.
 fn settings(name: &str, values: &str) -> Result<Vec<ChosenSetting>, RangeError> {
     let mut chosen: Vec<ChosenSetting> = Vec::new();
     for value in values.split(',') {
@@ -132,7 +132,8 @@ fn settings(name: &str, values: &str) -> Result<Vec<ChosenSetting>, RangeError> 
     Ok(chosen)
 }
 
-/// Splits the word `log` from the end of the values. Returns whether it was present.
+/// Removes the word `log` from the end of the values. Returns the rest, and whether the word was
+/// present.
 pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
     let values = values.trim();
     match values.strip_suffix("log") {
@@ -141,15 +142,15 @@ pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
     }
 }
 
-/// Returns a scene parameter with a value in a unit.
+/// Returns a scene parameter with the value `said` in a unit.
 ///
 /// # Errors
 ///
-/// If the value is not allowed.
+/// If the parameter cannot have this value.
 pub(crate) fn varied(number: &SchemaNumber, said: f64, unit: &str) -> Result<Varied, RangeError> {
     let given = format!("{said} {unit}");
     let mut quantity = WrittenQuantity::parse(&given)?.to_si();
-    // Zero is equal in all units.
+    // Zero is the same in all units.
     if said == 0.0 && unit.is_empty() {
         quantity.1 = number.kind.dimension;
     }
@@ -177,7 +178,8 @@ pub(crate) fn digits(value: f64, n: usize) -> f64 {
     rounded.unwrap_or(value)
 }
 
-/// Returns the error that evenly spaced values are not whole, and suggests a number of values.
+/// Returns the error for evenly spaced values that are not integers. It suggests another number of
+/// values.
 fn not_whole(name: &'static str, from: f64, to: f64, n: u32, broken: f64) -> RangeError {
     let whole = |n: &u32| (1..n - 1).all(|i| even(from, to, *n, i).fract() == 0.0);
     let ends = from.fract() == 0.0 && to.fract() == 0.0;
@@ -202,7 +204,7 @@ fn not_whole(name: &'static str, from: f64, to: f64, n: u32, broken: f64) -> Ran
     }
 }
 
-/// Reads `50..600/6`, split at its dots.
+/// Parses a range such as `50..600/6`. The arguments are the parts before and after the dots.
 fn range(from: &str, rest: &str, is_geometric: bool) -> Result<(AxisValues, String), RangeError> {
     let count = rest.rsplit_once('/').and_then(|(to, n)| {
         let n = n.trim();
@@ -238,13 +240,14 @@ fn list(text: &str) -> Result<(AxisValues, String), RangeError> {
     Ok((AxisValues::List(values.collect()), unit))
 }
 
-/// Splits a number from its unit.
+/// Parses a number and its unit.
 pub(crate) fn value(text: &str) -> Result<(f64, String), RangeError> {
     let WrittenQuantity { value, unit, .. } = WrittenQuantity::parse(text)?;
     Ok((value, unit.to_owned()))
 }
 
-/// Returns the common unit: the unit of the last value also applies to values without a unit.
+/// Returns the common unit of these values. The unit of the last value also applies to values
+/// without a unit.
 pub(crate) fn common(values: &[(f64, String)]) -> Result<String, RangeError> {
     let unit = values.last().map_or("", |(_, unit)| unit);
     let other = values.iter().find(|(_, it)| !it.is_empty() && it != unit);
@@ -264,7 +267,7 @@ mod tests {
 
     use super::*;
 
-    /// Returns the values of an axis for the default scene, in its unit and in SI units.
+    /// Returns the values of an axis in the default scene, first in its unit, then in SI units.
     fn values(text: &str) -> Result<(Vec<f64>, Vec<f64>), RangeError> {
         let axis = Axis::parse(text)?;
         let scene = built_in("hemisphere").unwrap();

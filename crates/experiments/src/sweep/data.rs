@@ -1,4 +1,4 @@
-//! Export of a sweep: JSON, and comma-separated values (RFC 4180).
+//! Export of a sweep as JSON and as comma-separated values (RFC 4180).
 use super::Sweep;
 use crate::stamped_json::stamped_json;
 use crate::summary_tables::sweep_table;
@@ -10,7 +10,7 @@ impl Sweep {
         stamped_json(self, manifest)
     }
 
-    /// Returns the text of `sweep.csv`: a row for each point, a column for each axis.
+    /// Returns the text of `sweep.csv`, with a row for each point and a column for each axis.
     pub fn to_csv(&self) -> String {
         sweep_table(self).csv()
     }

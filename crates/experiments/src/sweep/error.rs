@@ -1,4 +1,4 @@
-//! Errors of ranges and values of scene parameters and settings.
+//! Errors in ranges and values of scene parameters and settings.
 use stochc_ir::scene::scalars::ScalarError;
 use stochc_ir::scene::units::InvalidQuantity;
 use stochc_results::InvalidSetting;
@@ -19,7 +19,7 @@ pub enum RangeError {
     /// A prior does not have the form `NAME=FROM..TO`.
     #[error("write NAME=FROM..TO, such as `bond.pull=2..12 N` or `free=50..500 log`")]
     Prior,
-    /// `log` follows a list.
+    /// The word `log` follows a list.
     #[error("`log` spaces a range: write `a..b/n log`")]
     ListWithLog,
     /// A range with `log` includes 0 or less.
@@ -36,7 +36,7 @@ pub enum RangeError {
         /// Upper end.
         to: f64,
     },
-    /// A range has no number of values.
+    /// A range does not state the number of its values.
     #[error("how many values from `{from}` to `{to}`? write `a..b/n`, such as `50..600/6`")]
     NoCount {
         /// First value.
@@ -44,7 +44,7 @@ pub enum RangeError {
         /// Last value.
         to: String,
     },
-    /// A range has too few or too many values.
+    /// A range has too few or too many values. Contains the number.
     #[error("a range has 2 to {MAX_VALUES} values, not {0}")]
     Count(String),
     /// Values have different units.
@@ -71,7 +71,7 @@ pub enum RangeError {
     /// Two axes have the same name.
     #[error("`{0}` is swept twice")]
     AxisTwice(String),
-    /// A setting is given although a scene parameter is required.
+    /// A setting is given, but a scene parameter is required.
     #[error("`{0}` is a setting, not a scene parameter")]
     Setting(String),
     /// Evenly spaced values of an integer parameter are not integers.
@@ -90,7 +90,7 @@ pub enum RangeError {
         to: f64,
         /// A value that is not an integer.
         broken: f64,
-        /// Suggestion.
+        /// Suggestion for the user.
         help: String,
     },
     /// The range of an integer parameter is too short for a fit.
@@ -103,10 +103,10 @@ pub enum RangeError {
         "the sweep has {0} or more points, more than the limit of {MAX_POINTS}; give fewer values"
     )]
     Points(usize),
-    /// The scene has no such parameter.
+    /// The scene does not have this parameter.
     #[error("{error}{}", listed(error.has()))]
     Parameter {
-        /// Reason.
+        /// Reason why the parameter is unknown.
         error: ScalarError,
     },
     /// The scene parameter cannot have the value.
@@ -120,7 +120,7 @@ pub enum RangeError {
     Choice(#[from] InvalidSetting),
 }
 
-/// Returns the parameters of a scene, in parentheses.
+/// Returns the names of a scene's parameters, in parentheses.
 fn listed(has: &[&str]) -> String {
     match has {
         [] => String::new(),

@@ -1,9 +1,9 @@
-//! Ensembles over scene parameters and settings: `sweep --vary 'bond.pull=2..12 N/5' --vary
-//! substeps=2,4`.
+//! Sweeps: ensembles over scene parameters and settings, such as `sweep --vary 'bond.pull=2..12
+//! N/5' --vary substeps=2,4`.
 //!
 //! An [`Axis`] has the values of one parameter or setting. [`points`] returns all combinations of
-//! several axes. Each combination is a program of the ensemble. A [`Sweep`] has the results, and
-//! `data.rs` writes them. `docs/guides/sweep.md` explains each figure.
+//! the axes. Each combination is a program of the ensemble. A [`Sweep`] contains the results.
+//! `docs/guides/sweep.md` explains each of its fields.
 mod axis;
 mod data;
 mod error;

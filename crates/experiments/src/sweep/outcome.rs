@@ -1,4 +1,4 @@
-//! Results of a sweep, point by point.
+//! Results of a sweep at each point.
 use serde::Serialize;
 use stochc_ir::record::{BondRecord, Origin, RunRecord};
 
@@ -9,71 +9,71 @@ use stochc_results::{
 };
 use stochc_text::Tick;
 
-/// Unit of times if all scenes have the same length of a tick.
+/// Name of the unit of times if the ticks of all scenes have the same length.
 const TICKS: &str = "ticks";
 
-/// Swept parameters and the times at each point.
+/// Results of a sweep: its parameters, and the times at each point.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sweep {
-    /// Swept scene parameters, in the order of the command line.
+    /// Scene parameters that the sweep varies, in the order of the command line.
     pub axes: Vec<SweptNumber>,
-    /// Names of the swept settings.
+    /// Names of the settings that the sweep varies.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub settings: Vec<String>,
-    /// Unit of all times: ticks, or seconds if the points differ in the length of a tick.
+    /// Unit of all times: ticks, or seconds if the ticks of the points differ in length.
     pub unit: &'static str,
     /// Points in the order of the manifest.
     pub points: Vec<SweepPoint>,
 }
 
-/// A swept scene parameter.
+/// Scene parameter that a sweep varies.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct SweptNumber {
-    /// Name, such as `bond.pull`.
+    /// Name of the parameter, such as `bond.pull`.
     pub of: String,
-    /// Unit of the values. Empty for numbers without a unit.
+    /// Unit of the values. Empty if the parameter has no unit.
     pub unit: String,
 }
 
-/// A program at one value of each swept parameter.
+/// Point of a sweep: a program with one value for each axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SweepPoint {
     /// Name of the program in the manifest, such as `line [free=50]`.
     pub name: String,
-    /// Name of the program without values.
+    /// Name of the program without the values of the point.
     pub program: String,
-    /// One value per axis.
+    /// Value of each scene parameter that the sweep varies.
     pub values: Vec<SweptValue>,
-    /// Settings of the point that differ from those of the ensemble.
+    /// Settings of the point that differ from the settings of the ensemble.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub chosen: Vec<ChosenSetting>,
-    /// Length of a tick of its scene \[s\].
+    /// Length of a tick at this point \[s\].
     pub tick: f64,
     /// Number of requested runs.
     pub runs: u64,
     /// Number of completed runs.
     pub completed: usize,
-    /// Number of runs ended by a timeout of the program. They never complete.
+    /// Number of runs that timed out in a phase. They never complete.
     pub timed_out: usize,
     /// Number of runs that reached the limit of ticks. Their times are right-censored.
     pub censored: usize,
-    /// Number of runs with failed physics. No time includes them.
+    /// Number of runs whose physics failed. They are excluded from all times.
     pub failed: usize,
     /// Share of the finished runs that completed, 0 to 1. `None` if no run is finished.
     pub share: Option<f64>,
     /// 95 % interval of the share, by Wilson.
     pub share_interval: Option<(f64, f64)>,
-    /// Time to completion.
+    /// Time to completion. `None` if no run has a time.
     pub time: Option<Time>,
-    /// Number of captures in all runs that did not fail. Pre-attached blocks are excluded.
+    /// Number of captures in all runs that did not fail. Excludes pre-attached blocks.
     pub captures: u64,
-    /// Share of captures that took a released block, 0 to 1.
+    /// Fraction of captures whose block had been released before. `None` without captures.
     pub released: Option<f64>,
     /// Total time of all runs that did not fail, divided by their number of captures.
     pub time_per_capture: Option<f64>,
 }
 
-/// A value of a swept parameter.
+/// Value of a scene parameter at a point of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SweptValue {
     /// Value in the unit of the axis.
@@ -83,7 +83,7 @@ pub struct SweptValue {
 }
 
 impl SweptNumber {
-    /// Returns the label of an axis: `bond.pull [N]`.
+    /// Returns the label of the parameter's axis, such as `bond.pull [N]`.
     pub fn label(&self) -> String {
         match &*self.unit {
             "" => self.of.clone(),
@@ -91,7 +91,7 @@ impl SweptNumber {
         }
     }
 
-    /// Returns the text of a value, such as `bond.pull=4.5 N`.
+    /// Returns the parameter with a value, such as `bond.pull=4.5 N`.
     pub fn at(&self, value: SweptValue) -> String {
         let varied = Varied {
             of: self.of.clone(),
@@ -103,18 +103,18 @@ impl SweptNumber {
     }
 }
 
-/// Accumulator of a sweep. Runs are added sorted by program and run.
+/// Accumulator for the results of a sweep. Runs must be added in the order of program and number.
 #[derive(Debug)]
 pub struct SweepTally<'a> {
     manifest: &'a Manifest,
     axes: Vec<SweptNumber>,
-    /// Whether all scenes have the same length of a tick.
+    /// Whether the ticks of all scenes have the same length.
     is_one: bool,
     programs: Vec<PointTally>,
 }
 
 impl<'a> SweepTally<'a> {
-    /// Creates the accumulator for the sweep of a manifest. Returns `None` if the manifest has no
+    /// Creates an accumulator for the sweep of a manifest. Returns `None` if the manifest has no
     /// sweep.
     pub fn new(manifest: &'a Manifest) -> Option<SweepTally<'a>> {
         let axes: Vec<SweptNumber> = manifest.axes().iter().map(dial).collect();
@@ -145,7 +145,7 @@ impl<'a> SweepTally<'a> {
         let last = self.programs.iter().map(PointTally::last_seen);
         let last = last.fold(0.0, f64::max);
         let programs = self.manifest.programs.iter().zip(self.programs);
-        // An edited manifest can contain other parameters.
+        // A manifest that was edited by hand can contain other parameters.
         let same = programs
             .filter(|(program, _)| program.varied.iter().map(dial).eq(axes.iter().cloned()));
         let point = |(program, tally): (&EnsembleProgram, PointTally)| {
@@ -199,7 +199,7 @@ impl Sweep {
         Ok(Some(tally.finish()))
     }
 
-    /// Converts all times to seconds.
+    /// Returns the sweep with all times in seconds.
     pub fn in_seconds(mut self) -> Sweep {
         if self.unit == TICKS {
             for point in &mut self.points {
@@ -212,7 +212,7 @@ impl Sweep {
         self
     }
 
-    /// Renames each point and its program by `label`.
+    /// Replaces the name of each point and of its program by the result of `label`.
     pub fn relabel(&mut self, label: impl Fn(&str) -> String) {
         for point in &mut self.points {
             point.name = label(&point.name);
@@ -220,13 +220,13 @@ impl Sweep {
         }
     }
 
-    /// Returns the length of a tick at a point if times are in ticks. Returns `None` if times are
-    /// in seconds.
+    /// Returns the length of a tick at a point. Returns `None` if the times of the sweep are
+    /// already in seconds.
     pub fn tick(&self, point: &SweepPoint) -> Option<Tick> {
         (self.unit == TICKS).then_some(Tick(point.tick))
     }
 
-    /// Returns the names of the swept programs, each once.
+    /// Returns the names of the programs in the sweep, without duplicates.
     pub fn programs(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for point in &self.points {
@@ -238,7 +238,7 @@ impl Sweep {
     }
 }
 
-/// Accumulator of a point. Runs are added by number.
+/// Accumulator for the results at one point. Runs must be added in the order of their numbers.
 #[derive(Clone, Debug, Default)]
 pub struct PointTally {
     /// Length of a tick in the unit of the sweep.
@@ -251,7 +251,7 @@ pub struct PointTally {
 }
 
 impl PointTally {
-    /// Creates the accumulator for a length of a tick in the unit of the sweep.
+    /// Creates an accumulator. `unit` is the length of a tick in the unit of the sweep.
     pub fn new(unit: f64) -> PointTally {
         PointTally {
             unit,
@@ -268,7 +268,7 @@ impl PointTally {
         time.time *= self.unit;
         self.times.push(time);
         self.spent += time.time;
-        // Pre-attached blocks were not captured.
+        // Pre-attached blocks are recorded but were not captured.
         let is_captured = |bond: &&BondRecord| !program.is_planted(bond.phase);
         for bond in record.bonds.iter().filter(is_captured) {
             self.captures += 1;
@@ -276,14 +276,14 @@ impl PointTally {
         }
     }
 
-    /// Returns the last observed time of all runs, in the unit of the sweep.
+    /// Returns the latest observed time of all runs, in the unit of the sweep.
     pub fn last_seen(&self) -> f64 {
         last_seen(self.times.iter())
     }
 
-    /// Returns the results of the point, given its name with and without values, the number of
-    /// requested runs and the length of a tick \[s\]. `last` is the last observed time at all
-    /// points.
+    /// Returns the results of the point. The arguments are the names of the point and of its
+    /// program, and its values. They also include the number of requested runs and the length of a
+    /// tick \[s\]. `last` is the latest observed time at all points.
     pub fn finish(
         self,
         (name, program): (String, String),

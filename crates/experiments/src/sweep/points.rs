@@ -1,4 +1,4 @@
-//! Combinations of the values of several axes.
+//! Points of a sweep: combinations of the values of its axes.
 use stochc_ir::scene::Scene;
 use stochc_ir::scene::scalars::find;
 use stochc_ir::scene::schema::SchemaNumber;
@@ -7,7 +7,7 @@ use super::axis::Axis;
 use super::error::{MAX_POINTS, RangeError};
 use stochc_results::{ChosenSetting, Varied};
 
-/// A point of a sweep: one value per axis.
+/// Point of a sweep, with one value for each axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Point {
     /// Values of the scene parameters.
@@ -30,7 +30,7 @@ impl Point {
     }
 }
 
-/// Returns the points of a scene, with one value for each axis. The last axis changes fastest.
+/// Returns all combinations of the axes' values for a scene. The last axis changes fastest.
 ///
 /// # Errors
 ///
@@ -58,7 +58,7 @@ pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Point>, RangeError> {
     Ok(all)
 }
 
-/// Rejects a repeated axis.
+/// Checks that no earlier axis has the same name.
 fn first_time<'a>(seen: &mut Vec<&'a str>, name: &'a str) -> Result<(), RangeError> {
     if seen.contains(&name) {
         return Err(RangeError::AxisTwice(name.to_owned()));
@@ -67,7 +67,7 @@ fn first_time<'a>(seen: &mut Vec<&'a str>, name: &'a str) -> Result<(), RangeErr
     Ok(())
 }
 
-/// Rejects a product of numbers of points above the limit.
+/// Checks that multiplying the number of points by `values` keeps it within the limit.
 fn few(points: usize, values: usize) -> Result<(), RangeError> {
     let count = points.saturating_mul(values);
     if count <= MAX_POINTS {

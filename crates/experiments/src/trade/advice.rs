@@ -1,9 +1,9 @@
-//! Advice of a trade in one or two sentences.
+//! Recommended settings of a trade, in one or two sentences.
 use super::convergence::{CLOSE, Convergence};
 use super::result::{CandidateResult, Trade};
 use stochc_text::{percent, ratio};
 
-/// Returns the advice of a trade.
+/// Returns the recommendation of a trade as text.
 pub(super) fn advice(trade: &Trade) -> String {
     let (Some(known), Some(reference)) = (&trade.reference, trade.reference_candidate()) else {
         return "There is no reference: too few runs of `rigid` with uniform substeps were completed. More \
@@ -53,7 +53,7 @@ pub(super) fn advice(trade: &Trade) -> String {
     sentences.join(" ")
 }
 
-/// Returns the cheapest candidate with a small bias bound, and the candidate with the smallest
+/// Returns the cheapest candidate whose bias has a small bound, and the candidate with the smallest
 /// bound.
 fn recommended(trade: &Trade) -> Vec<&CandidateResult> {
     let cheaper =

@@ -1,4 +1,4 @@
-//! Compares every setting with the reference, from the runs of a sweep over settings.
+//! Comparison of each candidate with the reference, from the runs of a sweep over settings.
 use stochc_runtime::Settings;
 
 use super::advice::advice;
@@ -12,29 +12,29 @@ use crate::{Comparison, ComparisonTally, Time};
 use stochc_results::ChosenSetting;
 use stochc_results::{Finished, JournalError, Manifest, Records};
 
-/// A trade while its runs are read in the order of program and run.
+/// Accumulator of a trade. Runs must be added in the order of program and number.
 #[derive(Debug)]
 pub struct TradeTally<'a> {
     manifest: &'a Manifest,
-    /// Combinations of settings, without duplicates.
+    /// Combinations of settings in the sweep, without duplicates.
     settings: Vec<&'a [ChosenSetting]>,
-    /// Programs without their settings, without duplicates.
+    /// Programs without the settings of their points, without duplicates.
     programs: Vec<TradedProgram>,
-    /// For each setting, the index of each program in the manifest. `None` if the program was not
-    /// run.
+    /// For each combination of settings, the index of each program in the manifest. `None` if the
+    /// program was not run with these settings.
     places: Vec<Vec<Option<usize>>>,
-    /// Runs of each program of the manifest.
+    /// Times and costs of each program of the manifest.
     samples: Vec<Sample>,
 }
 
-/// A setting with its runs.
+/// Combination of settings with its runs.
 struct Row<'a> {
     settings: Settings,
     samples: Vec<&'a Sample>,
 }
 
 impl<'a> TradeTally<'a> {
-    /// Creates a trade without runs. Returns `None` if no settings are varied.
+    /// Creates a trade without runs. Returns `None` if the manifest varies no settings.
     pub fn new(manifest: &'a Manifest) -> Option<TradeTally<'a>> {
         let mut tally = TradeTally {
             manifest,
@@ -70,7 +70,8 @@ impl<'a> TradeTally<'a> {
         self.samples[done.program].add(done);
     }
 
-    /// Compares all settings with the reference. `comparison` is that of the same runs.
+    /// Compares all candidates with the reference. `comparison` must be the comparison of the same
+    /// runs.
     pub fn finish(self, comparison: &Comparison) -> Trade {
         let (manifest, none) = (self.manifest, Sample::default());
         let rows: Vec<Row> = (self.places.iter())
@@ -117,10 +118,9 @@ impl<'a> TradeTally<'a> {
 }
 
 impl Trade {
-    /// Compares the settings of a sweep. Returns `None` if no settings are varied.
+    /// Compares the settings of a sweep. Returns `None` if the manifest varies no settings.
     ///
-    /// # Errors
-    /// If the runs cannot be read again.
+    /// # Errors If the runs cannot be read again.
     pub fn from_runs(
         manifest: &Manifest,
         finished: &Records,
@@ -137,7 +137,7 @@ impl Trade {
     }
 }
 
-/// Returns the index of an element in a list. Appends the element if it is missing.
+/// Returns the index of the element that `is_it` accepts. Appends `new()` if there is none.
 fn place<T>(list: &mut Vec<T>, is_it: impl Fn(&T) -> bool, new: impl FnOnce() -> T) -> usize {
     let place = list.iter().position(is_it).unwrap_or(list.len());
     if place == list.len() {
@@ -146,7 +146,8 @@ fn place<T>(list: &mut Vec<T>, is_it: impl Fn(&T) -> bool, new: impl FnOnce() ->
     place
 }
 
-/// Finds the finest settings of the refinement with at least two completed runs of each program.
+/// Returns the reference: the finest uniform settings with at least two completed runs of each
+/// program.
 fn reference(rows: &[Row]) -> Option<Reference> {
     let is_known = |&i: &usize| {
         let mut samples = rows[i].samples.iter();
@@ -169,7 +170,7 @@ fn reference(rows: &[Row]) -> Option<Reference> {
     Some(Reference {
         candidate,
         convergence: match convergence(&doublings, &programs, CLOSE) {
-            // Longer times are unknown.
+            // Beyond the limit of ticks, times are unknown, so convergence remains undecided.
             Convergence::Converged if is_cut => Convergence::Undecided,
             found => found,
         },
@@ -226,8 +227,8 @@ fn cell(sample: &Sample, reference: Option<&[Observation]>) -> ProgramResult {
     }
 }
 
-/// Marks the Pareto-optimal settings. The bias of the reference is 0. That of others is bounded by
-/// its interval.
+/// Marks the Pareto-optimal candidates. The bias of the reference is 0. The bias of other
+/// candidates is bounded by its interval.
 fn draw_front(candidates: &mut [CandidateResult], reference: Option<usize>) {
     let bias = |i: usize, candidate: &CandidateResult| {
         if reference == Some(i) {

@@ -1,12 +1,13 @@
-//! The settings that `stochc trade` compares.
+//! Candidates: the settings that `stochc trade` compares.
 use stochc_runtime::{Model, Precision, Reduction, Settings, Substeps};
 
 use stochc_results::ChosenSetting;
 
-/// Finest steps of the reference, unless the user chooses others.
+/// Default number of substeps of the reference, the finest candidate.
 pub const FINEST: u32 = 32;
 
-/// Returns the settings that a trade compares, with at most `finest` substeps; the reference's doublings first.
+/// Returns the candidates of a trade, with at most `finest` substeps. The doublings that lead to
+/// the reference come first.
 pub fn candidates(finest: u32) -> Vec<Vec<ChosenSetting>> {
     let all = settings(finest);
     all.iter().map(ChosenSetting::all_of).collect()
@@ -25,7 +26,7 @@ fn settings(finest: u32) -> Vec<Settings> {
         ..rigid(Substeps::DEFAULT.near)
     });
     all.extend(local.into_iter().filter(|it| within(&it.substeps)));
-    // A third of the default, and three times the default.
+    // A third of the default number of iterations, and three times the default.
     all.extend([3, 30].map(|iterations| with(usual(finest), iterations)));
     all.push(Settings {
         precision: Precision::Double,
@@ -35,14 +36,15 @@ fn settings(finest: u32) -> Vec<Settings> {
         reduction: Some(reduction),
         ..usual(finest)
     }));
-    // Iterations of `rapier` are internal steps: a quarter, and twice the default.
+    // Iterations of `rapier` are internal steps. Try a quarter and twice the default.
     all.extend([1, 8].map(|iterations| with(rapier(1), iterations)));
     all.extend(doubled().take_while(|&it| it <= 8).map(rapier));
     all.push(Settings::new(Model::Rate, 1));
     all
 }
 
-/// Returns the settings that single changes start from: the default steps, or the finest uniform ones.
+/// Returns the base settings for candidates with a single change: the default steps, or the finest
+/// uniform steps.
 fn usual(finest: u32) -> Settings {
     if Substeps::DEFAULT.near <= finest {
         Settings::default()
@@ -59,7 +61,8 @@ fn rapier(substeps: u32) -> Settings {
     Settings::new(Model::Rapier, substeps)
 }
 
-/// Returns whether the reference is one of these settings: `rigid` with uniform steps, and nothing else chosen.
+/// Returns whether settings may serve as the reference: `rigid` with uniform steps and no other
+/// change.
 pub(super) fn refines(settings: &Settings) -> bool {
     let plain = Settings {
         max_ticks: settings.max_ticks,
@@ -68,12 +71,12 @@ pub(super) fn refines(settings: &Settings) -> bool {
     plain.resolved() == settings.resolved()
 }
 
-/// Returns settings in few letters: `rigid 2`, `rapier 1 iterations 8`, `rigid 1 no-friction`.
+/// Returns a short text for settings: `rigid 2`, `rapier 1 iterations 8`, `rigid 1 no-friction`.
 pub(super) fn short(settings: &Settings) -> String {
     written(settings, ["", " ", " iterations ", " ", " no-"])
 }
 
-/// Returns settings as options of `simulate`.
+/// Returns settings as command line options of `simulate`.
 pub(super) fn flags(settings: &Settings) -> String {
     let options = [
         "--model ",
@@ -85,7 +88,8 @@ pub(super) fn flags(settings: &Settings) -> String {
     written(settings, options)
 }
 
-/// Writes each chosen setting after its label, in the order of [`ChosenSetting::all_of`].
+/// Returns each setting that is not a default, preceded by its label. The labels are in the order
+/// of [`ChosenSetting::all_of`].
 fn written(settings: &Settings, labels: [&str; 5]) -> String {
     let labelled = |chosen: &ChosenSetting| {
         let label = labels[chosen.place()];

@@ -1,44 +1,44 @@
-//! Convergence of the reference: the changes by further doublings of the substeps.
+//! Convergence of the reference, judged by the changes when the substeps are doubled.
 use serde::Serialize;
 
 use crate::statistics::{Observation, Relative, Status, relative};
 
-/// Number of consecutive doublings that decide.
+/// Number of last doublings that decide about convergence.
 const STEPS: usize = 2;
 
-/// Largest small bias or change, including the interval.
+/// Largest bias or change that counts as small, including its interval.
 pub const CLOSE: f64 = 0.1;
 
-/// Conclusion about the distance of the reference from the limit of small steps.
+/// Conclusion about whether the reference is close to the limit of small steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Convergence {
-    /// The last doubling caused a small change, including the interval. No larger change of the
-    /// doubling before is significant.
+    /// Converged: the last doubling caused a small change, including the interval. The doubling
+    /// before caused no significant larger change.
     Converged,
-    /// The intervals are too wide, or there are fewer than two doublings.
+    /// Undecided: the intervals are too wide, or there are fewer than two doublings.
     Undecided,
-    /// One of the last two doublings changed a mean significantly.
+    /// Not converged: one of the last two doublings changed a mean significantly.
     NotConverged,
 }
 
-/// Changes by doubling the substeps.
+/// Change of the mean times when the number of substeps is doubled.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Doubling {
-    /// Substeps before the doubling.
+    /// Number of substeps before the doubling.
     pub from: u32,
-    /// Substeps after the doubling.
+    /// Number of substeps after the doubling.
     pub to: u32,
-    /// For each program, the mean after over the mean before, minus one. `None` if there is nothing
-    /// to compare.
+    /// For each program, the mean after the doubling divided by the mean before, minus one. `None`
+    /// if a mean is unknown.
     pub changes: Vec<Option<Relative>>,
-    /// For each program, the number of right-censored runs before and after. If it is positive, the
-    /// change is that of restricted means.
+    /// For each program, the number of right-censored runs before and after the doubling. If it is
+    /// positive, the change compares restricted means.
     pub censored: Vec<usize>,
 }
 
 impl Doubling {
-    /// Compares the times of each program before and after the doubling.
+    /// Returns the changes between two numbers of substeps, each with the times of all programs.
     pub fn new<T: AsRef<[Observation]>>(from: (u32, &[T]), to: (u32, &[T])) -> Doubling {
         let programs = || to.1.iter().map(T::as_ref).zip(from.1.iter().map(T::as_ref));
         Doubling {
@@ -51,20 +51,20 @@ impl Doubling {
         }
     }
 
-    /// Returns whether the limit of ticks stopped runs.
+    /// Returns whether any run was right-censored.
     pub(super) fn is_cut(&self) -> bool {
         self.censored.iter().any(|&runs| runs > 0)
     }
 
-    /// Returns the largest change of a mean that the intervals do not exclude, over these programs.
-    /// Returns `None` if nothing is excluded.
+    /// Returns the largest change of a mean that is compatible with the intervals, over these
+    /// programs. Returns `None` if the intervals exclude nothing.
     pub fn bound(&self, programs: &[usize]) -> Option<f64> {
         let mut bounds = programs.iter().map(|&p| self.changes[p].as_ref()?.bound());
         bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))
     }
 
-    /// Returns whether the mean of one of these programs has significantly changed, by a bound
-    /// above `within`.
+    /// Returns whether the mean of one of these programs changed significantly and possibly by more
+    /// than `within`.
     fn has_changed(&self, programs: &[usize], within: f64) -> bool {
         let changes = programs.iter().filter_map(|&p| self.changes[p].as_ref());
         let beyond = |change: &Relative| change.bound().is_some_and(|bound| bound > within);
@@ -74,14 +74,14 @@ impl Doubling {
     }
 }
 
-/// Returns the number of runs stopped by the limit of ticks.
+/// Returns the number of runs that reached the limit of ticks.
 pub(super) fn at_limit(times: &[Observation]) -> usize {
     let is_stopped = |run: &&Observation| run.status == Status::Censored;
     times.iter().filter(is_stopped).count()
 }
 
-/// Returns whether the means of these programs have converged to within a relative tolerance. If
-/// the limit of ticks stopped runs, these are restricted means.
+/// Returns whether the means of these programs have converged, within the relative tolerance
+/// `within`. For right-censored runs, these are restricted means.
 pub fn convergence(doublings: &[Doubling], programs: &[usize], within: f64) -> Convergence {
     let last = &doublings[doublings.len().saturating_sub(STEPS)..];
     if last.iter().any(|it| it.has_changed(programs, within)) {

@@ -1,8 +1,8 @@
-//! Speed and accuracy of settings: the results of a sweep over settings.
+//! Trades: speed and accuracy of settings, from the results of a sweep over settings.
 //!
-//! [`candidates()`] lists the settings that `stochc trade` compares. [`Trade`] compares the
-//! settings of any sweep with the finest of them. It uses the runs of a results folder and their
-//! CPU times.
+//! [`candidates()`] lists the settings that `stochc trade` compares. A [`Trade`] compares the
+//! settings of any sweep with the finest ones. It uses the runs of a results folder and their CPU
+//! times.
 mod advice;
 mod assessment;
 mod candidates;

@@ -1,4 +1,4 @@
-//! Order of the programs at a setting, compared with the reference.
+//! Order of programs by their times with some settings, compared with the order at the reference.
 use std::collections::HashMap;
 
 use serde::Serialize;
@@ -6,36 +6,37 @@ use serde::Serialize;
 use crate::statistics::Longer;
 use crate::{Comparison, PairwiseResult};
 
-/// Two programs. The first one is faster at the reference.
+/// Pair of programs. The first is faster at the reference.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Ranked {
     /// Index of the first program.
     pub first: usize,
-    /// Index of the second.
+    /// Index of the second program.
     pub second: usize,
-    /// Conclusion about the order at the setting.
+    /// Conclusion about the order of the pair.
     pub verdict: Verdict,
 }
 
-/// Conclusion about the order of two programs at a setting.
+/// Conclusion about the order of two programs with some settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The difference is not significant in the reference.
+    /// The difference is not significant at the reference.
     Unordered,
-    /// The order is the same and significant.
+    /// The order is the same as at the reference, and significant.
     Kept,
-    /// The difference is not significant in its runs.
+    /// The difference is significant only at the reference.
     Unclear,
-    /// The order is reversed and significant: a wrong conclusion.
+    /// The order is significantly reversed: the settings give a wrong conclusion.
     Reversed,
 }
 
-/// For each tested pair of programs, which one takes longer, by the names of both.
+/// For each tested pair of programs, the program that takes longer. The keys are the names of the
+/// programs.
 pub(super) struct Orders<'a>(HashMap<(&'a str, &'a str), Longer>);
 
 impl<'a> Orders<'a> {
-    /// Collects the conclusions of a comparison.
+    /// Returns the conclusions of a comparison for all tested pairs.
     pub fn new(comparison: &'a Comparison) -> Orders<'a> {
         let pairs = comparison.pairs.iter();
         let orders = pairs.map(|pair| {
@@ -50,9 +51,10 @@ impl<'a> Orders<'a> {
         Orders(orders.collect())
     }
 
-    /// Compares the order of all pairs of programs at a setting with that at the reference.
+    /// Compares the order of all pairs of programs between a candidate and the reference.
     ///
-    /// Both are given by the names of their programs in the ensemble, `None` where a program has no runs.
+    /// Both lists have the names of the same programs in the ensemble. A name is `None` if the
+    /// program has no runs.
     pub fn rank(&self, reference: &[Option<&str>], candidate: &[Option<&str>]) -> Vec<Ranked> {
         let places = 0..reference.len();
         let pairs = places.flat_map(|i| (i + 1..reference.len()).map(move |j| (i, j)));
@@ -107,7 +109,7 @@ mod tests {
             verdicts([First, Second, First], [Second, NotSignificant, First]),
             [(1, 0, Reversed), (0, 2, Unclear), (2, 1, Kept)]
         );
-        // Program `b` was not run at the setting.
+        // Program `b` was not run with the candidate's settings.
         let orders = Orders([(("a", "b"), First)].into());
         let ranked = orders.rank(&[Some("a"), Some("b")], &[Some("A"), None]);
         assert_eq!(ranked[0].verdict, Unclear);

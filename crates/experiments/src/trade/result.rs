@@ -1,4 +1,4 @@
-//! The trade of some programs: the content of `trade.json`, tables and figures.
+//! Result of a trade, the content of `trade.json`, tables and figures.
 use serde::Serialize;
 use stochc_runtime::Settings;
 
@@ -8,22 +8,22 @@ use crate::stamped_json::stamped_json;
 use crate::statistics::Relative;
 use stochc_results::Manifest;
 
-/// Programs at many settings. Times are in ticks, costs in CPU time \[s\].
+/// Result of a trade: programs with many settings. Times are in ticks, costs in CPU time \[s\].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trade {
-    /// Ticks after which a run was stopped. `None` if runs were not stopped.
+    /// Limit of ticks per run. `None` if runs have no limit.
     pub max_ticks: Option<u64>,
     /// Programs that were run.
     pub programs: Vec<TradedProgram>,
-    /// Setting that the others are compared with.
+    /// Candidate that the others are compared with. `None` if no candidate can serve as reference.
     pub reference: Option<Reference>,
-    /// Settings, in the order of the sweep.
+    /// Results of each combination of settings, in the order of the sweep.
     pub candidates: Vec<CandidateResult>,
-    /// Recommended setting, in a few sentences.
+    /// Recommended settings, in a few sentences.
     pub advice: String,
 }
 
-/// A program of the trade.
+/// Program of a trade.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TradedProgram {
     /// Name of the program, without settings.
@@ -32,70 +32,71 @@ pub struct TradedProgram {
     pub tick: f64,
 }
 
-/// The candidate that all others are compared with.
+/// Candidate that all others are compared with.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reference {
     /// Index of the candidate.
     pub candidate: usize,
-    /// Whether the reference has converged to within 10 %. It is undecided if the limit of ticks
-    /// stopped runs of the last doubling.
+    /// Whether the reference has converged, within 10 %. Undecided if the last doubling has
+    /// right-censored runs.
     pub convergence: Convergence,
-    /// The largest change of a mean by the last doubling that its interval does not exclude. `None`
-    /// if nothing is excluded.
+    /// Largest change of a mean by the last doubling that is compatible with the intervals. `None`
+    /// if the intervals exclude nothing.
     pub bound: Option<f64>,
-    /// All doublings that lead to the reference.
+    /// All doublings of the substeps up to the reference, in order.
     pub doublings: Vec<Doubling>,
 }
 
-/// A setting with its results.
+/// Candidate with its results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CandidateResult {
-    /// Name of the setting in tables.
+    /// Name of the candidate in tables.
     pub name: String,
-    /// Options of `simulate` for the setting.
+    /// Options of `simulate` that select these settings.
     pub options: String,
-    /// The settings in full.
+    /// All settings of the candidate.
     pub settings: Settings,
     /// CPU time of a run: the mean of the programs' medians \[s\]. `None` if some program has no
     /// runs.
     pub cost: Option<f64>,
-    /// Cost as a multiple of the reference's cost.
+    /// Cost divided by the cost of the reference.
     pub cost_ratio: Option<f64>,
-    /// The largest bias of any program. `None` if some program has no bias.
+    /// Bias of the program with the largest bias. `None` if the bias of some program is unknown.
     pub worst: Option<Relative>,
-    /// The largest bias of any program that its interval does not exclude. `None` if nothing is
-    /// excluded, for example because the limit of ticks stopped runs.
+    /// Largest bias of any program that is compatible with the intervals. `None` if the intervals
+    /// exclude nothing, for example with right-censored runs.
     pub bound: Option<f64>,
-    /// Whether the setting is Pareto-optimal: no cheaper one has a smaller bound.
+    /// Whether the candidate is Pareto-optimal: no cheaper candidate has a smaller bound on its
+    /// bias.
     pub front: bool,
-    /// Whether the setting reverses the order of two programs.
+    /// Whether the candidate significantly reverses the order of two programs.
     pub reversed: bool,
-    /// Conclusion of the setting about the order of each pair of programs.
+    /// Conclusion about the order of each pair of programs.
     pub ranking: Vec<Ranked>,
-    /// Results for each program.
+    /// Results of each program with these settings.
     pub programs: Vec<ProgramResult>,
 }
 
-/// Results of a program at a setting.
+/// Results of a program with some settings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProgramResult {
     /// Number of finished runs, the sum of the next four fields.
     pub runs: usize,
     /// Number of runs that completed the structure.
     pub completed: usize,
-    /// Number of runs that a timeout of the program ended.
+    /// Number of runs that timed out in a phase.
     pub timed_out: usize,
     /// Number of runs that reached the limit of ticks. Their times are right-censored.
     pub censored: usize,
-    /// Number of runs with failed physics.
+    /// Number of runs whose physics failed.
     pub failed: usize,
-    /// Mean time to completion \[ticks\]. With censored runs it is the restricted mean.
+    /// Mean time to completion \[ticks\]. The restricted mean if runs are right-censored.
     pub mean: Option<f64>,
-    /// Half-width of the 95 % interval of the bias.
+    /// Half-width of the 95 % interval of the mean.
     pub half_width: Option<f64>,
-    /// Horizon of the restricted mean, with censored runs only.
+    /// Horizon of the restricted mean. `None` if no run is right-censored.
     pub horizon: Option<f64>,
-    /// Ratio of the mean to the reference's mean, minus one.
+    /// Mean divided by the reference's mean, minus one. `None` if it is unknown.
     pub bias: Option<Relative>,
     /// Median CPU time of a run \[s\].
     pub cost: Option<f64>,
@@ -109,8 +110,8 @@ impl Trade {
         stamped_json(self, manifest)
     }
 
-    /// Returns the number of runs of a program that the limit of ticks stopped. Counts the runs of
-    /// the reference and of its last doubling.
+    /// Returns the number of a program's right-censored runs at the reference and before its last
+    /// doubling.
     pub(crate) fn reference_runs_at_limit(&self, program: usize) -> usize {
         let own = self.reference_candidate();
         let own = own.map_or(0, |candidate| candidate.programs[program].censored);
@@ -119,20 +120,20 @@ impl Trade {
         last.map_or(own, |last| last.censored[program])
     }
 
-    /// Returns the candidate that all others are compared with.
+    /// Returns the candidate that serves as reference, if there is one.
     pub fn reference_candidate(&self) -> Option<&CandidateResult> {
         self.candidates.get(self.reference.as_ref()?.candidate)
     }
 }
 
 impl CandidateResult {
-    /// Returns the pairs whose order the setting reverses.
+    /// Returns the pairs of programs whose order the candidate reverses.
     pub fn reversals(&self) -> impl Iterator<Item = &Ranked> {
         let reversed = |pair: &&Ranked| pair.verdict == Verdict::Reversed;
         self.ranking.iter().filter(reversed)
     }
 
-    /// Returns whether the setting leaves out a part of the physics.
+    /// Returns whether the candidate leaves out a physical term.
     pub fn reduced(&self) -> bool {
         self.settings.reduction.is_some()
     }

@@ -1,18 +1,18 @@
-//! Times and costs of the runs of one program at one setting.
+//! Times and costs of the runs of one program with some settings.
 use crate::completion_time;
 use crate::statistics::{Observation, Status, median};
 use stochc_results::Finished;
 
-/// Runs of one program at one setting.
+/// Runs of one program with the same settings.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sample {
-    /// Times to completion \[ticks\]. Failed runs have none.
+    /// Times to completion \[ticks\], except of failed runs.
     pub times: Vec<Observation>,
-    /// Number of runs with failed physics.
+    /// Number of runs whose physics failed.
     pub failed: usize,
-    /// Known CPU times of runs \[s\].
+    /// CPU times of the runs that measured it \[s\].
     cpu: Vec<f64>,
-    /// Total ticks of these runs.
+    /// Total ticks of the runs with a CPU time.
     ticks: u64,
 }
 
@@ -35,12 +35,13 @@ impl Sample {
         times.filter(|time| time.status == status).count()
     }
 
-    /// Returns the median CPU time of a run \[s\].
+    /// Returns the median CPU time of a run \[s\]. Returns `None` if no CPU time is known.
     pub fn cost(&self) -> Option<f64> {
         median(&self.cpu)
     }
 
-    /// Returns the CPU time of a tick \[s\], averaged over all runs.
+    /// Returns the CPU time of a tick \[s\], averaged over all runs. Returns `None` if no CPU time
+    /// is known.
     pub fn cost_of_tick(&self) -> Option<f64> {
         (self.ticks > 0).then(|| self.cpu.iter().sum::<f64>() / self.ticks as f64)
     }

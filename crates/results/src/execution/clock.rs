@@ -1,4 +1,4 @@
-//! Clock for intervals, limits and messages, never for results.
+//! Clock for intervals, time limits and messages. Results never depend on it.
 use std::time::Instant;
 
 /// Returns the current time.

@@ -10,10 +10,10 @@ use stochc_ir::table::PhaseId;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunCancelled;
 
-/// Lets `threads` threads process jobs until `next` has none left or `stop` is set. One of them is
-/// the calling thread. Uses fewer if the system has no more.
+/// Processes jobs on `threads` threads until `next` returns `None` or `stop` is set. The calling
+/// thread is one of them. Uses fewer threads if the system cannot start more.
 ///
-/// `work` gets the index of its thread, from 0, and returns whether to continue.
+/// `work` receives the index of its thread, from 0, and returns whether to continue.
 pub(crate) fn execute<J>(
     threads: usize,
     stop: &AtomicBool,
@@ -49,13 +49,13 @@ pub(crate) fn is_panic(record: &RunRecord) -> bool {
 }
 
 /// Makes a run, or returns `None` if it was cancelled. A panic becomes [`Outcome::Failed`] at the
-/// time of `last`.
+/// tick and phase that `last` returns.
 pub(crate) fn attempt(
     run: u64,
     simulate: impl FnOnce() -> Result<RunRecord, RunCancelled>,
     last: impl FnOnce() -> (u64, PhaseId),
 ) -> Option<RunRecord> {
-    // The state of the run is dropped with it, so that its partial state is not observed.
+    // The partial state of the run is dropped and never observed after a panic.
     let result = catch_unwind(AssertUnwindSafe(|| {
         let result = simulate();
         if let Ok(record) = &result {

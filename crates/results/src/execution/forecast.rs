@@ -1,4 +1,4 @@
-//! The CPU time that an ensemble will take, from trial runs.
+//! Forecast of the CPU time of an ensemble, from trial runs.
 use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,7 +18,8 @@ const EFFORT: Duration = Duration::from_millis(500);
 /// the manifest.
 const MAX_TRIED: usize = 8;
 
-/// Largest number of points in a sweep over settings that are tried. Their costs differ most.
+/// Largest number of points with trial runs in a sweep over settings. It is larger because the
+/// costs of these points differ most.
 const MAX_TRIED_SETTINGS: usize = 64;
 
 /// Expected CPU time of an ensemble.
@@ -28,7 +29,7 @@ pub struct CpuForecast {
     pub runs: u64,
     /// CPU time of all runs.
     pub time: Duration,
-    /// Whether some trial was incomplete and its remaining time is unknown.
+    /// Whether a trial was stopped early and its remaining time is unknown.
     pub is_lower_bound: bool,
 }
 
@@ -43,8 +44,9 @@ struct Trials {
 /// Forecasts the CPU time of an ensemble from trial runs of half a second.
 ///
 /// Tries the first runs of its programs, or of some programs if there are many. A trial that
-/// exceeds its share of the time is stopped. Then `expected_ticks` gives the length of the run, if
-/// known. All scenes must have been set up before. Returns `None` if `stop` is set.
+/// exceeds its share of the time is stopped. Then `expected_ticks` returns the length of the run,
+/// if known. All scenes must be valid: see [`EnsembleProgram::try_out`]. Returns `None` if `stop`
+/// is set.
 pub fn forecast_cpu_time(
     manifest: &Manifest,
     expected_ticks: impl Fn(&EnsembleProgram) -> Option<f64>,
@@ -99,7 +101,7 @@ impl Trials {
     ) {
         let begun = thread_time();
         let last = Cell::new((0, PhaseId(0)));
-        // The scene is set up before the first tick.
+        // The time before the first tick is spent on setting up the scene.
         let first_tick = Cell::new(None);
         let mut watch = |tick, phase| {
             last.set((tick, phase));

@@ -1,4 +1,4 @@
-//! Execution of an ensemble: threads, progress, and the time that is left.
+//! Execution of an ensemble: threads, progress, and estimates of the remaining time.
 mod clock;
 mod executor;
 mod forecast;

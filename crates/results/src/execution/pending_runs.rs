@@ -1,27 +1,27 @@
-//! Runs still to be made.
+//! Runs of an ensemble that must still be made.
 use std::ops::Range;
 
 use crate::{Manifest, Records};
 
-/// Run to be made.
+/// Run that must still be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PendingRun {
     pub program: usize,
     pub run: u64,
 }
 
-/// Runs to be made.
+/// Runs that must still be made.
 pub(crate) struct PendingRuns<'a> {
     programs: u64,
     jobs: Range<u64>,
     /// Finished runs, which are skipped.
     kept: Option<&'a Records>,
-    /// Number of runs.
+    /// Number of these runs.
     pub left: u64,
 }
 
 impl<'a> PendingRuns<'a> {
-    /// Returns all jobs in `jobs` except the `kept` ones.
+    /// Returns all runs with job numbers in `jobs`, except the `kept` runs.
     pub fn all(
         manifest: &Manifest,
         jobs: Range<u64>,
@@ -43,13 +43,13 @@ impl<'a> PendingRuns<'a> {
     }
 }
 
-/// Returns the number of a [`job`], or `None` on overflow.
+/// Returns the job number of a run, or `None` on overflow. See [`job`].
 pub(crate) fn number(program: usize, run: u64, programs: u64) -> Option<u64> {
     run.checked_mul(programs)?.checked_add(program as u64)
 }
 
-/// Returns a job by its number: the first run of each program, then the second, and so on. Partial
-/// results thus compare the programs fairly.
+/// Returns the run with a job number. Jobs are the first run of each program, then the second run
+/// of each, and so on. Partial results thus compare the programs fairly.
 pub(crate) fn job(number: u64, programs: u64) -> PendingRun {
     PendingRun {
         program: (number % programs) as usize,

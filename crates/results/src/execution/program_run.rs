@@ -47,7 +47,7 @@ impl EnsembleProgram {
     ///
     /// # Errors
     ///
-    /// If that is impossible.
+    /// Returns the reason if the scene cannot be set up.
     pub fn try_out(&self, settings: &Settings) -> Result<(), SceneError> {
         let mut stop = |_, _| ControlFlow::Break(());
         match self.run(settings, 0, 0, &mut stop) {
@@ -57,7 +57,7 @@ impl EnsembleProgram {
     }
 }
 
-/// Returns `Break` if `stop` is set.
+/// Returns `Break` if `stop` is set, otherwise `Continue`.
 pub fn unless(stop: &AtomicBool) -> ControlFlow<()> {
     if stop.load(Ordering::Relaxed) {
         ControlFlow::Break(())

@@ -23,7 +23,7 @@ const IDLE: usize = usize::MAX;
 /// Progress of an ensemble, shared by its threads and displays.
 pub struct Progress {
     total: u64,
-    /// Start of the first run, and the time during which runs are started.
+    /// Start of the first run, and the time limit for starting runs. `None` without a limit.
     limit: Option<(Instant, Duration)>,
     /// Whether the CPU time of each run is measured.
     pub(crate) measures_cpu: bool,
@@ -43,37 +43,37 @@ struct Worker {
 pub struct Totals {
     /// Progress of each program.
     pub programs: Vec<ProgramProgress>,
-    /// Number of runs that timed out or reached the tick limit.
+    /// Number of right-censored runs: they timed out or reached the tick limit.
     pub stopped: u64,
     /// Number of failed runs.
     pub failed: u64,
-    /// Ticks simulated by this process in finished runs.
+    /// Ticks of finished runs that this process simulated.
     pub ticks_here: u64,
 }
 
 /// Duration of a program's runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProgramProgress {
-    /// Finished runs, of this process or an earlier one.
+    /// Number of finished runs, of this process or an earlier one.
     pub done: u64,
-    /// Total ticks of these runs.
+    /// Total ticks of the finished runs.
     pub ticks: u64,
     /// Number of unfinished runs.
     pub left: u64,
-    /// Ticks so far of running ones.
+    /// Ticks simulated so far in running simulations.
     pub under_way: u64,
 }
 
 /// Progress at one moment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
-    /// Number of requested runs.
+    /// Number of requested runs of all programs.
     pub total: u64,
     /// Number of finished runs.
     pub done: u64,
     /// Totals of finished runs.
     pub totals: Totals,
-    /// Ticks simulated by this process.
+    /// Ticks that this process has simulated.
     pub ticks_here: u64,
     /// Program and phase of each running simulation.
     pub under_way: Vec<(usize, PhaseId)>,
@@ -82,11 +82,11 @@ pub struct Snapshot {
 /// Supervisor of a run, called once per tick.
 pub struct RunWatch<'a> {
     worker: &'a Worker,
-    /// Stop flags: of the user, and of failed storage.
+    /// Stop flags, set by the user and by failed storage.
     stops: [&'a AtomicBool; 2],
     /// Checkpoints of the run. `None` if they are disabled.
     checkpoints: Option<RunCheckpoints<'a>>,
-    /// Whether the run began with a checkpoint.
+    /// Whether the run was resumed from a checkpoint.
     is_continued: Cell<bool>,
 }
 
@@ -116,7 +116,7 @@ impl RunWatch<'_> {
         checkpoints.is_some_and(RunCheckpoints::begins_anew)
     }
 
-    /// Returns whether the run was continued from a checkpoint.
+    /// Returns whether the run was resumed from a checkpoint.
     pub(crate) fn is_continued(&self) -> bool {
         self.is_continued.get()
     }
@@ -158,7 +158,7 @@ impl Progress {
         Progress::from_jobs(manifest, &(0..manifest.total()), threads)
     }
 
-    /// Creates the progress of some of the [jobs](crate::execution::job).
+    /// Creates the progress of a range of [jobs](crate::execution::job).
     pub(crate) fn from_jobs(
         manifest: &Manifest,
         jobs: &Range<u64>,
@@ -189,7 +189,7 @@ impl Progress {
         }
     }
 
-    /// Sets a time limit for starting runs, from now.
+    /// Sets a time limit for starting runs. The time starts now.
     #[must_use]
     pub fn within(self, limit: Option<Duration>) -> Progress {
         Progress {
@@ -198,14 +198,14 @@ impl Progress {
         }
     }
 
-    /// Returns the share of the time limit that has passed. 0 without one.
+    /// Returns the fraction of the time limit that has passed. Returns 0 without a limit.
     pub fn share_of_time(&self) -> f64 {
         self.limit.map_or(0.0, |(start, limit)| {
             start.elapsed().as_secs_f64() / limit.as_secs_f64().max(f64::MIN_POSITIVE)
         })
     }
 
-    /// Returns whether no further run is started.
+    /// Returns whether the time limit has passed, so that no further run is started.
     pub(crate) fn is_over(&self) -> bool {
         self.share_of_time() >= 1.0
     }
@@ -215,17 +215,17 @@ impl Progress {
         self.workers.len()
     }
 
-    /// Counts runs of an earlier process.
+    /// Counts `kept`, the runs of earlier processes, as finished.
     ///
     /// # Errors
     ///
-    /// If they cannot be read.
+    /// If the runs cannot be read.
     pub(crate) fn keep(&self, kept: &Records) -> Result<(), JournalError> {
         let mut totals = self.totals.lock().expect("no panic while it is locked");
         kept.each(|done| totals.count(done))
     }
 
-    /// Assigns a run to a thread. It stops when either of `stops` is set.
+    /// Assigns a run to a thread. The run stops when either of `stops` is set.
     pub(crate) fn begin<'a>(
         &'a self,
         worker: usize,

@@ -1,4 +1,4 @@
-//! Execution of an ensemble: runs the missing runs and stores them.
+//! Execution of an ensemble: makes the missing runs and stores them.
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,12 +23,13 @@ use crate::{Checkpoints, Finished, Folder, FolderError, JournalError, Manifest, 
 pub enum Destination<'a> {
     /// Keeps the results in memory only.
     Memory(&'a Manifest),
-    /// In a folder, which may contain some runs already. It is closed at the end.
+    /// Stores the results in a folder, which may contain some runs already. The folder is closed at
+    /// the end.
     Folder(Folder),
 }
 
 impl Destination<'_> {
-    /// Returns the number of existing runs.
+    /// Returns the number of runs that already exist.
     pub fn kept(&self) -> u64 {
         match self {
             Destination::Memory(_) => 0,
@@ -46,7 +47,7 @@ pub struct Results {
     pub complete: bool,
 }
 
-/// Error of an ensemble.
+/// Error of running an ensemble.
 #[derive(Debug, thiserror::Error)]
 pub enum EnsembleError {
     /// Finished runs cannot be stored. The journal's content is safe.
@@ -61,14 +62,14 @@ pub enum EnsembleError {
          with the `stochc` that made it, on a machine of the same kind, or choose another folder"
     )]
     Differs {
-        /// Name of the program that made the failed run.
+        /// Name of the program whose run differs.
         program: String,
-        /// Number of the failed run.
+        /// Number of the run that differs.
         run: u64,
     },
 }
 
-/// Repeats the shortest run of a folder before others are added to it.
+/// Repeats the shortest run of a folder and compares the records, before other runs are added.
 ///
 /// # Errors
 ///
@@ -80,7 +81,7 @@ pub fn check_stored(
     check_again(folder.manifest(), folder.shortest(), simulate)
 }
 
-/// Repeats a `known` run.
+/// Repeats a `known` run and compares the records.
 pub(crate) fn check_again(
     manifest: &Manifest,
     known: Option<&Finished>,
@@ -100,11 +101,11 @@ pub(crate) fn check_again(
 
 /// Makes the missing runs of an ensemble, and writes its tables.
 ///
-/// `simulate` gets the index of a program, the number of a run, and a [`RunWatch`] to call once per
-/// tick. It must be a pure function of the first two. Tables then do not depend on threads,
-/// interruptions or their order. A panic in it fails that run only. `progress` must be a new one of
-/// the same manifest, and sets the number of threads. Setting `stop` ends the work at the next
-/// tick.
+/// `simulate` receives the index of a program, the number of a run, and a [`RunWatch`] to call once
+/// per tick. It must be a pure function of index and number. Tables then do not depend on threads,
+/// interruptions or their order. A panic in `simulate` fails only its run. `progress` must be a new
+/// one of the same manifest, and sets the number of threads. Setting `stop` ends the work at the
+/// next tick.
 ///
 /// # Errors
 ///
@@ -173,7 +174,8 @@ pub(crate) struct RunTracker<'a> {
     pub checkpoints: Option<&'a Checkpoints>,
 }
 
-/// Makes runs and appends each to a journal, which is file number `file` of their positions.
+/// Makes runs and appends each to a journal. Returns the positions of their lines, with `file` as
+/// the index of the journal.
 pub(crate) fn journaled(
     pending: PendingRuns,
     journal: Journal,
@@ -193,7 +195,7 @@ pub(crate) fn journaled(
         Ok(())
     };
     let done: Result<(), JournalError> = new_runs(pending, tracker, stop, simulate, keep);
-    // The writer's own error is more specific than the errors that follow from it.
+    // The error of the writer itself is more specific than the errors that result from it.
     journal.close()?;
     done?;
     Ok(places.into_inner().expect("no thread has panicked"))

@@ -1,4 +1,4 @@
-//! CPU time of a thread, for the cost of a run. No run depends on it.
+//! CPU time of a thread, to measure the cost of a run. Results never depend on it.
 use std::time::Duration;
 
 /// Returns the CPU time of this thread.

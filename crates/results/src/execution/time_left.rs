@@ -3,8 +3,8 @@ use std::time::Duration;
 
 use crate::execution::{ProgramProgress, Snapshot};
 
-/// Returns the remaining time at the tick rate observed in `elapsed`. Returns `None` if no run has
-/// finished yet.
+/// Returns the remaining time at the rate of ticks simulated during `elapsed`. Returns `None` if no
+/// run has finished yet.
 ///
 /// The unfinished runs of a program are assumed to have the mean number of ticks of its finished
 /// runs. A program without finished runs has the mean of all programs.
@@ -55,8 +55,7 @@ mod tests {
             ticks_here: 1240,
             ..Snapshot::default()
         };
-        // 100 - 40 ticks of the first program and 2000 ticks of the second, at 124 ticks per
-        // second.
+        // The programs have 100 - 40 and 2000 ticks left, at 124 ticks per second.
         let left = time_left(&snapshot, Duration::from_secs(10)).unwrap();
         assert_eq!(left, Duration::from_secs_f64(2060.0 / 124.0));
     }

@@ -1,6 +1,6 @@
-//! `checksums.json`: checksums of the files of a results folder, as of their last complete write.
+//! `checksums.json`: checksums of the files of a results folder, when all were last written.
 //!
-//! A line of JSON with its own checksum. The journal may have grown since.
+//! The file is a line of JSON with its own checksum. The journal may have grown since then.
 use std::io;
 use std::path::Path;
 
@@ -21,12 +21,12 @@ pub(crate) struct FolderChecksums {
 struct FileChecksum {
     name: String,
     bytes: u64,
-    /// CRC-32 in hexadecimal.
+    /// CRC-32 of the file, in hexadecimal.
     crc32: String,
 }
 
 impl FolderChecksums {
-    /// Records a file.
+    /// Records the checksum of a file.
     pub fn note(&mut self, name: &str, sum: Sum) {
         self.files.push(FileChecksum {
             name: name.to_owned(),
@@ -35,7 +35,7 @@ impl FolderChecksums {
         });
     }
 
-    /// Returns the text of the file.
+    /// Returns the text of `checksums.json`.
     pub fn to_json(&self) -> String {
         let json = serde_json::to_string(self).expect("checksums are plain data");
         checksum::sealed(json) + "\n"
@@ -72,14 +72,14 @@ impl FolderChecksums {
         self.files.iter().find(|entry| entry.name == name)
     }
 
-    /// Returns the names of its files that are in the folder itself.
+    /// Returns the names of the listed files that are directly in the folder.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         let names = self.files.iter().map(|entry| entry.name.as_str());
         names.filter(|name| Path::new(name).file_name().is_some_and(|it| it == *name))
     }
 
-    /// Returns a message about a corrupted file of the folder. Returns `None` if it is valid or has
-    /// no checksum. If it `grows`, it may be longer.
+    /// Returns a message about a corrupted file of the folder. Returns `None` if the file is valid
+    /// or has no checksum. `grows` states whether a longer file is valid.
     pub fn damage(&self, folder: &Path, name: &str, grows: bool) -> Option<String> {
         let entry = self.entry(name)?;
         let found = open(&folder.join(name)).and_then(|file| {

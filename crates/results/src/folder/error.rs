@@ -10,7 +10,7 @@ use crate::manifest::ManifestError;
 /// Error of a results folder.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
-    /// The folder contains files of another program.
+    /// The folder contains files that are not results of `stochc`.
     #[error("`{0}` contains other files; choose an empty or a new folder")]
     NotResults(PathBuf),
     /// The folder contains runs but no manifest.
@@ -18,10 +18,10 @@ pub enum FolderError {
         "`{0}` contains runs, but no `manifest.json`, which is needed to read them; restore it, or choose another folder"
     )]
     NoManifest(PathBuf),
-    /// The folder contains no results.
+    /// The folder does not exist or is empty.
     #[error("`{0}` contains no results; give a folder written by `simulate --out`")]
     Absent(PathBuf),
-    /// There is a file of this name.
+    /// The path is a file, not a folder.
     #[error("`{0}` is a file; choose another name for the folder")]
     NotAFolder(PathBuf),
     /// The manifest is corrupted, invalid, or has another format.
@@ -35,7 +35,7 @@ pub enum FolderError {
         /// Reason why the manifest is invalid.
         reason: ManifestError,
     },
-    /// The checksum of the manifest differs.
+    /// The manifest does not match its checksum.
     #[error(
         "`manifest.json` in `{path}` is damaged, or has been changed by hand: its checksum differs; \
          `stochc fsck {}` lists the corrupted files, and with `--repair` repairs the folder",
@@ -53,10 +53,10 @@ pub enum FolderError {
     Another {
         /// Results folder.
         path: PathBuf,
-        /// Descriptions of the differences.
+        /// Description of each difference.
         differences: Vec<String>,
     },
-    /// The folder contains the same ensemble, unfinished, and resuming was not requested.
+    /// The folder contains an unfinished run of the same ensemble, and resuming was not requested.
     #[error("`{path}` contains {done} of the {total} runs of this ensemble; resume it with `stochc resume {}`", shell_file(&.path.to_string_lossy()))]
     Unfinished {
         /// Results folder.
@@ -66,7 +66,7 @@ pub enum FolderError {
         /// Number of requested runs.
         total: u64,
     },
-    /// The runs of the folder are from another build.
+    /// Another build made the runs in the folder.
     #[error(
         "`{path}`: {reason}; go on with the `stochc` that made them, or choose another folder; `--mixed-builds` \
          goes on if this one makes a run of them again as it was"
@@ -77,7 +77,7 @@ pub enum FolderError {
         /// Description of the builds.
         reason: String,
     },
-    /// The shards of the folder are from another build.
+    /// Another build made the shards in the folder.
     #[error(
         "`{path}`: {reason}; run its shards with the `stochc` that split it, or split another folder with this one"
     )]
@@ -139,7 +139,7 @@ pub enum FolderError {
 }
 
 impl FolderError {
-    /// Returns a function that converts errors of the system for a path.
+    /// Returns a function that adds a path to an error of the system.
     pub(crate) fn at(path: impl Into<PathBuf>) -> impl Fn(io::Error) -> FolderError {
         let path = path.into();
         move |source| FolderError::Io {

@@ -1,16 +1,16 @@
 //! The results folder of an ensemble: its files, and exclusive access to it.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `manifest.json` | what the ensemble depends on |
+//! | `manifest.json` | everything that determines the ensemble |
 //! | `journal.jsonl` | every finished run, in the order of finishing |
-//! | `runs.parquet`, `phases.parquet`, `bonds.parquet`, `releases.parquet`, `unplanned.parquet` | the same as tables, in the order of program and run; see `docs/reference/results.md` |
-//! | `recordings/` | runs to watch; see [`crate::recording`] |
+//! | `runs.parquet`, `phases.parquet`, `bonds.parquet`, `releases.parquet`, `unplanned.parquet` | the finished runs as tables, sorted by program and run; see `docs/reference/results.md` |
+//! | `recordings/` | recorded runs for replay; see [`crate::recording`] |
 //! | `checkpoints/` | the states of running runs; see [`crate::checkpoint`] |
-//! | `checksums.json` | of the others, when they were last written as a whole; see [`crate::folder`] |
+//! | `checksums.json` | checksums of the other files, when all were last written |
 //! | `.lock` | held by the process that writes |
 //!
-//! Nothing in it is ever replaced by the results of another ensemble.
+//! Results of another ensemble never replace files in the folder.
 use std::fmt;
 use std::fs::OpenOptions;
 use std::io;
@@ -48,29 +48,29 @@ pub struct Folder {
     manifest: Manifest,
     /// Builds that made the runs.
     builds: Vec<String>,
-    /// Whether the manifest must be rewritten for this ensemble.
+    /// Whether the stored manifest differs from the manifest of this folder and must be rewritten.
     is_changed: bool,
     state: FolderState,
     kept: Records,
     shortest: Option<Finished>,
     whole: u64,
-    /// Manifest of a journal with corrupted lines, which must be removed before more runs are
-    /// added.
+    /// Manifest before the ensemble grew, if the journal has corrupted lines. They must be removed
+    /// before more runs are added.
     foul: Option<Manifest>,
     damage: Vec<String>,
     further: MakeFurther,
     checkpoints: Option<Arc<Checkpoints>>,
-    /// Lock of the folder. The system releases it when it is closed, also after a kill.
+    /// Lock of the folder. The system releases it when the file is closed, also after a kill.
     _lock: FileLock,
 }
 
-/// Additional files of a folder by name, or the error of reading its runs.
+/// Additional files of a folder, each with its name, or the error of reading the folder's runs.
 pub type FurtherFiles = Result<Vec<(String, Vec<u8>)>, JournalError>;
 
 /// Function that generates additional files from the runs of a folder.
 pub type Further = fn(&Manifest, &Records) -> FurtherFiles;
 
-/// Closure that generates additional files.
+/// Generator of additional files, which may capture values.
 type MakeFiles = dyn Fn(&Manifest, &Records) -> FurtherFiles + Send + Sync;
 
 struct MakeFurther(Box<MakeFiles>);
@@ -92,14 +92,14 @@ pub struct Contents {
     pub damage: Vec<String>,
 }
 
-/// Whether to resume an unfinished ensemble or add runs to it.
+/// Rule for runs that a folder already contains: resume or extend them, or reject them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resume {
-    /// Do not resume.
+    /// Existing runs are rejected.
     No,
-    /// Resume if this build made all runs.
+    /// Existing runs are resumed if this build made all of them.
     SameBuild,
-    /// Resume runs of any build.
+    /// Existing runs are resumed, whatever builds made them.
     MixedBuilds,
 }
 
@@ -146,11 +146,11 @@ impl Folder {
         resume: Resume,
     ) -> Result<Folder, FolderError> {
         let io = FolderError::at(path);
-        // Before anything is created: the folder may belong to another program.
+        // Check before anything is created: the folder may belong to another program.
         survey(path)?;
         atomic::make_folder(path).map_err(&io)?;
         let lock = lock(path)?;
-        // Again, with exclusive access.
+        // Check again, now with exclusive access.
         let Some(stored) = survey(path)? else {
             atomic::clear_partial(path).map_err(&io)?;
             write_manifest(path, manifest)?;
@@ -196,7 +196,7 @@ impl Folder {
                 total,
             });
         }
-        // Without runs, no builds are mixed.
+        // Builds are mixed only if there are runs.
         let others = stored.builds != manifest.builds && done > 0;
         if done < total && others && resume != Resume::MixedBuilds {
             return Err(FolderError::OtherBuild {
@@ -298,7 +298,7 @@ impl Folder {
         checkpoint::clear(&self.path, wants).map_err(|source| self.in_checkpoints(source))
     }
 
-    /// Returns whether a run must be made, given the `finished` runs.
+    /// Returns whether a run must be made because it is not among the `finished` runs.
     fn wants(&self, finished: &Records, program: usize, run: u64) -> bool {
         let is_of_it = program < self.manifest.programs.len() && run < self.manifest.runs;
         is_of_it && !finished.contains(program, run)
@@ -338,18 +338,18 @@ impl Folder {
         &self.kept
     }
 
-    /// Closes the folder and returns its manifest and the runs at opening.
+    /// Closes the folder. Returns its manifest and the runs that were finished at opening.
     pub(crate) fn close(self) -> (Manifest, Records) {
         (self.manifest, self.kept)
     }
 
-    /// Returns the shortest of these runs that did not fail.
+    /// Returns the shortest run at opening that did not fail.
     pub(crate) fn shortest(&self) -> Option<&Finished> {
         self.shortest.as_ref()
     }
 
-    /// Removes corrupted lines from the journal if the ensemble has grown, because they might
-    /// describe new runs. Must be called after all other checks.
+    /// Removes corrupted lines from the journal if the ensemble has grown: they might be mistaken
+    /// for new runs. Must be called after all other checks.
     ///
     /// # Errors
     ///
@@ -364,8 +364,8 @@ impl Folder {
         Ok(())
     }
 
-    /// Opens the journal for new runs. Must be called once, since it begins at the end of the
-    /// journal at opening.
+    /// Opens the journal for new runs. Must be called only once: it starts at the journal's end at
+    /// opening.
     ///
     /// # Errors
     ///
@@ -378,7 +378,7 @@ impl Folder {
         Ok(journal)
     }
 
-    /// Returns the runs at these positions of its journal.
+    /// Returns the runs whose lines are at these positions of the folder's journal.
     ///
     /// # Errors
     ///
@@ -404,7 +404,7 @@ impl Folder {
     ///
     /// Errors of the file system.
     pub(crate) fn write_tables(&self, finished: &Records) -> Result<(), FolderError> {
-        // Checksums of tables are invalid while these are being written.
+        // While the tables are being written, their old checksums are invalid.
         write_checksums(&self.path, &[])?;
         let mut sums = tables(&self.path, &self.manifest, finished, Replaces::Ordinary)?;
         for (name, content) in (self.further.0)(&self.manifest, finished)? {
@@ -419,7 +419,7 @@ impl Folder {
 ///
 /// # Errors
 ///
-/// Errors of the file system, and a file in the way that is not a table of ours.
+/// Errors of the file system. Also if a file of the same name is not a table of `stochc`.
 pub fn write_tables(
     path: &Path,
     manifest: &Manifest,
@@ -449,7 +449,7 @@ fn tables(
 
 /// Writes the manifest of a folder without tables.
 pub(crate) fn write_manifest(path: &Path, manifest: &Manifest) -> Result<(), FolderError> {
-    // Checksums are invalid until they are written again.
+    // The old checksums are invalid until new ones are written.
     remove(path, CHECKSUMS_FILE)?;
     replace(path, MANIFEST, manifest.to_json().as_bytes())?;
     write_checksums(path, &[])
@@ -472,7 +472,7 @@ pub(crate) fn write_checksums(path: &Path, files: &[(String, Sum)]) -> Result<()
     replace(path, CHECKSUMS_FILE, checksums.to_json().as_bytes())
 }
 
-/// Rejects a folder with shards.
+/// Returns an error if the folder has shards.
 fn not_cut(path: &Path) -> Result<(), FolderError> {
     match disk::look(&path.join(SHARDS_FILE)) {
         Ok(_) => Err(FolderError::Cut {
@@ -486,7 +486,7 @@ fn not_cut(path: &Path) -> Result<(), FolderError> {
 ///
 /// # Errors
 ///
-/// If it belongs to another ensemble, and errors of the file system.
+/// If the journal belongs to another ensemble, and errors of the file system.
 pub(crate) fn keep_sound_lines(path: &Path, manifest: &Manifest) -> Result<(), FolderError> {
     let journal = path.join(JOURNAL);
     let of = || FolderError::at(&journal);
@@ -505,8 +505,8 @@ pub(crate) fn keep_sound_lines(path: &Path, manifest: &Manifest) -> Result<(), F
     }
 }
 
-/// Returns messages about the files of a folder, except for its manifest. `journal` are those about
-/// its journal.
+/// Returns messages about corrupted files of a folder, except its manifest. `journal` are the
+/// messages about its journal.
 fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
     let (checksums, damage) = FolderChecksums::read(path);
     let mut told = journal;
@@ -524,7 +524,7 @@ fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
     told
 }
 
-/// Removes a file of ours, if it exists.
+/// Removes a file of the results folder if it exists.
 fn remove(path: &Path, name: &str) -> Result<(), FolderError> {
     match disk::remove(&path.join(name)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
@@ -534,7 +534,7 @@ fn remove(path: &Path, name: &str) -> Result<(), FolderError> {
     }
 }
 
-/// Returns whether an entry of a folder is a lock or a leftover.
+/// Returns whether an entry of a folder is a lock file or left over from a killed process.
 pub fn is_remnant(entry: &Path) -> bool {
     entry.file_name().is_some_and(|name| name == LOCK) || atomic::is_partial(entry)
 }
@@ -543,7 +543,7 @@ pub fn is_remnant(entry: &Path) -> bool {
 ///
 /// # Errors
 ///
-/// If it contains something else, or cannot be read.
+/// If the folder contains other files, or cannot be read.
 pub fn survey(path: &Path) -> Result<Option<Manifest>, FolderError> {
     let unreadable = |reason| FolderError::Unreadable {
         path: path.to_owned(),
@@ -588,7 +588,7 @@ pub fn check_manifest(file: &Path) -> Result<(), FolderError> {
     }
 }
 
-/// Checks the manifest of a folder against its checksum, if there is one.
+/// Checks the manifest of a folder against its checksum. Accepts a manifest without a checksum.
 fn as_written(folder: &Path) -> Result<(), FolderError> {
     match FolderChecksums::read(folder) {
         (Some(checksums), _) if checksums.damage(folder, MANIFEST, false).is_some() => {
@@ -631,7 +631,7 @@ pub(crate) fn replace(path: &Path, name: &str, content: &[u8]) -> Result<(), Fol
     atomic::replace(&path, content, Replaces::Ordinary).map_err(FolderError::at(path))
 }
 
-/// Returns the builds of a folder after another one has made runs.
+/// Returns the builds of a folder after the builds `here` have added runs.
 fn joined(stored: &[String], here: &[String]) -> Vec<String> {
     let mut all = stored.to_vec();
     for build in here {

@@ -1,4 +1,4 @@
-//! The folder for Slurm within a results folder.
+//! The folder with the files for Slurm, within a results folder.
 use std::io;
 use std::path::Path;
 
@@ -6,11 +6,11 @@ use stochc_files::atomic::remove_own;
 
 /// Name of the folder.
 pub(crate) const SLURM: &str = "slurm";
-/// Locked by the process that submits.
+/// Lock file of the process that submits.
 pub(crate) const LOCK: &str = ".lock";
-/// Script of job arrays.
+/// Name of the script of job arrays.
 pub(crate) const SHARDS_SCRIPT: &str = "shards.sh";
-/// Script of merge jobs.
+/// Name of the script of merge jobs.
 pub(crate) const MERGE_SCRIPT: &str = "merge.sh";
 
 /// Removes the folder for Slurm of the ensemble at `path`, if there is one.

@@ -19,7 +19,7 @@ use stochc_text::visible;
 pub use crate::folder::DAMAGED;
 pub use crate::integrity::{FileIntegrity, Integrity};
 
-/// Compares every file of a results folder with its checksum, without any change.
+/// Compares every file of a results folder with its checksum. Changes nothing.
 ///
 /// # Errors
 ///
@@ -64,7 +64,7 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
         Integrity::new(damage.into_iter().collect(), true)
     };
     let Ok(manifest) = manifest else {
-        // Only the checksums remain for a comparison.
+        // Without a manifest, files can only be compared with their checksums.
         known.for_each(|name| report(name, by_checksum(name)));
         return Ok(files);
     };
@@ -117,9 +117,9 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
     Ok(files)
 }
 
-/// Moves corrupted files to [`DAMAGED`] and writes them again. The journal is written from its
-/// valid lines, tables and `further` files from the journal. If the journal lost lines, the earlier
-/// tables also move to [`DAMAGED`]. Recordings are not made again.
+/// Moves corrupted files to [`DAMAGED`] and writes them again. The journal is restored from its
+/// valid lines. Tables and `further` files are restored from the journal. If the journal lost
+/// lines, the earlier tables also move to [`DAMAGED`]. Recordings are not made again.
 ///
 /// # Errors
 ///
@@ -156,7 +156,7 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     }
     if is_damaged(SHARDS_FILE) && path.join(SHARDS_FILE).exists() {
         if path.join(SHARDS).exists() {
-            // Without `shards.json` the shards would be ignored.
+            // Without `shards.json`, the shards could not be found.
             return Err(FolderError::LostCut(path.to_owned()));
         }
         aside(SHARDS_FILE)?;
@@ -164,7 +164,7 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     if is_damaged(JOURNAL) && path.join(JOURNAL).exists() {
         keep_sound_lines(path, &manifest)?;
     }
-    // Tables that include lost runs contain more than tables from the present journal.
+    // Tables with runs that the journal lost contain more than tables from the present journal.
     let is_lost = |name: &str| is_damaged(JOURNAL) && !name.contains('/');
     for file in &health {
         let is_done = [MANIFEST, JOURNAL, SHARDS_FILE, CHECKSUMS_FILE].contains(&&*file.name);

@@ -4,7 +4,7 @@ use std::io;
 /// Error of a journal.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// The first line of the journal is invalid or identifies another ensemble.
+    /// The first line of the journal is invalid or names another ensemble.
     #[error(
         "`journal.jsonl` does not belong to the `manifest.json` in its folder; \
          move both back to their folders, or choose another folder; if one is damaged, `stochc fsck --repair` may help"

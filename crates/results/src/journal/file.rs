@@ -1,9 +1,9 @@
 //! Write-ahead log: one line of JSON per finished run, with a checksum, written at once.
 //!
 //! `journal.jsonl` begins with a line that identifies the ensemble, so that runs of other programs
-//! cannot be mixed in. A partial last line, after a kill or a power failure, is truncated at the
-//! next opening. A corrupted line is skipped and its run repeated. A run is a pure function of its
-//! number, so only time is lost.
+//! cannot be mixed in. A kill or a power failure may leave a partial last line. It is removed at
+//! the next opening. A corrupted line is skipped and its run repeated. A run is a pure function of
+//! its number, so only time is lost.
 use std::fs::OpenOptions;
 use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
@@ -27,7 +27,8 @@ use crate::records::RecordValidator;
 use crate::records::Records;
 use crate::{EnsembleProgram, Manifest};
 
-/// Largest loss by a power failure: the runs finished during this time. A kill loses none.
+/// Time between two writes to the disk. A power failure loses at most the runs that finished during
+/// this time. A kill loses none.
 const SYNC_EVERY: Duration = Duration::from_millis(500);
 
 /// Version of the journal format.
@@ -71,7 +72,7 @@ impl JournalHeader {
 pub(crate) struct ShardHeader {
     /// Number of the shard, from 0.
     pub number: u64,
-    /// Number of shards.
+    /// Number of all shards.
     pub of: u64,
     /// Runs of each program in all shards.
     pub runs: u64,
@@ -84,9 +85,9 @@ pub(crate) struct ShardHeader {
 #[derive(Debug)]
 pub(crate) struct Journal {
     file: Arc<File>,
-    /// End of the last complete line.
+    /// Position of the end of the last complete line \[bytes\].
     end: Mutex<u64>,
-    /// Whether the syncer has been notified of unsynced lines.
+    /// Whether the thread that syncs has been notified of new lines.
     is_told: Arc<AtomicBool>,
     wake: SyncSender<()>,
     syncer: JoinHandle<io::Result<()>>,
@@ -99,7 +100,7 @@ pub(crate) struct StoredJournal {
     pub finished: Records,
     /// Shortest run that did not fail.
     pub shortest: Option<Finished>,
-    /// End of the last complete line.
+    /// Position of the end of the last complete line \[bytes\].
     pub whole: u64,
     /// Messages about corrupted lines.
     pub damage: Vec<String>,
@@ -108,11 +109,11 @@ pub(crate) struct StoredJournal {
 /// Reads the journal of an ensemble and checks its runs against the manifest. Skips and reports
 /// corrupted lines.
 ///
-/// A file that ends within its first line is empty.
+/// A file that ends within its first line counts as empty.
 ///
 /// # Errors
 ///
-/// [`JournalError::Foreign`] if it does not belong to the ensemble `identity`.
+/// [`JournalError::Foreign`] if the journal does not belong to the ensemble `identity`.
 pub(crate) fn read(
     path: &Path,
     manifest: &Manifest,
@@ -149,7 +150,7 @@ pub(crate) fn read(
     Ok(stored)
 }
 
-/// Run with the fewest ticks that did not fail, the first one of several.
+/// Run with the fewest ticks among the runs that did not fail. The first of several equal ones.
 #[derive(Debug, Default)]
 pub(crate) struct Shortest(pub Option<Finished>);
 
@@ -167,17 +168,18 @@ impl Shortest {
 pub(crate) struct JournalLine<'a> {
     /// Line number. The first run is in line 2.
     pub number: u64,
-    /// Position of its start \[bytes\].
+    /// Position of the start of the line \[bytes\].
     pub at: u64,
-    /// Text without the line break.
+    /// Text of the line without the line break.
     pub text: &'a [u8],
 }
 
-/// Reads the complete lines of a journal after its first. Returns the end of the last one.
+/// Reads the complete lines of a journal after its first line. Returns the position of the end of
+/// the last one.
 ///
 /// # Errors
 ///
-/// [`JournalError::Foreign`] if it does not begin with `expected`.
+/// [`JournalError::Foreign`] if the journal does not begin with `expected`.
 pub(crate) fn read_lines(
     path: &Path,
     expected: &JournalHeader,
@@ -216,7 +218,7 @@ pub(crate) fn read_lines(
     Ok(at)
 }
 
-/// Returns the first line of a file of runs, or `None` if it is corrupted or incomplete.
+/// Returns the header of a file of runs, or `None` if its first line is corrupted or incomplete.
 pub(crate) fn read_header(path: &Path) -> io::Result<Option<JournalHeader>> {
     let line = first_line(&mut BufReader::new(files::open(path)?))?;
     let Some(line) = line.strip_suffix(b"\n") else {
@@ -226,17 +228,17 @@ pub(crate) fn read_header(path: &Path) -> io::Result<Option<JournalHeader>> {
     Ok(header.filter(|_| checksum::check(line) == LineIntegrity::Sound))
 }
 
-/// Limit of the first line of a journal \[bytes\].
+/// Limit on the length of the first line of a journal \[bytes\].
 pub(crate) const MAX_HEADER: u64 = 1 << 12;
 
-/// Returns the first line of a journal with its end, up to the limit.
+/// Returns the first line of a journal with its line break, up to the limit of its length.
 pub(crate) fn first_line(file: &mut impl BufRead) -> io::Result<Vec<u8>> {
     let mut line = Vec::new();
     file.take(MAX_HEADER).read_until(b'\n', &mut line)?;
     Ok(line)
 }
 
-/// Defect of a line of a journal.
+/// Reason why a line of a journal is invalid.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum InvalidLine {
     #[error("is damaged")]
@@ -245,7 +247,7 @@ pub(crate) enum InvalidLine {
     Impossible(String),
 }
 
-/// Returns the run of a line.
+/// Reads and validates the run of a line.
 pub(crate) fn run(line: &[u8], validator: &RecordValidator<'_>) -> Result<Finished, InvalidLine> {
     if checksum::check(line) != LineIntegrity::Sound {
         return Err(InvalidLine::Damaged);
@@ -257,8 +259,8 @@ pub(crate) fn run(line: &[u8], validator: &RecordValidator<'_>) -> Result<Finish
     }
 }
 
-/// Returns a journal of the valid lines of a corrupted one, or `None` if it belongs to another
-/// ensemble.
+/// Returns a journal with only the valid lines of a corrupted journal. Returns `None` if it belongs
+/// to another ensemble.
 ///
 /// # Errors
 ///
@@ -271,7 +273,7 @@ pub(crate) fn salvaged(
     let mut file = BufReader::new(files::open(path)?);
     let mut text = line(&JournalHeader::new(identity)).into_bytes();
     let mut next = Vec::new();
-    // A valid first line identifies the ensemble. A corrupted one does not.
+    // Only a valid first line identifies the ensemble.
     let most = most_line(manifest);
     let validator = RecordValidator::new(manifest);
     let mut count = read_or_end(&mut file, most, &mut next)?;
@@ -282,7 +284,7 @@ pub(crate) fn salvaged(
             return Ok(None);
         }
     }
-    // The first line may have lost its end and contain the first run as well.
+    // The first line may have lost its line break and contain the first run as well.
     while count > 0 {
         let whole = next.strip_suffix(b"\n").unwrap_or(&next);
         if let Ok(finished) = run(whole, &validator) {
@@ -294,7 +296,7 @@ pub(crate) fn salvaged(
     Ok(Some(text))
 }
 
-/// Reads the next line like [`read_line`]. Stops at a line of `most` bytes.
+/// Reads the next line like [`read_line`]. A line of `most` bytes counts as the end of the file.
 fn read_or_end(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Result<u64> {
     match read_line(file, most, line) {
         Err(error) if error.kind() == io::ErrorKind::FileTooLarge => Ok(0),
@@ -302,15 +304,15 @@ fn read_or_end(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Re
     }
 }
 
-/// Returns the limit of a line of an ensemble's journal \[bytes\].
+/// Returns the limit on the length of a line of an ensemble's journal \[bytes\].
 pub(crate) fn most_line(manifest: &Manifest) -> u64 {
     let captures = manifest.programs.iter().map(EnsembleProgram::captures);
     budget::record(captures.max().unwrap_or(0))
 }
 
 impl Journal {
-    /// Opens a journal after its last complete line and truncates the rest. `whole` is from
-    /// [`read`].
+    /// Opens a journal after its last complete line and truncates the rest. `whole` is the position
+    /// that [`read`] returned.
     ///
     /// # Errors
     ///
@@ -344,8 +346,8 @@ impl Journal {
         })
     }
 
-    /// Appends a finished run. The system has it when this returns, the disk soon after. Returns
-    /// the start of its line \[bytes\].
+    /// Appends a finished run. Returns the position of the start of its line \[bytes\]. At that
+    /// time, the system has received the line. It is on the disk soon after.
     ///
     /// # Errors
     ///
@@ -371,7 +373,7 @@ impl Journal {
         Ok(at)
     }
 
-    /// Makes everything appended survive a power failure.
+    /// Writes all appended lines to the disk, so that they survive a power failure.
     ///
     /// # Errors
     ///
@@ -380,7 +382,7 @@ impl Journal {
         self.file.sync_data()
     }
 
-    /// Waits until everything appended survives a power failure.
+    /// Waits until all appended lines are on the disk and survive a power failure.
     ///
     /// # Errors
     ///
@@ -393,11 +395,11 @@ impl Journal {
     }
 }
 
-/// Syncs lines periodically until the sender is dropped.
+/// Writes new lines to the disk periodically, until the sender of `woken` is dropped.
 fn sync(file: &File, is_told: &AtomicBool, woken: &Receiver<()>) -> io::Result<()> {
-    // Everything is synced here, so wait for a line.
+    // Everything is on the disk here, so wait for a new line.
     while woken.recv().is_ok() {
-        // Further lines send no message, so this returns early only when the sender is dropped.
+        // Later lines send no message. The wait therefore ends early only if the sender is dropped.
         let _ = woken.recv_timeout(SYNC_EVERY);
         is_told.store(false, Ordering::Release);
         file.sync_data()?;

@@ -14,11 +14,11 @@ pub(crate) fn line(of: &impl Serialize) -> String {
     checksum::sealed(json) + "\n"
 }
 
-/// Reads the next line with its end, or the rest of the file. Returns the number of bytes.
+/// Reads the next line with its line break, or the rest of the file. Returns the number of bytes.
 ///
 /// # Errors
 ///
-/// Errors of the file, and a line of `most` bytes.
+/// Errors of the file, and a line of `most` or more bytes.
 pub(crate) fn read_line(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Result<u64> {
     let count = file.take(most).read_until(b'\n', line)? as u64;
     if count < most {
@@ -29,11 +29,12 @@ pub(crate) fn read_line(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) 
     }
 }
 
-/// Reads a line again that was valid before. Returns its length. `line` is a buffer.
+/// Reads a run again from a line that was valid before. Returns the run and the length of the line.
+/// `line` is a buffer.
 ///
 /// # Errors
 ///
-/// [`JournalError::Changed`] if it is no longer valid.
+/// [`JournalError::Changed`] if the line is no longer valid.
 pub(crate) fn read_at(
     file: &mut impl BufRead,
     most: u64,

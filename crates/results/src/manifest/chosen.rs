@@ -1,10 +1,10 @@
-//! Settings that a sweep has chosen: `--vary substeps=1,2,4`.
+//! Settings that a sweep varies, such as `--vary substeps=1,2,4`.
 use serde::{Deserialize, Serialize};
 use stochc_ir::scene::InvalidSubsteps;
 use stochc_runtime::{Model, Precision, Reduction, Settings, Substeps};
 use thiserror::Error;
 
-/// Settings that a sweep may vary, as options of `simulate`.
+/// Names of the settings that a sweep may vary. They are options of `simulate`.
 const NAMES: [&str; 5] = [
     "model",
     "substeps",
@@ -13,7 +13,7 @@ const NAMES: [&str; 5] = [
     "without",
 ];
 
-/// Value of `without` that leaves nothing out.
+/// Value of the setting `without` that leaves out no term.
 const NOTHING: &str = "none";
 
 /// Largest number of solver iterations per step.
@@ -28,9 +28,9 @@ pub enum InvalidSetting {
     /// The steps are invalid.
     #[error("`{choice}`: {reason}")]
     Substeps {
-        /// Name and value.
+        /// Setting with the rejected value, such as `substeps=0`.
         choice: String,
-        /// Reason.
+        /// Reason why the steps are invalid.
         reason: InvalidSubsteps,
     },
     /// The number of solver iterations is invalid.
@@ -39,9 +39,9 @@ pub enum InvalidSetting {
     /// The setting has no value of this name.
     #[error("`{choice}`: give one of {names}")]
     Value {
-        /// Name and value.
+        /// Setting with the rejected value.
         choice: String,
-        /// Names of all values.
+        /// List of the names of all valid values.
         names: String,
     },
 }
@@ -73,7 +73,7 @@ impl ChosenSetting {
         chosen.apply(&mut Settings::default()).map(|()| chosen)
     }
 
-    /// Returns the settings as choices, the model first. Everything usual is left out except the steps.
+    /// Returns the settings as choices, the model first. Omits defaults, except for the steps.
     pub fn all_of(settings: &Settings) -> Vec<ChosenSetting> {
         let model = settings.model;
         let steps = model.has_places().then(|| settings.steps().to_string());
@@ -149,7 +149,7 @@ impl ChosenSetting {
         Ok(())
     }
 
-    /// Returns the value by its name.
+    /// Returns the element of `all` that has the chosen value as its name.
     fn named<T: Copy>(&self, all: &[T], name: fn(T) -> &'static str) -> Result<T, InvalidSetting> {
         let found = all.iter().find(|&&it| name(it) == self.value);
         found.copied().ok_or_else(|| {

@@ -15,18 +15,18 @@ use crate::build::this_build;
 /// Everything that determines an ensemble: `manifest.json` in its folder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifest {
-    /// Version of `stochc`.
+    /// Version of `stochc` that made the manifest.
     pub stochc: String,
-    /// Settings of the computation.
+    /// Settings of all runs. A sweep may change them for its points.
     pub settings: Settings,
-    /// Seed of every draw, together with the run number.
+    /// Seed of the ensemble. Every random draw depends on it and on the run number.
     pub seed: u64,
-    /// Runs of each program. May grow, so it is not part of the identity.
+    /// Number of runs of each program. May grow, so it is not part of the identity.
     pub runs: u64,
-    /// Builds that made its runs ([`crate::this_build`]), in order of first use. Not part of the
+    /// Builds that made the runs ([`crate::this_build`]), in order of first use. Not part of the
     /// identity.
     pub builds: Vec<String>,
-    /// Programs in the order of the command line.
+    /// Programs in the order of the command line. A sweep has one for each point.
     pub programs: Vec<EnsembleProgram>,
 }
 
@@ -43,7 +43,7 @@ struct Identity<'a> {
 impl Manifest {
     /// Returns a manifest of this version and build of `stochc`.
     ///
-    /// Equal names of programs are distinguished by a number: `tower`, `tower (2)`.
+    /// Programs with equal names get a number: `tower`, `tower (2)`.
     pub fn new(
         settings: Settings,
         seed: u64,
@@ -71,12 +71,12 @@ impl Manifest {
         manifest
     }
 
-    /// Returns the number of runs of all programs.
+    /// Returns the total number of runs of all programs.
     pub fn total(&self) -> u64 {
         self.runs.saturating_mul(self.programs.len() as u64)
     }
 
-    /// Returns the message for a run number out of range.
+    /// Returns the error message for a run number that is out of range.
     pub fn no_such_run(&self, run: u64) -> String {
         match self.runs {
             1 => format!("run {run} is not there: the only run is 0"),
@@ -86,7 +86,7 @@ impl Manifest {
 
     /// Returns the SHA-256, in hexadecimal, of everything that determines a run.
     ///
-    /// Excludes paths, the number of runs and the number of threads.
+    /// Does not depend on paths, the number of runs and the number of threads.
     pub fn identity(&self) -> String {
         let identity = Identity {
             format: FORMAT,
@@ -104,8 +104,9 @@ impl Manifest {
 
     /// Returns the SHA-256, in hexadecimal, of everything that determines the runs of one program.
     ///
-    /// Excludes equivalent changes of its source, its name in the ensemble, and other programs.
-    /// Includes the names in its tables and of its scene.
+    /// Does not depend on its name in the ensemble and on other programs. Changes of its source
+    /// without effect on its tables do not affect it. Depends on the names in its tables and the
+    /// name of its scene.
     pub fn runs_identity(&self, program: &EnsembleProgram) -> String {
         sha256(&(
             &self.stochc,
@@ -116,7 +117,8 @@ impl Manifest {
         ))
     }
 
-    /// Returns the differences that prevent runs of `other` from being added to this ensemble.
+    /// Returns descriptions of the differences that prevent adding runs of `other` to this
+    /// ensemble.
     pub fn differences(&self, other: &Manifest) -> Vec<String> {
         let mut found = Vec::new();
         let mut compare = |what: &str, there: &str, here: &str| {
@@ -143,11 +145,11 @@ impl Manifest {
         found
     }
 
-    /// Checks the limits of sizes.
+    /// Checks that the ensemble has runs and is within the size limits.
     ///
     /// # Errors
     ///
-    /// If there is nothing to run, or more than the limits allow.
+    /// If the ensemble is empty or exceeds a limit.
     pub fn within_limits(&self) -> Result<(), ManifestError> {
         if self.programs.is_empty() || self.runs == 0 {
             return Err(ManifestError::Empty);
@@ -165,7 +167,7 @@ impl Manifest {
         }
     }
 
-    /// Returns the settings of the runs of one of its programs.
+    /// Returns the settings for the runs of one program of the manifest.
     ///
     /// # Panics
     ///
@@ -185,7 +187,7 @@ impl Manifest {
         Cow::Owned(settings)
     }
 
-    /// Returns whether runs of some program use this model.
+    /// Returns whether any program is run in this model.
     pub fn uses(&self, model: Model) -> bool {
         let mut programs = self.programs.iter();
         programs.any(|program| self.settings_of(program).model == model)
@@ -196,7 +198,7 @@ impl Manifest {
         self.programs.iter().any(|it| !it.chosen.is_empty())
     }
 
-    /// Returns the axes of a sweep.
+    /// Returns the scene parameters and settings that a sweep varies.
     pub fn swept(&self) -> SweepAxes<'_> {
         let mut settings: Vec<&str> = Vec::new();
         for chosen in self.programs.iter().flat_map(|program| &program.chosen) {
@@ -210,7 +212,8 @@ impl Manifest {
         }
     }
 
-    /// Returns the scene parameters that a sweep varies, in its order. Empty without a sweep.
+    /// Returns the scene parameters that a sweep varies, in the order of the command line. Empty
+    /// without a sweep.
     pub fn axes(&self) -> &[Varied] {
         let mut programs = self.programs.iter().map(|program| &program.varied[..]);
         programs

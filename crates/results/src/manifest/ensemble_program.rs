@@ -18,11 +18,12 @@ pub struct EnsembleProgram {
     pub name: String,
     /// Compiled program. Points of a sweep may share it.
     pub compiled: Arc<Compiled>,
-    /// Scene of the program.
+    /// Scene parameters that a sweep has changed, in the order of the command line. Empty if all
+    /// are as in the source.
     pub scene: Scene,
     /// Scene parameters changed by a sweep, in its order. Empty if all are as in the source.
     pub varied: Vec<Varied>,
-    /// Settings selected by a sweep. All others are those of the manifest.
+    /// Settings that a sweep has chosen for this program. All other settings are in the manifest.
     pub chosen: Vec<ChosenSetting>,
     /// The program's file, followed by all imported files. Empty for a program that was read in
     /// compiled form.
@@ -36,7 +37,7 @@ pub struct Compiled {
     pub tables: Tables,
     /// Dependency graph.
     pub graph: EventGraph,
-    /// Risks of jamming, which the rate model does not include.
+    /// Risks of jamming that the rate model ignores.
     pub jam_risks: Vec<JamRisk>,
     /// SHA-256 of the tables, in hexadecimal.
     pub(super) digest: String,
@@ -63,8 +64,8 @@ pub(super) struct ProgramIdentity<'a> {
 }
 
 impl EnsembleProgram {
-    /// Returns the values of the program's point, as appended to its name: ` [free=50, tick=10
-    /// ms]`.
+    /// Returns the varied values of the program's point in a sweep. They are appended to its name:
+    /// ` [free=50, tick=10 ms]`.
     pub fn point(&self) -> String {
         let numbers = self.varied.iter().map(Varied::text);
         bracketed(numbers.chain(self.chosen.iter().map(ChosenSetting::text)))
@@ -75,19 +76,19 @@ impl EnsembleProgram {
         !(self.varied.is_empty() && self.chosen.is_empty())
     }
 
-    /// Returns the name without the scene parameters of its point.
+    /// Returns the program's name without the scene parameters of its point in a sweep.
     pub fn name_without_numbers(&self) -> String {
         let settings = bracketed(self.chosen.iter().map(ChosenSetting::text));
         self.name.replace(&self.point(), &settings)
     }
 
-    /// Returns the name without the settings of its point.
+    /// Returns the program's name without the settings of its point in a sweep.
     pub fn name_without_settings(&self) -> String {
         let numbers = bracketed(self.varied.iter().map(Varied::text));
         self.name.replace(&self.point(), &numbers)
     }
 
-    /// Returns the program as a point with these settings.
+    /// Returns the program as the point of a sweep that has these settings.
     #[must_use]
     pub fn at(&self, chosen: &[ChosenSetting]) -> EnsembleProgram {
         let mut point = EnsembleProgram {
@@ -98,21 +99,22 @@ impl EnsembleProgram {
         point
     }
 
-    /// Returns the value of a setting that a sweep has selected.
+    /// Returns the value that a sweep has chosen for a setting. Returns `None` if the setting is
+    /// not varied.
     pub fn chosen_value(&self, of: &str) -> Option<&str> {
         let mut chosen = self.chosen.iter();
         chosen.find(|it| it.of() == of).map(ChosenSetting::value)
     }
 
     /// Returns the program's value on an axis of a sweep, in the unit of the axis. Returns `None`
-    /// if the program is not a point of it.
+    /// if the program is not a point on this axis.
     pub fn on_axis(&self, axis: &Varied) -> Option<f64> {
         let mut varied = self.varied.iter();
         let here = varied.find(|varied| varied.of == axis.of && varied.unit == axis.unit);
         here.map(|varied| varied.said)
     }
 
-    /// Returns a compiled program. `sources` are its file and then all imports.
+    /// Creates a program of an ensemble. `sources` are its file, then all imported files.
     pub fn new(name: &str, sources: Vec<Source>, executable: Executable) -> EnsembleProgram {
         let Executable {
             tables,
@@ -130,7 +132,7 @@ impl EnsembleProgram {
         }
     }
 
-    /// Returns the parts that the estimate requires.
+    /// Returns references to the parts of the program that an estimate requires.
     pub fn parts(&self) -> ProgramParts<'_> {
         ProgramParts {
             tables: &self.compiled.tables,
@@ -140,7 +142,7 @@ impl EnsembleProgram {
         }
     }
 
-    /// Returns the reasons why the program's times by the rate model are lower bounds.
+    /// Returns the reasons why the rate model gives only lower bounds of the program's times.
     pub fn lower_bound(&self, rates: &Rates) -> LowerBoundReasons {
         let blocks = self.compiled.graph.largest_structure();
         LowerBoundReasons::new(&self.compiled.jam_risks, rates, blocks)
@@ -151,13 +153,13 @@ impl EnsembleProgram {
         &self.compiled.tables
     }
 
-    /// Returns the name of its assembly.
+    /// Returns the name of the program's assembly.
     pub fn assembly(&self) -> &str {
         &self.tables().assembly
     }
 
-    /// Returns the number of captures, or of blocks of an aggregate: the paper's "total units
-    /// involved".
+    /// Returns the number of captures. For an aggregate, returns the number of blocks. Papers call
+    /// it "total units involved".
     pub fn captures(&self) -> u64 {
         let tables = self.tables();
         tables.aggregate.map_or(tables.captures() as u64, u64::from)
@@ -194,8 +196,8 @@ impl EnsembleProgram {
             .map_or("?", |role| &role.name)
     }
 
-    /// Returns the SHA-256, in hexadecimal, of its source, all imports, and its scene. Excludes
-    /// paths and its name in tables.
+    /// Returns the SHA-256, in hexadecimal, of the program's source, all imports, and its scene.
+    /// Paths and the program's name do not affect it.
     pub fn hash(&self) -> String {
         sha256(&ProgramIdentity {
             name: "",
@@ -233,7 +235,7 @@ impl EnsembleProgram {
     }
 }
 
-/// Returns the values of a point as appended to the name of its program.
+/// Returns values in brackets, as appended to the name of a program.
 fn bracketed(values: impl Iterator<Item = String>) -> String {
     let values: Vec<String> = values.collect();
     if values.is_empty() {
@@ -244,7 +246,7 @@ fn bracketed(values: impl Iterator<Item = String>) -> String {
 }
 
 impl Compiled {
-    /// Returns a compiled program from tables and graph.
+    /// Creates a compiled program from its tables and graph.
     pub fn new(tables: Tables, graph: EventGraph, jam_risks: Vec<JamRisk>) -> Compiled {
         let digest = sha256(&tables);
         Compiled {

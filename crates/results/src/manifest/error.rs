@@ -18,7 +18,7 @@ pub enum ManifestError {
     /// A part is missing or invalid.
     #[error("it is damaged, {0}")]
     Damaged(String),
-    /// The manifest differs from that of the journal.
+    /// The manifest does not match the first line of the journal.
     #[error("it does not belong to the journal; nothing was changed")]
     NotOfTheJournal,
     /// The manifest contains no runs.
@@ -27,7 +27,7 @@ pub enum ManifestError {
     /// The manifest has too many runs of each program.
     #[error("{0} runs of each program; at most {MAX_RUNS} are possible")]
     TooManyRuns(u64),
-    /// The manifest has too many programs at one point of a sweep.
+    /// The sweep has too many programs for a comparison of all pairs.
     #[error(
         "{0} programs that are all compared with each other; at most {MAX_PROGRAMS} are possible"
     )]

@@ -1,6 +1,6 @@
 //! Format and limits of manifests.
 
-/// Version of the layout of a results folder. No other version is read.
+/// Version of the layout of a results folder. Other versions are rejected.
 pub const FORMAT: u32 = 1;
 
 /// Largest number of runs of each program.

@@ -1,4 +1,4 @@
-//! Form of `manifest.json`, with shared tables and sources stored once.
+//! Form of a manifest in `manifest.json`. Shared tables and sources are stored only once.
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -24,21 +24,21 @@ struct StoredManifest {
     runs: u64,
     programs: Vec<StoredProgram>,
     sources: Vec<Source>,
-    /// Tables, each on a separate line.
+    /// Tables and graph of each compiled program, as JSON.
     compiled: Vec<Box<RawValue>>,
 }
 
 #[derive(Serialize, Deserialize)]
 struct StoredProgram {
     name: String,
-    /// Index of the compiled program in `compiled`.
+    /// Index of the program's tables in the list `compiled`.
     compiled: usize,
     scene: Scene,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     varied: Vec<Varied>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     chosen: Vec<ChosenSetting>,
-    /// Indices of the files in `sources`.
+    /// Indices of the program's files in the list `sources`.
     sources: Vec<usize>,
 }
 

@@ -4,13 +4,13 @@ use serde::{Deserialize, Serialize};
 /// Scene parameter changed by a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Varied {
-    /// Name, such as `bond.pull`.
+    /// Name of the scene parameter, such as `bond.pull`.
     pub of: String,
-    /// Value in SI units.
+    /// Value of the scene parameter in SI units.
     pub value: f64,
-    /// Value in `unit`, as given by the user.
+    /// Value in `unit`, as the user wrote it.
     pub said: f64,
-    /// Unit as given by the user. Empty without unit.
+    /// Unit as the user wrote it. Empty if the value has no unit.
     pub unit: String,
 }
 
@@ -24,7 +24,7 @@ pub struct SweepAxes<'a> {
 }
 
 impl Varied {
-    /// Returns the value as given by the user, such as `4.5 N`.
+    /// Returns the value as the user wrote it, such as `4.5 N`.
     pub fn value(&self) -> String {
         match &*self.unit {
             "" => self.said.to_string(),
@@ -32,12 +32,12 @@ impl Varied {
         }
     }
 
-    /// Returns name and value, such as `bond.pull=4.5 N`.
+    /// Returns the name and value of the scene parameter, such as `bond.pull=4.5 N`.
     pub fn text(&self) -> String {
         format!("{}={}", self.of, self.value())
     }
 
-    /// Returns the name of its column in tables, such as `scene_bond_pull`.
+    /// Returns the name of the scene parameter's column in tables, such as `scene_bond_pull`.
     pub fn column(&self) -> String {
         format!("scene_{}", self.of.replace('.', "_"))
     }

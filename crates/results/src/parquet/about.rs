@@ -19,7 +19,7 @@ pub(super) fn about(manifest: &Manifest) -> Vec<(&'static str, String)> {
     if let Some(limit) = manifest.settings.max_ticks {
         about.push(("stochc.max_ticks", limit.to_string()));
     }
-    // Properties that differ between programs are stored per program.
+    // A property is stored once if all programs share it, otherwise per program.
     let mut shared = |key, of: fn(&EnsembleProgram) -> f64| {
         let mut values = manifest.programs.iter().map(of);
         if let Some(first) = values.next()

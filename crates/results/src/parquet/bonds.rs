@@ -7,7 +7,7 @@ use super::column::TableDefinition;
 use super::row::{RunContext, RunRow, add_phase, keyed};
 use crate::manifest::SweepAxes;
 
-/// Condition of nulls in the columns about the captured block.
+/// Condition for nulls in the columns about the captured block.
 const CENSORED: &str = "the wait is censored";
 
 /// Capture, or waiting time in progress at the end of the run.
@@ -57,14 +57,15 @@ impl<'a> BondRow<'a> {
         }
     }
 
-    /// Returns the ticks from the magnetizing to the docking, or to the end of the run.
+    /// Returns the ticks from switching the face on to the capture, or to the end of the run.
     fn wait(self, run: RunContext<'_>) -> u64 {
         let docked = self.docked().map(|bond| bond.docked);
         let end = docked.unwrap_or(run.record.ticks);
         end.saturating_sub(both!(self, magnetized))
     }
 
-    /// Returns the former role of the captured block, and the tick of its release.
+    /// Returns the former role of the captured block and the tick of its release. Returns `None` if
+    /// it had no role before.
     fn released(self) -> Option<(RoleId, u64)> {
         match self.docked()?.origin {
             Origin::Free => None,

@@ -1,4 +1,4 @@
-//! Definition of a column, for its documentation and its Parquet file.
+//! Definition of a column, used for the documentation and for Parquet files.
 use std::borrow::Cow;
 use std::io::Write;
 
@@ -14,23 +14,23 @@ use ::parquet::schema::parser::parse_message_type;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-/// Definition of a table with rows `R`.
+/// Definition of a table. `R` is the type of a row.
 pub struct TableDefinition<'a, R> {
-    /// Name. The file is `NAME.parquet`.
+    /// Name of the table. Its file is `NAME.parquet`.
     pub name: &'static str,
-    /// Meaning of a row.
+    /// Description of a row of the table.
     pub row: &'static str,
     /// Columns in their order.
     pub columns: Vec<ColumnDefinition<'a, R>>,
 }
 
-/// Definition of a column of a table with rows `R` and texts of lifetime `'a`.
+/// Definition of a column. `R` is the type of a row, and `'a` the lifetime of its texts.
 pub struct ColumnDefinition<'a, R> {
     name: Cow<'static, str>,
-    /// Unit of its values. Empty if they have none.
+    /// Unit of the values. Empty if they have no unit.
     unit: Cow<'static, str>,
     meaning: Cow<'static, str>,
-    /// Condition of null values. `None` if there are none.
+    /// Condition for null values. `None` if values are never null.
     null: Option<&'static str>,
     values: ColumnGetter<'a, R>,
 }
@@ -38,7 +38,7 @@ pub struct ColumnDefinition<'a, R> {
 /// Function that returns the value of a column in a row; `None` is null.
 type Get<'a, R, T> = Box<dyn Fn(&R) -> Option<T> + 'a>;
 
-/// Value function of a column, by type.
+/// Function that returns the value of a column in a row, by the type of the column.
 pub(super) enum ColumnGetter<'a, R> {
     Bool(Get<'a, R, bool>),
     /// 32-bit integers, for coordinates.
@@ -54,7 +54,7 @@ pub(super) enum ColumnGetter<'a, R> {
     Texts(Get<'a, R, Vec<&'a str>>),
 }
 
-/// Values of a column in some rows, in order; `None` is null.
+/// Values of a column in several rows. `None` is a null value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ColumnValues<'a> {
     /// `bool`.
@@ -75,7 +75,7 @@ pub enum ColumnValues<'a> {
     TextLists(Vec<Vec<&'a str>>),
 }
 
-/// Makes methods that add a column, from a function that returns a value, or `None` for null.
+/// Makes methods that add a column. Each takes a function that returns a value, or `None` for null.
 macro_rules! column_methods {
     ($($kind:ident: $value:ty => $variant:ident;)*) => {
         $(
@@ -145,9 +145,9 @@ impl<'a, R> TableDefinition<'a, R> {
 /// Description of a table, for documentation and metadata.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct TableShape {
-    /// Name. The file is `NAME.parquet`.
+    /// Name of the table. Its file is `NAME.parquet`.
     pub name: String,
-    /// Meaning of a row.
+    /// Description of a row of the table.
     pub row: String,
     /// Columns in order.
     pub columns: Vec<ColumnShape>,
@@ -156,16 +156,17 @@ pub struct TableShape {
 /// Description of a column.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ColumnShape {
-    /// Name.
+    /// Name of the column.
     pub name: String,
-    /// `int32`, `int64`, `uint64`, `float64`, `bool`, `text`, or `list of` one of these.
+    /// Type of the values: `int32`, `int64`, `uint64`, `float64`, `bool`, `text`, or `list of` one
+    /// of these.
     #[serde(rename = "type")]
     pub kind: &'static str,
-    /// Unit of its values. Empty if they have none.
+    /// Unit of the values. Empty if they have no unit.
     pub unit: String,
     /// Meaning of the values.
     pub meaning: String,
-    /// Condition of null values. `None` if there are none.
+    /// Condition for null values. `None` if values are never null.
     pub null: Option<String>,
 }
 
@@ -179,7 +180,7 @@ impl<R> TableDefinition<'_, R> {
         }
     }
 
-    /// Begins its file, with additional `metadata`.
+    /// Begins the Parquet file of the table, with additional `metadata`.
     pub(super) fn begin<W: Write + Send>(
         &self,
         out: W,
@@ -215,7 +216,7 @@ impl<R> TableDefinition<'_, R> {
 pub(super) struct TableFile<W: Write>(SerializedFileWriter<W>);
 
 impl<W: Write + Send> TableFile<W> {
-    /// Adds the next rows of its `table` as a row group.
+    /// Writes the next rows of the table as a row group.
     pub fn add<R>(&mut self, table: &TableDefinition<R>, rows: &[R]) -> Result<(), ParquetError> {
         let mut group = self.0.next_row_group()?;
         for column in &table.columns {
@@ -227,7 +228,7 @@ impl<W: Write + Send> TableFile<W> {
         Ok(())
     }
 
-    /// Returns whether it has no rows yet.
+    /// Returns whether the file has no rows yet.
     pub fn is_empty(&self) -> bool {
         self.0.flushed_row_groups().is_empty()
     }
@@ -238,13 +239,13 @@ impl<W: Write + Send> TableFile<W> {
 }
 
 impl<'a, R> ColumnDefinition<'a, R> {
-    /// Sets the unit of its values.
+    /// Sets the unit of the column's values.
     pub fn unit(&mut self, unit: impl Into<Cow<'static, str>>) -> &mut ColumnDefinition<'a, R> {
         self.unit = unit.into();
         self
     }
 
-    /// Makes the column nullable, with the condition `when`.
+    /// Allows null values in the column. `when` describes the condition for null.
     pub fn null(&mut self, when: &'static str) -> &mut ColumnDefinition<'a, R> {
         self.null = Some(when);
         self
@@ -325,7 +326,7 @@ impl<'a, R> ColumnDefinition<'a, R> {
             ColumnValues::Bool(values) => put::<BoolType, _>(to, values, |it| it),
             ColumnValues::Int32(values) => put::<Int32Type, _>(to, values, |it| it),
             ColumnValues::Int64(values) => put::<Int64Type, _>(to, values, |it| it),
-            // The format stores the bits, and the schema marks them as unsigned.
+            // The format stores only the bits. The schema marks them as unsigned.
             ColumnValues::UInt64(values) => put::<Int64Type, _>(to, values, u64::cast_signed),
             ColumnValues::Float64(values) => put::<DoubleType, _>(to, values, |it| it),
             ColumnValues::Text(values) => {
@@ -340,14 +341,15 @@ impl<'a, R> ColumnDefinition<'a, R> {
     }
 }
 
-/// Returns a text for the writer. Copies each distinct text once, as most are repeated names.
+/// Returns a text for the writer. Copies each distinct text only once, because most texts are
+/// repeated names.
 fn shared(text: &str, known: &mut FxHashMap<(*const u8, usize), ByteArray>) -> ByteArray {
     let place = (text.as_ptr(), text.len());
     let known = known.entry(place).or_insert_with(|| text.into());
     known.clone()
 }
 
-/// Destination of values: whether any may be null, and the writer of the column.
+/// Destination of values: whether they may be null, and the writer of the column.
 type To<'w, 'x> = (bool, &'w mut SerializedColumnWriter<'x>);
 
 fn put<T: DataType, V>(

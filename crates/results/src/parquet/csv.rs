@@ -1,11 +1,11 @@
-//! Tables as comma-separated values (RFC 4180), from the same definitions.
+//! Tables as comma-separated values (RFC 4180), from the same definitions as Parquet files.
 use stochc_files::csv::CsvTable;
 
 use super::column::ColumnValues;
 use super::filled_table::FilledTable;
 
 impl FilledTable<'_> {
-    /// Returns the table as comma-separated values; a cell that is null is empty.
+    /// Returns the table as comma-separated values. A null value is an empty cell.
     pub fn csv(&self) -> String {
         let mut table = CsvTable::new(self.shape.columns.iter().map(|column| &column.name));
         let rows = self.values.first().map_or(0, ColumnValues::len);

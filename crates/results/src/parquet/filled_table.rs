@@ -1,4 +1,4 @@
-//! Holds tables with their values in memory.
+//! Tables with their values in memory.
 use super::column::{ColumnValues, TableDefinition, TableShape};
 
 /// A table with its values, column by column.
@@ -6,12 +6,12 @@ use super::column::{ColumnValues, TableDefinition, TableShape};
 pub struct FilledTable<'a> {
     /// Description of the table.
     pub shape: TableShape,
-    /// Values of each column.
+    /// Values, column by column.
     pub values: Vec<ColumnValues<'a>>,
 }
 
 impl<'a, R> TableDefinition<'a, R> {
-    /// Returns the table of these rows.
+    /// Returns the table with the values of these rows.
     pub fn filled(&self, rows: &[R]) -> FilledTable<'a> {
         let columns = self.columns.iter();
         FilledTable {

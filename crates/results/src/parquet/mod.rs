@@ -1,8 +1,8 @@
 //! Results as Parquet files, for DuckDB, Polars and other readers.
 //!
 //! The bytes depend only on the manifest and the runs, not on the order of finishing. Each table is
-//! a list of column definitions (`column.rs`). Its file, its metadata and
-//! `docs/reference/results.md` are generated from it.
+//! a list of column definitions (`column.rs`). The table's file and metadata, and
+//! `docs/reference/results.md`, are generated from this list.
 mod about;
 mod bonds;
 mod column;

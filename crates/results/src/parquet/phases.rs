@@ -5,17 +5,17 @@ use super::column::TableDefinition;
 use super::row::{RunContext, RunRow, add_phase, add_ticks, keyed, outcome};
 use crate::manifest::SweepAxes;
 
-/// Phase reached by a run.
+/// Phase that a run has reached.
 pub(super) struct Reached {
     phase: PhaseId,
     began: u64,
-    /// End. `None` if it was running at the end of the run.
+    /// Tick of the phase's end. `None` if the phase was running at the end of the run.
     ended: Option<u64>,
 }
 
 impl Reached {
-    /// Returns the duration of the phase \[ticks\]. For an unfinished phase, counts up to the end
-    /// of the run.
+    /// Returns the duration of the phase \[ticks\]. An unfinished phase lasts until the end of the
+    /// run.
     fn ticks(&self, run: RunContext<'_>) -> u64 {
         let end = self.ended.unwrap_or(run.record.ticks);
         end.saturating_sub(self.began)
@@ -28,7 +28,7 @@ pub(super) fn reached(run: RunContext) -> Vec<Reached> {
     let mut phases = Vec::new();
     let all = 0..run.program.phases().len() as u32;
     for (number, ticks) in all.clone().zip(&run.record.phase_ticks) {
-        // A journal may have been edited.
+        // The journal may have been edited, so avoid overflow.
         let end = began.saturating_add(*ticks);
         phases.push(Reached {
             phase: PhaseId(number),

@@ -1,4 +1,4 @@
-//! Rows of runs, and the columns common to all tables.
+//! Rows about runs, and the columns that all tables share.
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
@@ -6,7 +6,7 @@ use super::column::TableDefinition;
 use crate::manifest::SweepAxes;
 use crate::{EnsembleProgram, Finished, Manifest};
 
-/// Run of a row.
+/// Run that a row belongs to.
 #[derive(Clone, Copy)]
 pub(super) struct RunContext<'a> {
     pub manifest: &'a Manifest,
@@ -15,13 +15,13 @@ pub(super) struct RunContext<'a> {
 }
 
 impl RunContext<'_> {
-    /// Returns ticks of the run in seconds of its scene.
+    /// Converts ticks of the run to seconds, by the tick of its scene.
     pub fn seconds(&self, ticks: u64) -> f64 {
         ticks as f64 * self.program.scene.tick
     }
 }
 
-/// Item of a run.
+/// Row of a table: an item of a run.
 pub(super) struct RunRow<'a, T> {
     pub run: RunContext<'a>,
     pub of: T,
@@ -42,7 +42,7 @@ pub(super) fn rows<'a, T, I: IntoIterator<Item = T>>(
     rows.collect()
 }
 
-/// Creates a table with the columns of the run and of the axes of a sweep.
+/// Creates a table. Its first columns are the run and the axes of a sweep.
 pub(super) fn keyed<'a, T: 'a>(
     name: &'static str,
     row: &'static str,
@@ -82,7 +82,7 @@ pub fn setting_column(of: &str) -> String {
     format!("setting_{}", of.replace('-', "_"))
 }
 
-/// Adds the columns of the phase of a row.
+/// Adds the columns that describe the phase of a row.
 pub(super) fn add_phase<'a, T: 'a>(
     table: &mut TableDefinition<'a, RunRow<'a, T>>,
     of: impl Fn(&T) -> PhaseId + Copy + 'a,
@@ -116,7 +116,7 @@ pub(super) fn add_ticks<'a, T: 'a>(
         .unit("s");
 }
 
-/// Returns the outcome of a run as a word.
+/// Returns the name of a run's outcome.
 pub(super) fn outcome(outcome: &Outcome) -> &'static str {
     match outcome {
         Outcome::Completed => "completed",

@@ -6,7 +6,7 @@ use super::column::TableDefinition;
 use super::row::{RunRow, add_ticks, keyed, outcome};
 use crate::manifest::SweepAxes;
 
-/// Returns the phase of an incomplete run at its end.
+/// Returns the phase that was running at the end of an incomplete run.
 pub(super) fn unfinished(record: &RunRecord) -> Option<PhaseId> {
     match record.outcome {
         Outcome::Completed => None,

@@ -1,4 +1,4 @@
-//! All tables: their rows, written as Parquet or given group by group.
+//! All tables, with functions that write them as Parquet or return them in row groups.
 use std::io;
 use std::io::Write;
 
@@ -14,7 +14,7 @@ use crate::{Finished, FolderError, JournalError, Manifest, Records};
 /// for writing tables.
 pub(super) const GROUP: usize = 1 << 17;
 
-/// Tables: index, columns, and rows of a run.
+/// Calls a macro with each table: its index, columns, and function that makes the rows of a run.
 macro_rules! for_each_table {
     ($do:ident) => {
         $do!(0, runs, |_| [()]);
@@ -25,7 +25,7 @@ macro_rules! for_each_table {
     };
 }
 
-/// Writes the tables of runs to the outputs that `begin` returns for their names. `io` converts
+/// Writes the tables of runs. `begin` returns the output for the name of a table. `io` converts
 /// errors.
 pub(crate) fn write<W: Write + Send>(
     manifest: &Manifest,
@@ -51,7 +51,7 @@ pub(crate) fn write<W: Write + Send>(
             ($number:expr, $table:ident, $of:expr) => {
                 let rows = rows(manifest, group, $of);
                 let file = &mut files[$number].1;
-                // A table without rows has one empty group.
+                // A table without rows gets one empty row group.
                 if !rows.is_empty() || is_last && file.is_empty() {
                     file.add(&$table::table(axes), &rows)?;
                 }
@@ -69,7 +69,7 @@ pub(crate) fn write<W: Write + Send>(
     files.map_err(|error| io(plain(error)))
 }
 
-/// Calls `show` with groups of runs, at least one, and whether it is the last one.
+/// Calls `show` with groups of runs, at least once. The second argument is true for the last group.
 fn each_group<E: From<JournalError>>(
     finished: &Records,
     mut show: impl FnMut(&[Finished], bool) -> Result<(), E>,
@@ -95,8 +95,8 @@ fn each_group<E: From<JournalError>>(
     show(&group, true)
 }
 
-/// Calls `show` with the columns of a table, row group by row group as in its file, at least one.
-/// `table` is its index in [`tables`].
+/// Calls `show` with the columns of a table, once per row group of its file and at least once.
+/// `table` is the index in [`tables`].
 ///
 /// # Errors
 ///
@@ -127,7 +127,7 @@ pub fn table_metadata(manifest: &Manifest) -> Vec<(&'static str, String)> {
     about::about(manifest)
 }
 
-/// Converts an error to that of the file system.
+/// Converts a Parquet error to an error of the file system.
 pub(super) fn plain(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(error) => match error.downcast::<io::Error>() {
@@ -138,13 +138,13 @@ pub(super) fn plain(error: ParquetError) -> io::Error {
     }
 }
 
-/// Returns the descriptions of the tables of a results folder. Tables of a sweep have additional
+/// Returns the descriptions of the tables of a results folder without a sweep. A sweep adds
 /// columns.
 pub fn tables() -> Vec<TableShape> {
     shapes(&SweepAxes::default())
 }
 
-/// Returns the descriptions of the tables of an ensemble.
+/// Returns the descriptions of the tables of an ensemble, including the columns of a sweep.
 pub fn tables_of(manifest: &Manifest) -> Vec<TableShape> {
     shapes(&manifest.swept())
 }

@@ -1,9 +1,9 @@
-//! Chunk: positions of all blocks over a range of ticks, as bytes.
+//! Chunk of a recording: positions of all blocks over a range of ticks, as bytes.
 //!
 //! A coordinate is an integer number of steps from a corner. The step of a chunk is a power of two,
 //! so that resting blocks stay in place across chunks. A quaternion keeps its sign between frames.
-//! The second difference in time is written, modulo 2^16: blocks mostly move straight and rotate
-//! uniformly, so most numbers are small.
+//! Numbers are stored as second differences in time, modulo 2^16. Blocks mostly move straight and
+//! rotate uniformly, so most differences are small.
 use stochc_files::budget::RECORDING_PART;
 
 use super::format::{RecordingError, deflate, inflate};
@@ -11,12 +11,13 @@ use super::format::{RecordingError, deflate, inflate};
 /// Numbers per position: x, y, z \[block lengths\], then the quaternion's x, y, z, w.
 pub(super) const NUMBERS: usize = 7;
 
-/// Value of 1 in a quaternion: as fine as the coordinates of an arena of 60 block lengths.
+/// Integer that stands for 1 in a quaternion. Its resolution equals the resolution of coordinates
+/// in an arena of 60 block lengths.
 const UNIT: f64 = 4095.0;
 /// Smallest step of a coordinate \[block lengths\].
 const FINEST: f64 = 1.0 / (1 << 20) as f64;
 
-/// Returns the uncompressed size of the positions of all blocks at a number of ticks.
+/// Returns the uncompressed size of a chunk \[bytes\].
 pub(super) fn unpacked(bodies: u32, ticks: u32) -> u64 {
     // Saturated sizes exceed every limit.
     u64::from(bodies)
@@ -24,21 +25,21 @@ pub(super) fn unpacked(bodies: u32, ticks: u32) -> u64 {
         .saturating_mul(2 * NUMBERS as u64)
 }
 
-/// Positions of all blocks at some ticks, as stored.
+/// Quantized positions of all blocks at several ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PoseChunk {
     /// Ticks in rising order.
     pub ticks: Vec<u64>,
     /// Coordinate of the cell with index 0 on each axis \[block lengths\].
     pub corner: [f64; 3],
-    /// Step of a coordinate \[block lengths\].
+    /// Size of a quantization step of coordinates \[block lengths\].
     pub step: f64,
-    /// Stored numbers: `NUMBERS` for each block and tick. The tick varies fastest, then the block.
+    /// Quantized values: [`NUMBERS`] per block and tick. The tick varies fastest, then the block.
     pub numbers: Vec<u16>,
 }
 
 impl PoseChunk {
-    /// Quantizes positions: for each tick, `NUMBERS` for each block.
+    /// Quantizes positions. `places` contains [`NUMBERS`] values per block, tick by tick.
     pub fn quantize(ticks: Vec<u64>, places: &[f32], bodies: usize) -> PoseChunk {
         let frames = ticks.len();
         let mut low = [f64::INFINITY; 3];
@@ -60,7 +61,7 @@ impl PoseChunk {
                 }
             })
         };
-        // Ends before the range of floats does.
+        // Terminates, because coordinates are finite.
         while (0..3).any(|axis| (high[axis] - corner(step)[axis]) / step > 65535.0) {
             step *= 2.0;
         }
@@ -109,7 +110,7 @@ impl PoseChunk {
         [coordinate(0), coordinate(1), coordinate(2), x, y, z, w]
     }
 
-    /// Returns the payload of a section.
+    /// Returns the chunk as bytes, for a section of a recording.
     pub fn to_bytes(&self) -> std::io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         let first = self.ticks.first().copied().unwrap_or(0);
@@ -129,7 +130,7 @@ impl PoseChunk {
             let (mut before, mut change) = (0u16, 0u16);
             for (frame, &number) in numbers.iter().enumerate() {
                 let delta = number.wrapping_sub(before);
-                // The first number is stored itself, the second as a difference.
+                // The first value is stored directly, the second as a difference.
                 let second = match frame {
                     0 | 1 => delta,
                     _ => delta.wrapping_sub(change),
@@ -144,7 +145,7 @@ impl PoseChunk {
         Ok(bytes)
     }
 
-    /// Reads the output of [`PoseChunk::to_bytes`].
+    /// Reads a chunk from the output of [`PoseChunk::to_bytes`].
     pub fn from_bytes(bytes: &[u8], bodies: u32) -> Result<PoseChunk, RecordingError> {
         const PLACES: &str = "its places";
         let damaged = || RecordingError::Damaged(PLACES);
@@ -205,7 +206,7 @@ impl PoseChunk {
     }
 }
 
-/// Maps small differences of either sign to small numbers.
+/// Maps small positive and negative differences to small numbers.
 fn zigzag(delta: u16) -> u16 {
     let delta = delta.cast_signed();
     ((delta << 1) ^ (delta >> 15)).cast_unsigned()
@@ -285,7 +286,7 @@ mod tests {
                 let length: f64 = (3..7).map(|i| f64::from(place[i]).powi(2)).sum();
                 let product = product / length.sqrt();
                 // Half a step in each of four components is an angle of at most one step. 1 - cos
-                // of it is half its square.
+                // of this angle is half its square.
                 assert!(product.abs() > 1.0 - 0.5 / (UNIT * UNIT), "{product}");
             }
         }

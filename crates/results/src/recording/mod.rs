@@ -2,7 +2,8 @@
 //!
 //! A recording is a file of the results folder; `docs/guides/replay.md` describes its bytes. It is
 //! written chunk by chunk during the run, so that long runs need no more memory than short ones.
-//! Positions have 16 bits, for display only. Equal runs have equal recordings, bit for bit.
+//! Coordinates have 16 bits, which suffices for display. Equal runs have equal recordings, bit for
+//! bit.
 mod chunk;
 mod format;
 mod read;

@@ -42,8 +42,8 @@ enum Content {
 pub struct Frame {
     /// Tick of the positions.
     pub tick: u64,
-    /// For each block x, y, z \[block lengths\] and the quaternion x, y, z, w from block to
-    /// structure axes.
+    /// Position of each block: x, y, z \[block lengths\], and the quaternion x, y, z, w from block
+    /// to structure axes.
     pub places: Vec<[f64; 7]>,
 }
 
@@ -52,7 +52,7 @@ impl Outline {
     ///
     /// # Errors
     ///
-    /// If it is invalid, of another version, truncated or corrupted.
+    /// If the recording is invalid, of another version, truncated or corrupted.
     pub fn read(from: impl Read, tables: &Tables) -> Result<Outline, RecordingError> {
         walk(from, tables, &mut |_, _| Ok(()))
     }
@@ -62,8 +62,8 @@ impl Outline {
         &self.record
     }
 
-    /// Returns whether the recording belongs to a run of an ensemble: the `known` one, or any valid
-    /// one.
+    /// Returns whether the recording is of a run of an ensemble. `known` is the record of this run.
+    /// If it is `None`, any valid record is accepted.
     pub fn is_of(
         &self,
         manifest: &Manifest,
@@ -97,7 +97,7 @@ impl Places<'_> {
         self.chunk.ticks[self.frame]
     }
 
-    /// Returns the number of free blocks, numbered from 0.
+    /// Returns the number of blocks that were free at the start. They are numbered from 0.
     pub fn bodies(&self) -> usize {
         self.bodies
     }
@@ -109,8 +109,8 @@ impl Places<'_> {
     }
 }
 
-/// Calls `each` with all positions of a recording in order of time, holding only a part of them.
-/// Corruption may be detected only at the end.
+/// Calls `each` with the positions at each frame of a recording, in order of time. Only a part of
+/// them is in memory. Corruption may be detected only at the end.
 ///
 /// # Errors
 ///
@@ -152,7 +152,7 @@ fn walk(
     let header = read_header(&mut from)?;
     let seeds = EventRows::new(tables);
     let most = budget::record(tables.captures() as u64);
-    // Last tick with positions, and last tick of any item.
+    // Tick of the last positions, and of the last item of any kind.
     let (mut last, mut latest) = (None, 0);
     loop {
         let Some((tag, payload)) = read_section(&mut from, most.max(RECORDING_PART))? else {
@@ -204,7 +204,8 @@ fn walk(
     }
 }
 
-/// Visitor that processes the elements of a list one by one. `None` is an invalid element.
+/// Visitor that processes the elements of a list one by one. The closure returns `None` for an
+/// invalid element.
 struct EventListVisitor<'a>(&'a mut dyn FnMut(&RawValue) -> Option<()>);
 
 impl<'de> Visitor<'de> for EventListVisitor<'_> {
@@ -229,7 +230,7 @@ impl Recording {
     ///
     /// # Errors
     ///
-    /// The errors of [`Outline::read`], and a recording that is too large.
+    /// The errors of [`Outline::read`]. Also if the recording is too large.
     pub fn read(from: impl Read, tables: &Tables) -> Result<Recording, RecordingError> {
         let (mut chunks, mut events, mut size) = (Vec::new(), Vec::new(), 0);
         let outline = walk(from, tables, &mut |_, content| {

@@ -36,15 +36,15 @@ impl Selection {
 /// Error of selecting runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum InvalidSelection {
-    /// The text has another form.
+    /// The text does not have the form of a selection.
     #[error("give runs as `17`, `0..4`, `0,5,10..12` or `all`")]
     Form,
     /// A range is empty.
     #[error("`{first}..{last}` ends before it begins")]
     Empty {
-        /// First run.
+        /// First run of the range.
         first: u64,
-        /// Last run.
+        /// Last run of the range.
         last: u64,
     },
 }

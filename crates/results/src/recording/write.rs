@@ -1,4 +1,4 @@
-//! Recording during a run.
+//! Observer that writes a recording during a run.
 use std::io::{self, BufWriter, Read, Write};
 
 use stochc_files::atomic::Draft;
@@ -13,32 +13,33 @@ use stochc_runtime::world::view::pose;
 use super::chunk::{NUMBERS, PoseChunk, unpacked};
 use super::format::{DONE, EVENTS, POSES, RecordingHeader, deflate, write_header, write_section};
 
-/// Numbers per chunk, about 2 MB.
+/// Largest number of values per chunk, about 2 MB.
 const ENOUGH: usize = 1 << 19;
-/// Smallest number of ticks per chunk, because few ticks compress badly.
+/// Smallest number of ticks per chunk. Fewer ticks compress badly.
 const FEWEST_TICKS: usize = 16;
 /// Largest number of ticks per chunk.
 const MAX_TICKS: usize = 512;
 
-/// Largest number of events per section, within its size limit: each has less than 128 bytes.
+/// Largest number of events per section. An event has less than 128 bytes, so a section stays
+/// within its size limit.
 const MAX_EVENTS: usize = 1 << 20;
 
 /// Output of a recording.
 pub trait Output: Write {
-    /// Returns the number of bytes written, and these bytes.
+    /// Returns the number of bytes written so far, and a reader of these bytes.
     ///
     /// # Errors
     ///
-    /// Errors of the file system, and an output that cannot be read.
+    /// Errors of the file system. Also if the output cannot be read.
     fn written(&self) -> io::Result<(u64, Box<dyn Read>)> {
         Err(io::ErrorKind::Unsupported.into())
     }
 
-    /// Truncates the output.
+    /// Removes all bytes of the output.
     ///
     /// # Errors
     ///
-    /// As for [`Output::written`].
+    /// The errors of [`Output::written`].
     fn rewind(&mut self) -> io::Result<()> {
         Err(io::ErrorKind::Unsupported.into())
     }
@@ -92,7 +93,7 @@ impl<W: Output> Recorder<W> {
         })
     }
 
-    /// Writes the rest, and the record of the run.
+    /// Writes the remaining data and the record of the run.
     ///
     /// # Errors
     ///
@@ -117,7 +118,7 @@ impl<W: Output> Recorder<W> {
             || self.rows.len() >= MAX_EVENTS
     }
 
-    /// Writes the collected events, and after them the positions of the same ticks.
+    /// Writes the collected events, then the positions at the same ticks.
     fn write_chunk(&mut self) -> io::Result<()> {
         if !self.rows.is_empty() {
             let json = serde_json::to_vec(&self.rows)?;
@@ -143,7 +144,8 @@ impl<W: Output> Observer for Recorder<W> {
         let tick = arena.tick();
         self.rows
             .extend(events.iter().map(|event| self.seeds.row(tick, event)));
-        // Displays interpolate linearly between frames, so notable events need a frame.
+        // Displays interpolate linearly between frames. Notable events therefore need a frame at
+        // their tick.
         let is_notable = events.iter().any(|event| {
             matches!(
                 event,
@@ -169,7 +171,7 @@ impl<W: Output> Observer for Recorder<W> {
     }
 
     fn save(&self, to: &mut StateWriter<'_>) -> Result<(), StateError> {
-        // After an error, nothing more is written.
+        // After an error, writing stops, also in a resumed run.
         to.put(&(self.every, self.broken.is_some()))?;
         if self.broken.is_some() {
             return Ok(());

@@ -11,7 +11,8 @@ pub struct Finished {
     pub program: usize,
     /// Record of the run.
     pub record: RunRecord,
-    /// CPU time of the run \[s\]. It is measured in sweeps over settings, in runs that are not continued from a checkpoint.
+    /// CPU time of the run \[s\]. It is measured only in sweeps over settings, for runs without
+    /// resuming.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cpu: Option<f64>,
 }

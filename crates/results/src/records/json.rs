@@ -5,8 +5,8 @@ use stochc_ir::table::{PhaseId, RoleId};
 
 use crate::EnsembleProgram;
 
-/// Returns a record with names: next to each index of a phase or role, `phase_name`, `parent_name`,
-/// `child_name` or `role_name`.
+/// Returns a record with added names. Each index of a phase or role is followed by `phase_name`,
+/// `parent_name`, `child_name` or `role_name`.
 pub fn record_json(record: &RunRecord, program: &EnsembleProgram) -> Value {
     let mut value = serde_json::to_value(record).expect("a record is plain data");
     name(&mut value, program);

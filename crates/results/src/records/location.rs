@@ -1,6 +1,6 @@
-//! Position of a run in a file.
+//! Position of a run's line in a file.
 
-/// Position of the line of a run. Sorted like [`Records`]; of two lines for one run, the first
+/// Position of the line of a run. Sorted like [`Records`]. The first of two lines for one run
 /// counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct LineLocation {
@@ -8,7 +8,7 @@ pub(crate) struct LineLocation {
     pub run: u64,
     /// Index of the file.
     pub file: u32,
-    /// Start of the line \[bytes\].
+    /// Position of the start of the line \[bytes\].
     pub at: u64,
 }
 

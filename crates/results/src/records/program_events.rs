@@ -1,4 +1,4 @@
-//! Events of a program, for validating records.
+//! Events of a program, to validate records.
 use stochc_ir::Cell;
 use stochc_ir::graph::{Dependency, Edge, EventAction, EventGraph, EventId};
 use stochc_ir::record::RunRecord;
@@ -9,16 +9,16 @@ use crate::EnsembleProgram;
 /// Events of a program, sorted for lookups.
 pub(crate) struct ProgramEvents<'m> {
     graph: &'m EventGraph,
-    /// Events by phase and action. Equal ones stay in source order.
+    /// Events sorted by phase and action. Equal ones stay in source order.
     sorted: Vec<EventId>,
 }
 
 /// Times of an event in a record.
 #[derive(Clone, Copy)]
 struct EventTimes {
-    /// Time when all its predecessors had happened.
+    /// Tick when all predecessors of the event had happened.
     ready: u64,
-    /// Time of the event. `None` if it had not happened at the end of the run.
+    /// Tick of the event. `None` if it had not happened at the end of the run.
     done: Option<u64>,
 }
 
@@ -32,7 +32,8 @@ impl<'m> ProgramEvents<'m> {
         ProgramEvents { graph, sorted }
     }
 
-    /// Checks that the program has every event of a record, after all its predecessors.
+    /// Checks that the program has every event of a record, and that each event follows its
+    /// predecessors.
     pub fn check(&self, record: &RunRecord) -> Checked {
         let times = self.times(record)?;
         self.check_phases(&times)?;
@@ -46,7 +47,8 @@ impl<'m> ProgramEvents<'m> {
         Ok(())
     }
 
-    /// Returns the event of every capture, wait and release.
+    /// Returns the times of each event of the program, taken from the captures, waits and releases
+    /// of a record.
     fn times(&self, record: &RunRecord) -> Checked<Vec<Option<EventTimes>>> {
         let mut times = vec![None; self.graph.events.len()];
         for bond in &record.bonds {
@@ -108,7 +110,7 @@ impl<'m> ProgramEvents<'m> {
 
     /// Checks that each phase begins at the end of the previous one.
     fn check_phases(&self, times: &[Option<EventTimes>]) -> Checked {
-        // Number of events in ended phases, and the time of the last one.
+        // Number of events in ended phases, and the tick of the last one.
         let mut ended = 0;
         let mut last = 0;
         let mut begin = 0;
@@ -135,13 +137,14 @@ fn key(graph: &EventGraph, id: EventId) -> (PhaseId, EventAction) {
     (event.phase, event.action)
 }
 
-/// Returns whether a dependency is fulfilled. Choices are not checked.
+/// Returns whether the times fulfil a dependency. Dependencies that the compiler chose freely are
+/// not checked.
 fn is_kept(edge: &Edge, then: EventTimes, times: &[Option<EventTimes>]) -> bool {
     if edge.unneeded || edge.why.is_choice() {
         return true;
     }
     let needed_by = match edge.why {
-        // A face may be switched on while its cell is occupied.
+        // A face may be switched on while its cell is still occupied. Only the capture must wait.
         Dependency::Vacated => then.done.unwrap_or(u64::MAX),
         _ => then.ready,
     };

@@ -1,4 +1,4 @@
-//! Finished runs of an ensemble in order, without all of them in memory.
+//! Finished runs of an ensemble in order, without keeping all of them in memory.
 use std::borrow::Cow;
 use std::io::{self, BufReader, Seek as _, SeekFrom};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -12,7 +12,7 @@ use crate::records::LineLocation;
 
 /// Finished runs, sorted by program and number, each once.
 ///
-/// Runs of a folder remain in its files. Memory holds only their positions, 24 bytes each.
+/// Runs of a folder remain in its files. Only their positions are in memory, 24 bytes each.
 #[derive(Clone, Debug)]
 pub struct Records(Arc<Store>);
 
@@ -22,13 +22,13 @@ enum Store {
     Lines(Lines),
 }
 
-/// Runs that are stored as lines of a file.
+/// Runs that are stored as lines of files.
 #[derive(Debug)]
 struct Lines {
     /// Positions of the lines, sorted.
     places: Vec<LineLocation>,
     files: Mutex<Vec<BufReader<File>>>,
-    /// Limit of a line \[bytes\].
+    /// Limit on the length of a line \[bytes\].
     most: u64,
 }
 
@@ -38,7 +38,7 @@ impl Default for Records {
     }
 }
 
-/// Sorts unique runs in any order.
+/// Sorts the runs, which must be unique.
 impl From<Vec<Finished>> for Records {
     fn from(mut finished: Vec<Finished>) -> Records {
         finished.sort_by_key(|done| (done.program, done.record.run));
@@ -48,10 +48,10 @@ impl From<Vec<Finished>> for Records {
 
 impl Records {
     /// Returns the runs whose lines are at these positions in `files`. The positions may be in any
-    /// order. Lines have fewer than `most` bytes.
+    /// order. Each line has fewer than `most` bytes.
     pub(crate) fn at(mut places: Vec<LineLocation>, files: Vec<File>, most: u64) -> Records {
-        /// Buffer size \[bytes\]. A small buffer suffices, because lines of consecutive runs are
-        /// usually close together.
+        /// Size of a read buffer \[bytes\]. A small buffer suffices, because lines of consecutive
+        /// runs are usually close together.
         const PIECE: usize = 1 << 14;
         places.sort_unstable();
         places.dedup_by_key(|place| place.key());
@@ -77,7 +77,7 @@ impl Records {
         self.len() == 0
     }
 
-    /// Returns program and number of each run.
+    /// Returns the program index and the number of each run.
     pub fn keys(&self) -> impl Iterator<Item = (usize, u64)> {
         let (finished, places): (&[Finished], &[LineLocation]) = match &*self.0 {
             Store::Memory(finished) => (finished, &[]),
@@ -166,7 +166,7 @@ impl Records {
         }
     }
 
-    /// Returns these runs and those at positions in another file.
+    /// Returns these runs together with runs at positions in another file.
     ///
     /// # Errors
     ///
@@ -194,7 +194,7 @@ impl Records {
         }
     }
 
-    /// Returns all runs in memory. For small ensembles.
+    /// Returns all runs as a list. Use it only for small ensembles.
     ///
     /// # Errors
     ///
@@ -205,7 +205,7 @@ impl Records {
         Ok(all)
     }
 
-    /// Returns the positions, if the runs are in files.
+    /// Returns the positions of the runs. Empty if the runs are in memory.
     pub(crate) fn places(&self) -> &[LineLocation] {
         match &*self.0 {
             Store::Memory(_) => &[],
@@ -223,10 +223,10 @@ impl Records {
     }
 }
 
-/// Reader of lines in files.
+/// Reader of lines at given positions.
 struct LineReader<'a> {
     files: MutexGuard<'a, Vec<BufReader<File>>>,
-    /// Position of each file. `None` if unknown.
+    /// Current position in each file. `None` if unknown.
     at: Vec<Option<u64>>,
     line: Vec<u8>,
     most: u64,
@@ -249,7 +249,7 @@ impl LineReader<'_> {
         let number = place.file as usize;
         let (file, at) = (&mut self.files[number], &mut self.at[number]);
         match at.take() {
-            // Bytes that were just read are not read again.
+            // A relative seek keeps the buffer, so that bytes are not read twice.
             Some(at) => file.seek_relative(place.at.wrapping_sub(at).cast_signed())?,
             None => {
                 file.seek(SeekFrom::Start(place.at))?;

@@ -20,7 +20,8 @@ impl<'m> RecordValidator<'m> {
         }
     }
 
-    /// Returns the reason why a record cannot belong to the manifest. Returns `None` if it can.
+    /// Returns the reason why a record cannot be of a run in the manifest. Returns `None` if the
+    /// record is valid.
     pub fn inconsistency(&self, number: usize, record: &RunRecord) -> Option<String> {
         let Some(program) = self.manifest.programs.get(number) else {
             return Some(format!("program {number} does not exist"));
@@ -60,7 +61,7 @@ impl<'m> RecordValidator<'m> {
     }
 }
 
-/// Returns all times of a record except its end.
+/// Returns all ticks of a record except its end.
 fn times(record: &RunRecord) -> impl Iterator<Item = u64> {
     let bonds = record.bonds.iter();
     let phases = record

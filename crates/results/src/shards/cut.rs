@@ -20,7 +20,7 @@ use crate::{Folder, FolderError, Manifest, Resume, this_build};
 /// Split of an ensemble: `shards.json` in its folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cut {
-    /// Identity of the ensemble.
+    /// Identity of the ensemble's manifest.
     ensemble: String,
     /// Runs of each program.
     pub runs: u64,
@@ -33,7 +33,7 @@ pub struct Cut {
 pub enum Prepared {
     /// The folder was created.
     New,
-    /// The folder has the same ensemble with the same split.
+    /// The folder already had the same ensemble with the same split.
     Already,
 }
 
@@ -85,7 +85,7 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
     Ok(Prepared::New)
 }
 
-/// Rejects runs of this build in the ensemble of another one.
+/// Returns an error if another build made the ensemble, so that this build must not add runs.
 pub(crate) fn same_build(path: &Path, stored: &Manifest) -> Result<(), FolderError> {
     if stored.builds == [this_build()] {
         Ok(())
@@ -103,7 +103,7 @@ impl Cut {
     ///
     /// # Errors
     ///
-    /// If there is no ensemble, or it is not split.
+    /// If there is no ensemble, or the ensemble is not split.
     pub(crate) fn require(path: &Path) -> Result<(Manifest, Cut), ShardError> {
         let manifest = survey(path)?.ok_or_else(|| FolderError::Absent(path.to_owned()))?;
         let Some(cut) = Cut::read(path)? else {
@@ -139,7 +139,8 @@ impl Cut {
         }
     }
 
-    /// Writes the split into the folder of its ensemble, and the checksums of both.
+    /// Writes the split into the folder of its ensemble. Also writes the checksums of the split and
+    /// the manifest.
     pub(crate) fn write(&self, path: &Path) -> Result<(), FolderError> {
         let text = journal_line(self);
         replace(path, SHARDS_FILE, text.as_bytes())?;
@@ -147,7 +148,8 @@ impl Cut {
         write_checksums(path, &[(SHARDS_FILE.to_owned(), sum)])
     }
 
-    /// Returns the jobs of a shard among `total`. Shards differ by at most one job.
+    /// Returns the job numbers of a shard, from `total` jobs. The sizes of shards differ by at most
+    /// one job.
     pub(super) fn jobs(&self, total: u64, shard: u64) -> Range<u64> {
         let begin = |shard: u64| {
             let share = u128::from(shard) * u128::from(total) / u128::from(self.shards);
@@ -156,7 +158,7 @@ impl Cut {
         begin(shard)..begin(shard + 1)
     }
 
-    /// Returns the first line of a shard by this build.
+    /// Returns the first line of a shard that `build` makes.
     pub(super) fn header(&self, build: &str, number: u64) -> JournalHeader {
         let shard = ShardHeader {
             number,
@@ -188,7 +190,7 @@ fn unreadable(path: &Path, reason: &str) -> ShardError {
     }
 }
 
-/// Returns whether the journal has all runs, so that the shards are obsolete.
+/// Returns whether the shards are obsolete because the journal already has all runs.
 pub(super) fn is_joined(path: &Path, manifest: &Manifest) -> Result<bool, ShardError> {
     let stored = journal::read(&path.join(JOURNAL), manifest, &manifest.identity())?;
     Ok(stored.finished.len() as u64 == manifest.total())

@@ -1,4 +1,4 @@
-//! Errors of shards, with remedies.
+//! Errors of shards, with suggestions.
 use std::path::{Path, PathBuf};
 
 use stochc_files::shell::file as shell_file;
@@ -10,7 +10,7 @@ use crate::{EnsembleError, FolderError, JournalError};
 /// Error of a shard. Existing files remain unchanged.
 #[derive(Debug, thiserror::Error)]
 pub enum ShardError {
-    /// The number of shards is invalid.
+    /// The ensemble cannot be split into this number of shards.
     #[error(
         "cannot split {runs} runs into {asked} shards; a shard has at least one run, and {MAX_SHARDS} shards are the limit"
     )]
@@ -20,7 +20,7 @@ pub enum ShardError {
         /// Number of runs of all programs.
         runs: u64,
     },
-    /// The folder contains unsharded runs.
+    /// The folder already contains runs that are not in shards.
     #[error(
         "`{path}` holds {done} runs of this ensemble already; resume it with `stochc resume {}`, or choose another folder",
         shell_file(&.path.to_string_lossy())
@@ -28,10 +28,10 @@ pub enum ShardError {
     HoldsRuns {
         /// Results folder.
         path: PathBuf,
-        /// Number of runs.
+        /// Number of these runs.
         done: usize,
     },
-    /// The folder has another split.
+    /// The folder is already split into another number of shards.
     #[error(
         "`{path}` is split into {there} shards of {runs} runs of each program; ask for the same, or choose another folder"
     )]
@@ -40,10 +40,10 @@ pub enum ShardError {
         path: PathBuf,
         /// Number of shards of the existing split.
         there: u64,
-        /// Runs of each program in its split.
+        /// Runs of each program in the existing split.
         runs: u64,
     },
-    /// There are no shards.
+    /// The ensemble is not split into shards.
     #[error(
         "`{path}` has no shards: it holds {done} of {total} runs, which `stochc show {}` prints{}",
         shell_file(&.path.to_string_lossy()),
@@ -69,7 +69,7 @@ pub enum ShardError {
         /// Reason why the split is invalid.
         reason: String,
     },
-    /// There is no such shard.
+    /// No shard has this number.
     #[error("there is no shard {number}; shards are 0 to {last}")]
     NoSuchShard {
         /// Requested number of a shard.
@@ -77,7 +77,7 @@ pub enum ShardError {
         /// Largest number of a shard.
         last: u64,
     },
-    /// Files of shards belong to something else.
+    /// Files of shards belong to another ensemble, split or build.
     #[error(
         "`{path}`: {}; move these files elsewhere, and run these shards: {}",
         list_reasons(.shards),
@@ -86,7 +86,7 @@ pub enum ShardError {
     Foreign {
         /// Results folder.
         path: PathBuf,
-        /// Numbers of the shards, and descriptions of the files.
+        /// Numbers of these shards, each with a description of its file.
         shards: Vec<(u64, String)>,
     },
     /// Some shards are missing or corrupted.
@@ -104,7 +104,7 @@ pub enum ShardError {
         /// Number of all shards.
         of: u64,
     },
-    /// A run could not be made or stored.
+    /// A run of the shard could not be made or stored.
     #[error(transparent)]
     Run(#[from] EnsembleError),
     /// The folder cannot be used.
@@ -118,7 +118,7 @@ impl From<JournalError> for ShardError {
     }
 }
 
-/// Largest number of shards in a list.
+/// Largest number of shards that a message lists.
 const TOLD: usize = 10;
 
 fn list_reasons(shards: &[(u64, String)]) -> String {
@@ -137,7 +137,8 @@ fn list_numbers(shards: &[u64]) -> String {
     listed(&each, shards.len())
 }
 
-/// Largest number of shards in a command line. Beyond it, the command lists them itself.
+/// Largest number of shards in a suggested command line. For more shards, the command determines
+/// them itself.
 const NAMED: usize = 100;
 
 fn commands(path: &Path, shards: impl ExactSizeIterator<Item = u64>) -> String {
@@ -153,7 +154,7 @@ fn commands(path: &Path, shards: impl ExactSizeIterator<Item = u64>) -> String {
             "`for i in {}; do stochc shard run {folder} $i; done`",
             numbers.join(" ")
         ),
-        // Shards with corrupted lines count as missing after they are moved aside.
+        // Corrupted shards are moved aside first and then count as missing.
         _ => format!(
             "`stochc fsck {folder} --repair; for i in $(stochc shard status {folder} --missing); do stochc shard run {folder} $i; done`"
         ),

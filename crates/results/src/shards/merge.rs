@@ -18,15 +18,15 @@ use crate::{Folder, FolderError, Further, Manifest, Resume};
 
 /// Merges the shards of a folder, as if it had never been split. Returns the number of runs.
 ///
-/// It can be killed at any time and called again.
+/// The function can be interrupted at any time and called again.
 ///
 /// # Errors
 ///
-/// If a shard is missing, corrupted or foreign. The folder is then unchanged.
+/// If a shard is missing, corrupted, or of another ensemble. The folder is then unchanged.
 pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
     let (_, cut) = Cut::require(path)?;
     let lock = lock(path)?;
-    // Again, with exclusive access.
+    // Read again, now with exclusive access.
     let (manifest, _) = Cut::require(path)?;
     if !is_joined(path, &manifest)? {
         join(path, &manifest, &cut)?;
@@ -39,7 +39,7 @@ pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
     Ok(manifest.total())
 }
 
-/// Writes the journal from the shards.
+/// Writes the journal of the ensemble from the lines of all shards.
 fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
     let io = FolderError::at(path.join(JOURNAL));
     let mut draft = Draft::new(&path.join(JOURNAL), Replaces::Ordinary).map_err(&io)?;
@@ -54,7 +54,7 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
             cut.header(build(manifest), number),
             cut.jobs(manifest.total(), number),
         );
-        // Writes nothing unless all are valid.
+        // Nothing is written unless all shards are valid.
         let is_wanted = missing.is_empty() && foreign.is_empty();
         let found = read(&file, &header, manifest, &jobs, |line| {
             if is_wanted {
@@ -85,7 +85,7 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
     Ok(draft.keep().map_err(io)?)
 }
 
-/// Removes the shards, and finally their description.
+/// Removes the shards, then `shards.json`.
 fn clear(path: &Path, cut: &Cut) -> io::Result<()> {
     remove_own(&path.join(SHARDS), |name| is_ours(name, cut))?;
     slurm_folder::clear(path)?;
@@ -93,7 +93,7 @@ fn clear(path: &Path, cut: &Cut) -> io::Result<()> {
     sync_folder(path)
 }
 
-/// Returns whether a file is a shard or a leftover of one.
+/// Returns whether a file is a shard, or left over from a process that ran a shard.
 fn is_ours(name: &str, cut: &Cut) -> bool {
     let Some((number, what)) = name.split_once('.') else {
         return false;

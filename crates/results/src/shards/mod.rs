@@ -3,14 +3,14 @@
 //! | file | content |
 //! |---|---|
 //! | `shards.json` | split into shards |
-//! | `shards/7.jsonl` | complete shard 7: a line that identifies it, and one for each of its runs in order |
-//! | `shards/7.part-*` | runs of shard 7 by a process that is running or was killed |
+//! | `shards/7.jsonl` | complete shard 7: a line that identifies it, then a line for each run, in order |
+//! | `shards/7.part-*` | runs of shard 7, by a process that is running or was killed |
 //! | `shards/7.draft-*` | shard 7 while it is written |
 //!
-//! A process that runs a shard creates files of its own, renames the complete one, and locks
-//! nothing. Two processes with the same shard write the same bytes. [`merge`] makes the folder of
-//! an ensemble that was never split, byte for byte. Its journal has the lines of all shards in
-//! order, which is the order of a single thread.
+//! A process that runs a shard writes its own file and renames it when it is complete. It locks
+//! nothing. Two processes with the same shard write the same bytes. The result of [`merge`] is the
+//! same, byte for byte, as for an ensemble that was never split. Its journal has the lines of all
+//! shards in order, as a single thread would write them.
 mod cut;
 mod error;
 mod merge;
@@ -27,5 +27,5 @@ pub use status::{ShardState, ShardStatus, status};
 pub(crate) use cut::same_build;
 pub(crate) use status::health;
 
-/// Largest number of shards. Each is a file.
+/// Largest number of shards. Each shard is a file.
 pub const MAX_SHARDS: u64 = 100_000;

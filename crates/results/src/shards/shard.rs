@@ -1,4 +1,4 @@
-//! Makes the runs of one shard.
+//! Execution of one shard.
 use std::io::{self, Write as _};
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -34,7 +34,7 @@ pub struct Shard {
     header: JournalHeader,
     jobs: Range<u64>,
     is_made: bool,
-    /// Runs by other processes that did not complete the shard.
+    /// Existing runs of the shard, by processes that did not complete it.
     kept: Records,
     shortest: Option<Finished>,
     checkpoints: Option<Checkpoints>,
@@ -45,9 +45,11 @@ pub struct Shard {
 pub(super) enum ShardFile {
     Nothing,
     Whole,
-    /// Corrupted, with a reason that continues the name of the shard.
+    /// The file is corrupted. The reason continues a sentence that begins with the name of the
+    /// shard.
     Damaged(String),
-    /// Foreign, with a description that continues the name of the shard.
+    /// The file is not of this shard. The description continues a sentence that begins with the
+    /// name of the shard.
     Foreign(String),
 }
 
@@ -71,10 +73,10 @@ impl Shard {
         let file = shard_file(path, number);
         let look = || read(&file, &header, &manifest, &jobs, |_| Ok(()));
         let mut found = look()?;
-        // `merge` may have been killed while it removed them.
+        // A killed `merge` may have removed some shards after the journal was complete.
         let is_joined = found != ShardFile::Whole && is_joined(path, &manifest)?;
         if matches!(found, ShardFile::Damaged(_)) && !is_joined {
-            // Another process may have completed it in the meantime.
+            // Another process may have completed the shard in the meantime.
             found = look()?;
         }
         let is_made = found == ShardFile::Whole || is_joined;
@@ -133,12 +135,12 @@ impl Shard {
         &self.manifest
     }
 
-    /// Returns whether the shard is complete.
+    /// Returns whether all runs of the shard are finished.
     pub fn is_made(&self) -> bool {
         self.is_made
     }
 
-    /// Returns the number of runs of the shard, and the number of finished ones.
+    /// Returns two numbers: all runs of the shard, and the finished ones.
     pub fn runs(&self) -> (u64, u64) {
         let all = self.jobs.end - self.jobs.start;
         let done = if self.is_made {
@@ -149,12 +151,12 @@ impl Shard {
         (all, done)
     }
 
-    /// Returns the progress of its runs for a number of threads.
+    /// Returns the initial progress of the shard for a number of threads.
     pub fn progress(&self, threads: NonZeroUsize) -> Progress {
         Progress::from_jobs(&self.manifest, &self.jobs, threads)
     }
 
-    /// Repeats its shortest existing run, as [`check_stored`](crate::check_stored) does.
+    /// Repeats the shortest existing run, as [`check_stored`](crate::check_stored) does.
     ///
     /// # Errors
     ///
@@ -166,7 +168,8 @@ impl Shard {
         check_again(&self.manifest, self.shortest.as_ref(), simulate)
     }
 
-    /// Makes its missing runs, as [`run`](crate::run) does. Returns whether it is complete.
+    /// Makes the missing runs of the shard, as [`run`](crate::run) does. Returns whether the shard
+    /// is complete.
     ///
     /// # Errors
     ///
@@ -187,7 +190,7 @@ impl Shard {
         }
         let folder = self.path.join(SHARDS);
         let io = |source| in_folder(&self.path, source);
-        // A copy of the folder may lack it.
+        // A copy of the results folder may lack this folder.
         make_own_folder(&folder).map_err(io)?;
         let part = new_own(&folder, &format!("{}.part-", self.number)).map_err(io)?;
         sync_folder(&folder).map_err(io)?;
@@ -214,7 +217,7 @@ impl Shard {
         Ok(true)
     }
 
-    /// Writes the complete shard. Concurrent processes write the same bytes.
+    /// Writes the file of the complete shard. Concurrent processes write the same bytes.
     fn finish(&self, all: &Records) -> Result<(), ShardError> {
         let io = |source| in_folder(&self.path, source);
         let file = shard_file(&self.path, self.number);
@@ -231,7 +234,7 @@ impl Shard {
         Ok(draft.keep().map_err(io)?)
     }
 
-    /// Collects the runs of the shard by other processes.
+    /// Collects the runs of the shard that other processes have finished.
     fn collect(&mut self) -> Result<(), ShardError> {
         let (mut places, mut parts) = (Vec::new(), Vec::new());
         let mut shortest = Shortest::default();
@@ -256,7 +259,8 @@ impl Shard {
             };
             match read {
                 Ok(opened) => parts.push(opened),
-                // It is foreign, or was removed because its process has completed the shard.
+                // The file is of another ensemble, or was removed because its process has completed
+                // the shard.
                 Err(_) => places.retain(|place: &LineLocation| place.file != number),
             }
         }
@@ -266,7 +270,7 @@ impl Shard {
     }
 }
 
-/// Reads the file of a shard and validates it. Calls `each` with the lines of its runs.
+/// Reads and validates the file of a shard. Calls `each` with the line of each run.
 ///
 /// # Errors
 ///
@@ -310,7 +314,7 @@ pub(super) fn read(
         return Err(JournalError::Io(error).into());
     }
     Ok(match (lines, wrong) {
-        // Another process has moved it in the meantime.
+        // Another process has moved the file in the meantime.
         (Err(JournalError::Io(error)), _) if error.kind() == io::ErrorKind::NotFound => {
             ShardFile::Nothing
         }
@@ -326,7 +330,7 @@ pub(super) fn read(
     })
 }
 
-/// Identifies a shard by its first line.
+/// Returns the state of a shard's file, judged by its first line.
 ///
 /// # Errors
 ///
@@ -370,7 +374,8 @@ fn set_aside(file: &Path, damaged: &Path) -> io::Result<()> {
     }
 }
 
-/// Converts an unreadable file to a state, except for errors of the system.
+/// Returns the state of a shard whose file is unreadable because of its content. Passes on errors
+/// of the system.
 fn unreadable(error: io::Error) -> Result<ShardFile, JournalError> {
     match error.raw_os_error() {
         Some(_) => Err(error.into()),

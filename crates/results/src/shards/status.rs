@@ -1,4 +1,4 @@
-//! Reports the status of shards.
+//! Status of shards.
 use std::collections::BTreeMap;
 use std::io::{self, BufRead as _, BufReader};
 use std::path::Path;
@@ -25,15 +25,16 @@ pub struct ShardStatus {
     pub states: Vec<ShardState>,
 }
 
-/// State of a shard by its first line. [`merge`](super::merge()) and [`verify`](crate::integrity::verify) read all lines.
+/// State of a shard, judged by its first line. [`merge`](super::merge()) and
+/// [`verify`](crate::integrity::verify) read all lines.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "state")]
 pub enum ShardState {
     /// The shard is complete.
     Whole,
-    /// At most this many runs, by a process that is running or was stopped.
+    /// The shard is incomplete. A process is running it or was stopped.
     Begun {
-        /// Number of finished runs.
+        /// Number of finished runs. It may include runs that occur twice.
         runs: u64,
     },
     /// The shard is missing.
@@ -45,7 +46,7 @@ pub enum ShardState {
     },
     /// The file belongs to another ensemble or split.
     Foreign {
-        /// Description of the difference.
+        /// Description of the difference to the expected file.
         reason: String,
     },
 }
@@ -59,15 +60,15 @@ impl ShardStatus {
     }
 }
 
-/// Returns the status of the shards of an ensemble by their first lines.
+/// Returns the status of all shards of an ensemble, judged by their first lines.
 ///
 /// # Errors
 ///
-/// If it is not split, or cannot be read.
+/// If the ensemble is not split, or cannot be read.
 pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
     let (manifest, cut) = Cut::require(path)?;
     let begun = begun(path).map_err(|source| in_folder(path, source))?;
-    // `merge` may have been killed while it removed them.
+    // A killed `merge` may have removed some shards after the journal was complete.
     let is_joined = is_joined(path, &manifest)?;
     let state = |number: u64| {
         if is_joined {
@@ -93,7 +94,7 @@ pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
     })
 }
 
-/// Returns the numbers of runs in the files of incomplete shards, by shard.
+/// Returns the number of runs in the files of each incomplete shard, by shard number.
 fn begun(path: &Path) -> io::Result<BTreeMap<u64, u64>> {
     let mut begun = BTreeMap::new();
     let entries = match disk::list(&path.join(SHARDS)) {

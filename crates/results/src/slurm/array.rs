@@ -1,20 +1,21 @@
-//! Tasks of a job array. Task i runs `per_task` shards, from shard i × `per_task`.
+//! Tasks of a job array. Task i runs `per_task` shards, starting at shard i × `per_task`.
 use stochc_text::ranges;
 
-/// Returns the numbers of the tasks that run the `missing` shards, which are ascending.
+/// Returns the numbers of the tasks that run the `missing` shards. Both lists are ascending.
 pub fn tasks(missing: &[u64], per_task: u64) -> Vec<u64> {
     let mut tasks: Vec<u64> = missing.iter().map(|shard| shard / per_task).collect();
     tasks.dedup();
     tasks
 }
 
-/// Returns the value of `sbatch --array`, with at most `at_most` tasks at the same time.
+/// Returns the value of the option `--array` of `sbatch`, with at most `at_most` tasks at the same
+/// time.
 pub fn indices(tasks: &[u64], at_most: Option<u64>) -> String {
-    /// Bytes of an argument that every system takes.
+    /// Length of an argument that every system accepts \[bytes\].
     const MAX_LENGTH: usize = 100_000;
     let mut indices = ranges(tasks, ",");
     if let ([first, .., last], true) = (tasks, indices.len() > MAX_LENGTH) {
-        // Finished shards cost the tasks in between little.
+        // A range also includes tasks whose shards are finished. They take little time.
         indices = format!("{first}-{last}");
     }
     if let Some(at_most) = at_most {

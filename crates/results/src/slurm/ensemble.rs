@@ -1,4 +1,4 @@
-//! A sharded ensemble, and its files for Slurm.
+//! Ensemble that is split into shards, and its files for Slurm.
 use std::fs::OpenOptions;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -13,49 +13,50 @@ use crate::FolderError;
 use crate::folder::slurm_folder::{self, LOCK, MERGE_SCRIPT, SHARDS_SCRIPT, SLURM};
 use crate::shards::{Cut, ShardError, ShardState, same_build, status};
 
-/// A sharded ensemble, in a folder that all nodes see under the same name.
+/// Ensemble that is split into shards. All nodes see its folder under the same path.
 #[derive(Clone, Debug)]
 pub struct SlurmEnsemble {
-    /// The folder, as an absolute path.
+    /// Absolute path of the results folder.
     pub path: PathBuf,
     /// Number of shards.
     pub shards: u64,
-    /// Name of the ensemble's job arrays. It is unique for each folder.
+    /// Name of the ensemble's job arrays. It is unique for each results folder.
     pub name: String,
 }
 
-/// Content of a folder.
+/// State of a results folder, for submitting jobs.
 #[derive(Clone, Debug)]
 pub enum Opened {
-    /// A sharded ensemble.
+    /// The ensemble is split into shards.
     Sharded(SlurmEnsemble),
-    /// A merged ensemble, of this number of runs.
+    /// The shards are merged. Contains the number of runs.
     Merged(u64),
 }
 
-/// Existing shards of an ensemble.
+/// Shards that already exist.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FoundShards {
-    /// All shards are merged, with this number of runs.
+    /// All shards are merged. Contains the number of runs.
     Merged(u64),
-    /// All shards except these exist.
+    /// All shards exist except the listed ones.
     AllBut(Vec<u64>),
 }
 
-/// Lock of the submitting process. Dropping it unlocks.
+/// Lock of the process that submits jobs. Dropping it releases the lock.
 ///
-/// On a file system without locks every process gets one. Shards that run twice do no harm.
+/// On a file system without locks, every process gets the lock. Running a shard twice does no harm.
 #[derive(Debug)]
 pub struct SubmitLock {
     _lock: FileLock,
 }
 
 impl SlurmEnsemble {
-    /// Opens the ensemble in a folder, given as an absolute path.
+    /// Opens the ensemble in a folder. `path` must be absolute.
     ///
     /// # Errors
     ///
-    /// If it is not sharded, or was made by another build, which could not run its shards here.
+    /// If the ensemble is not split, or if another build made it and this build cannot run its
+    /// shards.
     pub fn open(path: &Path) -> Result<Opened, ShardError> {
         let (manifest, cut) = match Cut::require(path) {
             Err(ShardError::NotCut { done, total, .. }) if done == total => {
@@ -73,16 +74,16 @@ impl SlurmEnsemble {
         }))
     }
 
-    /// Returns the name of its merge jobs.
+    /// Returns the name of the ensemble's merge jobs.
     pub fn merge_name(&self) -> String {
         format!("{}{}", self.name, super::queue::MERGE)
     }
 
-    /// Returns which shards exist, judged by the first line of each.
+    /// Returns the existing shards, judged by the first line of each.
     ///
     /// # Errors
     ///
-    /// If a shard's file belongs to something else. No job would replace it.
+    /// If a shard's file is of another ensemble or split. No job would replace it.
     pub fn find_shards(&self) -> Result<FoundShards, ShardError> {
         let status = match status(&self.path) {
             Err(ShardError::NotCut { done, total, .. }) if done == total => {
@@ -110,7 +111,7 @@ impl SlurmEnsemble {
         Queue::read(output, &self.name)
     }
 
-    /// Makes the folder for Slurm and locks it. Returns `None` if another process has the lock.
+    /// Creates the folder for Slurm and locks it. Returns `None` if another process has the lock.
     ///
     /// # Errors
     ///
@@ -133,7 +134,7 @@ impl SlurmEnsemble {
         Ok(slurm_folder::clear(&self.path).map_err(self.io(""))?)
     }
 
-    /// Returns whether an array was submitted, judged by its script.
+    /// Returns whether a job array was submitted, judged by the existence of its script.
     pub fn was_submitted(&self) -> bool {
         disk::look(&self.file(SHARDS_SCRIPT)).is_ok()
     }

@@ -1,15 +1,17 @@
-//! Limits of a site on jobs.
+//! Limits of a cluster on the number of jobs.
 
-/// Limits of a site on jobs.
+/// Limits of a cluster on the number of jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SlurmLimits {
-    /// Task numbers of a job array are below this (`MaxArraySize`).
+    /// Upper limit on task numbers of a job array, exclusive (`MaxArraySize`).
     pub array_size: u64,
-    /// Tasks of a job array (`max_array_tasks` in `SchedulerParameters`). `None` if only `array_size` limits them.
+    /// Largest number of tasks of a job array (`max_array_tasks` in `SchedulerParameters`). `None`
+    /// if only `array_size` limits them.
     pub array_tasks: Option<u64>,
-    /// Jobs of all users at the same time (`MaxJobCount`).
+    /// Largest number of jobs of all users at the same time (`MaxJobCount`).
     pub jobs: u64,
-    /// Jobs of this user at the same time (`MaxSubmitJobs`). `None` if there is no limit.
+    /// Largest number of jobs of this user at the same time (`MaxSubmitJobs`). `None` if there is
+    /// no limit.
     pub submitted: Option<u64>,
 }
 
@@ -26,7 +28,7 @@ impl Default for SlurmLimits {
 }
 
 impl SlurmLimits {
-    /// Reads the output of `scontrol show config`.
+    /// Reads the limits from the output of `scontrol show config`.
     pub fn from_config(config: &str) -> SlurmLimits {
         let default = SlurmLimits::default();
         let number = |name: &str| value(config.lines(), name)?.parse().ok();
@@ -40,17 +42,18 @@ impl SlurmLimits {
         }
     }
 
-    /// Adds the limit in the output of `sacctmgr --noheader --parsable2 show associations format=MaxSubmitJobs`: a line for
-    /// each account of the user, empty if it has no limit.
+    /// Adds the limit on the user's jobs. `output` is the output of `sacctmgr --noheader
+    /// --parsable2 show associations format=MaxSubmitJobs`. It has a line for each account of the
+    /// user, which is empty if there is no limit.
     pub fn with_associations(self, output: &str) -> SlurmLimits {
-        // The account of the jobs is not known.
+        // The account of the jobs is unknown, so take the smallest limit.
         let limits = output.lines().filter_map(|line| line.trim().parse().ok());
         let submitted = limits.min().or(self.submitted);
         SlurmLimits { submitted, ..self }
     }
 
-    /// Returns the largest number of tasks of an array, leaving room for the merge job. Returns
-    /// `None` if the site has no arrays.
+    /// Returns the largest number of tasks of a job array. One job is reserved for merging. Returns
+    /// `None` if the cluster has no job arrays.
     fn tasks(&self) -> Option<u64> {
         let without_merge = |jobs: u64| jobs.saturating_sub(1).max(1);
         let limits = [
@@ -66,14 +69,14 @@ impl SlurmLimits {
             .filter(|tasks| *tasks > 0)
     }
 
-    /// Returns the number of shards per task: `asked`, or more if the site allows fewer tasks.
-    /// Returns `None` if the site has no arrays.
+    /// Returns the number of shards per task: `asked`, or more if the cluster allows fewer tasks.
+    /// Returns `None` if the cluster has no job arrays.
     pub fn per_task(&self, shards: u64, asked: u64) -> Option<u64> {
         Some(shards.div_ceil(self.tasks()?).max(asked))
     }
 }
 
-/// Returns the value of the first `name = value` part.
+/// Returns the value of the first part of the form `name = value`.
 fn value<'a>(parts: impl IntoIterator<Item = &'a str>, name: &str) -> Option<&'a str> {
     let mut pairs = parts.into_iter().filter_map(|part| part.split_once('='));
     let (_, value) = pairs.find(|(it, _)| it.trim() == name)?;

@@ -1,4 +1,5 @@
-//! A sharded ensemble on a cluster with Slurm: one job array runs the missing shards, a dependent job merges them.
+//! Sharded ensemble on a cluster with Slurm. One job array runs the missing shards, and a dependent
+//! job merges them.
 //!
 //! | file | content |
 //! |---|---|
@@ -7,8 +8,9 @@
 //! | `slurm/merge_13.log` | output of merge job 13, if it failed |
 //! | `slurm/.lock` | locked by the process that submits |
 //!
-//! The jobs of a folder have its name in Slurm. No list of submitted jobs is kept: existing shards and listed jobs
-//! decide which shards are submitted. This module reads and writes text; the command starts processes.
+//! The name of the jobs identifies the results folder. There is no list of submitted jobs: existing
+//! shards and jobs that Slurm lists determine the shards to submit. This module reads and writes
+//! text; the command starts processes.
 mod array;
 mod ensemble;
 mod limits;

@@ -1,10 +1,10 @@
-//! Jobs of an ensemble that Slurm lists.
+//! Jobs of an ensemble in the list that Slurm prints.
 use std::collections::BTreeSet;
 
-/// The `squeue` format that [`Queue::read`] reads: job, tasks, name, state, reason.
+/// Output format of `squeue` that [`Queue::read`] expects: job, tasks, name, state, reason.
 pub const FORMAT: &str = "%F|%K|%j|%T|%r";
 
-/// Jobs of an ensemble that Slurm lists: active ones, and ended ones for a while.
+/// Jobs of an ensemble that Slurm lists. Jobs that ended recently are included.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Queue {
     /// Tasks that run shards.
@@ -13,21 +13,22 @@ pub struct Queue {
     pub merges: Vec<SlurmJob>,
 }
 
-/// A job, or tasks of a job array that are in the same state.
+/// Job, or tasks of a job array that are in the same state.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SlurmJob {
-    /// Job number. For a task, the number of its array.
+    /// Job number. For tasks, the number of their job array.
     pub number: u64,
-    /// Tasks of the array, such as `3` or `5-9,12`.
+    /// Task numbers, such as `3` or `5-9,12`.
     tasks: String,
-    /// State in Slurm's words, such as `RUNNING`.
+    /// State as Slurm prints it, such as `RUNNING`.
     state: String,
-    /// Reason in Slurm's words why the job waits.
+    /// Reason why the job waits, as Slurm prints it.
     reason: String,
 }
 
 impl Queue {
-    /// Reads what `squeue --noheader --format=`[`FORMAT`] prints, for shard jobs named `name`.
+    /// Reads the output of `squeue --noheader --format=`[`FORMAT`]. `name` is the name of the
+    /// ensemble's job arrays.
     pub fn read(output: &str, name: &str) -> Queue {
         let mut queue = Queue::default();
         for line in output.lines() {
@@ -37,7 +38,7 @@ impl Queue {
             let Ok(number) = number.parse() else { continue };
             let job = SlurmJob {
                 number,
-                // The part after `%` limits how many of them run at the same time.
+                // The part after `%` is the largest number of tasks at the same time.
                 tasks: tasks.split('%').next().unwrap_or_default().to_owned(),
                 state: state.to_owned(),
                 reason: reason.to_owned(),
@@ -67,7 +68,8 @@ impl Queue {
         jobs.map(|job| job.number).collect()
     }
 
-    /// Describes how many tasks run and wait, or else the merge job.
+    /// Returns a description of the running and waiting tasks. If there are none, describes the
+    /// merge job.
     pub fn summary(&self) -> String {
         let active = self.shards.iter().filter(|job| job.is_active());
         let (waiting, running): (Vec<&SlurmJob>, Vec<&SlurmJob>) =
@@ -92,7 +94,7 @@ impl Queue {
     }
 }
 
-/// Returns the numbers of active jobs, ascending, each once.
+/// Returns the numbers of active jobs, ascending and unique.
 fn active(jobs: &[SlurmJob]) -> Vec<u64> {
     let active = jobs.iter().filter(|job| job.is_active());
     let numbers: BTreeSet<u64> = active.map(|job| job.number).collect();
@@ -141,8 +143,8 @@ impl SlurmJob {
     }
 }
 
-/// Returns the job number in the output of `sbatch --parsable`: the last line that is a number. A site may print other
-/// lines before it. A cluster's name may follow the number.
+/// Returns the job number in the output of `sbatch --parsable`: the last line that is a number. A
+/// cluster may print other lines before it. The cluster's name may follow the number.
 pub fn job_number(output: &str) -> Option<u64> {
     let number = |line: &str| line.trim().split(';').next()?.parse().ok();
     output.lines().rev().find_map(number)

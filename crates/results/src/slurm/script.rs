@@ -3,11 +3,11 @@ use stochc_files::shell::quoted;
 
 use crate::folder::slurm_folder::SLURM;
 
-/// Returns the script of a job array. Task i runs `per_task` of `shards` shards, from i × `per_task`. `folder` is an absolute
-/// path, and `stochc` is the path of the command on every node.
+/// Returns the script of a job array. Task i runs `per_task` shards, starting at shard i ×
+/// `per_task`. `folder` is an absolute path, and `stochc` is the path of the command on every node.
 ///
-/// The script writes its log itself, because Slurm replaces some characters in the name of a log.
-/// A task that succeeds leaves no log.
+/// The script writes its own log, because Slurm replaces some characters in the name of a log. A
+/// task that succeeds leaves no log.
 pub fn shards_script(stochc: &str, folder: &str, shards: u64, per_task: u64) -> String {
     let names = names(stochc, folder);
     format!(
