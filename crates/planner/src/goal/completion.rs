@@ -38,6 +38,7 @@ pub struct Completion {
     untrue: usize,
     /// Name of the assembly to complete.
     assembly: String,
+    /// Index of the phase with the new captures.
     phase: usize,
     change: Change,
 }

@@ -12,6 +12,8 @@ use crate::scaffold::{MastPiece, Scaffolding};
 
 /// Cost of a new mast \[captures\].
 const NEW: f32 = 1.0;
+
+/// Cost of a mast per diagonal neighbour, because the two take turns \[captures\].
 const ACROSS: f32 = 1.5;
 
 /// Duration of a mast block's capture next to another mast \[captures\].

@@ -57,6 +57,7 @@ const TRIES: u64 = 3000;
 /// Fraction of the tries that is left when the exchange of pieces begins.
 const EXCHANGES: f64 = 0.8;
 
+/// Fraction of the tries that is left when the search for schedules begins.
 const SCHEDULES: f64 = 0.2;
 
 /// Initial tolerance of the exchange, relative to the best value.
@@ -73,6 +74,7 @@ struct ScaffoldTrials<'a> {
     before: u64,
     /// Number of tries of this search.
     pub(super) all: u64,
+    /// Number of tries that are left.
     pub(super) tries: u64,
 }
 

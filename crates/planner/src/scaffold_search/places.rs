@@ -187,7 +187,8 @@ impl GrowthSchedule {
     }
 }
 
-/// Returns the possible mast blocks that could hold a cell, each with the direction from it.
+/// Returns the mast blocks that could hold a cell, each with the direction from the mast block to
+/// the cell.
 pub fn supports(target: &Target, cell: Cell) -> impl Iterator<Item = (Cell, Face)> {
     let is_full = |cell: Cell| target.cells().binary_search(&cell).is_ok();
     let is_place = move |&(at, _): &(Cell, Face)| {

@@ -12,7 +12,7 @@ pub(super) const MAX_CELLS: usize = 300;
 pub enum ScaffoldTrial {
     /// Scaffolds were not tried.
     NotTried {
-        /// Reason.
+        /// Reason for not trying scaffolds.
         reason: NoScaffolds,
     },
     /// Scaffolds were tried.
@@ -30,7 +30,7 @@ pub enum ScaffoldTrial {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NoScaffolds {
-    /// Not wanted for this kind of plan.
+    /// This kind of plan excludes scaffolds.
     NotWanted,
     /// There are pre-attached blocks.
     BlocksStand,
@@ -64,7 +64,7 @@ impl ScaffoldTrial {
 }
 
 impl NoScaffolds {
-    /// Returns a description.
+    /// Returns the reason in words.
     fn words(self) -> String {
         match self {
             NoScaffolds::NotWanted => "this kind of plan has none".to_owned(),

@@ -13,20 +13,20 @@ use crate::timing::precedence::Waiting;
 use crate::timing::rate_law::RateLaw;
 use crate::timing::schedule::Schedule;
 
-/// Assumed waiting time before anything is known \[ticks\].
+/// Assumed waiting time of a site that is not scheduled yet \[ticks\].
 pub const WAIT: f32 = 650.0;
 
 /// Constant data of all schedules.
 pub struct SchedulingJob<'a> {
-    /// Cells.
+    /// Cells of the target.
     pub sites: &'a Sites<'a>,
-    /// Dependencies for access paths.
+    /// Dependencies that keep access paths open.
     pub corridors: &'a Corridors,
     /// Capabilities of blocks.
     pub hardware: Hardware,
     /// Waiting times of faces.
     pub waits: &'a RateLaw<'a>,
-    /// Roles of sites, if there are scaffolds.
+    /// Parts that sites belong to. `None` without scaffolds.
     pub roles: Option<&'a SiteRoles>,
     /// Mean time from the opening of each site to the end, along its longest chain of successors
     /// \[ticks\].
@@ -129,8 +129,10 @@ impl<'a> SchedulingJob<'a> {
         Waiting { before }
     }
 
-    /// Estimates the completion time of a schedule's program. It uses the mean waiting times of
-    /// `check --cost`. The search's waiting times depend on the order of faces that open at the
+    /// Estimates the completion time of a schedule's program with the mean waiting times of `check
+    /// --cost`.
+    ///
+    /// The search uses other waiting times, which depend on the order of faces that open at the
     /// same time.
     pub fn estimated(
         &self,
@@ -148,8 +150,8 @@ impl<'a> SchedulingJob<'a> {
         self.sites.next(site, way.opposite())
     }
 
-    /// Returns whether a block may come to a site in a direction: along its corridor, from the
-    /// plate or a site that `holds`.
+    /// Returns whether a parent can capture a site in a direction. The direction must agree with
+    /// the corridor of the site. The parent must be the plate or a site that `holds` accepts.
     pub(super) fn is_way(&self, site: u32, way: Face, holds: impl FnOnce(u32) -> bool) -> bool {
         let along = self.corridors.along[site as usize];
         if along.is_some_and(|axis| way != axis && way != axis.opposite()) {
@@ -169,7 +171,8 @@ impl<'a> SchedulingJob<'a> {
         if is_straight { 0.98 * wait } else { wait }
     }
 
-    /// Returns for each site the number of others that it waits for, to keep access paths open.
+    /// Returns, for each site, the number of other sites that it waits for to keep access paths
+    /// open.
     pub(super) fn missing(&self) -> Vec<u32> {
         let mut missing = vec![0; self.sites.len()];
         for &site in self.corridors.waiting.iter().flatten() {

@@ -5,7 +5,7 @@ use crate::scaffold::{SitePart, SiteRoles};
 #[derive(Clone)]
 pub struct SchedulePhase<'a> {
     pub roles: &'a SiteRoles,
-    /// Deadline for sites that are not needed \[ticks\].
+    /// Deadline for sites that the hand-over does not need \[ticks\].
     pub(super) limit: f32,
     /// Number of temporary sites not yet present.
     pub missing: usize,
@@ -37,7 +37,7 @@ impl<'a> SchedulePhase<'a> {
         }
     }
 
-    /// Returns whether a site belongs to a mast that no longer holds anything.
+    /// Returns whether a site belongs to a mast that does not hold blocks any more.
     pub(super) fn is_spent(&self, site: u32) -> bool {
         let SitePart::Mast(number) = self.roles.part(site) else {
             return false;

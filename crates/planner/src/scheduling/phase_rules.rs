@@ -3,8 +3,8 @@ use super::state::{ScheduleState, SiteState};
 use crate::scaffold::SitePart;
 
 impl ScheduleState<'_> {
-    /// Returns whether a site may open when half of its waiting time is over at `half`. Nothing new
-    /// opens between completion of the temporary blocks and their hand-over.
+    /// Returns whether a site may open if half of its waiting time is over at `half`. No site opens
+    /// between the completion of the temporary blocks and their hand-over.
     pub(super) fn is_its_phase(&self, site: u32, half: f32) -> bool {
         match &self.phase {
             Some(phase) if !phase.is_second && phase.roles.part(site) == SitePart::Own => {
@@ -32,8 +32,8 @@ impl ScheduleState<'_> {
         }
     }
 
-    /// Hands over the pieces whose final parents are present, and removes masts that no longer hold
-    /// anything.
+    /// Hands over the pieces whose final parents are present. Removes masts that do not hold blocks
+    /// any more.
     pub(super) fn hand_over(&mut self) {
         let Some(phase) = &mut self.phase else { return };
         let mut new = Vec::new();

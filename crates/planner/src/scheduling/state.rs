@@ -17,7 +17,7 @@ pub(super) enum SiteState {
     Absent,
     Open,
     Anchored,
-    /// Removed after it was present.
+    /// The block was captured and removed again.
     Gone,
 }
 
@@ -74,7 +74,7 @@ impl ScheduleState<'_> {
         }
     }
 
-    /// Returns the direction of a site's open face.
+    /// Returns the direction of a site's open face. Returns `None` if the site is not open.
     fn open_way(&self, site: u32) -> Option<Face> {
         let here = site as usize;
         (self.state[here] == SiteState::Open).then(|| self.schedule.way[here])

@@ -21,12 +21,13 @@ use crate::space::sites::{NONE, Sites};
 pub struct Corridors {
     /// For each site, the sites that wait for it, sorted.
     pub waiting: Vec<Vec<u32>>,
-    /// For each site in a gap, the axis of the capturing face.
+    /// For each site in a gap, the axis of the capturing face. `None` for other sites.
     pub along: Vec<Option<Face>>,
 }
 
-/// Costs of a step of a path, and of a waiting block: near its cell, elsewhere, and per capture of
-/// delay. A nearby block would not have been open at the same time anyway.
+/// Costs of an access path: per step, per waiting block near the cell, per other waiting block, and
+/// per capture of delay. Nearby blocks cost less, because their faces would not be open at the same
+/// time anyway.
 const COSTS: [u32; 4] = [1, 2, 6, 4];
 
 impl Corridors {
@@ -115,7 +116,7 @@ impl CorridorSearch<'_> {
         unreachable!("a removed site has an access path")
     }
 
-    /// Returns the cost of keeping a position open, entered from another one.
+    /// Returns the cost of keeping a position open that is entered from the position `from`.
     fn toll(&self, site: u32, number: usize, low: Cell, from: Option<Cell>) -> u32 {
         let space = &self.disassembly.spaces[number];
         let level = |site: u32| self.disassembly.level[site as usize];

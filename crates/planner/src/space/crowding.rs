@@ -13,9 +13,9 @@ use crate::space::sites::{NONE, Sites};
 /// Rules for faces that must not be open together.
 #[derive(Clone, Copy, Debug)]
 pub struct Crowding<'a> {
-    /// Cells.
+    /// Cells of the target.
     pub sites: &'a Sites<'a>,
-    /// Whether faces always attract. Waiting is then impossible.
+    /// Whether faces always attract. No face can then wait for another one.
     pub attracts_always: bool,
     /// Whether blocks are known to pass between two faces across a corner, if no third face of the
     /// square is open.
@@ -77,7 +77,7 @@ impl Crowding<'_> {
         waits
     }
 
-    /// Returns the adjacent sites that the plate captures, if it captures this one as well.
+    /// Returns the adjacent sites that the plate captures, if the plate captures this site as well.
     fn beside_on_plate(
         &self,
         site: u32,

@@ -179,7 +179,8 @@ impl FreeSpace {
         reach.is_some_and(|reach| reach != PlaceReach::Closed)
     }
 
-    /// Updates the space after a removal. `reached` receives the new positions.
+    /// Updates the space after a removal. `reached` receives the positions that are newly
+    /// reachable.
     pub fn open(
         &mut self,
         sites: &Sites<'_>,
@@ -194,7 +195,7 @@ impl FreeSpace {
         self.flood(sites, open, stands, PlaceReach::Opened, reached);
     }
 
-    /// Returns the sites that a new position can affect.
+    /// Returns the sites whose access can change if a position becomes reachable.
     pub fn concerned(&self, sites: &Sites<'_>, low: Cell) -> impl Iterator<Item = u32> {
         let size = self.size;
         let edge = size + 2;

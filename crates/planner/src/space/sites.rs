@@ -1,11 +1,11 @@
-//! Cells of a target by number, with their neighbours.
+//! Numbered cells of a target, called sites, with their neighbours.
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face, offsets_within};
 
 use crate::Target;
 use crate::space::grid::{Grid, shifted};
 
-/// Number of no site.
+/// Value for a missing site.
 pub const NONE: u32 = u32::MAX;
 
 /// Set of cells in a window of 3 x 3 x 3: bit (dx + 1) + 3 (dy + 1) + 9 (dz + 1).
@@ -49,7 +49,7 @@ const DIAGONAL: [(usize, [usize; 2]); 12] = {
     diagonal
 };
 
-/// Cells of a target by number.
+/// Numbered cells of a target.
 #[derive(Debug)]
 pub struct Sites<'a> {
     /// The target.
@@ -60,7 +60,7 @@ pub struct Sites<'a> {
     existing: FxHashMap<u32, bool>,
 }
 
-/// Number of a site, or [`NONE`].
+/// Number of a site, or [`NONE`] for a missing site.
 #[derive(Clone, Copy, Debug)]
 struct Number(u32);
 
@@ -167,8 +167,8 @@ impl<'a> Sites<'a> {
         others.map(|(_, &near)| near)
     }
 
-    /// Returns the squares of four cells around a site: two adjacent sites and the diagonal one
-    /// each, or [`NONE`].
+    /// Returns the squares of four cells that contain a site. Each square has the two adjacent
+    /// sites and the diagonal site. [`NONE`] stands for a missing site.
     pub fn squares(&self, site: u32) -> impl Iterator<Item = [u32; 3]> + '_ {
         let window = &self.windows[site as usize];
         let squares = DIAGONAL.iter();

@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use crate::space::sites::{MIDDLE, NONE, Sites, across, place};
 use stochc_ir::Face;
 
-/// Standing blocks, with a level for each site: 1 on a seed, otherwise above that of a neighbour.
+/// Standing blocks, with a level for each site. A site on a seed has level 1. The level of any
+/// other site is above the level of a neighbour.
 ///
 /// Levels start from a breadth-first search and are raised when blocks are removed.
 ///
@@ -49,8 +50,8 @@ impl Support {
         self.stands[site as usize]
     }
 
-    /// Returns whether everything else is certainly connected without a site. May miss some such
-    /// sites.
+    /// Returns whether all other blocks certainly stay connected if a site is removed. May also
+    /// return `false` if they do.
     pub fn can_spare(&self, sites: &Sites<'_>, site: u32) -> bool {
         let is_held = |next: u32| {
             let level = self.level(next);
@@ -68,8 +69,8 @@ impl Support {
         able.filter(|&next| self.stands(next))
     }
 
-    /// Returns whether the neighbours of a site are connected within its window, and to the plate
-    /// if the site is.
+    /// Returns whether the neighbours of a site are connected within its window. If the site
+    /// touches the plate, they must be connected to the plate too.
     fn is_locally_connected(&self, sites: &Sites<'_>, site: u32) -> bool {
         const ROOT: u32 = 1 << 27;
         let stands = |near| self.stands(near) && !sites.is_inert(near);

@@ -29,7 +29,7 @@ pub struct PlanEstimate {
     pub mean: f64,
     /// 90th percentile.
     pub p90: f64,
-    /// Whether waiting times are those of the default scene, because this scene has not been
+    /// Whether the waiting times come from the default scene, because this scene has not been
     /// calibrated. Such times rank plans, but may be off by a factor of fifty.
     pub is_typical: bool,
     /// Whether the rates are uncalibrated estimates.
@@ -39,7 +39,7 @@ pub struct PlanEstimate {
 }
 
 impl PlanEstimate {
-    /// Returns the caveat of the estimate, if it has one.
+    /// Returns the caveat of the estimate. Empty without a caveat.
     pub(crate) fn caveat(&self) -> String {
         let origin = match (self.is_typical, self.is_first_guess) {
             (true, _) => {
@@ -55,7 +55,7 @@ impl PlanEstimate {
         }
     }
 
-    /// Returns the value of the objective.
+    /// Returns the time that an objective selects.
     pub fn of(self, objective: Objective) -> f64 {
         match objective {
             Objective::Mean => self.mean,
@@ -75,8 +75,7 @@ pub struct Samples {
 
 /// Returns `count` samples with mean 1.
 fn drawn(count: usize, seed: u64) -> impl Iterator<Item = f32> {
-    /// A face captures only after nearby blocks have come closer, so this fraction of the waiting
-    /// time is constant.
+    /// Constant fraction of a waiting time: nearby blocks must first come closer.
     const DELAY: f32 = 0.27;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut log = move || -(1.0 - rng.random::<f32>()).ln();
@@ -149,7 +148,8 @@ impl Samples {
         &self.waits[site as usize * self.runs..][..self.runs]
     }
 
-    /// Converts the last times from the earliest start of each wait to its completion.
+    /// Completes the last times of `times`. On entry they are the start of the phase. On return
+    /// they are the capture times of the site.
     fn wait(&self, site: u32, mean: f32, before: &[u32], times: &mut [f32]) {
         let runs = self.runs;
         let (done, here) = times.split_at_mut(times.len() - runs);

@@ -15,7 +15,7 @@ pub struct Waiting {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Why {
-    /// The site is on the access path of the other.
+    /// The waiting site is on the access path of the other site.
     Way,
     /// Nearby faces must not be open at the same time.
     Near,
@@ -26,7 +26,7 @@ pub enum Why {
 pub struct After {
     /// Site to wait for.
     pub site: u32,
-    /// Reason.
+    /// Reason for waiting.
     pub why: Why,
 }
 

@@ -39,7 +39,8 @@ pub struct RateLaw<'a> {
     has_passable_gaps: bool,
     /// Cache of surroundings, by layer, direction and occupied cells in sight.
     seen: RefCell<FxHashMap<(i32, Face, Neighbourhood), Surroundings>>,
-    /// Cache of mean waiting times in docking times, by [`STEPS`].
+    /// Cache of mean waiting times \[docking times\]. The key is the logarithm of captures per
+    /// docking time, in units of 1 / [`STEPS`].
     scaled: RefCell<FxHashMap<i32, f64>>,
 }
 
@@ -56,7 +57,7 @@ const STEPS: f64 = 100.0;
 
 impl<'a> RateLaw<'a> {
     /// Returns the model of a scene: given rates, built-in rates or an uncalibrated estimate.
-    /// Otherwise typical rates, which can only rank plans.
+    /// Without any of these, returns typical rates, which can only rank plans.
     pub(crate) fn for_scene(scene: &Scene, known: &'a [Rates]) -> RateLaw<'a> {
         RateLaw {
             has_passable_gaps: Rates::pass_gaps(scene),
@@ -93,7 +94,7 @@ impl<'a> RateLaw<'a> {
     /// Returns the mean waiting time of a face open to `cell` in direction `way`.
     ///
     /// `state` is the state of surrounding cells. Half of the awaited cells are assumed to fill
-    /// before.
+    /// before the capture.
     pub fn mean(
         &self,
         cell: Cell,
@@ -215,7 +216,7 @@ mod tests {
         assert_eq!(mean(Face::Up, &[]), mean(Face::Up, &[]));
     }
 
-    /// Cells in sight of the rate model. Some of them are awaited.
+    /// Compares means with the rate model. Some of the cells in sight are awaited.
     #[test]
     fn means_are_those_of_the_law() {
         let law = RateLaw::new(None);

@@ -4,12 +4,12 @@ use stochc_ir::Face;
 use crate::space::sites::{NONE, Sites};
 use crate::target::hardware::Hardware;
 
-/// Schedule: an order with parents.
+/// Opening order of the sites, with the parent of each site.
 #[derive(Clone, Debug)]
 pub struct Schedule {
     /// Sites in opening order.
     pub order: Vec<u32>,
-    /// Position of each site in that order.
+    /// Position of each site in the opening order.
     pub rank: Vec<u32>,
     /// Direction to each site from its parent, which is a site or a seed.
     pub way: Vec<Face>,
@@ -66,7 +66,7 @@ impl Schedule {
     }
 
     /// Returns the position of the block that must be captured in the same phase to hold a site.
-    /// `None` if it exists before.
+    /// Returns `None` if that block exists before the phase.
     pub fn held(&self, sites: &Sites<'_>, site: u32) -> Option<u32> {
         let parent = self.parent(sites, site);
         let same = |other: u32| (other != NONE && self.is_same_phase(site, other)).then_some(other);

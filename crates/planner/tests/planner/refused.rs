@@ -74,7 +74,7 @@ fn a_bridge_leads_through_other_parts() {
     assert!(text.contains("with 3 more cells, "), "{text}");
 }
 
-/// The room itself can be built, but nothing holds the block that floats in it.
+/// The room itself can be built, but no block holds the block that floats in it.
 #[test]
 fn a_block_that_floats_in_a_sealed_room_is_refused() {
     let all = |edge: i32| 0..edge;
