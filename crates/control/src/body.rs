@@ -31,7 +31,7 @@ pub struct Docking {
     pub child: u32,
     /// Face of the captured block that touches the parent.
     pub child_face: Face,
-    /// Quarter turns, as counted by [`Orientation::docked`](crate::Orientation::docked).
+    /// Number of quarter turns, as counted by [`Orientation::docked`](crate::Orientation::docked).
     pub turn: u8,
     /// Number of entries of free blocks into the reach of the face since it was magnetized,
     /// including re-entries. A block within reach at that moment counts once.

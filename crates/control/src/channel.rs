@@ -78,8 +78,8 @@ impl Channels {
         channel.is_some_and(|channel| channel.kept.contains_key(&number))
     }
 
-    /// Closes the contacts of a block that is being released. Returns the messages sent and not
-    /// accepted.
+    /// Closes the contacts of a block that is being released. Returns the messages that were sent
+    /// and not accepted.
     pub fn close(&mut self, gone: Body) -> Recalled {
         let first = (gone, Body::Seed(Cell::new(i32::MIN, i32::MIN, i32::MIN)));
         let of_gone = self

@@ -7,7 +7,8 @@ use stochc_ir::Face;
 pub struct Orientation {
     /// Structure direction of the block's own east.
     east: Face,
-    /// Structure direction of its own north. Up follows from the two, as reflections are excluded.
+    /// Structure direction of the block's own north. Up follows from the two, because reflections
+    /// are excluded.
     north: Face,
 }
 

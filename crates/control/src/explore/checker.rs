@@ -24,7 +24,8 @@ pub(super) struct PropertyChecker<'a> {
 }
 
 impl PropertyChecker<'_> {
-    /// Returns the violation by a transition from the state `before`.
+    /// Returns the property that a transition from the state `before` violates. Returns `None` if
+    /// it violates none.
     pub fn transition(
         &self,
         before: &ProgramState<'_>,
@@ -43,13 +44,15 @@ impl PropertyChecker<'_> {
             .or_else(|| self.reports(before, stage))
     }
 
-    /// Returns the violation by the effects of a transition, independent of the state before.
+    /// Returns the property that the effects of a transition violate, whatever the previous state
+    /// is. Returns `None` if they violate none.
     pub fn effects(&self, effects: &Effects) -> Option<Breach> {
         let &(property, fault) = effects.faults.first()?;
         Some((property, self.describer.fault(fault)))
     }
 
-    /// Returns the violation in a state without further transitions.
+    /// Returns the property that a state without further transitions violates. Returns `None` if it
+    /// violates none.
     pub fn hang(&self, state: &ProgramState<'_>) -> Option<Breach> {
         if state.is_complete() {
             return None;
@@ -58,7 +61,7 @@ impl PropertyChecker<'_> {
         Some((Property::NoHang, format!("{phase} never ends: {waits}")))
     }
 
-    /// Returns the violation in a state where an unplanned capture has lasting effects.
+    /// Returns a violation if an unplanned capture would have lasting effects in a state.
     pub fn unplanned(
         &self,
         context: &ExplorationContext<'_>,

@@ -90,7 +90,7 @@ impl<'s, 't> DepthFirst<'s, 't> {
         ExplorationVerdict::Holds
     }
 
-    /// Enters a state unless it was visited before. Returns a verdict if that ends the search.
+    /// Enters a state unless it was visited before. Returns a verdict if the state ends the search.
     fn enter(&mut self, state: ProgramState<'t>) -> Option<ExplorationVerdict> {
         if !self.visited.insert(fingerprint(&state)) {
             return None;

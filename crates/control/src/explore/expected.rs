@@ -22,7 +22,7 @@ pub(super) struct PhaseGoal {
     pub releases: BTreeSet<RoleId>,
     /// Predecessors of each event.
     pub needs: BTreeMap<News, BTreeSet<News>>,
-    /// Captures that need a number of these predecessors.
+    /// Captures that need a given number of the listed predecessors.
     pub turns: BTreeMap<News, (usize, Vec<News>)>,
     /// Reports to the plate, each once.
     pub reports: BTreeSet<Reporter>,

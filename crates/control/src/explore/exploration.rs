@@ -41,7 +41,7 @@ impl Default for ExplorationBounds {
 pub struct Exploration<'a> {
     /// Tables to run.
     pub tables: &'a Tables,
-    /// Goals of the tables. Usually [`ProgramGoals::new`]; a separate declaration checks the tables
+    /// Goals of the tables. Usually [`ProgramGoals::new`]. A separate declaration checks the tables
     /// themselves.
     pub expected: &'a ProgramGoals,
     /// Limits.

@@ -55,7 +55,7 @@ impl PhaseCaptors {
         }
     }
 
-    /// Adds all roles that a message at this role's block may involve.
+    /// Adds all roles on the paths that a message at this role's block may take.
     pub fn add_way(
         &self,
         state: &ProgramState<'_>,
@@ -157,7 +157,7 @@ impl Future {
 }
 
 impl<'t> Forecast<'_, 't> {
-    /// Adds the present state.
+    /// Adds the current state of the blocks.
     fn begin(&mut self, without: &[Transition]) {
         let state = self.state;
         for block in state.structure.blocks() {
@@ -230,7 +230,7 @@ impl<'t> Forecast<'_, 't> {
             Condition::Asked(child) => self.asked.contains(child),
             Condition::Released(child) => self.gone.contains(child),
             Condition::Heard(news) => self.heard.contains(&(role, news)),
-            // Not a single observation.
+            // A turn is more than a single observation.
             Condition::Turn(_) => false,
         }
     }

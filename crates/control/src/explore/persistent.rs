@@ -2,20 +2,21 @@
 //!
 //! # Soundness
 //!
-//! Two transitions are *independent* in a state if neither prevents the other and both orders lead
-//! to the same state. A set T of enabled transitions is *persistent* if nothing that can happen
-//! without T depends on a transition in T. Every maximal order of events then contains a transition
-//! of T, as T would otherwise still be enabled at its end. The first of them can be moved to the
-//! front, past independent transitions. Trying T alone therefore finds, for every maximal order, an
-//! equivalent one. All transitions of the two find the same states of the blocks that they touch.
-//! The search thus finds every deadlock, every end of a phase and every faulty transition, since
-//! these are visible at the touched blocks. The state space has no cycles, because every transition
-//! uses up an event, a hop towards a goal, or a phase. Nothing is postponed forever.
+//! Two transitions are *independent* in a state if neither prevents the other and their order does
+//! not matter. A set T of enabled transitions is *persistent* if all events that can happen without
+//! T are independent of T. Every maximal order of events then contains a transition of T. Otherwise
+//! T would still be enabled at its end. The first transition of T can be moved to the front, past
+//! independent transitions. Trying T alone therefore finds, for every maximal order, an equivalent
+//! one. In both orders, each transition finds the same states of the blocks that it touches.
+//! Deadlocks, ends of phases and faulty transitions are visible at the touched blocks, so the
+//! search finds all of them. The state space has no cycles: every transition uses up an event, a
+//! hop towards a goal, or a phase. Nothing is postponed forever.
 //!
 //! Blocks only accumulate observations. A rule fires once, when its conditions are in the set. Its
 //! messages and open faces are added to an unordered multiset. Two transitions that only add
 //! commute, even at the same block. A message that arrives before the capture that it needs waits
-//! for it; after the capture it continues at once. The other transitions have these dependences:
+//! for the capture. If it arrives later, it continues at once. The other transitions have these
+//! dependences:
 //!
 //! 1. *The end of a phase* clears everything and depends on all transitions. T is not valid if the
 //!    plate may get all its reports without T.
@@ -28,9 +29,9 @@
 //! 4. *Order constraints* are checked only by the order of two events. In correct tables the later
 //!    one cannot happen without the earlier.
 //! 5. *A fault* at a block depends on everything that may touch the block. The losses of one
-//!    message depend on each other. All transitions are tried if blocks fail, if a stray block is
-//!    still to come, or if blocks misjudge their orientation. For failures, a smaller set missed
-//!    one of 21 deadlocks of a random program.
+//!    message depend on each other. All transitions are tried if blocks fail, if a stray block may
+//!    still come, or if blocks misjudge orientations. For failures, a smaller set missed one of 21
+//!    deadlocks of a random program.
 //! 6. *Equal names*: if two rules give the same name in one phase, the path to the name is not
 //!    known in advance. The compiler does not make such tables. All transitions are tried for them.
 //! 7. *Resending* changes only the message's own state, as does a duplicate at its receiver. A
@@ -57,7 +58,7 @@ use super::transition::Transition;
 /// Largest number of initial transitions tried for a persistent set.
 const CANDIDATES: usize = 64;
 
-/// Selection of transitions.
+/// Selector of persistent sets of transitions.
 pub(super) struct PersistentSets<'t> {
     context: ExplorationContext<'t>,
     /// Number of evaluated rules and copied blocks, for the work limit.
@@ -66,7 +67,7 @@ pub(super) struct PersistentSets<'t> {
     captors: Vec<Rc<PhaseCaptors>>,
 }
 
-/// Footprint of a transition.
+/// Footprint of a transition: its cell, its events, and the blocks that it may touch.
 struct Footprint {
     /// Cell that the transition fills.
     cell: Option<Cell>,
@@ -141,7 +142,7 @@ impl<'t> PersistentSets<'t> {
     }
 
     /// Extends a transition to a persistent set by adding dependent transitions. Returns `None` if
-    /// only the full set qualifies.
+    /// only the set of all transitions is persistent.
     fn close(
         &mut self,
         state: &ProgramState<'t>,
@@ -304,7 +305,7 @@ fn closes(
     closed_by_future || (!own.is_empty() && later.into_iter().any(unsafe_cell))
 }
 
-/// Returns whether two transitions are equal or concern the same message.
+/// Returns whether two transitions are equal or move the same message.
 fn is_same_matter(a: &Transition, b: &Transition) -> bool {
     a == b || (a.transit().is_some() && a.transit() == b.transit())
 }

@@ -58,7 +58,7 @@ pub(super) fn sample(
     report
 }
 
-/// Follows one schedule. Returns a verdict if that ends the sampling.
+/// Follows one schedule. Returns a verdict if the schedule ends the sampling.
 fn follow(
     exploration: &Exploration<'_>,
     struck: &FaultChoice,

@@ -100,7 +100,7 @@ impl Property {
 }
 
 impl ExplorationReport {
-    /// Returns a report of nothing explored.
+    /// Returns a report of an exploration that has not begun.
     pub(super) fn empty(verdict: ExplorationVerdict) -> ExplorationReport {
         ExplorationReport {
             states: 0,

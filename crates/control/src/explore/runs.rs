@@ -9,7 +9,7 @@ use super::report::{ExplorationReport, ExplorationVerdict, Violation};
 use super::{breadth_first, checker, depth_first, describe, faults, random_walk};
 
 impl<'a> Exploration<'a> {
-    /// Explores. The limits apply to all choices of faults together.
+    /// Runs the exploration. The limits apply to all choices of faults together.
     pub fn run(&self) -> ExplorationReport {
         let mut report = ExplorationReport::empty(ExplorationVerdict::Holds);
         for struck in self.faults.choices(self.tables, self.expected) {
@@ -31,8 +31,8 @@ impl<'a> Exploration<'a> {
         report
     }
 
-    /// Returns the shortest violation without faults, after reduction, if there is one within the
-    /// limits.
+    /// Returns the shortest violation without faults, after reduction. Returns `None` if there is
+    /// none within the limits.
     pub fn shortest(&self) -> Option<Violation> {
         match breadth_first::shortest(self, &faults::FaultChoice::default()) {
             ExplorationVerdict::Violated(violation) => Some(*violation),

@@ -20,7 +20,8 @@ pub(super) struct ProgramState<'t> {
     pub lattice: Lattice,
     /// Messages in transit, sorted.
     pub under_way: Vec<InTransit>,
-    /// Transfer numbers, if transfers may be lost. Their meaning is in the transits.
+    /// Transfer numbers, if transfers may be lost. Comparisons ignore them, because the transits
+    /// contain their meaning.
     pub channels: Ignored<Channels>,
     /// Events so far in this phase, for the check at the end of the phase.
     pub done: PhaseProgress,
@@ -239,7 +240,8 @@ impl<'t> ProgramState<'t> {
             let block = self.structure.block(body);
             block.is_some_and(|block| block.is_dead())
         };
-        // No one accepts or acknowledges it, and resending it forever changes nothing.
+        // A failed block neither accepts nor acknowledges the message. Resending it forever changes
+        // nothing.
         if with_losses && is_dead(to) {
             return Effects::default();
         }
@@ -273,8 +275,8 @@ impl<'t> ProgramState<'t> {
         self.under_way.insert(i, transit);
     }
 
-    /// Captures a block at an open face. Its number is that of its role, so that equal structures
-    /// are equal states.
+    /// Captures a block at an open face. The block gets the number of its role, so that equal
+    /// structures are equal states.
     fn capture(&mut self, context: &ExplorationContext<'t>, site: BlockFace, how: u8) -> Effects {
         let child = self.opened(site);
         let truth = docking(site, child.map_or(u32::MAX, |child| child.0), 0);

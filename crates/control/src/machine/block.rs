@@ -276,7 +276,7 @@ impl<M: Copy> StructureBlock<M> {
         }
     }
 
-    /// Returns the next ready rule. If there is none, none is ready until the next observation.
+    /// Returns the next ready rule. Returns `None` if no rule is ready before the next observation.
     fn next_ready(&mut self, tables: &Tables) -> Option<(usize, Action)> {
         let count = self.rules.count();
         let has = |when| self.has_seen(when);

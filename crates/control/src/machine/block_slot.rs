@@ -6,6 +6,6 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct BlockSlot(pub u32);
 
 impl BlockSlot {
-    /// Index of no block.
+    /// Value for a missing block.
     pub const NONE: BlockSlot = BlockSlot(u32::MAX);
 }

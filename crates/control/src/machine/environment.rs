@@ -32,7 +32,7 @@ pub trait Environment {
     }
 
     /// Removes all messages in transit between a block that is being released and its neighbours.
-    /// `unreceived` is their number of hops, as counted by the structure.
+    /// `unreceived` is the number of these messages, as counted by the structure.
     fn recall(&mut self, gone: Body, unreceived: u32) -> Recalled;
 
     /// Discards all messages in transit.
@@ -41,11 +41,11 @@ pub trait Environment {
     /// Records that a face with this mark has captured a block.
     fn captured(&mut self, _capture: &PlannedCapture, _docking: &Docking, _mark: Self::Mark) {}
 
-    /// Records a capture at a face that expects none, of the block with the role `by`. The face is
-    /// switched off next. `face` is in the structure's frame.
+    /// Records a capture at a face that expects none. `by` is the role of the block with the face,
+    /// and `face` is in the structure's frame. The face is switched off next.
     fn unplanned(&mut self, _by: RoleId, _face: Face, _docking: &Docking) {}
 
-    /// Records that the block with the role `by` has released another one, which had `orphans`
+    /// Records that the block with the role `by` has released another block, which had `orphans`
     /// descendants.
     fn released(&mut self, _by: RoleId, _role: RoleId, _body: Body, _orphans: usize) {}
 

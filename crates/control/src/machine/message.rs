@@ -35,7 +35,7 @@ pub enum Payload {
     Tell(News),
 }
 
-/// Source of a report: a rule of a duty. A block may have several reports.
+/// Source of a report: a rule of a duty. A block may make several reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Reporter {
     /// Role that reports.

@@ -85,7 +85,8 @@ impl<M: Copy> Structure<'_, M> {
         }
     }
 
-    /// Returns the holder of a role, or the anchored block nearest to capturing it.
+    /// Returns the holder of a role. If the role has no holder, returns the anchored block that is
+    /// the nearest ancestor of the future holder.
     fn nearest_holder(&self, mut role: RoleId) -> Option<BlockSlot> {
         // No chain of captures is longer than the list of roles.
         for _ in 0..=self.holders.len() {

@@ -1,4 +1,4 @@
-//! The structure as a state machine without time or chance: the reactions of every block to events.
+//! The structure as a state machine without time or chance: how every block reacts to events.
 use std::collections::BTreeSet;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
@@ -457,8 +457,8 @@ impl<'t, M: Copy> Structure<'t, M> {
         left
     }
 
-    /// Returns the meaning of the state for comparison: of each block the body, role, orientation,
-    /// parent, failure and progress.
+    /// Returns the content of the state for comparison: the body, role, orientation, parent,
+    /// failure and progress of each block.
     fn meaning(&self) -> impl Iterator<Item = impl Hash + Eq>
     where
         M: Hash + Eq,

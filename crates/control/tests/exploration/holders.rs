@@ -18,7 +18,7 @@ fn program(phase: &str) -> String {
 #[test]
 fn a_block_is_not_let_go_because_another_one_of_its_name_is() {
     for phase in [
-        // The first B is released. The second B hangs on a block that is also released.
+        // The first B is released. The second B is attached to a block that is also released.
         "release B  A.east -> B  release A",
         "release B  N.up -> X.up -> B  release C, X",
         // The block that replaces a released one stays.
