@@ -35,13 +35,13 @@ impl Cost {
 /// Structure and duration of a phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseCost {
-    /// Number of captures on its longest serial chain.
+    /// Number of captures on the critical path.
     pub depth: u32,
     /// Largest number of simultaneously open faces if all captures take equally long.
     pub width: u32,
     /// Duration. `None` under the same conditions as for the program.
     pub times: Option<Times>,
-    /// Share of its samples that end at its timeout.
+    /// Share of the phase's samples that end at its timeout.
     pub timed_out: f64,
 }
 

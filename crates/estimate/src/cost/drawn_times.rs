@@ -3,7 +3,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::steps::Step;
 
-/// Marks an event that waited for no other event of its phase.
+/// Mark of an event that waited for no other event of its phase.
 pub const NOBODY: u32 = u32::MAX;
 
 /// Event times of a program in one random sample.

@@ -18,9 +18,9 @@ const MAX_HANDED: usize = 64;
 pub struct StepMessages {
     /// Path of the news about each predecessor.
     news: Vec<MessagePath>,
-    /// Hops of the request of a released block. 0 for a capture.
+    /// Number of hops of the request for release. 0 for a capture.
     request: u32,
-    /// Hops of the report that this event was the last of the phase.
+    /// Number of hops of the report that this event was the last of the phase.
     report: u32,
     hop: HopTime,
 }
@@ -83,7 +83,7 @@ impl HopTime {
 /// Path of news to a block.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct MessagePath {
-    /// Hops between existing blocks.
+    /// Number of hops between existing blocks.
     hops: u32,
     /// Captures that anchor the last blocks of the path, in order, at most [`MAX_HANDED`]. News
     /// waits at the parent until the next block is captured.
@@ -194,7 +194,7 @@ impl<'a> MessageTimes<'a> {
         a
     }
 
-    /// Returns the distant ancestor of a block. That of the plate is the plate.
+    /// Returns the distant ancestor of a block. The plate is its own ancestor.
     fn jump(&self, block: Block) -> Block {
         block.and_then(|id| self.jumps[id.0 as usize])
     }
@@ -260,8 +260,8 @@ impl<'a> MessageTimes<'a> {
         self.path(from, actor.1, self.events.parts.graph.event(first).phase)
     }
 
-    /// Returns the hops of the report that an event was the last of its branch. Returns 0 if later
-    /// events of the branch report.
+    /// Returns the number of hops of the report that an event was the last of its branch. Returns 0
+    /// if later events of the branch report.
     fn report(&self, id: EventId, is_release: bool) -> u32 {
         if self.is_followed[id.0 as usize] {
             0

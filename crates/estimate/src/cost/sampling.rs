@@ -1,4 +1,4 @@
-//! Samples completion times: draws waiting times many times and sums them along the graph.
+//! Samples completion times: draws waiting times repeatedly and sums them along the graph.
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rustc_hash::FxHashMap;
@@ -29,7 +29,7 @@ pub struct SampledPhase {
     /// Duration. `None` if at least nine tenths of the samples that reach the phase have a timeout
     /// in it.
     pub times: Option<Times>,
-    /// Share of its samples that end at its timeout.
+    /// Share of the phase's samples that end at its timeout.
     pub timed_out: f64,
 }
 

@@ -66,8 +66,9 @@ struct PhaseDraw<'a, 'b> {
 /// times therefore use a separate clock, whose speed is this factor.
 struct RemainingBlocks<'a, 'b> {
     blocks: &'b ScarceBlocks<'a>,
-    /// Number of bound blocks, and the speed of the clock.
+    /// Number of bound blocks.
     taken: f64,
+    /// Speed of the separate clock.
     speed: f64,
     /// Current time \[ticks\].
     now: f64,

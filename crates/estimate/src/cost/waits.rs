@@ -8,12 +8,12 @@ use super::events::{Events, PhaseEvent, bound};
 use super::occupancy::Occupancy;
 use crate::{HeadStarts, Neighbourhood, Rates, ReleaseNearby, Surroundings, Wait, feature_cells};
 
-/// Share of free blocks captured at one level, above which blocks count as scarce. Waiting times
-/// assume that half of them are captured.
+/// Share of free blocks captured at one level. Above it, blocks count as scarce. Waiting times
+/// assume that half of the blocks of a level are captured.
 const FEW: f64 = 0.03;
 
-/// Share of free blocks captured in a phase outside its longest chain, above which blocks count as
-/// scarce. Assuming equal waiting times for all captures is then inaccurate.
+/// Share of free blocks captured in a phase outside its critical path. Above it, blocks count as
+/// scarce. Equal waiting times for all captures are then a poor assumption.
 const MANY: f64 = 0.1;
 
 /// Waiting time of a capture, with its conditions.
@@ -23,8 +23,8 @@ pub struct CaptureWait {
     pub wait: Wait,
     /// Share of the initial free blocks that are still free.
     pub free: f64,
-    /// Whether free blocks are scarce: more than [`FEW`] are captured at its level, or more than
-    /// [`MANY`] in its phase outside the longest chain.
+    /// Whether free blocks are scarce. More than [`FEW`] are captured at its level, or more than
+    /// [`MANY`] in its phase outside the critical path.
     pub is_scarce: bool,
     /// Head starts of blocks that this phase or the previous one releases near the open face.
     pub head_starts: Vec<(EventId, ReleaseNearby)>,

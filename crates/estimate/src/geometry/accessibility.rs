@@ -7,16 +7,16 @@ use stochc_ir::{Cell, Face};
 
 use crate::geometry::neighbourhood::{CELLS, Neighbourhood, SIGHT, all, place};
 
-/// Grid points across the sphere around a face.
+/// Number of grid points across the sphere around a face.
 const ACROSS: usize = 16;
 
-/// Grid points in the sphere.
+/// Number of grid points in the sphere.
 const POINTS: usize = 2176;
 
-/// Words of a bit set of points, a multiple of [`AT_ONCE`].
+/// Number of words of a bit set of points, a multiple of [`AT_ONCE`].
 const WORDS: usize = POINTS.div_ceil(64).next_multiple_of(AT_ONCE);
 
-/// Words processed together.
+/// Number of words processed together.
 const AT_ONCE: usize = 12;
 
 /// Radius of the sphere around the centre of the face \[block lengths\].
@@ -36,7 +36,7 @@ type Blockers = Vec<([i32; 3], Points)>;
 const KEPT: usize = 1 << 16;
 
 thread_local! {
-    /// Cache: equal surroundings occur again and again.
+    /// Cache of results, because the same surroundings occur often.
     static KNOWN: RefCell<FxHashMap<(Face, Neighbourhood), f64>> = RefCell::default();
 }
 

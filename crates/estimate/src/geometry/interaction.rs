@@ -1,12 +1,12 @@
-//! Known errors of sums of waiting times.
+//! Errors that are known for sums of waiting times.
 use serde::Serialize;
 
-/// Interaction of a program's captures while they wait, which sums along the graph neglect. The
-/// worst one of a program counts.
+/// Effect of a program's captures on each other while they wait. Adding times along the graph
+/// neglects this effect. A program gets the strongest effect of its captures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Interaction {
-    /// No two open faces are near each other at the same time, and nothing is released.
+    /// Open faces are never near each other at the same time, and no block is released.
     Apart,
     /// Blocks are released, and may dock at an open face nearby.
     Releases,

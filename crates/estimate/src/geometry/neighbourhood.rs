@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 use serde::{Deserialize, Serialize};
 use stochc_ir::{Cell, offsets_within};
 
-/// Largest distance along an axis from the open cell of a blocking cell.
+/// Largest distance of a blocking cell from the open cell along an axis \[cells\].
 pub const SIGHT: i32 = 2;
 
 /// Set of blocked cells within [`SIGHT`] along each axis. Blocks and the ground count.
@@ -20,23 +20,24 @@ static ON_GROUND: LazyLock<[Neighbourhood; EDGE as usize]> = LazyLock::new(|| {
     })
 });
 
-/// Cells along each edge.
+/// Number of cells along each edge.
 const EDGE: i32 = 2 * SIGHT + 1;
 
-/// Number of cells.
+/// Number of cells of a neighbourhood.
 pub(crate) const CELLS: usize = EDGE.pow(3) as usize;
 
 impl Neighbourhood {
     /// Neighbourhood of a cell high above the ground, without blocks.
     pub const EMPTY: Neighbourhood = Neighbourhood(0);
 
-    /// Returns the neighbourhood of a cell. `is_full` is called for cells above the plate;
-    /// everything below is ground.
+    /// Returns the neighbourhood of a cell. Calls `is_full` for cells above the plate. All cells
+    /// below are ground.
     pub fn new(cell: Cell, is_full: impl Fn(Cell) -> bool) -> Neighbourhood {
         Neighbourhood::around(Neighbourhood::from_cells(all()), cell, is_full)
     }
 
-    /// Returns the part of a neighbourhood in `which`. Calls `is_full` for no other cells.
+    /// Returns the part of a cell's neighbourhood that lies in `which`. Calls `is_full` only for
+    /// the cells of `which`.
     pub(crate) fn around(
         which: Neighbourhood,
         cell: Cell,

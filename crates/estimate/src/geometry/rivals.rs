@@ -5,12 +5,14 @@ use stochc_ir::{Cell, Face, offsets_within};
 /// Numbers of open faces nearby that compete for the same blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Rivals {
-    /// Faces of the same direction, open to an adjacent cell perpendicular to their normal.
+    /// Number of faces of the same direction that are open to an adjacent cell. The cell is
+    /// perpendicular to their normal.
     pub beside: u8,
-    /// Faces of the same direction, open to a diagonal cell perpendicular to their normal.
+    /// Number of faces of the same direction that are open to a diagonal cell. The cell is
+    /// perpendicular to their normal.
     pub across: u8,
-    /// Weighted number of all others. Faces open to a cell across a side or an edge count 2, at a
-    /// corner 1. Faces that point away count 0.
+    /// Weighted number of all other faces. Faces open to a cell across a side or an edge count 2,
+    /// at a corner 1. Faces that point away count 0.
     pub around: u8,
 }
 
@@ -50,8 +52,8 @@ impl Rivals {
     }
 }
 
-/// Returns the competition between a face open to `other.0` in direction `other.1` and one open to
-/// `cell` in direction `way`, if they compete.
+/// Returns the kind of competition between two faces. Each face is given by the cell that it is
+/// open to, and its direction. Returns `None` if they do not compete.
 pub fn rivalry((cell, way): (Cell, Face), other: (Cell, Face)) -> Option<Rivalry> {
     let difference = |to: i32, from: i32| to.checked_sub(from).filter(|it| it.abs() <= 1);
     let offset = [

@@ -11,7 +11,7 @@ use crate::waits::law::Surroundings;
 /// Returns the surroundings of the face open to `cell` in direction `way`. `near` are the blocked
 /// cells, and `open` returns the direction of the face open to a cell.
 ///
-/// The density of free blocks is set to the mean; see
+/// The density of free blocks is set to the mean. See
 /// [`Rates::surroundings`](crate::Rates::surroundings).
 pub fn around(
     cell: Cell,

@@ -68,11 +68,13 @@ fn parameters(rate: f64, probability: f64, like: Parameters) -> Parameters {
     ])
 }
 
-/// Ranges of the validation: work over energy, and density over that of the default scene.
+/// Range of the pull's work divided by the energy of a block, in the validation.
 const WORKS: RangeInclusive<f64> = 1.2..=4.0;
+
+/// Range of the density relative to the default scene, in the validation.
 const DENSITIES: RangeInclusive<f64> = 0.4..=2.5;
 
-/// Layers of the gas that are near the ground in every enclosure.
+/// Number of layers of the gas that are near the ground in every enclosure.
 const LOW: usize = 12;
 
 impl Rates {

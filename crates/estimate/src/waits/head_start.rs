@@ -9,10 +9,10 @@ use crate::geometry::accessibility::RADIUS;
 /// Capture of a block that was released near an open face.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeadStart {
-    /// Squared distance from its cell to the open one \[block lengths^2\].
+    /// Squared distance between the block's cell and the open cell \[block lengths^2\].
     pub squared_distance: u32,
-    /// Distance in front of the open cell along the face's normal \[block lengths\]. Negative on
-    /// the other side.
+    /// Distance of the block in front of the open cell, along the face's normal \[block lengths\].
+    /// Negative on the other side.
     pub before: i32,
     /// Probability of the capture if no other block is faster.
     pub probability: f64,
@@ -25,8 +25,8 @@ pub struct HeadStart {
 }
 
 impl HeadStart {
-    /// Returns the time of the capture for a draw from the exponential distribution with mean 1. It
-    /// is constant for a block captured in place.
+    /// Returns the time of the capture \[ticks\] for a draw from the exponential distribution with
+    /// mean 1. It is constant for a block captured in place.
     pub fn time(&self, draw: f64) -> f64 {
         if self.squared_distance == 0 && !self.late {
             self.ticks
@@ -54,12 +54,13 @@ pub struct HeadStarts<'r> {
     leaves: f64,
 }
 
-/// Head starts of a block at one open face, by the time of its release.
+/// Head starts of a block at one open face: one for a face that is already open, and one for a face
+/// that opens soon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReleaseNearby {
-    /// For a face that is open at the release.
+    /// Head start if the face is open when the block is released.
     at_once: HeadStart,
-    /// For a face that opens shortly after.
+    /// Head start if the face opens shortly after the release.
     late: HeadStart,
     leaves: f64,
 }
@@ -70,8 +71,8 @@ const LEAVES: f64 = 25.0;
 impl<'r> HeadStarts<'r> {
     /// Returns the head starts of a scene with these calibrated values.
     ///
-    /// Random impulses with rms j move a block from rest by j t^(3/2) / √3 in t ticks. It counts as
-    /// any other block after twice the time to reach the radius of the sphere of reach. This was
+    /// Random impulses with rms j move a block from rest by j t^(3/2) / √3 in t ticks. After twice
+    /// the time to reach the radius of the sphere of reach, it counts as any other block. This was
     /// validated in the default scene and two others (docs/validation/rates.md).
     pub(crate) fn in_scene(scene: &Scene, known: &'r [HeadStart]) -> HeadStarts<'r> {
         let kick = kick(scene);

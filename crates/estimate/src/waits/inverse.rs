@@ -10,8 +10,10 @@ const PART_BITS: u32 = 5;
 /// Bits of a value within its part.
 const WITHIN_BITS: u32 = f64::MANTISSA_DIGITS - 1 - PART_BITS;
 
-/// Range of the table. Larger values need none.
+/// Smallest value of the table. Smaller values need Newton steps.
 const MIN: f64 = 1.0 / 128.0;
+
+/// Largest value of the table. For larger values, all arrived blocks have docked.
 const MAX: f64 = 8.0;
 
 /// Number of parts.
@@ -27,7 +29,7 @@ const HUGE: f64 = 1e6;
 static CUBICS: LazyLock<[[f64; 4]; PARTS]> =
     LazyLock::new(|| std::array::from_fn(|number| cubic(part(MIN) + number)));
 
-/// Returns bounds of [`when_summed`].
+/// Returns a lower and an upper bound of [`when_summed`].
 pub(crate) fn bounds(value: f64) -> (f64, f64) {
     if (MIN..HUGE).contains(&value) {
         let time = about_when_summed(value);

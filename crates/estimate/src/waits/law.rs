@@ -50,7 +50,8 @@ pub struct Parameter {
 }
 
 impl Parameters {
-    /// Number of parameters: [`Parameters::RATE`] of the rate, then those of the docking time.
+    /// Number of parameters: [`Parameters::RATE`] for the rate, and the others for the docking
+    /// time.
     pub const COUNT: usize = 19;
 
     /// Number of parameters of the rate.
@@ -136,7 +137,8 @@ impl Parameters {
         },
     ];
 
-    /// Result for the built-in scene `hemisphere`, and starting point for others.
+    /// Calibrated parameters of the built-in scene `hemisphere`. They are the starting point for
+    /// other scenes.
     pub const TYPICAL: Parameters = Parameters([
         -5.6, 0.86, 1.0, 0.50, 0.18, 0.39, 0.27, -0.11, -0.27, -0.28, 0.6, 0.27, 0.0, 5.17, -0.26,
         -0.81, -0.50, -0.45, 1.40,
@@ -191,7 +193,8 @@ impl Parameters {
         )
     }
 
-    /// Returns the factor of all rates at this fraction of free blocks. Monotone.
+    /// Returns the factor of all rates for a fraction `part` of free blocks. It never decreases
+    /// with the fraction.
     pub fn of_free(&self, part: f64) -> f64 {
         let part = part.max(0.0);
         match self.0[DEPLETION] {

@@ -4,7 +4,7 @@ use stochc_ir::JamRisk;
 
 use crate::Rates;
 
-/// A reason why a program takes longer than the rate model says.
+/// A reason why a program takes longer than the rate model predicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LowerBoundReason {
@@ -50,14 +50,13 @@ impl From<JamRisk> for LowerBoundReason {
     }
 }
 
-/// Reasons why times by rates are lower bounds. Empty if they are estimates.
+/// Reasons why times of the rate model are lower bounds. Empty if the times are estimates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LowerBoundReasons([bool; LowerBoundReason::ALL.len()]);
 
 impl LowerBoundReasons {
-    /// Decides whether times by rates are lower bounds for a program.
-    ///
-    /// No other code decides it. `blocks`: the size of the largest structure.
+    /// Finds the reasons why the times of a program are lower bounds. `blocks` is the size of its
+    /// largest structure.
     pub fn new(jam_risks: &[JamRisk], rates: &Rates, blocks: u32) -> LowerBoundReasons {
         let is_large = rates.largest_structure().is_some_and(|most| blocks > most);
         let holds = |reason: LowerBoundReason| match reason {
@@ -84,7 +83,7 @@ impl LowerBoundReasons {
         reasons.join(", and ")
     }
 
-    /// Returns `at least ` before a time that is a lower bound.
+    /// Returns the text before a time: `at least ` for a lower bound, empty for an estimate.
     pub fn prefix(self) -> &'static str {
         if self.is_empty() { "" } else { "at least " }
     }

@@ -57,7 +57,7 @@ pub struct Coverage {
 /// Version of the format of [`Rates`]. No other version is read.
 pub const FORMAT: u32 = 1;
 
-/// Index of the parameter for a block opposite.
+/// Index of the parameter for a block opposite to the face.
 const AHEAD: usize = 10;
 
 /// Smallest logarithmic rate factor of a passable gap: half of the rate.
@@ -78,7 +78,7 @@ pub fn density_in(profile: &[f64], layer: i32) -> f64 {
 }
 
 impl Rates {
-    /// Returns the built-in rates of a scene, if there are any.
+    /// Returns the built-in rates of a scene. Returns `None` if there are none.
     pub fn built_in(scene: &Scene) -> Option<&'static Rates> {
         Rates::shipped().iter().find(|rates| rates.are_of(scene))
     }
@@ -97,7 +97,7 @@ impl Rates {
         &ALL
     }
 
-    /// Returns the given or built-in rates of a scene.
+    /// Returns the given or built-in rates of a scene. Returns `None` if there are none.
     pub fn known<'a>(given: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
         let given = given.iter().find(|rates| rates.are_of(scene));
         given.or_else(|| Rates::built_in(scene))
@@ -133,12 +133,12 @@ impl Rates {
         density_in(&self.profile, layer)
     }
 
-    /// Returns the head starts in its scene.
+    /// Returns the head starts in the calibrated scene.
     pub fn head_starts(&self) -> HeadStarts<'_> {
         HeadStarts::in_scene(&self.scene, &self.head_starts)
     }
 
-    /// Returns the surroundings of an open face; see [`around`].
+    /// Returns the surroundings of an open face. See [`around`].
     pub fn surroundings(
         &self,
         cell: Cell,

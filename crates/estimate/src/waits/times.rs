@@ -1,4 +1,4 @@
-//! Statistics of times.
+//! Statistics of times: mean and quantiles.
 use serde::Serialize;
 use stochc_text::number;
 
