@@ -5,7 +5,7 @@ use super::jobs::JobId;
 use super::wire::{Incoming, RequestFailure};
 use crate::workspace::programs::CheckedProgram;
 
-/// Event of the server.
+/// Event that the server processes.
 pub enum ServerEvent {
     /// Input from the client.
     Incoming(Incoming),

@@ -107,7 +107,7 @@ pub type RequestHandler =
 pub struct RequestContext<'c> {
     /// File of the request.
     pub path: String,
-    /// Analyses of the required programs, that of the request first.
+    /// Analyses of the required programs. The program of the request comes first.
     pub programs: Vec<Arc<Analysis>>,
     /// All open texts.
     pub documents: Documents,

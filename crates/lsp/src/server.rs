@@ -86,8 +86,7 @@ impl PendingRequest {
 }
 
 impl<W: Write> Server<W> {
-    /// Returns a session that waits for a client. Ends of jobs arrive as events together with
-    /// messages.
+    /// Returns a session that waits for a client. `events` receives the ends of jobs.
     pub fn new(output: W, events: SyncSender<ServerEvent>) -> Server<W> {
         let of_jobs = events.clone();
         Server {
@@ -156,7 +155,7 @@ impl<W: Write> Server<W> {
             return;
         };
         if method.is_empty() {
-            // A response, although no request was sent.
+            // The client sends a response, although the server has sent no request.
             return;
         }
         let result = match (method.as_str(), self.stage) {

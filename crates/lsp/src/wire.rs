@@ -15,9 +15,9 @@ const MAX_HEAD: u64 = 1 << 12;
 /// Message from the client.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClientMessage {
-    /// Number for the response. Messages without one need no response.
+    /// Number for the response. Messages without a number need no response.
     pub id: Option<Value>,
-    /// Method. Empty for a response of the client.
+    /// Method of the message. Empty for a response of the client.
     pub method: String,
     /// Parameters of the request or notification.
     pub params: Value,

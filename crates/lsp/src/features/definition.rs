@@ -30,7 +30,7 @@ pub fn definitions(
     if names.kind(name.definition) != NameKind::Block {
         return Ok(declarations);
     }
-    // Among all blocks with this word, the ones meant here.
+    // Of all blocks with this word, only the ones that the name means.
     let mut locations: Vec<SourceLocation> = Vec::new();
     for location in introductions(analysis, at, cancellation)? {
         let end = location.span.end;
@@ -130,7 +130,8 @@ pub fn everywhere(
     Ok(places)
 }
 
-/// Returns the name at a location, if that is part of a program.
+/// Returns the name at a location. Returns `None` if the file is not part of a program, or has no
+/// name there.
 pub fn named_at<'a>(
     analysis: &'a Analysis,
     (path, start, _): &FileRange,

@@ -15,8 +15,10 @@ use stochc_text::counted;
 use super::scene;
 use crate::workspace::analysis::Analysis;
 
-/// Largest numbers of blocks described in full, and of blocks listed.
+/// Largest number of blocks that a hover text describes in full.
 const MAX_DESCRIBED: usize = 3;
+
+/// Largest number of blocks that a hover text lists.
 const MAX_LISTED: usize = 12;
 
 /// Largest number of events for an estimate of times, to limit the response time.
@@ -79,7 +81,7 @@ fn blocks(analysis: &Analysis, located: &Located) -> String {
     text
 }
 
-/// Removes four spaces, which would be a nested code block.
+/// Removes the four leading spaces of each line. They would begin a code block inside a code block.
 fn unindented(duties: &str) -> String {
     let lines = duties.lines();
     lines

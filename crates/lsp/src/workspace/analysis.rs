@@ -13,7 +13,7 @@ use super::position::{Encoding, LineIndex, line_starts};
 pub struct Analysis {
     /// Results of the compiler.
     pub checked: Checked,
-    /// Definitions and references of its names.
+    /// Definitions and references of the program's names.
     pub names: Names,
     /// Character encoding of the client's positions.
     encoding: Encoding,
@@ -50,7 +50,7 @@ impl Analysis {
         &self.checked.sources.file(file).name
     }
 
-    /// Returns the file with a path, if it is part of the program.
+    /// Returns the file with a path. Returns `None` if it is not part of the program.
     pub fn file(&self, path: &str) -> Option<FileId> {
         let mut files = self.checked.sources.files().iter();
         let number = files.position(|file| file.name == path)?;

@@ -88,7 +88,7 @@ impl Documents {
         path
     }
 
-    /// Returns the open text of a file.
+    /// Returns the open text of a file. Returns `None` if the file is not open.
     pub fn get(&self, path: &str) -> Option<Document> {
         self.all().get(path).cloned()
     }

@@ -86,7 +86,8 @@ impl Programs {
         self.outdate(jobs, |_, reads| reads.are_outdated(documents, encoding))
     }
 
-    /// Removes a closed program and records that its text is again that on disk.
+    /// Removes a closed program, and records that the file on disk replaces its text. Returns the
+    /// programs whose analysis is now out of date.
     pub fn closed<T>(&mut self, path: &str, jobs: &Jobs<T>) -> BTreeSet<String> {
         let mut outdated = self.changed(path, jobs);
         self.0.remove(path);
