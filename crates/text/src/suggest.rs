@@ -66,8 +66,8 @@ pub fn nearest<S: AsRef<str>>(
     })
 }
 
-/// Returns whether a cheap bound excludes that either word means the other, or affects the second
-/// distance.
+/// Returns whether two words certainly differ too much for a suggestion, by a cheap bound. Such a
+/// pair does not affect the second distance either.
 fn is_far(one: &str, other: &str) -> bool {
     if one.len().abs_diff(other.len()) > 3 {
         return true;

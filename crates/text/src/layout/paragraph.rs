@@ -4,8 +4,8 @@ use crate::visible;
 /// Non-breaking space in sentences. Names do not contain it.
 const TIE: char = '~';
 
-/// Breaks a sentence into lines of `width` characters, indented after the first. A `~` becomes a
-/// non-breaking space. Invisible characters become visible.
+/// Breaks a sentence into lines of `width` characters. All lines except the first are indented. A
+/// `~` becomes a non-breaking space. Invisible characters become visible.
 pub fn paragraph(text: &str, width: usize) -> String {
     let mut out = String::new();
     let mut used = 0;

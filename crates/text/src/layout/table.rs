@@ -6,7 +6,7 @@ use super::line::{GAP, chars, line};
 /// Width of a line of a header cell \[characters\].
 const HEADER: usize = 22;
 
-/// Columns in blocks: side by side until the line is full, then below.
+/// Table of aligned columns. If a line is full, further columns continue in a block below.
 ///
 /// Table libraries cut cells instead, or leave line breaks to the terminal.
 #[derive(Clone, Debug, Default)]
@@ -17,7 +17,7 @@ pub struct TextTable {
     pub labels: Vec<String>,
     /// Further columns.
     pub columns: Vec<TextColumn>,
-    /// Whether each row is red. Rows beyond its end are not red.
+    /// Whether each row is red. Rows beyond the end of this list are not red.
     pub red: Vec<bool>,
 }
 
@@ -143,7 +143,7 @@ impl TextTable {
         lines.push(row(&"─".repeat(label_width), &rules));
         for (i, label) in self.labels.iter().enumerate() {
             let cells: Vec<&str> = columns.iter().map(|c| &*c.column.cells[i]).collect();
-            // A row that only has cells in another block.
+            // This row has cells only in another block.
             if cells.iter().all(|cell| cell.is_empty()) {
                 continue;
             }

@@ -63,8 +63,8 @@ pub fn seconds(seconds: f64) -> String {
     format!("{value:.digits$} {unit}", digits = decimals(value))
 }
 
-/// Returns the number of decimals of a value with the half-width of its interval. It is larger than
-/// that of the value if the half-width would otherwise round to 0.
+/// Returns the number of decimals of a value with the half-width of its interval. Adds decimals if
+/// the half-width would otherwise round to 0.
 fn decimals_within(value: f64, half: f64) -> usize {
     /// More decimals are not readable.
     const MAX: usize = 6;

@@ -79,42 +79,42 @@ pub fn phase(number: usize) -> Rgb {
 /// Colours of a theme.
 #[derive(Clone, Copy, Debug)]
 pub struct Theme {
-    /// Background of the arena.
+    /// Background of 3D views.
     pub background: Rgb,
-    /// Ground of the arena.
+    /// Ground of 3D views.
     pub ground: Rgb,
-    /// Rings on the ground.
+    /// Colour of the rings on the ground.
     pub rings: Rgb,
-    /// Lines of the shell.
+    /// Colour of the lines of the shell.
     pub shell: Rgb,
-    /// Named blocks of the plate.
+    /// Colour of named blocks of the plate.
     pub seed: Rgb,
-    /// Other blocks of the plate.
+    /// Colour of other blocks of the plate.
     pub plate: Rgb,
     /// Colour of free blocks.
     pub free: Rgb,
-    /// Free blocks in groups, by size, from weak to strong.
+    /// Colours of free blocks in groups, from small to large groups.
     pub groups: [Rgb; 5],
-    /// Open faces, attracted blocks, and released blocks.
+    /// Colour of open faces, attracted blocks, and released blocks.
     pub lit: Rgb,
-    /// Edges of the selected block.
+    /// Colour of the edges of the selected block.
     pub mark: Rgb,
     /// Colour of text.
     pub ink: Rgb,
-    /// Outline of text.
+    /// Colour of the outline of text.
     pub halo: Rgb,
     /// Background of figures.
     pub paper: Rgb,
-    /// Curves, bars and discs of compared items.
+    /// Colours of curves, bars and discs of compared items.
     pub series: [Rgb; 6],
     /// Colour of highlights in figures.
     pub hot: Rgb,
-    /// Background elements in figures.
+    /// Colour of background elements in figures.
     pub rest: Rgb,
 }
 
 impl Theme {
-    /// Returns the colours of the arena, with the names that pages use.
+    /// Returns the colours of 3D views, with the names that pages use.
     pub fn named(&self) -> [(&'static str, Rgb); 11] {
         [
             ("background", self.background),
@@ -139,7 +139,7 @@ impl Theme {
     }
 }
 
-/// Returns the palette of the arena as JSON: `{ phases: [{ colour, ink }], dark: { background, ...,
+/// Returns the palette of 3D views as JSON: `{ phases: [{ colour, ink }], dark: { background, ...,
 /// groups: [...] }, light: { ... } }`.
 pub fn json() -> String {
     let phases =
