@@ -1,7 +1,7 @@
 //! Paths as parts of URLs.
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 
-/// Characters that need no escape in a path (RFC 3986, section 3.3). A colon is escaped, since it
+/// Characters that need no escape in a path (RFC 3986, section 3.3). A colon is escaped, because it
 /// could end a scheme.
 const KEPT: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'/')

@@ -82,7 +82,7 @@ impl Draft {
         })
     }
 
-    /// Returns the content written so far, which must be flushed.
+    /// Returns the content written so far. The caller must flush it before.
     ///
     /// # Errors
     ///

@@ -9,7 +9,7 @@ const GIB: u64 = 1 << 30;
 /// Size limit of a kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReadBudget {
-    /// Limit \[bytes\]; files must be smaller.
+    /// Limit \[bytes\]. Files must be smaller.
     pub bytes: u64,
     /// Whether the file is JSON, which cannot contain holes.
     pub is_json: bool,
@@ -55,7 +55,8 @@ pub const CHECKPOINT: ReadBudget = any(128 * GIB);
 pub const RECORDING_HEADER: u64 = MIB;
 /// Largest part of a recording, compressed or not \[bytes\].
 pub const RECORDING_PART: u64 = 256 * MIB;
-/// Largest recording held in memory as a whole \[bytes\]. The command never does so.
+/// Largest recording that is held in memory as a whole \[bytes\]. The command line never holds
+/// whole recordings.
 pub const RECORDING_WHOLE: u64 = GIB;
 /// Largest event in a recording \[bytes\].
 pub const RECORDING_EVENT: usize = 1 << 10;

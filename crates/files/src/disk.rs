@@ -312,8 +312,8 @@ impl FileLock {
 }
 
 impl Drop for FileLock {
-    /// Unlocks the file explicitly. Closing is not enough: a child process being started by another
-    /// thread shares the open file, and its lock, until it executes its program.
+    /// Unlocks the file explicitly, because closing is not enough. If another thread starts a child
+    /// process, the child shares the open file and its lock until `exec`.
     fn drop(&mut self) {
         if self.is_held {
             // The lock ends with the process at the latest.

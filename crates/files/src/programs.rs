@@ -67,7 +67,7 @@ pub fn programs(arguments: &[String]) -> Vec<Result<String, Unusable>> {
     programs
 }
 
-/// Returns the programs of a folder and those below it, sorted, after the errors.
+/// Returns the programs of a folder and its subfolders, sorted. Errors come first.
 ///
 /// Links are followed, and each file and folder is visited once. Hidden entries are skipped.
 fn in_folder(path: &str) -> Vec<Result<String, Unusable>> {

@@ -9,10 +9,10 @@ pub fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-/// Returns a word for copying into an interactive shell. Like [`quoted`], but control characters
-/// are escaped to keep it on one line.
+/// Returns a word for copying into an interactive shell. It is quoted like [`quoted`], but control
+/// characters are escaped to keep it on one line.
 ///
-/// bash, zsh and ksh accept the form `$'...'`; `/bin/sh` may not.
+/// bash, zsh and ksh accept the form `$'...'`. `/bin/sh` may not.
 pub fn visible(word: &str) -> String {
     if !word.chars().any(|sign| sign.is_ascii_control()) {
         return quoted(word);
