@@ -5,6 +5,7 @@
     reason = "each test program sets other scenes"
 )]
 use nalgebra::{UnitQuaternion, Vector3};
+use stochc_ir::scene::schema::unsaid;
 use stochc_ir::scene::{
     Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Enclosure, Fluid, Free,
     Magnets, Measure, Reach, Scene,
@@ -31,15 +32,7 @@ pub fn empty() -> Scene {
             count: 0,
             arrangement: Arrangement::Uniform,
         },
-        enclosure: None,
-        gravity: None,
-        fluid: None,
-        flow: None,
-        agitation: None,
-        drag: None,
-        contact: None,
-        bond: None,
-        messages: None,
+        ..unsaid()
     }
 }
 

@@ -25,6 +25,9 @@ pub struct Scene {
     /// Gravity \[m/s^2\]. A fluid with a density adds buoyancy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<f64>,
+    /// Steady acceleration along x \[m/s^2\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wind: Option<f64>,
     /// Fluid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fluid: Option<Fluid>,
@@ -57,6 +60,8 @@ impl Scene {
             Some("fluid")
         } else if self.gravity.is_some() {
             Some("gravity")
+        } else if self.wind.is_some() {
+            Some("wind")
         } else {
             None
         }
@@ -70,6 +75,7 @@ impl Scene {
             enclosure: None,
             agitation: None,
             gravity: None,
+            wind: None,
             flow: None,
             block: Block {
                 mass: self.inertial_mass(),
