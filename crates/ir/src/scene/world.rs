@@ -25,9 +25,6 @@ pub struct Scene {
     /// Gravity \[m/s^2\]. A fluid with a density adds buoyancy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<f64>,
-    /// Steady acceleration along x \[m/s^2\].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub wind: Option<f64>,
     /// Fluid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fluid: Option<Fluid>,
@@ -60,8 +57,6 @@ impl Scene {
             Some("fluid")
         } else if self.gravity.is_some() {
             Some("gravity")
-        } else if self.wind.is_some() {
-            Some("wind")
         } else {
             None
         }
@@ -75,7 +70,6 @@ impl Scene {
             enclosure: None,
             agitation: None,
             gravity: None,
-            wind: None,
             flow: None,
             block: Block {
                 mass: self.inertial_mass(),

@@ -55,7 +55,6 @@ pub fn unsaid() -> Scene {
         },
         enclosure: None,
         gravity: None,
-        wind: None,
         fluid: None,
         flow: None,
         agitation: None,
@@ -117,7 +116,7 @@ macro_rules! kinds {
 
 /// All clauses of a scene.
 #[rustfmt::skip]
-pub static CLAUSES: [SchemaEntry; 13] = [
+pub static CLAUSES: [SchemaEntry; 12] = [
     field!(TICK).absent(Example("tick 20ms")).equations(&[&TICKS]),
     SchemaEntry::new("block", &[
         SchemaPart::OneOf { noun: "cube", of: &[SchemaEntry::new("cube", &[]).is(|_| true).equations(&[&CUBES])] },
@@ -161,10 +160,6 @@ pub static CLAUSES: [SchemaEntry; 13] = [
         .absent(NoTerm("blocks neither sink nor rise"))
         .make(|s| s.gravity = Some(UNSAID))
         .equations(&[&WEIGHT, &BUOYANCY]),
-    field!(WIND)
-        .absent(NoTerm("no wind"))
-        .make(|s| s.wind = Some(UNSAID))
-        .equations(&[&WIND_FORCE]),
     braces!("fluid" [
         field!(FLUID_DENSITY).otherwise("neither"),
         field!(FLUID_VISCOSITY).otherwise("no such drag"),
