@@ -33,7 +33,7 @@ pub struct ProgramPlan {
     /// Number of blocks in a complete aggregate. `None` for an assembly. Aggregates have no plate,
     /// seeds and events, and one phase for each size from two.
     pub aggregate: Option<u32>,
-    /// Instances of patterns. The first one is the scope 1 of [`NameKey::scope`].
+    /// Instances of patterns. Index 0 belongs to scope 1 of [`NameKey::scope`].
     pub grown: Vec<PatternInstance>,
     /// Number of visited statements.
     pub(crate) steps: usize,
@@ -265,8 +265,8 @@ impl Roles {
         path
     }
 
-    /// Returns the pattern of an unnamed instance around a role. The program cannot refer to such a
-    /// role. Returns `None` for other roles.
+    /// Returns the pattern of an unnamed instance around a role. Returns `None` for a role that the
+    /// program can name.
     pub fn nameless<'s>(&self, role: RoleId, symbols: &'s Symbols) -> Option<&'s str> {
         let path = self.path(role).into_iter();
         let mut patterns = path.filter_map(|key| symbols.word(key.word).split_once('#'));

@@ -13,11 +13,11 @@ use crate::shapes::layout::Layout;
 /// Largest number of edges to follow in the search for an event that needs too many blocks.
 const SEARCHED: usize = 5_000_000;
 
-/// Returns the first event that needs more than `free` anchored blocks in every order, and the
-/// smallest number of blocks that it needs. Returns `None` if the bounded search finds none.
+/// Returns the first event that needs more than `free` anchored blocks in every order, and its
+/// smallest number of blocks. Returns `None` if the bounded search finds none.
 ///
-/// An event needs the blocks from the start of the phase and those of its ancestors, except blocks
-/// that may be released before it. `certain` is the order that holds in every run.
+/// An event needs the blocks from the start of the phase and the blocks of its ancestors. Blocks
+/// that may be released before it do not count. `certain` is the order that holds in every run.
 ///
 /// # Errors
 ///
@@ -108,11 +108,11 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// Returns the smallest number of anchored blocks at an event: after a capture, or before a
-    /// release. Returns 0 if that number does not exceed the number at the end of the phase.
-    /// Returns `None` if the search reaches its limit.
+    /// release.
     ///
-    /// `before` is the number of blocks at the start of the phase, and `releases` its number of
-    /// releases.
+    /// Returns 0 if it is at most the number at the end of the phase. Returns `None` if the search
+    /// reaches its limit. `before` is the number of blocks at the start of the phase. `releases` is
+    /// the number of releases of the phase.
     fn least_at(
         &mut self,
         event: EventId,

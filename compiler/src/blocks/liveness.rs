@@ -20,7 +20,8 @@ pub struct Liveness {
     pub subjects: Vec<Option<EventId>>,
 }
 
-/// Events that give and free the blocks of an event.
+/// Capture that attaches the acting block of an event, and release that frees the name of a
+/// captured block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct EventContext {
     /// Capture of this phase that attaches the parent of a capture, or the block of a release.
@@ -32,8 +33,8 @@ pub struct EventContext {
 
 /// A block in one phase.
 ///
-/// A name may have two holders in a phase: the one at its start, and one that is captured after the
-/// first was released. They see different events.
+/// A name may have two holders in a phase: the block at the start, and a block captured after the
+/// release of the first. The two blocks observe different events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Holder {
     /// Name of the block.
@@ -219,8 +220,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// Removes warnings about an `after` that some rounds of a loop or pattern need. In other
-    /// rounds it waits for nothing.
+    /// Removes warnings about an unneeded `after` if other rounds of the loop or pattern need it.
     fn keep_needed_afters(&mut self) {
         let is_redundant = |diagnostic: &Diagnostic| diagnostic.code == Code::RedundantAfter;
         if !self.diagnostics.iter().any(is_redundant) {
@@ -619,8 +619,9 @@ impl Checker<'_> {
         })
     }
 
-    /// Returns a diagnostic about a name without a block: an unknown name, or one of another phase.
-    /// `help` is the help in the second case. Returns `None` if the statement has been reported.
+    /// Returns a diagnostic for a name without a block: an unknown name, or a name of another
+    /// phase. `help` is the help in the second case. Returns `None` if the statement has been
+    /// reported.
     fn unknown(
         &mut self,
         role: RoleId,

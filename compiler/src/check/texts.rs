@@ -7,7 +7,7 @@ use crate::check::program::check_changed;
 use crate::diagnostic::lint_levels::LintLevels;
 use crate::expand::Limits;
 
-/// Checks a text that imports nothing. Diagnostics call it `name`.
+/// Checks a text without imports. `name` is its file name in diagnostics.
 ///
 /// ```
 /// let checked = stochc_compiler::check_text("pair.sa", "assembly pair { seed plate 1 x 1 { M at (0, 0) }\nphase grow { N.up -> A } }");

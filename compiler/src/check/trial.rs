@@ -1,8 +1,8 @@
-//! Tries fixes and marks those as safe that improve the program.
+//! Tries fixes, and marks a fix as safe if it improves the program.
 //!
-//! A stage proposes a fix if the source at its location can mean only one thing. A trial applies
-//! the fix in memory and checks the whole program again. The command line and editors use the same
-//! trials.
+//! A stage proposes a fix if the source at its location has only one possible meaning. A trial
+//! applies the fix in memory and checks the whole program again. The command line and editors use
+//! the same trials.
 use std::collections::{BTreeSet, VecDeque};
 
 use rustc_hash::FxHashMap;
@@ -98,8 +98,8 @@ fn size(checked: &Checked) -> usize {
     texts.chain(plans).sum()
 }
 
-/// Tries to apply several fixes together. Returns whether they remove their diagnostics without new
-/// ones, and the fixes that overlap with others.
+/// Tries several fixes together. Returns whether they remove their diagnostics and cause no new
+/// ones. Also returns the fixes that overlap with other fixes.
 fn try_together(
     checked: &Checked,
     group: &[usize],
@@ -182,7 +182,8 @@ struct DiagnosticSpans<'a>(FxHashMap<Kind<'a>, Vec<(usize, usize)>>);
 type Kind<'a> = (Code, Option<&'a str>);
 
 impl<'a> DiagnosticSpans<'a> {
-    /// Returns whether a location overlaps with one of the same code and file in the other set.
+    /// Returns whether a location overlaps with a location of the same code and file in the other
+    /// set.
     fn meet(&self, others: &DiagnosticSpans<'_>) -> bool {
         self.0.iter().any(|(key, places)| {
             let others = others.0.get(key).map_or(&[][..], Vec::as_slice);

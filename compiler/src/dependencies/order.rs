@@ -221,7 +221,7 @@ fn describe(
     symbols: &Symbols,
     sources: &Sources,
 ) -> Diagnostic {
-    /// Largest number of labelled edges of a cycle. The message counts the others.
+    /// Largest number of labelled edges of a cycle. The message only counts further edges.
     const MAX_LABELS: usize = 50;
     let count = cycle.len();
     let phase = cycle

@@ -31,8 +31,8 @@ impl<'a> TextChange<'a> {
 
     /// Adds a whole fix. Returns whether it fits.
     ///
-    /// Fixes of other files do not fit, nor those that overlap with an earlier one. They may be
-    /// offered again after the next check.
+    /// A fix of another file does not fit. A fix that overlaps with an earlier one does not fit
+    /// either. Such fixes may be offered again after the next check.
     pub fn add(&mut self, fix: &'a Fix) -> bool {
         let mut put = Vec::new();
         let fits = fix.edits.iter().all(|edit| {

@@ -23,9 +23,9 @@ pub struct Diagnostic {
     pub(crate) remedy: Option<String>,
     /// Change of the source that fixes the error.
     pub fix: Option<Fix>,
-    /// Format and subjects of the title. `None` if such diagnostics are never merged.
+    /// Format and subjects of the title. `None` if the diagnostic is never merged.
     pub(crate) subjects: Option<Subjects>,
-    /// Diagnostics that were merged into this one, such as those from other rounds of a loop.
+    /// Merged diagnostics, such as the same diagnostic in other rounds of a loop.
     pub others: Others,
     /// Indices of the affected programs in [`Checked::programs`](crate::Checked::programs), in
     /// rising order. Empty if the diagnostic is about the file.

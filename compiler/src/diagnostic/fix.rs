@@ -39,8 +39,8 @@ impl Fix {
     }
 }
 
-/// Returns the range to remove with a statement: the surrounding space, or the whole line if
-/// nothing else is on it.
+/// Returns the range to remove with a statement: the surrounding space, or the whole line if it
+/// contains only the statement.
 pub(crate) fn removal(sources: &Sources, statement: SourceLocation) -> SourceLocation {
     let text = &sources.file(statement.file).text;
     let is_blank = |c: char| matches!(c, ' ' | '\t' | '\r');

@@ -66,7 +66,7 @@ struct Picture<'a> {
 }
 
 impl<'a> Picture<'a> {
-    /// Returns one picture for each file with labels. The last one has the help.
+    /// Returns one picture for each file with labels. Only the last picture contains the help.
     fn new(diagnostic: &'a Diagnostic, sources: &'a Sources) -> Vec<Picture<'a>> {
         let home = diagnostic.labels.first().map(|label| label.location.file);
         let mut elsewhere: Vec<FileId> = (diagnostic.labels.iter())

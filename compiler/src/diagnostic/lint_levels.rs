@@ -107,8 +107,8 @@ struct Set {
 #[derive(Debug)]
 struct LintScope {
     span: Span,
-    /// Index of the next larger block with such statements around this one. `None` for the
-    /// outermost.
+    /// Index of the innermost block around this block that also sets levels. `None` if there is
+    /// none.
     outer: Option<usize>,
     /// Index of the last statement of the block that sets the level of a code.
     set: FxHashMap<Code, usize>,

@@ -13,7 +13,8 @@ fn plural(noun: &str) -> String {
     }
 }
 
-/// Returns the error that two declarations have the same name, with a free name for the second.
+/// Returns the error for two declarations with the same name. Suggests an unused name for the
+/// second declaration.
 pub fn duplicate(
     name: &str,
     old: SourceLocation,

@@ -363,7 +363,7 @@ impl<'a> Expander<'a, '_> {
         (name.symbol, self.names.definition(self.file, name.span))
     }
 
-    /// Returns the value of a name, if it has one here.
+    /// Returns the value of a name. Returns `None` if it has no value in the current scope.
     pub(super) fn value(&self, name: Name) -> Option<BoundValue> {
         let (word, definition) = self.named(name);
         self.scope.get(word, definition?).map(|(value, _)| value)

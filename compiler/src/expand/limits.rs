@@ -58,7 +58,7 @@ pub struct ExpansionBounds<'c> {
 }
 
 /// Share of the allowed events that is expanded without counting first: 1/5. Larger programs are
-/// counted first, so that those beyond the limit use no memory.
+/// counted first, so that a program beyond the limit uses no memory.
 pub(super) const UNCOUNTED: usize = 5;
 
 /// Largest depth of loops, instances and blocks.

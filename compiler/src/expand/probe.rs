@@ -8,7 +8,7 @@ use crate::plan::NameKey;
 /// A source location, and the blocks that it names.
 #[derive(Debug, Default)]
 pub(crate) struct Probe {
-    /// File and byte to look up. `None` to look up nothing.
+    /// File and byte to look up. `None` if no location is looked up.
     pub at: Option<(FileId, u32)>,
     /// Names of the blocks in expansion order, without duplicates.
     pub keys: Vec<NameKey>,

@@ -101,7 +101,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// Returns a fix that replaces one arrow by the other. Returns `None` if anything else stands
+    /// Returns a fix that replaces one arrow by the other. Returns `None` if other text stands
     /// between the two names.
     fn other_arrow(&self, parent: &Place, child: &Place, [old, new]: [&str; 2]) -> Option<Fix> {
         let between = self.location(Span::new(parent.span.end, child.span.start));
@@ -330,7 +330,7 @@ impl<'a> Expander<'a, '_> {
         self.scope.restore(mark);
     }
 
-    /// Returns the name of an instance without a name in the program.
+    /// Returns a generated name for an instance that the program does not name.
     fn anonymous_key(&mut self, pattern: Symbol) -> NameKey {
         let word = match self.pass {
             Pass::Writing => {

@@ -16,7 +16,7 @@ pub struct DeclaredName {
 /// Patterns and shapes of a block.
 pub type DeclaredWords = FxHashMap<(NameKind, Symbol), DeclaredName>;
 
-/// Declared patterns, shapes and scenes of all files, and those inside assemblies.
+/// Declared patterns, shapes and scenes of all files, including declarations inside assemblies.
 #[derive(Clone, Debug, Default)]
 pub struct DeclaredNames {
     /// Patterns and shapes of the files, for all programs.
@@ -31,7 +31,7 @@ pub struct DeclaredNames {
 
 impl DeclaredNames {
     /// Returns the declaration of a word in an assembly, or outside of every assembly. Declarations
-    /// of the assembly hide those of the files.
+    /// of the assembly hide declarations of the files.
     pub fn seen_from(
         &self,
         assembly: Option<usize>,

@@ -40,7 +40,7 @@ impl ValueKind {
 pub(crate) enum Keep {
     /// All names.
     All,
-    /// All names except those of blocks, instances and phases, whose number can be millions.
+    /// All names except names of blocks, instances and phases. There can be millions of those.
     Declarations,
 }
 

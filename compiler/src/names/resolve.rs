@@ -451,7 +451,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns the patterns at the end of a path of instances. Returns `None` if one is unknown.
+    /// Returns the patterns at the end of a path of instances. Returns `None` if an instance is
+    /// unknown.
     fn inside(&self, instances: &[Segment]) -> Option<Vec<BlockScope>> {
         let mut scopes = vec![self.scope];
         for segment in instances {

@@ -134,9 +134,9 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// Returns the number of open sides of a cell without a wide access path. Returns `None` if a
-    /// cube of two block lengths can bring a block there. The path may also end at a passable gap
-    /// along `way`.
+    /// Returns the number of open sides of a cell that has no wide access path. Returns `None` if a
+    /// cube of two block lengths can bring a block to the cell. The cube may also end at a passable
+    /// gap along `way`.
     fn tightness(
         &mut self,
         cell: Cell,

@@ -21,7 +21,8 @@ const MAX_WALLS: usize = 6;
 /// Largest number of events of an order that are listed.
 const MAX_EVENTS: usize = 12;
 
-/// Largest number of captures of a phase that are described. The others are counted.
+/// Largest number of captures of a phase that are described. The message only counts further
+/// captures.
 const MAX_DESCRIBED: usize = 100;
 
 /// Outcome of a capture whose cell can be closed.

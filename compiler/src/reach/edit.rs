@@ -57,8 +57,8 @@ impl<'a> CaptureStatement<'a> {
     /// Returns the possible spellings of a block's name at the statement of `capture`, the
     /// likeliest first.
     ///
-    /// Spellings with loop counters come first, and the plain name last. Returns nothing if the
-    /// block has no name there.
+    /// Spellings with loop counters come first, and the plain name last. Returns an empty list if
+    /// the block has no name there.
     pub fn names(&self, subject: &SoundProgram, capture: EventId, role: RoleId) -> Vec<String> {
         let roles = &subject.plan.roles;
         let (parent, child) = self.places();

@@ -3,7 +3,7 @@
 //! **Cells decide.** A drifting cube needs space for its inside. Two empty cells that share only an
 //! edge or a corner leave a passage without width. So a block reaches a cell exactly if empty cells
 //! lead there from outside, face to face. A chain that is one cell wide leaves a hard cube no
-//! clearance; `clearance.rs` warns of it.
+//! clearance, so `clearance.rs` warns.
 //!
 //! **One order decides for all.** Consider a phase without releases. Its structure only grows, and
 //! paths only close. Take a capture `e`. In its worst order, everything that does not wait for `e`
@@ -23,13 +23,14 @@
 //! not exact. It reports captures that could only be stuck together, even if no order leads there.
 //! It does not count on a block that is released into the closed cell.
 //!
-//! **Captures that no order reaches** are reported separately (`reachable.rs`): captures that are
-//! closed by blocks that they wait for, and captures that wait for those. For the others, a change
-//! of the source is searched (`repair.rs`), written (`edit.rs`) and tried (`trial.rs`). It is
-//! proposed only if the changed program does not have this error and no new one.
+//! **Captures that no order reaches** are reported separately (`reachable.rs`). Some captures are
+//! closed by blocks that they wait for. Others wait for such a capture. For all other unsafe
+//! captures, a remedy is searched (`repair.rs`), written as an edit (`edit.rs`) and tried
+//! (`trial.rs`). It is proposed only if the changed program does not have this error and no new
+//! one.
 //!
-//! **Speed.** A capture has a path if a neighbour that waits for it has one. Most others are next
-//! to a column that is open to the sky. The remaining cells are searched along the walls
+//! **Speed.** A capture has a path if a neighbour that waits for it has one. Most other cells are
+//! next to a column that is open to the sky. The remaining cells are searched along the walls
 //! (`path_search.rs`). The work is bounded, and undecided cells are reported.
 mod analysis;
 mod clearance;

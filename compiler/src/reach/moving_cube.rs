@@ -46,7 +46,8 @@ impl MovingCube<'_> {
         })
     }
 
-    /// Returns the height of the block that stops a rising cube. Returns `None` if nothing does.
+    /// Returns the height of the block that stops a rising cube. Returns `None` if no block stops
+    /// it.
     fn ceiling(&self, at: Cell) -> Option<i32> {
         let columns = (0..self.size).flat_map(|dx| (0..self.size).map(move |dy| (dx, dy)));
         columns
@@ -57,14 +58,14 @@ impl MovingCube<'_> {
             .min()
     }
 
-    /// Returns the position below the block that stops a rising cube. Returns `None` if nothing
-    /// does.
+    /// Returns the position below the block that stops a rising cube. Returns `None` if no block
+    /// stops it.
     pub fn rise(&self, at: Cell) -> Option<Cell> {
         let z = self.ceiling(at)? - self.size;
         Some(Cell { z, ..at })
     }
 
-    /// Returns whether nothing stops a cube that rises from `at` to `z`.
+    /// Returns whether a cube can rise from `at` to `z` without hitting a block.
     pub fn rises_to(&self, at: Cell, z: i32) -> bool {
         self.rise(at).is_none_or(|under| under.z >= z)
     }

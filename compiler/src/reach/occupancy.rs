@@ -9,7 +9,7 @@ use crate::plan::EventId;
 /// Function that returns whether a capture has happened.
 pub type Has<'a> = &'a dyn Fn(EventId) -> bool;
 
-/// Occupied cells, including those that captures of the current phase fill.
+/// Occupied cells, including cells that captures of the current phase fill.
 #[derive(Clone, Default)]
 pub struct OccupiedCells {
     /// Capture that fills each cell.
@@ -89,8 +89,8 @@ impl OccupiedCells {
             .get_or_insert_with(|| cells.keys().map(|cell| (cell.x, cell.y, cell.z)).collect());
     }
 
-    /// Returns whether a cell is blocked. The ground blocks, as do blocks whose capture `has`
-    /// happened, and blocks that may not have left.
+    /// Returns whether a cell is blocked. It is blocked by the ground, by a block whose capture
+    /// `has` happened, or by a block that may not have left.
     pub fn is_blocked(&self, cell: Cell, has: Has) -> bool {
         cell.z < 1 || (self.cells.get(&cell)).is_some_and(|&by| has(by) || self.is_held_over(cell))
     }

@@ -18,8 +18,8 @@ pub struct Layout {
     pub parents: Vec<Option<Attachment>>,
     /// Pairs of a release that empties a cell and a capture of the same phase that fills it.
     pub vacated: Vec<(EventId, EventId)>,
-    /// For each phase, the cells above the plate that it empties, and those that it fills. A cell
-    /// can be in both lists.
+    /// For each phase, the cells above the plate that it empties, and the cells that it fills. A
+    /// cell can be in both lists.
     pub changes: Vec<(Vec<Cell>, Vec<Cell>)>,
     /// Number of blocks above the plate at the end of each phase.
     pub sizes: Vec<u32>,

@@ -104,7 +104,8 @@ impl<'a> Ancestry<'a> {
         self.captures.get(&role).map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the captures from the plate to a block. Returns `None` if one of them is invalid.
+    /// Returns the number of captures from the plate to a block. Returns `None` if one of these
+    /// captures is invalid.
     pub fn depth(&self, capture: EventId) -> Option<u32> {
         let plan = &self.program.plan;
         let mut at = capture;

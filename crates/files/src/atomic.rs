@@ -27,7 +27,7 @@ const SAVED: &str = ".stochc-saved-";
 /// Folders, links, pipes, sockets and devices are never replaced.
 #[derive(Clone, Copy, Debug)]
 pub enum Replaces {
-    /// Replaces nothing: the name must be free.
+    /// Replaces no file: the name must be free.
     Nothing,
     /// Replaces files that this function recognizes as ours.
     Ours(fn(&mut File) -> io::Result<bool>),
@@ -218,7 +218,7 @@ fn is_alone(metadata: &fs::Metadata) -> bool {
     true
 }
 
-/// Sets a file's owner and mode to those of another one, if permitted.
+/// Gives a file the owner and the mode of another file, if permitted.
 fn take_over(file: &File, of: &fs::Metadata) -> bool {
     #[cfg(unix)]
     {

@@ -99,7 +99,7 @@ impl ReadBudget {
     }
 }
 
-/// Returns an error for something larger than allowed.
+/// Returns an error for content beyond its limit. `what` names the content.
 pub fn too_large(what: &str) -> io::Error {
     io::Error::new(io::ErrorKind::FileTooLarge, what)
 }

@@ -193,7 +193,8 @@ pub fn is_executable(file: &mut File) -> io::Result<bool> {
     Ok(Executable::is_file(&head))
 }
 
-/// Returns the compiled programs of a file, or `None` if it does not look like one.
+/// Returns the compiled programs of a file. Returns `None` if the file does not look like compiled
+/// programs.
 pub fn executables(path: &str) -> Option<Result<Vec<Executable>, UnusableExecutable>> {
     let mut file = super::open(Path::new(path)).ok()?;
     is_executable(file.as_plain()).ok()?.then(|| {

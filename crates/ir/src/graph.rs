@@ -165,7 +165,7 @@ impl EventAction {
 /// Reason why a graph from a file is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidGraph {
-    /// An event has an unknown phase, or its phase precedes that of the previous event.
+    /// An event has an unknown phase, or an earlier phase than the previous event.
     #[error("event {0} is in no phase, or out of order")]
     EventPhase(usize),
     /// An event has an unknown role.
@@ -183,7 +183,8 @@ pub enum InvalidGraph {
 }
 
 impl EventGraph {
-    /// Builds a graph from edges in any order. Of edges with equal ends and reason, one is kept.
+    /// Builds a graph from edges in any order. Keeps one of several edges with equal ends and
+    /// reason.
     pub fn new(
         events: Vec<GraphEvent>,
         mut edges: Vec<Edge>,

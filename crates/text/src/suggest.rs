@@ -20,7 +20,7 @@ impl Suggestion {
     }
 }
 
-/// Returns the nearest known word, if one is near enough.
+/// Returns the nearest known word. Returns `None` if no word is near enough.
 pub fn nearest<S: AsRef<str>>(
     unknown: &str,
     known: impl IntoIterator<Item = S>,

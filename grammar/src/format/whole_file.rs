@@ -15,8 +15,8 @@ pub enum FormatError {
 
 /// Formats a source.
 ///
-/// The result parses to the same tree and has the same comments in the same order. Formatting it
-/// again changes nothing. Lines end as the first line of the source does.
+/// The result parses to the same tree and has the same comments in the same order. Formatting the
+/// result again does not change it. Lines end as the first line of the source does.
 ///
 /// # Errors
 ///

@@ -44,8 +44,8 @@ impl PropertyChecker<'_> {
             .or_else(|| self.reports(before, stage))
     }
 
-    /// Returns the property that the effects of a transition violate, whatever the previous state
-    /// is. Returns `None` if they violate none.
+    /// Returns the property that the effects of a transition violate, independently of the previous
+    /// state. Returns `None` if they violate none.
     pub fn effects(&self, effects: &Effects) -> Option<Breach> {
         let &(property, fault) = effects.faults.first()?;
         Some((property, self.describer.fault(fault)))

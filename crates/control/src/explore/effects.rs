@@ -26,7 +26,7 @@ pub(super) struct Effects {
 /// Fault of a transition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mistake {
-    /// A block was released while it held others.
+    /// A block was released while it held other blocks.
     Adrift(RoleId),
     /// A role was given to a second block.
     SecondHolder(RoleId),

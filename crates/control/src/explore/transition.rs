@@ -9,7 +9,7 @@ pub(super) struct InTransit {
     pub from: Body,
     pub to: Body,
     pub message: Message,
-    /// Number on the contact. 0 if nothing is lost. Only equality matters, so it does not
+    /// Number on the contact. 0 if messages are never lost. Only equality matters, so it does not
     /// distinguish states.
     pub number: Ignored<u32>,
     /// Number of losses of the message or its acknowledgement.

@@ -22,7 +22,7 @@ pub struct StructureBlock<M = ()> {
     pub(super) role: RoleId,
     pub(super) orientation: Orientation,
     pub(super) is_dead: bool,
-    /// Whether the block has begun a duty, observed or sent something in this phase.
+    /// Whether the block has begun a duty, made an observation or sent a message in this phase.
     pub(super) is_changed: bool,
     trigger: Trigger,
     /// Rules of the current duty. Empty without a duty.

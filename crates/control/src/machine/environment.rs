@@ -7,7 +7,7 @@ use crate::body::{BlockFace, Body, Docking};
 
 /// Environment that carries out the decisions of a [`Structure`](super::Structure).
 ///
-/// A structure has neither time nor chance; its driver supplies them.
+/// A structure has neither time nor chance. Its driver supplies both.
 pub trait Environment {
     /// Note attached to an open face until it captures, for example the time.
     type Mark: Copy;

@@ -20,7 +20,8 @@ pub(super) struct Slots<M> {
 }
 
 impl<M> Slots<M> {
-    /// Returns the blocks of the plate in the order of their cells, with room for `others` more.
+    /// Returns the blocks of the plate in the order of their cells, with space for `others` further
+    /// blocks.
     pub fn new(seeds: impl Iterator<Item = StructureBlock<M>>, others: usize) -> Slots<M> {
         let mut blocks: Vec<_> = seeds.map(Some).collect();
         blocks.reserve_exact(others);

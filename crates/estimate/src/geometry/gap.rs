@@ -1,7 +1,7 @@
 //! Access to a gap: an open cell between the capturing block and a block opposite.
 //!
 //! A cube in it has no clearance along the face's normal, and free space to the sides. In some
-//! scenes it jams; in others the two blocks guide it. Calibration decides which
+//! scenes it jams. In other scenes, the two blocks guide it. Calibration decides which
 //! ([`Rates::passes_gaps`](crate::Rates::passes_gaps)).
 use stochc_ir::{Cell, Face};
 

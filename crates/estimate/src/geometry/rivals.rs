@@ -5,11 +5,11 @@ use stochc_ir::{Cell, Face, offsets_within};
 /// Numbers of open faces nearby that compete for the same blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Rivals {
-    /// Number of faces of the same direction that are open to an adjacent cell. The cell is
-    /// perpendicular to their normal.
+    /// Number of faces of the same direction whose open cells are next to this face's open cell,
+    /// perpendicular to the normal.
     pub beside: u8,
-    /// Number of faces of the same direction that are open to a diagonal cell. The cell is
-    /// perpendicular to their normal.
+    /// Number of faces of the same direction whose open cells are diagonal to this face's open
+    /// cell, perpendicular to the normal.
     pub across: u8,
     /// Weighted number of all other faces. Faces open to a cell across a side or an edge count 2,
     /// at a corner 1. Faces that point away count 0.

@@ -25,7 +25,7 @@ const CROWDING: f64 = 0.3;
 /// Returns the parameters for a logarithmic rate and a docking probability.
 ///
 /// If few blocks dock, retardation matters more than the number of arrivals. If all dock, it is the
-/// reverse. Other parameters are those of `like`.
+/// reverse. The other parameters are taken from `like`.
 fn parameters(rate: f64, probability: f64, like: Parameters) -> Parameters {
     let fails = 1.0 - probability;
     let [

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use crate::waits::docking_time::{docked, when_summed};
 
-/// Parts per binade of values, as a number of leading mantissa bits.
+/// Number of leading mantissa bits that select a part of the table.
 const PART_BITS: u32 = 5;
 
 /// Bits of a value within its part.

@@ -18,14 +18,14 @@ pub struct Surroundings {
     /// Whether a block or the ground is next to the capturing block, perpendicular to the face's
     /// normal.
     pub beside_parent: bool,
-    /// Whether no block is next to the open cell, but one is across an edge of it, perpendicular to
-    /// the face's normal.
-    pub corner: bool,
-    /// Whether no block is next to the capturing block, but one is across an edge of it. Both
+    /// Whether no block is next to the open cell, but a block is across one of its edges. Both
     /// directions are perpendicular to the face's normal.
+    pub corner: bool,
+    /// Whether no block is next to the capturing block, but a block is across one of its edges.
+    /// Both directions are perpendicular to the face's normal.
     pub corner_parent: bool,
-    /// Whether nothing is next to or diagonal from the capturing block, but a block or the ground
-    /// is two cells away, perpendicular to the face's normal.
+    /// Whether the nearest block or ground is two cells from the capturing block. Directions are
+    /// perpendicular to the face's normal.
     pub near_parent: bool,
     /// Whether a block is opposite to the face and none next to the open cell, which is then a gap.
     pub ahead: bool,

@@ -88,7 +88,7 @@ impl Rates {
         Rates::built_in(scene).is_some_and(Rates::passes_gaps)
     }
 
-    /// Returns all built-in rates, those of the default scene first.
+    /// Returns all built-in rates. The rates of the default scene come first.
     pub(crate) fn shipped() -> &'static [Rates] {
         static ALL: LazyLock<Vec<Rates>> = LazyLock::new(|| {
             let all = BUILT_IN.iter();

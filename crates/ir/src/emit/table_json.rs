@@ -8,10 +8,10 @@ use crate::table::{Action, Condition, Duty, News, RoleId, Tables, Trigger};
 /// Returns event tables with names.
 ///
 /// `{ assembly, faces, plate: { width, depth }, phases: [{ name, reports, timeout }], blocks: [{
-/// name, seed, duties: [{ phase, trigger, rules: [{ when, then }] }] }] }`; a cell is `[x, y, z]`,
-/// a timeout is in ticks. A condition is `{ docked: NAME }`, `{ asked: NAME }`, `{ released: NAME
-/// }`, `{ heard: { anchored: NAME } }`, or `{ turn: { enough: n, of: [NAME] } }`: n of these have
-/// docked.
+/// name, seed, duties: [{ phase, trigger, rules: [{ when, then }] }] }] }`. A cell is `[x, y, z]`,
+/// and a timeout is in ticks. A condition is `{ docked: NAME }`, `{ asked: NAME }`, `{ released:
+/// NAME }`, `{ heard: { anchored: NAME } }`, or `{ turn: { enough: n, of: [NAME] } }`: n of these
+/// have docked.
 ///
 /// The verbs for capture and release depend on the kind of bond: `magnetize` and `switch_off`,
 /// `open` and `close`, or `expect` and `reject`. The field `bond` names the kind unless it is

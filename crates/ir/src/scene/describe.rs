@@ -22,7 +22,7 @@ pub struct DescribedTerm {
 pub struct DescribedLaw {
     /// Description of the law.
     pub meaning: &'static str,
-    /// Equation in the symbols of the values, in plain text. `None` if nothing is computed.
+    /// Equation in the symbols of the values, in plain text. `None` if the law has no equation.
     pub equation: Option<&'static str>,
     /// Values in the law.
     pub values: Vec<DescribedValue>,

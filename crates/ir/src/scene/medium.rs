@@ -38,8 +38,8 @@ impl Fluid {
         6.0 * std::f64::consts::PI * viscosity * CUBE * side
     }
 
-    /// Returns Stokes' friction coefficient of a rotating cube \[N m s\]. It equals that of a
-    /// sphere with the same volume, 8 pi eta r^3.
+    /// Returns Stokes' friction coefficient of a rotating cube \[N m s\]. It equals the coefficient
+    /// of a sphere with the same volume, 8 pi eta r^3.
     pub fn turning_friction(viscosity: f64, side: f64) -> f64 {
         6.0 * viscosity * side.powi(3)
     }

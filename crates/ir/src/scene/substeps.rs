@@ -3,7 +3,7 @@ use super::{Bond, Scene};
 
 /// Steps of the model per tick, in the syntax of the option `--substeps`: `4`, or `1/8`.
 ///
-/// `1/8` is one step for blocks away from magnetized faces and eight for those near them.
+/// `1/8` is one step for blocks away from magnetized faces, and eight steps for blocks near them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Substeps {
     /// Number of steps per tick of blocks near magnetized faces.

@@ -13,7 +13,7 @@ use super::{Agitation, Bond, Scene, Substeps};
 pub struct SceneWarning {
     /// Kind of the warning.
     pub kind: SceneWarningKind,
-    /// Symbol of the dimensionless number. Empty if nothing moves.
+    /// Symbol of the dimensionless number. Empty if no block moves.
     pub symbol: &'static str,
     /// Dimensionless number and its limit.
     pub figure: String,
@@ -92,8 +92,8 @@ pub fn scene_warnings(
     found
 }
 
-/// Returns the smallest number of steps that resolves these dimensionless numbers, except those
-/// that no number of steps resolves.
+/// Returns the fewest steps per tick that resolve these dimensionless numbers. Ignores
+/// dimensionless numbers that cannot be resolved.
 ///
 /// Blocks near open faces take at least as many steps as before, an integer number per long step.
 fn resolving<'a>(

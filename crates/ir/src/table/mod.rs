@@ -1,7 +1,7 @@
 //! Event tables: the lowered program, as stored in every block.
 //!
 //! [`Tables`] are the only data from the compiler to the runtime. A *role* is a name of the
-//! program. A block takes a role when it is captured and drops it when it is released; another
+//! program. A block takes a role when it is captured and drops it when it is released. Another
 //! block may take it later. A role has up to two [`Duty`]s per phase: one for a block that is
 //! anchored at its start, one for a block captured during it. A duty is a list of [`Rule`]s. A rule
 //! fires once, as soon as its duty has begun and all its conditions hold. It uses only what its

@@ -1,4 +1,4 @@
-//! Renaming, provided that nothing else changes.
+//! Renaming of names, without any change of meaning.
 use std::collections::{BTreeMap, HashMap};
 
 use gen_lsp_types::{TextEdit, Uri, WorkspaceEdit};
@@ -17,7 +17,7 @@ use crate::workspace::documents::Documents;
 ///
 /// # Errors
 ///
-/// If there is nothing to rename, or the program does not define the name.
+/// If no name is at the byte, or the program does not define the name.
 pub fn renameable(analysis: &Analysis, at: usize) -> Result<SourceLocation, RequestFailure> {
     let Some(name) = analysis.name_at(at) else {
         return Err(RequestFailure::request_failed("no name at this position"));

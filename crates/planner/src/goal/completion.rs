@@ -34,7 +34,7 @@ pub struct Completion {
     names: BTreeMap<Cell, String>,
     /// Word for new block names. The program does not use it.
     word: String,
-    /// Number of false claims, including this one.
+    /// Number of false claims in the program, including the claim to complete.
     untrue: usize,
     /// Name of the assembly to complete.
     assembly: String,

@@ -30,7 +30,7 @@ pub struct Goal {
     pub(super) shape: Option<String>,
     /// Declarations of scenes in the program of the shape.
     pub(super) scenes: WrittenScenes,
-    /// Existing blocks, and those to release.
+    /// Existing blocks to keep, and existing blocks to release.
     pub(super) repair: Repair,
     /// Cache of the compiled scene, with its name.
     pub(super) compiled: OnceLock<(Option<String>, Scene)>,

@@ -10,10 +10,10 @@ pub enum NoGoal {
     /// The program declares several shapes, and none is chosen.
     #[error("it declares {0}: name one with `--shape`")]
     Ambiguous(String),
-    /// The program does not declare any shape, so not this one.
+    /// The program declares no shapes. Contains the requested name.
     #[error("it declares no shape `{0}`, nor any other")]
     NoSuchShape(String),
-    /// The program declares other shapes, but not this one.
+    /// The program declares shapes, but none with the requested name.
     #[error("it declares no shape `{name}`, but {others}")]
     OtherShapes {
         /// Name of the missing shape.

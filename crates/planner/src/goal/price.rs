@@ -8,7 +8,7 @@ use stochc_ir::Cell;
 
 use crate::{BuildPlan, PlanEstimate, RateLaw};
 
-/// Sets the estimate and the waiting times of a plan to those of `check --cost`. Keeps the
+/// Replaces the estimate and the waiting times of a plan by the values of `check --cost`. Keeps the
 /// planner's values if the check has none.
 pub(super) fn price(plan: &mut BuildPlan, checked: &Checked, law: &RateLaw<'_>) {
     let program = checked.programs.first();

@@ -50,7 +50,7 @@ impl Goal {
     /// Sets the existing structure of the goal. See [`ExistingStructure::repair`].
     ///
     /// # Errors
-    /// If nothing is missing, or a block cannot be released.
+    /// If no block is missing, or a block cannot be released.
     pub fn stand_on(
         &mut self,
         structure: &ExistingStructure,

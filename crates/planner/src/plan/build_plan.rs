@@ -38,7 +38,7 @@ pub struct BuildPlan {
     pub alternatives: Vec<Alternative>,
     /// Result of the search for scaffolds.
     pub scaffolds: ScaffoldTrial,
-    /// Times of the plans in a race, including this one. Empty without a race.
+    /// Times of all plans in a race, including this plan. Empty without a race.
     pub race: Vec<RaceTimes>,
 }
 

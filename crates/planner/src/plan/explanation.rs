@@ -117,7 +117,7 @@ pub fn explanation(plan: &BuildPlan) -> String {
     out
 }
 
-/// Writes the times of a race as a list. Returns nothing without a race.
+/// Writes the times of a race as a list. Returns an empty text without a race.
 pub fn race_to_text(race: &[RaceTimes]) -> String {
     let mut out = String::new();
     if !race.is_empty() {

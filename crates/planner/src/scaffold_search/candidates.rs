@@ -24,7 +24,7 @@ pub struct Scaffolded {
     pub scaffolding: Scaffolding,
     /// Cells of the target and of the masts.
     pub union: Target,
-    /// Best schedule of the union.
+    /// Best schedule of the target and the masts.
     pub found: FoundSchedule,
 }
 
@@ -236,7 +236,7 @@ impl ScaffoldTrials<'_> {
         best
     }
 
-    /// Returns scaffolds with some pieces removed and others added.
+    /// Returns scaffolds with some pieces removed and other pieces added.
     pub(super) fn neighbour(
         &self,
         of: &ScaffoldCandidate,

@@ -112,7 +112,8 @@ impl GrowthSchedule {
         (0..sites.len() as u32).map(time).collect()
     }
 
-    /// Returns the cells of the target, those with the most captures from the plate first.
+    /// Returns the cells of the target, each with the number of captures from the plate to it. The
+    /// largest number comes first.
     pub fn far_first(&self) -> Vec<(Cell, usize)> {
         let cells = self.cells.keys();
         let mut cells: Vec<(Cell, usize)> = cells.map(|&cell| (cell, self.depth(cell))).collect();

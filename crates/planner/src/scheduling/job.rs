@@ -72,7 +72,8 @@ impl<'a> SchedulingJob<'a> {
         }
     }
 
-    /// Adds scaffolds: the longest path through a mast and its pieces is the most urgent.
+    /// Adds scaffolds to the job. Sites on the longest path through a mast and its pieces become
+    /// the most urgent.
     pub(crate) fn with_roles(mut self, roles: &'a SiteRoles) -> SchedulingJob<'a> {
         for piece in roles.pieces() {
             // From the end of the piece to the mast, and down to the plate.

@@ -24,7 +24,7 @@ impl SchedulingJob<'_> {
         Ok(schedule.expect("a complete order is known"))
     }
 
-    /// Returns a schedule if there is one. With scaffolds there may be none.
+    /// Returns a schedule. Returns `None` if there is none, which can happen with scaffolds.
     ///
     /// # Errors
     ///

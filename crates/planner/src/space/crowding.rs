@@ -23,8 +23,8 @@ pub struct Crowding<'a> {
 }
 
 impl Crowding<'_> {
-    /// Returns whether a face may open while others are open. `open` returns the direction of a
-    /// site's open face.
+    /// Returns whether a face may open while other faces are open. `open` returns the direction of
+    /// a site's open face.
     pub fn may_open(&self, site: u32, way: Face, open: impl Fn(u32) -> Option<Face>) -> bool {
         if self.attracts_always {
             return true;

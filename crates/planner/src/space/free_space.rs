@@ -67,7 +67,7 @@ impl FreeSpace {
         FreeSpace { has_gaps, ..self }
     }
 
-    /// Returns positions above the top of a column with nothing above them.
+    /// Returns positions above the top of a column that have no block above them.
     fn beside_top(&self, sites: &Sites<'_>, top: Cell) -> Vec<Cell> {
         let size = self.size;
         let lows = (0..size).flat_map(|dy| (0..size).map(move |dx| shifted(top, -dx, -dy, 1)));
@@ -85,7 +85,7 @@ impl FreeSpace {
         lows.filter(sees_sky).collect()
     }
 
-    /// Marks all free positions connected to those in `open`.
+    /// Marks all free positions that are connected to a position in `open`.
     fn flood(
         &mut self,
         sites: &Sites<'_>,

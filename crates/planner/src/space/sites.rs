@@ -115,7 +115,7 @@ impl<'a> Sites<'a> {
         !self.existing.is_empty() && self.existing.contains_key(&site)
     }
 
-    /// Returns whether the block of a site cannot hold others.
+    /// Returns whether the block of a site cannot hold other blocks.
     pub fn is_inert(&self, site: u32) -> bool {
         !self.existing.is_empty() && self.existing.get(&site) == Some(&false)
     }

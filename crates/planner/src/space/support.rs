@@ -102,7 +102,7 @@ impl Support {
         }
     }
 
-    /// Removes a site that is not needed for the connection of others.
+    /// Removes a site that no other site needs for its connection to the plate.
     pub fn remove(&mut self, sites: &Sites<'_>, site: u32) {
         self.stands[site as usize] = false;
         let mut queue: Vec<u32> = self.present_neighbours(sites, site).collect();
@@ -123,8 +123,8 @@ impl Support {
         }
     }
 
-    /// Returns the standing sites whose removal would disconnect others: the articulation points as
-    /// seen from the plate.
+    /// Returns the standing sites whose removal would disconnect other sites from the plate: the
+    /// articulation points.
     pub fn articulation_points(&self, sites: &Sites<'_>) -> Vec<bool> {
         let count = sites.len();
         let mut is_cut = vec![false; count];

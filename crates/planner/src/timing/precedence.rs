@@ -33,8 +33,8 @@ pub struct After {
 impl Waiting {
     /// Returns the dependencies of each site that the program must state.
     ///
-    /// Omits dependencies implied by others, by attachment and by turns of a parent. `in_way` are
-    /// the sites on each access path, sorted.
+    /// Omits dependencies that follow from other dependencies, from attachment, or from the turns
+    /// of a parent. `in_way` are the sites on each access path, sorted.
     pub fn afters(
         &self,
         sites: &Sites<'_>,
@@ -90,8 +90,8 @@ impl Ancestors {
         }
     }
 
-    /// Returns whether one of `from` depends on `to`, directly or transitively. Long chains may be
-    /// missed.
+    /// Returns whether one of `from` depends on `to`, directly or transitively. May return `false`
+    /// for long chains.
     fn reach(&mut self, edges: &[Vec<u32>], from: &[u32], to: u32) -> bool {
         const MAX: usize = 300;
         self.search += 1;

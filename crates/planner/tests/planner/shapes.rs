@@ -142,7 +142,7 @@ fn the_same_seed_gives_the_same_plan() {
     assert_eq!(more.plan.alternatives.len(), Baseline::ALL.len());
 }
 
-/// Plans that may jam allow the warnings of jams, and have no others.
+/// Plans that may jam allow warnings about jams, and cause no other diagnostics.
 #[test]
 fn plans_that_may_jam_pass_the_check() {
     let table = named("table");

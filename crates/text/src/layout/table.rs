@@ -59,8 +59,8 @@ struct Placed<'a> {
 }
 
 impl TextTable {
-    /// Returns the text in lines of `width` characters, or more if one column needs it. With
-    /// `colour`, red rows are coloured.
+    /// Returns the text in lines of `width` characters, or in longer lines if a single column is
+    /// wider. With `colour`, red rows are coloured.
     ///
     /// Invisible characters in names become visible.
     pub fn text(&self, width: usize, colour: bool) -> String {

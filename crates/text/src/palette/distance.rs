@@ -239,7 +239,7 @@ fn more_is_lighter_with_any_sight() {
     assert_eq!(sequential(7.0), Rgb(0xfd, 0xe7, 0x25));
 }
 
-/// Compares with the table of Sharma, Wu and Dalal.
+/// Compares colour differences with the table of Sharma, Wu and Dalal.
 #[test]
 fn distances_are_those_of_the_standard() {
     let table = [

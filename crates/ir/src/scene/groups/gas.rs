@@ -61,7 +61,7 @@ impl Gas {
     }
 }
 
-/// Returns the mean speed of a Maxwell distribution with an rms speed.
+/// Returns the mean speed of a Maxwell distribution with this rms speed.
 fn mean(rms: f64) -> f64 {
     rms * (8.0 / (3.0 * PI)).sqrt()
 }

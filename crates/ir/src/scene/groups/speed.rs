@@ -85,7 +85,8 @@ pub(super) fn mean_left(taken: f64) -> f64 {
     }
 }
 
-/// Returns the largest speed of blocks carried by the mean flow \[m/s\]. 0 without one.
+/// Returns the largest speed of blocks carried by the mean flow \[m/s\]. Returns 0 without mean
+/// flow.
 pub fn carried(scene: &Scene) -> f64 {
     match &scene.flow {
         Some(Flow::Stir(stir)) => stir.follow * stir.speed(),
@@ -219,8 +220,8 @@ pub(in crate::scene) fn rms_of_range(low: f64, high: f64) -> f64 {
 /// length\].
 ///
 /// A collision at temperature T = m v^2 / 3 removes (1 - e^2) T on average, for any shapes. The
-/// approach speed has the mean square 2 T / (effective mass). Two blocks share the loss; at the
-/// floor one bears it. Neglects friction.
+/// approach speed has the mean square 2 T / (effective mass). Two blocks share the loss. At the
+/// floor, one block bears it. Neglects friction.
 fn collisions(scene: &Scene) -> f64 {
     let (Some(gas), Some(contact)) = (Gas::from_scene(scene), &scene.contact) else {
         return 0.0;

@@ -75,7 +75,7 @@ pub struct Either {
     pub help: &'static str,
 }
 
-/// Fields of an alternative. The first is required if any is given.
+/// Fields of an alternative. If any field is given, the first one is required.
 #[derive(Debug)]
 pub struct FieldAlternative {
     /// Keywords of the alternative.

@@ -13,7 +13,7 @@ use EquationSymbol::{Derived as D, Number as N};
 pub struct Equation {
     /// Description of the law.
     pub meaning: &'static str,
-    /// Formula in the symbols of the values, in plain text. `None` if nothing is computed.
+    /// Formula in the symbols of the values, in plain text. `None` if the law has no formula.
     pub formula: Option<&'static str>,
     /// Symbols in the law. A scene without the first symbol does not have the law.
     pub symbols: &'static [EquationSymbol],

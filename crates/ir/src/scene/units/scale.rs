@@ -114,7 +114,7 @@ mod tests {
     use super::super::{BASES, PREFIXES, to_si};
     use super::*;
 
-    /// Sizes as fractions, and the number of factors 2π.
+    /// Expected sizes of units: numerator, denominator, and number of factors 2π.
     const SIZES: [(&str, u128, u128, u32); 24] = [
         ("m", 1, 1, 0),
         ("g", 1, 1000, 0),

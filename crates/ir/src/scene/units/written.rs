@@ -15,7 +15,7 @@ pub struct WrittenQuantity<'a> {
 /// Error of a single value.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidQuantity {
-    /// The text does not begin with a number, or something else follows the number and its unit.
+    /// The text does not begin with a number, or other text follows the number and its unit.
     #[error("`{0}` is no value; write a number and its unit, such as `4.5 N`")]
     NoValue(String),
     /// The unit is unknown.
