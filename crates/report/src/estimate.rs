@@ -1,4 +1,4 @@
-//! Estimate of the time to completion of a program, from rates.
+//! Estimate of a program's completion time by the rate model.
 use serde::Serialize;
 use stochc_experiments::statistics::{Observation, Summary};
 use stochc_experiments::{completion_time, phase_time};
@@ -9,69 +9,69 @@ use stochc_runtime::rates::{Interaction, LowerBoundReasons, Times};
 use crate::analysis::critical_path::{critical_path, moments};
 use crate::analysis::events::Events;
 
-/// Expected times of a program.
+/// Estimated times of a program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CompletionEstimate {
     /// Name of the program.
     pub program: String,
     /// Method of the estimate.
     pub method: Method,
-    /// Reasons for lower bounds. Empty: the times are estimates.
+    /// Reasons why the times are lower bounds. Empty if they are estimates.
     pub lower_bound: LowerBoundReasons,
-    /// Number of draws or runs that completed.
+    /// Number of samples or runs that completed.
     pub completed: u64,
-    /// Number of draws or runs that did not complete because of a timeout or the limit of ticks.
+    /// Number of samples or runs that did not complete, because of a timeout or the limit of ticks.
     pub incomplete: u64,
-    /// Times of the whole program. Incomplete draws count as slower than all others. `None` if less
-    /// than a tenth completed, or a capture has no remaining block.
+    /// Completion times of the program. Incomplete samples count as slower than all others. `None`
+    /// if less than a tenth completed, or a capture has no remaining block.
     pub total: Option<Times>,
-    /// Times of each phase that is not pre-attached.
+    /// Times of each phase, except phases of pre-attached blocks.
     pub phases: Vec<PhaseEstimate>,
-    /// Captures and releases with their shares of the time, the largest first.
+    /// Captures and releases with their shares of the time, the largest share first.
     pub shares: Vec<Share>,
 }
 
-/// Method of an estimate.
+/// Method that makes an estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Method {
-    /// Sums of drawn waits along the dependency graph.
+    /// Sums of sampled waiting times along the dependency graph.
     Graph {
-        /// Interactions that the sums ignore.
+        /// Interaction of captures that the sums ignore.
         interaction: Interaction,
-        /// Largest relative error of means, compared with runs by the same rates.
+        /// Largest relative error of means, measured against runs with the same rates.
         error: f64,
-        /// Whether the rates of the scene are uncalibrated.
+        /// Whether the scene has no calibrated rates, so that the estimate is uncalibrated.
         is_first_guess: bool,
     },
-    /// Runs by calibrated rates.
+    /// Runs of the rate model with calibrated rates.
     Runs,
 }
 
-/// Expected times of a phase.
+/// Estimated times of a phase.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PhaseEstimate {
     /// Name of the phase.
     pub name: String,
-    /// Times of the draws that reached the phase \[ticks\]. `None` if too few completed it, or the
-    /// limit of ticks ended some draws earlier.
+    /// Times of the samples that reached the phase \[ticks\]. `None` if too few completed it, or
+    /// some reached the limit of ticks before.
     pub times: Option<Times>,
 }
 
-/// Share of an event in the time.
+/// Share of an event in the completion time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// Text of the event as in the program.
+    /// Event in the notation of the program.
     pub event: String,
-    /// Name of its phase.
+    /// Name of the event's phase.
     pub phase: String,
-    /// Share of the total time with only this event on the critical path.
+    /// Fraction of the total time during which this event is on the critical path alone.
     pub share: f64,
 }
 
 impl CompletionEstimate {
-    /// Estimates from the records of a program's runs by rates. `is_compiled`: no other method was
-    /// possible. `lower_bound`: see [`EnsembleProgram::lower_bound`].
+    /// Estimates the times of a program from records of its runs by the rate model. For
+    /// `lower_bound`, see [`EnsembleProgram::lower_bound`].
     pub fn of_runs(
         program: &EnsembleProgram,
         records: &[&RunRecord],
@@ -107,8 +107,8 @@ impl CompletionEstimate {
     }
 }
 
-/// Returns the times of observations. Incomplete runs count as slower than all others. Returns
-/// `None` if this is unknown.
+/// Returns the statistics of times. Incomplete runs count as slower than all others. Returns `None`
+/// if the statistics depend on their unknown times.
 fn times(seen: &[Observation]) -> Option<Times> {
     let times: Vec<f64> = seen.iter().filter_map(|it| it.completed_time()).collect();
     let longest = times.iter().copied().fold(0.0, f64::max);
@@ -117,7 +117,7 @@ fn times(seen: &[Observation]) -> Option<Times> {
     if !seen.iter().all(is_slower) {
         return None;
     }
-    // Student's interval, equal to that in a table of the same runs.
+    // By Student's t, as in a table of the same runs.
     let half_width = Summary::from_values(&times).and_then(|summary| summary.half_width);
     let times = Times::new(times, never)?;
     Some(Times {
@@ -126,7 +126,7 @@ fn times(seen: &[Observation]) -> Option<Times> {
     })
 }
 
-/// Returns the shares of events on the critical paths.
+/// Returns the share of each event on the critical paths.
 fn shares(program: &EnsembleProgram, records: &[&RunRecord]) -> Vec<Share> {
     let events = Events::new(program);
     let mut ticks = vec![0.0; events.events.len()];

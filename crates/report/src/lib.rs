@@ -1,9 +1,9 @@
 //! Presentation of the results of ensembles.
 //!
-//! [`tables`] are text for a terminal, [`figures`] are drawings, [`ensemble_report`] is a page on
-//! ensembles, [`replay`] is a page that replays a run, and [`export`] writes files for other
-//! programs. All are functions of manifests, records and recordings. They do not write to disk by
-//! themselves.
+//! [`tables`] makes text for a terminal, and [`figures`] makes drawings. [`ensemble_report`] makes
+//! a page about ensembles, and [`replay`] a page that replays a run. [`export`] makes files for
+//! other applications. All these modules are functions of manifests, records and recordings. They
+//! do not write to disk themselves.
 //!
 //! ```
 //! use stochc_experiments::Comparison;

@@ -4,7 +4,7 @@ use std::str::FromStr;
 use stochc_experiments::TimeUnit;
 use stochc_results::EnsembleProgram;
 
-/// Name of a program, with its text in tables and figures.
+/// Label of a program: a name, and the text to show instead of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramLabel {
     /// Name of the program in the ensemble, without the values of a sweep.
@@ -13,17 +13,17 @@ pub struct ProgramLabel {
     pub text: String,
 }
 
-/// Unit of times and names of programs in tables and figures.
+/// Names of programs and unit of times in tables and figures.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Presentation {
     /// Whether all times are in seconds. Otherwise they are in ticks if all programs have ticks of
     /// one length.
     pub in_seconds: bool,
-    /// Labels of programs.
+    /// Labels that the user gave to programs.
     pub labels: Vec<ProgramLabel>,
 }
 
-/// Error of a label in another form.
+/// Error of parsing a label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("give NAME=TEXT, such as `tower=Tower of five`")]
 pub struct InvalidLabel;
@@ -41,7 +41,7 @@ impl FromStr for ProgramLabel {
 }
 
 impl ProgramLabel {
-    /// Returns whether a name is that of the program or of a point of its sweep.
+    /// Returns whether `name` is the name of the labelled program or of a point of its sweep.
     pub fn is_of(&self, name: &str) -> bool {
         let values = name.strip_prefix(&*self.name);
         values.is_some_and(|values| values.is_empty() || values.starts_with(" ["))
@@ -49,7 +49,8 @@ impl ProgramLabel {
 }
 
 impl Presentation {
-    /// Returns the text for a program or a point of its sweep. This is its name if it has no label.
+    /// Returns the text to show for a program or a point of its sweep. Without a label, returns its
+    /// name.
     pub fn label(&self, name: &str) -> String {
         let label = self.labels.iter().find(|label| label.is_of(name));
         label.map_or(name.to_owned(), |label| {
@@ -57,7 +58,7 @@ impl Presentation {
         })
     }
 
-    /// Returns the first label that belongs to none of these programs.
+    /// Returns the first label whose name belongs to none of these programs.
     pub fn unused<'a>(
         &self,
         programs: impl Iterator<Item = &'a EnsembleProgram> + Clone,
@@ -66,7 +67,7 @@ impl Presentation {
         self.labels.iter().find(|label| !is_used(label))
     }
 
-    /// Returns the unit of comparisons between programs.
+    /// Returns the unit for comparing the times of programs.
     pub fn unit<'a>(&self, programs: impl Iterator<Item = &'a EnsembleProgram>) -> TimeUnit {
         if self.in_seconds {
             TimeUnit::Seconds

@@ -1,11 +1,12 @@
-//! HTML pages with a script: a template with placeholders, and a restrictive content policy.
+//! HTML pages with a script, made from a template with placeholders and a restrictive content
+//! policy.
 use std::io::{self, Write};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use sha2::{Digest as _, Sha256};
 
-/// Writes a template. For each `@NAME@` in it, `put` writes the content.
+/// Writes a template. Calls `put` to write the content of each placeholder `@NAME@`.
 ///
 /// # Errors
 ///
@@ -25,7 +26,7 @@ pub(crate) fn fill<W: Write>(
     out.write_all(rest.as_bytes())
 }
 
-/// Returns a policy that forbids all external resources and allows only this script.
+/// Returns a content policy that forbids all external resources and allows only this script.
 pub(crate) fn policy(script: &str) -> String {
     let hash = BASE64.encode(Sha256::digest(script.as_bytes()));
     format!(

@@ -1,8 +1,8 @@
 //! Critical path of a run: the consecutive waits that determine its time to completion.
 //!
-//! A run ends at the end of its last phase, and a phase ends with its last event. This event waited
-//! for the last of its dependencies, which waited for the last of its own. These consecutive waits
-//! are the critical path. All other waits of the run ended before they mattered.
+//! A run ends with its last phase, and a phase ends with its last event. This event began to wait
+//! when the last event that it depends on happened. Following these last events back to the start
+//! of the run gives the critical path. No other wait of the run affected its time to completion.
 use std::collections::{HashMap, VecDeque};
 
 use stochc_ir::graph::{Dependency, EventAction};
@@ -11,7 +11,7 @@ use stochc_ir::table::PhaseId;
 
 use super::events::{Events, OrderedEvent, awaited, captured};
 
-/// A segment of the critical path.
+/// Segment of the critical path of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CriticalPathSegment {
     pub phase: PhaseId,
@@ -19,32 +19,34 @@ pub(crate) struct CriticalPathSegment {
     /// First tick of the segment in the run.
     pub from: u64,
     pub to: u64,
-    /// Event and dependency that ended the preceding wait, at `from`. `None` means the beginning of the
-    /// phase.
+    /// Event and dependency that ended the previous wait, at tick `from`. `None` at the beginning
+    /// of a phase.
     pub since: Option<(usize, Dependency)>,
 }
 
-/// Cause of the time of a segment.
+/// Cause of the duration of a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SegmentKind {
-    /// Wait for event number `event`. `bond` is its capture in the record. A release has none.
+    /// Wait for event number `event`. For a capture, `bond` is its index in the record. For a
+    /// release, it is `None`.
     Event { event: usize, bond: Option<usize> },
-    /// Wait for a capture that had not happened when the run was stopped.
+    /// Wait for capture number `event`, which had not happened when the run was stopped.
     Pending { event: usize },
-    /// Transfer of the news of a dependency to the block of the waiting event.
+    /// Transfer of messages about a dependency to the block of the waiting event.
     News,
-    /// Transfer of reports to the plate.
+    /// Transfer of the reports of a phase to the plate.
     Reports,
 }
 
-/// Ticks when an event of a run became possible and happened.
+/// Tick when an event of a run became possible, and tick of the event.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct EventTiming {
-    /// Tick of the magnetization of the face, or of the request for the release. `None` means never.
+    /// Tick when the face was switched on or the release was requested. `None` if that never
+    /// happened.
     pub ready: Option<u64>,
-    /// Tick of the docking or the release. `None` means never.
+    /// Tick of the capture or release. `None` if it never happened.
     pub done: Option<u64>,
-    /// Index of the capture in the record.
+    /// Index of the capture in the record. `None` for a release or a missing capture.
     pub bond: Option<usize>,
 }
 
@@ -62,8 +64,8 @@ impl CriticalPathSegment {
     }
 }
 
-/// Returns the timing of every event of a run from its record. A release becomes possible as soon
-/// as all its dependencies have happened.
+/// Returns the timing of every event of a run, taken from its record. A release becomes possible as
+/// soon as all its dependencies have happened.
 pub(crate) fn moments(events: &Events, record: &RunRecord) -> Vec<EventTiming> {
     let mut recorded = recorded(record);
     let begins = begins(record);
@@ -87,8 +89,8 @@ pub(crate) fn moments(events: &Events, record: &RunRecord) -> Vec<EventTiming> {
     moments
 }
 
-/// Returns the dependencies of an event with their ticks. For a choice of captures it returns the
-/// capture that completed the required number.
+/// Returns the dependencies of an event, each with its tick. For a choice of captures, returns only
+/// the capture that completed the required number.
 fn met<'a>(
     event: &'a OrderedEvent,
     moments: &'a [EventTiming],
@@ -114,7 +116,7 @@ fn met<'a>(
     others.chain(face)
 }
 
-/// Collects the recorded timings of each action of a phase, in the order of its repetitions.
+/// Returns the recorded timings of each action of a phase, in the order of its repetitions.
 fn recorded(record: &RunRecord) -> HashMap<(PhaseId, EventAction), VecDeque<EventTiming>> {
     let mut recorded: HashMap<_, VecDeque<EventTiming>> = HashMap::new();
     let mut add = |phase, action, moment| {
@@ -154,13 +156,13 @@ fn begins(record: &RunRecord) -> Vec<u64> {
     let mut begins = vec![0];
     for ticks in &record.phase_ticks {
         let last = begins.last().copied().unwrap_or(0);
-        // The journal can have been edited.
+        // The journal may have been edited, so avoid overflow.
         begins.push(u64::saturating_add(last, *ticks));
     }
     begins
 }
 
-/// Returns the critical path of a run from its beginning. Empty if the run failed.
+/// Returns the critical path of a run, in order of time. Returns an empty path if the run failed.
 pub(crate) fn critical_path(
     events: &Events,
     record: &RunRecord,
@@ -177,7 +179,7 @@ pub(crate) fn critical_path(
     for (number, _) in record.phase_ticks.iter().enumerate().rev() {
         let end = begins[number + 1];
         let done = |&(i, _): &(usize, _)| moments[i].done;
-        // If several events happened in the same tick, the first is taken.
+        // If several events happened in the last tick, take the first one.
         let last = events.of_phase(number).rev().max_by_key(done);
         let Some((last, event)) = last else {
             continue;
@@ -200,8 +202,8 @@ pub(crate) fn critical_path(
     segments
 }
 
-/// Returns the path of the unfinished phase: among the pending captures, the one with the longest
-/// wait.
+/// Adds the path of an unfinished phase, which ends with the pending capture that has waited
+/// longest.
 fn unfinished(
     events: &Events,
     record: &RunRecord,
@@ -229,7 +231,7 @@ fn unfinished(
                 back(events, moments, first, segments);
             }
         }
-        // All events have happened, and the reports are being transferred.
+        // All events have happened, but the plate has not received all reports yet.
         None => {
             let done = here().filter(|&(i, _)| moments[i].done.is_some());
             if let Some((last, _)) = done.max_by_key(|&(i, _)| moments[i].done) {
@@ -246,7 +248,7 @@ fn unfinished(
     }
 }
 
-/// Adds an event and its chain of dependencies within the phase, in reverse order.
+/// Adds an event and the chain of its last dependencies within the phase, in reverse order.
 fn back(
     events: &Events,
     moments: &[EventTiming],
@@ -254,7 +256,7 @@ fn back(
     segments: &mut Vec<CriticalPathSegment>,
 ) {
     let mut next = Some(last);
-    // Dependencies happen earlier, so the number of events bounds the chain.
+    // Dependencies happen earlier, so the chain is at most as long as the list of events.
     for _ in 0..events.events.len() {
         let Some(event) = next else { return };
         let moment = moments[event];
@@ -262,7 +264,7 @@ fn back(
             return;
         };
         let since = since(events, moments, event);
-        // The cell can have become empty after the magnetization of the face.
+        // The cell may have become empty only after the face was switched on.
         let freed = since.and_then(|(first, _)| moments[first].done);
         let (phase, from) = (
             events.events[event].phase,
@@ -283,7 +285,8 @@ fn back(
     }
 }
 
-/// Adds the transfer of news from a dependency to the event. Adds nothing if messages take no time.
+/// Adds the transfer of messages from a dependency to the event. Adds nothing if messages take no
+/// time.
 fn news(
     moments: &[EventTiming],
     phase: PhaseId,
@@ -303,7 +306,7 @@ fn news(
     }
 }
 
-/// Returns the dependency of an event that was satisfied last.
+/// Returns the dependency of an event that was fulfilled last.
 fn since(events: &Events, moments: &[EventTiming], event: usize) -> Option<(usize, Dependency)> {
     let done = met(&events.events[event], moments).filter(|(_, _, done)| done.is_some());
     let last = done.max_by_key(|&(_, _, done)| done);
@@ -358,7 +361,7 @@ mod tests {
         }
     }
 
-    /// Returns the release of E by its parent C.
+    /// Returns the record of a release of E by its parent C.
     fn release(tick: u64) -> ReleaseRecord {
         ReleaseRecord {
             phase: PhaseId(1),
@@ -369,8 +372,8 @@ mod tests {
         }
     }
 
-    /// Returns a program. Phase 0: A -> C -> E, in parallel with B -> D. Phase 1: release of E,
-    /// then A -> F after the release.
+    /// Returns a program with two phases. Phase 0: A -> C -> E, in parallel with B -> D. Phase 1:
+    /// release of E, then A -> F.
     fn program() -> Events {
         Events {
             events: vec![
@@ -404,7 +407,7 @@ mod tests {
         let expected = [(Some(0), 0, 30), (None, 30, 80), (Some(1), 80, 100)];
         assert_eq!(summary(&links), expected);
         assert_eq!(links[1].kind, SegmentKind::News);
-        // The same applies to a stopped run.
+        // The path of a stopped run is the same.
         let (phase, by) = (PhaseId(0), Limit::MaxTicks);
         let mut stopped = record(
             Outcome::TimedOut { phase, by },
@@ -460,7 +463,7 @@ mod tests {
             bond(0, 1, 3, 0, 90),
             bond(1, 2, 5, 95, 100),
         ];
-        // Five ticks for the reports.
+        // The last five ticks are for the reports.
         let mut record = record(Outcome::Completed, 100, &[95, 5], bonds);
         record.releases.push(release(95));
         let events = program();
@@ -476,7 +479,7 @@ mod tests {
 
     #[test]
     fn a_capture_with_a_choice_waited_for_the_first_that_left_it_a_face() {
-        // Two faces at a time: the third capture waits for one of the first two.
+        // At most two faces are on at a time, so the third capture waits for one of the first two.
         let face = Dependency::Face { needed: 1, of: 2 };
         let events = Events {
             events: vec![

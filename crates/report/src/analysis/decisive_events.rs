@@ -1,15 +1,15 @@
-//! Events that determined the completion of runs.
+//! Events on the critical paths of runs.
 use super::critical_path::CriticalPathSegment;
 use super::events::Events;
 
-/// Accumulator of the shares of events in the critical paths.
+/// Accumulator of the ticks that events spend on the critical paths of runs.
 #[derive(Clone, Debug)]
 pub(crate) struct DecisiveEvents {
-    /// Ticks of each event on the critical paths of all runs.
+    /// Ticks of each event on the critical paths, summed over all runs.
     pub spent: Vec<f64>,
-    /// Number of runs with the event on the critical path.
+    /// For each event, the number of runs with the event on the critical path.
     pub decided: Vec<usize>,
-    /// Ticks of all runs that did not fail.
+    /// Total ticks of all runs that did not fail.
     pub total: f64,
 }
 
@@ -23,7 +23,7 @@ impl DecisiveEvents {
         }
     }
 
-    /// Adds a run that did not fail.
+    /// Adds the critical path of a run that did not fail and took `ticks`.
     pub fn add(&mut self, ticks: u64, critical_path: &[CriticalPathSegment]) {
         self.total += ticks as f64;
         for segment in critical_path {

@@ -4,31 +4,31 @@ use stochc_ir::record::{BondRecord, WaitRecord};
 use stochc_ir::table::PhaseId;
 use stochc_results::EnsembleProgram;
 
-/// All events of a program except pre-attached blocks, which never waited.
+/// All events of a program except the attachment of pre-attached blocks, which never waits.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Events {
-    /// Events, phase by phase. Each event follows its dependencies, directly if possible.
+    /// All events, sorted by phase. Each event follows its dependencies, directly if possible.
     pub events: Vec<OrderedEvent>,
 }
 
-/// A capture or a release.
+/// Capture or release, with its dependencies.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct OrderedEvent {
     pub phase: PhaseId,
     pub action: EventAction,
-    /// Events that it waits for, with the kind of dependency. Events of a
-    /// [choice](Dependency::Face) can follow it in the list. All others precede it.
+    /// Index and kind of each dependency. Events of a [choice](Dependency::Face) may follow this
+    /// event in the list. All others precede it.
     pub waits_for: Vec<(usize, Dependency)>,
 }
 
 impl OrderedEvent {
-    /// Returns the event in the notation of the program: `M.up -> N`.
+    /// Returns the event in the notation of the program, such as `M.up -> N`.
     pub fn text(&self, program: &EnsembleProgram) -> String {
         self.action.describe(|role| program.role(role).to_owned())
     }
 }
 
-/// Returns the action of a recorded bond.
+/// Returns the event action that a recorded capture belongs to.
 pub(crate) fn captured(bond: &BondRecord) -> EventAction {
     EventAction::Capture {
         parent: bond.parent,
@@ -37,7 +37,7 @@ pub(crate) fn captured(bond: &BondRecord) -> EventAction {
     }
 }
 
-/// Returns the action of a pending capture.
+/// Returns the event action that a pending capture belongs to.
 pub(crate) fn awaited(wait: &WaitRecord) -> EventAction {
     EventAction::Capture {
         parent: wait.parent,
@@ -47,7 +47,7 @@ pub(crate) fn awaited(wait: &WaitRecord) -> EventAction {
 }
 
 impl Events {
-    /// Collects the events of a program.
+    /// Returns the events of a program, sorted.
     pub fn new(program: &EnsembleProgram) -> Events {
         let graph = &program.compiled.graph;
         let mut order = side_by_side(graph);
@@ -84,10 +84,11 @@ impl Events {
     }
 }
 
-/// Returns a topological order with each event directly after its last dependency if possible. This
-/// keeps chains together.
+/// Returns a topological order. Each event comes directly after its last dependency if possible, so
+/// that chains stay together.
 ///
-/// Otherwise the order is that of the indices. Both keep events of one phase together.
+/// Otherwise, events are in the order of their indices. The events of one phase always stay
+/// together.
 fn side_by_side(graph: &EventGraph) -> Vec<u32> {
     let count = graph.events.len();
     let mut missing = vec![0; count];
@@ -122,7 +123,8 @@ mod tests {
 
     #[test]
     fn chains_stay_together() {
-        // 0 and 1 start the chains 0, 2, 4 and 1, 3. 5 waits for the ends of both.
+        // Events 0 and 1 start the chains 0, 2, 4 and 1, 3. Event 5 waits for the last events of
+        // both chains.
         let waits: [&[u32]; 6] = [&[], &[], &[0], &[1], &[2], &[3, 4]];
         let event = graph::GraphEvent {
             phase: PhaseId(0),

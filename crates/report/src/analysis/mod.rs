@@ -1,8 +1,8 @@
-//! Analysis of finished ensembles: waits for each capture, and critical paths of the runs.
+//! Analysis of finished ensembles: waiting times of captures, and critical paths of runs.
 //!
-//! Each program of the [`reported_program::Input`]s becomes a reported program. Each event of a run
-//! has its timing (`events.rs`), and each run its critical path (`critical_path.rs`). The other
-//! modules aggregate them.
+//! Each program of an [`Input`](reported_program::Input) becomes a reported program. Each event of
+//! a run has its timing (`events.rs`), and each run its critical path (`critical_path.rs`). The
+//! other modules aggregate them.
 pub(crate) mod critical_path;
 mod decisive_events;
 pub(crate) mod events;

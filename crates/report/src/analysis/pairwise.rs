@@ -1,11 +1,11 @@
-//! Tests for different times of every pair of programs of a report.
+//! Pairwise tests of the completion times of programs in a report.
 use stochc_experiments::statistics::Runs;
 use stochc_experiments::{ComparedProgram, PairwiseTest, TimeUnit, pairwise_tests as compare};
 
 use super::reported_program::ReportedProgram;
 
-/// Compares all pairs of programs. Points of a sweep are compared only if they have equal values
-/// and different programs.
+/// Tests all pairs of programs. Points of a sweep are tested only against different programs at
+/// equal values.
 pub(crate) fn pairwise_tests(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<PairwiseTest> {
     let side = |subject: &ReportedProgram| {
         let tick = clock.tick(subject.program);

@@ -1,4 +1,4 @@
-//! A program of a results folder with the accumulated data of its runs.
+//! Program of a report, with the accumulated data of its runs.
 use std::io;
 
 use stochc_experiments::statistics::{Observation, Status, TimeSample};
@@ -18,21 +18,21 @@ use super::critical_path::{CriticalPathSegment, critical_path, moments};
 use super::decisive_events::DecisiveEvents;
 use super::events::Events;
 
-/// Error of the report.
+/// Error of creating a report.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// The runs cannot be read again.
     #[error(transparent)]
     Runs(#[from] JournalError),
-    /// A row of a run cannot be written.
+    /// The rows of a run cannot be written to a table.
     #[error("cannot write the report: {0}")]
     Write(#[from] io::Error),
 }
 
-/// A results folder that has been read.
+/// Results folder that has been read for a report.
 #[derive(Clone, Debug)]
 pub struct Input {
-    /// Path of the folder, as given.
+    /// Path of the folder, as the user wrote it.
     pub path: String,
     /// Manifest of the folder.
     pub manifest: Manifest,
@@ -40,40 +40,41 @@ pub struct Input {
     pub finished: Records,
 }
 
-/// A program of a folder with the accumulated data of its runs. Each run adds a few bytes.
+/// Program of a report, with the accumulated data of its runs. A run adds only a few bytes.
 #[derive(Clone, Debug)]
 pub(crate) struct ReportedProgram<'a> {
     /// Name in tables, unique within the report.
     pub label: String,
     /// Whether times in figures are in seconds. Otherwise they are in ticks.
     in_seconds: bool,
-    /// Index of its results folder.
+    /// Index of the program's results folder in the report.
     pub folder: usize,
-    /// Index of the program in the manifest.
+    /// Index of the program in the manifest of its folder.
     pub number: usize,
     pub manifest: &'a Manifest,
     pub program: &'a EnsembleProgram,
     pub events: Events,
     /// Number of finished runs.
     pub runs: usize,
-    /// Times to completion by number of the run \[ticks\]. Failed runs have none.
+    /// Number and time to completion of each run \[ticks\]. Failed runs are excluded.
     pub times: Vec<(u64, Observation)>,
     /// Number of failed runs.
     pub failed: usize,
-    /// The first failed runs.
+    /// Details of the first failed runs.
     pub failures: Vec<FailedRun>,
-    /// Data of the program as a point of a sweep.
+    /// Results of the program, as for a point of a sweep.
     pub point: PointTally,
     pub waits: WaitsTally,
     pub decisive: DecisiveEvents,
     phase_times: Vec<TimeSample>,
-    /// Times from the start to each size of an aggregate's largest group. Empty for assemblies.
+    /// For each size of an aggregate's largest group, the time from the start to this size. Empty
+    /// for assemblies.
     size_times: Vec<TimeSample>,
-    /// Example runs, with their descriptions.
+    /// Example runs, each with a description such as "median".
     example_runs: Vec<(&'static str, FinishedRun)>,
 }
 
-/// A run with failed physics.
+/// Run whose physics failed.
 #[derive(Clone, Debug)]
 pub(crate) struct FailedRun {
     pub run: u64,
@@ -82,7 +83,7 @@ pub(crate) struct FailedRun {
     pub reason: String,
 }
 
-/// A finished run.
+/// Run that is finished.
 #[derive(Clone, Debug)]
 pub(crate) struct FinishedRun {
     pub record: RunRecord,
@@ -99,8 +100,7 @@ impl FinishedRun {
     }
 }
 
-/// Collects the programs of all folders in order, and the sweeps of the folders. Calls `each` for
-/// each run.
+/// Collects the programs and sweeps of all folders in order. Calls `each` for each run.
 pub(crate) fn subjects<'a>(
     inputs: &'a [Input],
     shown: &Presentation,
@@ -134,7 +134,7 @@ pub(crate) fn subjects<'a>(
     Ok((subjects, sweeps))
 }
 
-/// Converts a sweep to the presented unit and names.
+/// Returns a sweep with the units and names of the presentation.
 fn shown_sweep(sweep: Sweep, shown: &Presentation) -> Sweep {
     let mut sweep = if shown.in_seconds {
         sweep.in_seconds()
@@ -145,7 +145,8 @@ fn shown_sweep(sweep: Sweep, shown: &Presentation) -> Sweep {
     sweep
 }
 
-/// Returns the last part of a folder's path if it is unique within the report.
+/// Returns the last part of a folder's path if it is unique within the report. Otherwise returns
+/// the whole path.
 fn short_path(inputs: &[Input], folder: usize) -> &str {
     let last = |input: &'_ Input| {
         let path = input.path.trim_end_matches('/');
@@ -163,7 +164,7 @@ fn short_path(inputs: &[Input], folder: usize) -> &str {
 }
 
 impl<'a> ReportedProgram<'a> {
-    /// Creates a program without runs.
+    /// Creates the data of a program without runs.
     fn new(
         inputs: &'a [Input],
         folder: usize,
@@ -208,9 +209,9 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// Adds a run to the sums.
+    /// Adds a run to the accumulated data.
     fn add(&mut self, run: &FinishedRun) {
-        /// Largest number of failures with details.
+        /// Largest number of failed runs with details.
         const TOLD: usize = 5;
         let record = &run.record;
         self.runs += 1;
@@ -244,8 +245,8 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// Chooses the fastest, the median and the slowest run, each once. A stopped run is slower than
-    /// all runs that completed before its stop.
+    /// Selects the fastest, the median and the slowest run as examples, without duplicates. A
+    /// stopped run counts as slower than all runs that completed before it was stopped.
     fn choose(&mut self, finished: &Records) -> Result<(), ReportError> {
         let mut runs = self.times.clone();
         sort_by_time(&mut runs);
@@ -264,7 +265,8 @@ impl<'a> ReportedProgram<'a> {
         Ok(())
     }
 
-    /// Adds the times when the largest group reached each size. Failed runs add nothing.
+    /// Adds the time from the start of a run to each size of its largest group. Failed runs add
+    /// nothing.
     fn add_sizes(&mut self, record: &RunRecord) {
         let Some(status) = completion_status(&record.outcome) else {
             return;
@@ -283,7 +285,8 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// Returns whether its blocks bond to each other without captures.
+    /// Returns whether the program is an aggregate, whose blocks bond to each other without a
+    /// plate.
     pub fn is_aggregate(&self) -> bool {
         self.program.tables().aggregate.is_some()
     }
@@ -294,12 +297,12 @@ impl<'a> ReportedProgram<'a> {
         self.size_times[phase].to_vec()
     }
 
-    /// Returns the length of a tick of its scene.
+    /// Returns the length of a tick in the scene of the program.
     pub fn tick(&self) -> Tick {
         Tick(self.program.scene.tick)
     }
 
-    /// Returns the time axis of figures of this program, for values from
+    /// Returns the time axis for figures of this program. Its values come from
     /// [`ReportedProgram::on_axis`].
     pub fn time_axis(&self, what: &str) -> PlotAxis {
         if self.in_seconds {
@@ -309,7 +312,7 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// Returns the position of a time \[ticks\] on the axis of figures.
+    /// Converts a time in ticks to the unit of the time axis in figures.
     pub fn on_axis(&self, ticks: f64) -> f64 {
         if self.in_seconds {
             ticks * self.program.scene.tick
@@ -318,12 +321,13 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// Returns the text of a time \[ticks\] in the unit of figures.
+    /// Returns a time in ticks as text, in the unit of figures.
     pub fn described(&self, ticks: f64) -> String {
         format!("{} {}", number(self.on_axis(ticks)), self.figure_unit())
     }
 
-    /// Returns the interval of event rates in figures, with its length \[ticks\].
+    /// Returns the interval that event rates refer to in figures: its name and its length
+    /// \[ticks\].
     pub fn rate_interval(&self) -> (&'static str, f64) {
         if self.in_seconds {
             ("second", 1.0 / self.program.scene.tick)
@@ -342,12 +346,12 @@ impl<'a> ReportedProgram<'a> {
         unit.unit()
     }
 
-    /// Returns the times to completion \[ticks\]. Failed runs have none.
+    /// Returns the times to completion \[ticks\]. Failed runs are excluded.
     pub fn times(&self) -> Vec<Observation> {
         self.times.iter().map(|&(_, time)| time).collect()
     }
 
-    /// Returns the times to completion in a unit.
+    /// Returns the times to completion in the unit `clock`.
     pub fn times_by(&self, clock: TimeUnit) -> Vec<Observation> {
         let mut times = self.times();
         for time in &mut times {
@@ -356,8 +360,7 @@ impl<'a> ReportedProgram<'a> {
         times
     }
 
-    /// Returns the times of a phase from its beginning \[ticks\], for all runs that reached it and
-    /// did not fail.
+    /// Returns the durations of a phase \[ticks\] in all runs that reached it and did not fail.
     pub fn phase_times(&self, phase: usize) -> Vec<Observation> {
         self.phase_times[phase].to_vec()
     }
@@ -380,20 +383,20 @@ impl<'a> ReportedProgram<'a> {
     }
 }
 
-/// Numbers of finished runs by outcome.
+/// Number of finished runs by outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunCounts {
-    /// Runs that completed the structure.
+    /// Number of runs that completed the structure.
     pub completed: usize,
-    /// Runs ended by a timeout of the program.
+    /// Number of runs that timed out in a phase.
     pub timed_out: usize,
-    /// Runs that reached the limit of ticks.
+    /// Number of runs that reached the limit of ticks.
     pub censored: usize,
-    /// Runs with failed physics.
+    /// Number of runs whose physics failed.
     pub failed: usize,
 }
 
-/// Returns the last time that was seen of any run of any program, in the unit of a clock.
+/// Returns the latest observed time of all runs of all programs, in the unit `clock`.
 pub fn last_seen(programs: &[ReportedProgram<'_>], clock: TimeUnit) -> f64 {
     let times = programs.iter().flat_map(|it| it.times_by(clock));
     stochc_experiments::last_seen(times)

@@ -1,4 +1,4 @@
-//! Swept scene parameters: from `stochc sweep`, or from differences between folders.
+//! Sweeps of scene parameters, found as differences between results folders.
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value as Json, json};
@@ -8,20 +8,20 @@ use stochc_ir::scene::scalars::scalars;
 
 use super::reported_program::ReportedProgram;
 
-/// Index of a program in the report, with the parameters of its scene by name.
+/// Index of a program in the report, with the scene parameters of the program by name.
 type SweepMember = (usize, BTreeMap<&'static str, f64>);
 
-/// Attributes that must be equal for a comparison of one parameter.
+/// Properties that programs must share for a comparison of one scene parameter.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct ComparisonKey<'a> {
     tables: &'a str,
-    /// Settings of the programs as JSON.
+    /// Settings of the program as JSON.
     settings: String,
     words: BTreeMap<String, String>,
 }
 
 /// Finds programs of several folders that differ in exactly one scene parameter. Returns a sweep
-/// for each such parameter, with values in SI units.
+/// over each such parameter, in SI units.
 pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep> {
     let mut groups: BTreeMap<ComparisonKey, Vec<SweepMember>> = BTreeMap::new();
     let plain = subjects.iter().enumerate();
@@ -32,7 +32,7 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
         let scene = &subject.program.scene;
         let json = serde_json::to_value(scene).unwrap_or_default();
         leaves(String::new(), &json, &mut words);
-        // The name of the scene is not compared.
+        // Scenes may differ in their names.
         words.remove("name");
         let kind = ComparisonKey {
             tables,
@@ -77,7 +77,8 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
     sweeps.into_iter().map(sweep).collect()
 }
 
-/// Returns the only parameter that differs in a group. Returns `None` if none or several differ.
+/// Returns the scene parameter that differs within a group. Returns `None` if none or several
+/// differ.
 fn difference(group: &[SweepMember]) -> Option<&'static str> {
     let (_, first) = group.first()?;
     let mut found = BTreeSet::new();
@@ -95,7 +96,7 @@ fn difference(group: &[SweepMember]) -> Option<&'static str> {
     }
 }
 
-/// Collects the words of a scene by path. Numbers appear as `a number`.
+/// Collects the texts in the JSON of a scene, by path. Numbers are replaced by `a number`.
 fn leaves(at: String, value: &Json, words: &mut BTreeMap<String, String>) {
     let below = |name: &str| match at.as_str() {
         "" => name.to_owned(),

@@ -1,4 +1,4 @@
-//! Captures of a program: the durations of their waits and their share of the time.
+//! Waiting times of a program's captures, and their share of the completion time.
 use stochc_experiments::{Repetitions, Time, Waits};
 use stochc_ir::graph::EventAction;
 use stochc_ir::table::{PhaseId, RoleId};
@@ -6,43 +6,43 @@ use stochc_ir::table::{PhaseId, RoleId};
 use super::decisive_events::DecisiveEvents;
 use super::reported_program::ReportedProgram;
 
-/// A capture of a program, over all runs that did not fail.
+/// Capture of a program, with its statistics over all runs that did not fail.
 #[derive(Clone, Debug)]
 pub(crate) struct ReportedCapture {
-    /// Index in the events of the program.
+    /// Index of the capture in the events of the program.
     pub event: usize,
     pub phase: PhaseId,
-    /// Text such as `M.up -> N`.
+    /// Capture in the notation of the program, such as `M.up -> N`.
     pub text: String,
-    /// Whether the capture depends on the preceding capture in the list.
+    /// Whether the capture depends on the previous capture in the list.
     pub follows: bool,
     /// Statistics of its waiting times. `None` if no run waited for it.
     pub waits: Option<Waits>,
-    /// Share of the total time of all runs on the critical paths, 0 to 1.
+    /// Fraction of the total time of all runs that this capture spends on the critical paths.
     pub share: Option<f64>,
     /// Number of runs with the capture on the critical path.
     pub decided: usize,
 }
 
 impl ReportedCapture {
-    /// Returns the time from the magnetization of the face to the docking \[ticks\]. It is censored
-    /// in a run that was stopped before.
+    /// Returns the waiting time from switching the face on to the capture \[ticks\]. It is
+    /// right-censored in a run that was stopped first.
     pub fn time(&self) -> Option<&Time> {
         Some(&self.waits.as_ref()?.time)
     }
 
-    /// Returns the 10th and the 90th percentile of the waits \[ticks\], from the Kaplan-Meier curve
-    /// if waits are censored.
+    /// Returns the 10th and 90th percentile of the waiting times \[ticks\], from the Kaplan-Meier
+    /// curve if they are censored.
     pub fn spread(&self) -> Option<(f64, f64)> {
         self.waits.as_ref()?.spread
     }
 
-    /// Returns the mean number of entries of blocks into the capture range per capture.
+    /// Returns the mean number of entries into the capture range per capture.
     pub fn entries(&self) -> Option<f64> {
         self.waits.as_ref()?.entries
     }
 
-    /// Returns the mean time from the last entry of the captured block to its docking \[ticks\].
+    /// Returns the mean time from the captured block's last entry to its capture \[ticks\].
     pub fn docking(&self) -> Option<f64> {
         self.waits.as_ref()?.docking
     }
@@ -52,14 +52,14 @@ impl ReportedCapture {
         self.waits.as_ref().map_or(0, |waits| waits.free)
     }
 
-    /// Returns the numbers of captured blocks that had been released before, by their last role.
+    /// Returns the number of captured blocks that had been released before, by their last role.
     pub fn released(&self) -> &[(RoleId, usize)] {
         self.waits.as_ref().map_or(&[], |waits| &waits.released)
     }
 }
 
-/// Returns the captures of a program in the order of events. Moves the collected waiting times out
-/// of `subject`.
+/// Returns the captures of a program in the order of events. Removes the collected waiting times
+/// from `subject`.
 pub(crate) fn waits(subject: &mut ReportedProgram) -> Vec<ReportedCapture> {
     let DecisiveEvents {
         spent,

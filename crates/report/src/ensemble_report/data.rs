@@ -1,4 +1,4 @@
-//! Data of the figures as comma-separated values.
+//! Data of the figures of a report, as comma-separated values.
 use stochc_experiments::resampling::Ratio;
 use stochc_experiments::statistics::{KaplanMeier, Observation, Test};
 use stochc_experiments::sweep::Sweep;
@@ -14,7 +14,7 @@ fn maybe(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| value.to_string())
 }
 
-/// Returns a probability as text, a small one with an exponent.
+/// Returns a probability as text. Small ones have an exponent.
 fn probability(p: f64) -> String {
     if 0.0 < p && p < 1e-4 {
         format!("{p:e}")
@@ -23,7 +23,7 @@ fn probability(p: f64) -> String {
     }
 }
 
-/// Name and content of a file.
+/// Name and content of a text file.
 pub(super) type NamedFile = (String, String);
 
 /// Name of the table of critical paths.
@@ -88,7 +88,7 @@ pub(super) fn tables(
     present.map(|(table, _)| table).collect()
 }
 
-/// Returns all tables of a report except [`CHAINS`], in the order of [`tables`]. The last observed
+/// Returns all tables of a report except [`CHAINS`], in the order of [`tables`]. The latest observed
 /// time is in the unit of the report.
 pub(super) fn files(
     subjects: &[ReportedProgram],
@@ -120,8 +120,8 @@ pub(super) fn files(
         .collect()
 }
 
-/// Returns the growth of the largest groups of aggregates: the share of runs without a group of
-/// each size.
+/// Returns the growth of aggregates' largest groups as a table: the share of runs without a group
+/// of each size, over time.
 fn sizes(subjects: &[ReportedProgram]) -> String {
     let mut table = CsvTable::new([
         "program", "size", "ticks", "at_risk", "reached", "without", "low", "high",
@@ -138,7 +138,7 @@ fn sizes(subjects: &[ReportedProgram]) -> String {
     table.finish()
 }
 
-/// Adds a row for each step of a curve. Each row begins with the subject.
+/// Adds a row for each step of a survival curve. Each row begins with the two cells `of`.
 fn add_curve(table: &mut CsvTable, of: [&str; 2], times: &[Observation]) {
     let Some(estimate) = KaplanMeier::new(times) else {
         return;
@@ -182,7 +182,8 @@ fn survival(subjects: &[ReportedProgram]) -> String {
     table.finish()
 }
 
-/// Returns the means in ticks. `last` is the last observed time, in the unit of the report.
+/// Returns the table of mean times in ticks. `last` is the latest observed time, in the unit of the
+/// report.
 fn means(subjects: &[ReportedProgram], clock: TimeUnit, last: f64) -> String {
     let mut table = CsvTable::new([
         "program",
@@ -290,7 +291,7 @@ pub(super) fn chains_header() -> String {
     CsvTable::new(["program", "run", "phase", "event", "from", "to"]).finish()
 }
 
-/// Returns the lines of a run in [`CHAINS`].
+/// Returns the rows of [`CHAINS`] for one run.
 pub(super) fn chains(subject: &ReportedProgram, run: &FinishedRun) -> String {
     let mut table = CsvTable::part();
     for segment in &run.critical_path {
@@ -398,7 +399,7 @@ fn swept(sweeps: &[Sweep]) -> String {
     table.finish()
 }
 
-/// Returns the cells of a ratio: its value and the ends of its interval.
+/// Returns the cells of a ratio: its value and both ends of its interval.
 fn ratio(ratio: &Ratio) -> [String; 3] {
     let interval = ratio.interval;
     [
@@ -408,7 +409,7 @@ fn ratio(ratio: &Ratio) -> [String; 3] {
     ]
 }
 
-/// Returns the table of all map cells.
+/// Returns the table of the values in all cells of all maps.
 fn mapped(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
     let mut table = CsvTable::new([
         "program", "map", "slice", "at", "east", "up", "value", "low", "high",
@@ -440,7 +441,7 @@ fn mapped(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
     table.finish()
 }
 
-/// Returns the entries at every face that waited.
+/// Returns the table of the entries at every face that has waited.
 fn faces(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
     let mut table = CsvTable::new([
         "program", "capture", "x", "y", "z", "entries", "low", "high",

@@ -1,24 +1,24 @@
-//! Writes HTML and escapes all foreign text.
+//! HTML under construction. Escapes all text that is not HTML itself.
 use std::fmt::Write as _;
 
 use stochc_text::escaped;
 
-/// An HTML page under construction. `plain` text is escaped. `marked` text is HTML made by these
-/// functions.
+/// HTML of a page under construction. Arguments named `plain` are text to be escaped. Arguments
+/// named `marked` are HTML from these functions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Html {
     text: String,
     tables: usize,
 }
 
-/// A cell of a table.
+/// Cell of a table.
 #[derive(Clone, Debug)]
 pub(super) enum HtmlCell {
     /// Text that is already HTML.
     Marked(String),
     /// Plain text, to be escaped.
     Plain(String),
-    /// A number, aligned to the right. It can have several lines.
+    /// Number, aligned to the right. May have several lines.
     Number(String),
 }
 
@@ -52,7 +52,7 @@ impl Html {
         let _ = writeln!(self.text, "</{kind}>");
     }
 
-    /// Adds a table. The first cell of every row is its name.
+    /// Adds a table. The first cell of every row is its row header.
     pub fn table(&mut self, caption: &str, header: &[&str], rows: &[Vec<HtmlCell>]) {
         self.tables += 1;
         let numeric = |column: usize| {
@@ -97,14 +97,14 @@ impl Html {
     }
 }
 
-/// Returns a foreign name as HTML, with isolated text direction.
+/// Returns a name from a file as HTML. Its text direction cannot affect the surrounding text.
 pub(super) fn name(text: &str) -> String {
     format!("<bdi>{}</bdi>", escaped(text))
 }
 
 /// Returns a command or a part of a program as HTML.
 pub(super) fn code(text: &str) -> String {
-    /// Largest length without line breaks.
+    /// Largest length of a command without line breaks \[characters\].
     const WHOLE: usize = 40;
     let class = if text.chars().count() <= WHOLE {
         " class=\"whole\""
@@ -114,7 +114,7 @@ pub(super) fn code(text: &str) -> String {
     format!("<code{class}><bdi>{}</bdi></code>", escaped(text))
 }
 
-/// Returns a command to copy. One click selects all of it.
+/// Returns a command as HTML. One click selects all of it.
 pub(super) fn command(text: &str) -> String {
     format!(
         "<pre class=\"command\"><code>{}</code></pre>",

@@ -1,24 +1,25 @@
-//! Place of a report, and its first line.
+//! Location of a report, and the first line of its page.
 use std::time::Duration;
 
 use crate::analysis::maps::RecordingReader;
 use crate::figures::Figures;
 
-/// First line of every report. It distinguishes reports from other files.
+/// First line of every report. Other files do not begin with it.
 pub const MARK: &str = "<!DOCTYPE html><!-- stochc report -->";
 
-/// Location of the report, and the resources that it refers to.
+/// Location of a report, and the resources that the report refers to.
 #[derive(Clone, Copy)]
 pub struct ReportLocation<'a> {
-    /// Name of the folder of figures and tables, next to the page.
+    /// Name of the folder for figures and tables, next to the page.
     pub folder: &'a str,
-    /// Formats of the figures.
+    /// Size and file formats of the figures.
     pub figures: &'a Figures,
-    /// Interval of reloads by a browser. `None` if the page is not reloaded.
+    /// Time between reloads of the page by a browser. `None` if the page is not reloaded.
     pub reload: Option<Duration>,
-    /// Returns the relative address of the replay of a run. Arguments: index of the folder, index
-    /// of the program, number of the run. Returns `None` if there is no replay.
+    /// Function that returns the relative address of the replay of a run. Returns `None` if there
+    /// is no replay. Its arguments are the index of the folder, the index of the program, and the
+    /// number of the run.
     pub replay: &'a dyn Fn(usize, usize, u64) -> Option<String>,
-    /// Reader of the recordings.
+    /// Function that opens recordings.
     pub recordings: &'a RecordingReader<'a>,
 }

@@ -1,8 +1,8 @@
-//! The report on ensembles: a page to read, and a folder of figures and tables.
+//! Report on ensembles: an HTML page, and a folder of figures and tables.
 //!
 //! `analysis` aggregates the inputs. [`figures`](crate::figures) and `data.rs` present the results,
-//! and `page/` builds the page. All are pure functions of the inputs. `docs/guides/report.md`
-//! explains each figure.
+//! and `page/` builds the page. All these modules are pure functions of the inputs.
+//! `docs/guides/report.md` explains each figure.
 mod data;
 mod html;
 mod location;

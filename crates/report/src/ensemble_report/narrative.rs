@@ -1,4 +1,4 @@
-//! Description of a run: its critical path in sentences.
+//! Description of the critical path of a run in sentences.
 use stochc_ir::graph::Dependency;
 use stochc_ir::record::{Limit, Origin, Outcome};
 use stochc_results::EnsembleProgram;
@@ -9,12 +9,12 @@ use crate::analysis::critical_path::{CriticalPathSegment, SegmentKind};
 use crate::analysis::events::Events;
 use crate::analysis::reported_program::FinishedRun;
 
-/// Context of the description of a run.
+/// Program and replay that the description of a run refers to.
 pub(crate) struct NarrativeContext<'a> {
     pub program: &'a EnsembleProgram,
     /// Events of the program.
     pub events: &'a Events,
-    /// Address of the replay of the run.
+    /// Address of the replay of the run. `None` if there is no replay.
     pub replay: Option<String>,
 }
 
@@ -23,13 +23,13 @@ impl NarrativeContext<'_> {
         Tick(self.program.scene.tick)
     }
 
-    /// Returns a tick of the run as HTML, as a link if there is a replay.
+    /// Returns a tick of the run as HTML. It is a link if there is a replay.
     fn at(&self, tick: u64) -> String {
         tick_of(self.replay.as_deref(), tick)
     }
 }
 
-/// Returns a tick of a run as HTML, as a link if a replay has an address.
+/// Returns a tick of a run as HTML. It is a link if `replay` is an address.
 pub(super) fn tick_of(replay: Option<&str>, tick: u64) -> String {
     let text = number(tick as f64);
     match replay {
@@ -38,7 +38,7 @@ pub(super) fn tick_of(replay: Option<&str>, tick: u64) -> String {
     }
 }
 
-/// Largest number of described segments. In a longer path, these are the longest.
+/// Largest number of described segments. A longer path is reduced to its longest segments.
 const TOLD: usize = 12;
 
 /// Returns the heading of a run as HTML: its number, its description and its time.
@@ -56,7 +56,7 @@ pub(super) fn heading(of: &NarrativeContext, what: &str, run: &FinishedRun) -> S
         }
         Outcome::Failed { .. } => ", failed".to_owned(),
     };
-    // The last tick, and in the replay all of them.
+    // The heading names the last tick.
     let unit = if record.ticks == 1 { "tick" } else { "ticks" };
     format!(
         "Run {}, the {what}: {} {unit}{}{end}",
@@ -66,7 +66,7 @@ pub(super) fn heading(of: &NarrativeContext, what: &str, run: &FinishedRun) -> S
     )
 }
 
-/// Returns the critical path as list items of HTML.
+/// Returns the critical path of a run as list items of HTML.
 pub(super) fn narrative(of: &NarrativeContext, run: &FinishedRun) -> Vec<String> {
     let mut longest: Vec<u64> = run
         .critical_path
@@ -79,7 +79,7 @@ pub(super) fn narrative(of: &NarrativeContext, run: &FinishedRun) -> Vec<String>
     let least = longest.get(TOLD).copied();
     let told = |segment: &&CriticalPathSegment| match least {
         None => true,
-        // Equally long segments are treated alike. A sequence of short waits is described as one
+        // Segments of equal length are treated alike. A sequence of short waits is described as one
         // item.
         Some(least) => segment.ticks() > least,
     };
@@ -98,7 +98,8 @@ pub(super) fn narrative(of: &NarrativeContext, run: &FinishedRun) -> Vec<String>
     items
 }
 
-/// Returns a sentence of HTML on the longest wait, if it dominates the run.
+/// Returns a sentence of HTML about the longest wait. Returns `None` if it does not dominate the
+/// run.
 pub(super) fn lead(of: &NarrativeContext, run: &FinishedRun) -> Option<String> {
     let total = run.record.ticks;
     let longest = run
@@ -114,7 +115,8 @@ pub(super) fn lead(of: &NarrativeContext, run: &FinishedRun) -> Option<String> {
     (share >= 0.25).then(|| format!("{told} alone took {} of it.", whole_percent(share)))
 }
 
-/// Returns the times when the largest group of an aggregate reached each size, as list items.
+/// Returns the times when the largest group of an aggregate reached each size, as list items of
+/// HTML.
 pub(super) fn sizes(of: &NarrativeContext, run: &FinishedRun) -> Vec<String> {
     let mut tick: u64 = 0;
     let phases = of.program.phases().iter().zip(&run.record.phase_ticks);
@@ -135,7 +137,7 @@ fn between(of: &NarrativeContext, passed: &[&CriticalPathSegment]) -> Option<Str
         .iter()
         .fold(0, |spent: u64, wait| spent.saturating_add(*wait));
     let longest = waits.iter().copied().max().unwrap_or(0);
-    // Immediate releases. The following segment mentions them.
+    // These releases were immediate. The description of the next segment mentions them.
     if longest == 0 {
         return None;
     }
@@ -156,7 +158,7 @@ pub(crate) fn item(
     segment: &CriticalPathSegment,
 ) -> String {
     let share = segment.ticks() as f64 / run.record.ticks.max(1) as f64;
-    // Time of the segment in seconds, and its share of the run.
+    // Duration of the segment in seconds, and its share of the run.
     let seconds = of.tick().seconds(segment.ticks() as f64);
     let share = match share {
         share if share >= 0.005 => format!(" ({seconds}, {})", whole_percent(share)),
@@ -210,7 +212,7 @@ pub(crate) fn item(
                 format!(": {entries} took {docking} to dock")
             };
             let entries = match bond.entries {
-                // The blocks do not move.
+                // The blocks do not move in this model.
                 0 => String::new(),
                 1 => docked("1 block entered the field and"),
                 n => docked(&format!(
@@ -229,7 +231,7 @@ pub(crate) fn item(
     }
 }
 
-/// Returns the reason for the beginning of a wait, as the end of a sentence.
+/// Returns why a wait began, as the end of a sentence.
 fn reason(of: &NarrativeContext, segment: &CriticalPathSegment) -> String {
     let Some((first, why)) = segment.since else {
         let phase = name(of.program.phase(segment.phase));
@@ -246,7 +248,7 @@ fn reason(of: &NarrativeContext, segment: &CriticalPathSegment) -> String {
     }
 }
 
-/// Returns a number of ticks, followed by seconds.
+/// Returns a number of ticks, followed by the same time in seconds.
 fn ticks(of: &NarrativeContext, n: u64) -> String {
     count(n) + &of.tick().beside(n as f64)
 }

@@ -1,4 +1,4 @@
-//! The report of an ensemble.
+//! Complete report on ensembles.
 use std::io::Write;
 
 use stochc_experiments::trade::Trade;
@@ -11,20 +11,21 @@ use crate::analysis::reported_program::{Input, ReportError, ReportedProgram};
 use crate::analysis::{pairwise, reported_program, sweep, waits};
 use crate::svg::Drawing;
 
-/// A complete report with its figures.
+/// Complete report with its figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// HTML page, self-contained and without scripts.
+    /// HTML of the page. It is self-contained and without scripts.
     pub page: String,
-    /// Figures and their data (CSV) except [`CHAINS`](super::CHAINS), by name of the file.
+    /// Name and content of each file: figures and their data (CSV), except
+    /// [`CHAINS`](super::CHAINS).
     pub files: Vec<(String, Vec<u8>)>,
-    /// Whether [`CHAINS`](super::CHAINS) belongs to the report. Without captures it would have no
-    /// rows.
+    /// Whether the report includes [`CHAINS`](super::CHAINS). Without captures, this table would
+    /// have no rows.
     pub has_chains: bool,
 }
 
-/// Creates the report of one or several results folders. It writes
-/// [`CHAINS`](super::CHAINS) directly, because this table has rows for every run.
+/// Creates the report of one or several results folders. Writes [`CHAINS`](super::CHAINS) directly
+/// to `chains`, because this table has rows for every run.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Export of an animated scene in glTF.
+//! Export of a run as an animated scene in glTF.
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -10,10 +10,11 @@ use stochc_runtime::observe::{ObservedEvent, Observer};
 use stochc_runtime::world::Arena;
 use stochc_text::palette::{DARK, PHASES, Rgb};
 
-/// Largest size of the file [bytes]. The format stores lengths in 32 bits.
+/// Largest size of the file \[bytes\]. The format stores lengths in 32 bits.
 const LARGEST: u64 = 0xFFFF_0000;
 
-/// Returns the colours of the phases, then of free blocks, named seeds and the plate.
+/// Returns the colours of the phases, then the colours of free blocks, of named seeds and of the
+/// plate.
 fn colours() -> impl Iterator<Item = Rgb> {
     PHASES.into_iter().chain([DARK.free, DARK.seed, DARK.plate])
 }
@@ -25,10 +26,10 @@ const UNSIGNED_SHORT: u32 = 5123;
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 
-/// Byte sequence that all these files contain.
+/// Byte sequence that every exported glTF file contains.
 pub const GLTF_MARK: &[u8] = b"\"generator\":\"stochc ";
 
-/// Error of the export.
+/// Error of exporting glTF.
 #[derive(Debug, thiserror::Error)]
 pub enum GltfError {
     /// The animation exceeds the length fields of the format.
@@ -41,25 +42,25 @@ pub enum GltfError {
 
 /// Collects the positions of all blocks for a binary glTF 2.0 file (`.glb`).
 ///
-/// Each block is a node with an animation of translation and rotation. Keyframes are every nth
-/// tick, and every tick that changes the structure. Lengths are in metres, times in seconds, y is
-/// up. A block has the colour of the phase that captures it first.
+/// Each block is a node with an animation of translation and rotation. There is a keyframe at every
+/// nth tick, and at every tick that changes the structure. Lengths are in metres, times in seconds,
+/// y is up. A block has the colour of the phase that captures it first.
 pub struct Gltf {
     every: u64,
     ticks: Vec<u64>,
-    /// For each block, three numbers per keyframe.
+    /// Positions of each block: three numbers per keyframe.
     translations: Vec<Vec<f32>>,
-    /// For each block, four numbers per keyframe.
+    /// Rotations of each block: four numbers per keyframe.
     rotations: Vec<Vec<i16>>,
     phase: PhaseId,
-    /// For each block, its final role and the phase of its first capture.
+    /// Final role of each block, and the phase of its first capture.
     roles: BTreeMap<u32, (String, PhaseId)>,
     names: Vec<String>,
     is_too_large: bool,
 }
 
 impl Gltf {
-    /// Creates an empty animation of `bodies` free blocks.
+    /// Creates an empty animation of `bodies` free blocks, with a keyframe at every `every`th tick.
     pub fn new(every: u32, bodies: u32, tables: &Tables) -> Gltf {
         Gltf {
             every: every.max(1).into(),
@@ -153,7 +154,8 @@ impl Gltf {
                     .push(json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
             }
         }
-        // The structure has z up and the side as unit. glTF has y up and the metre as unit.
+        // In the structure, z is up and the unit is the block length. In glTF, y is up and the unit
+        // is the metre.
         let half = 0.5f64.sqrt();
         let side = scene.block.side;
         let children: Vec<usize> = (0..nodes.len()).collect();
@@ -200,7 +202,7 @@ impl Observer for Gltf {
             return;
         }
         self.ticks.push(tick);
-        // Twelve bytes for the translation, and eight for the rotation.
+        // Per keyframe, a block has twelve bytes for its translation and eight for its rotation.
         let bytes = self.ticks.len() as u64 * (20 * self.translations.len() as u64 + 4);
         self.is_too_large = bytes > LARGEST;
         for (id, (translations, rotations)) in
@@ -233,7 +235,8 @@ fn plate(tables: &Tables) -> Vec<(String, Cell, usize)> {
     blocks
 }
 
-/// Returns the centre of a cell, relative to the centre of the plate's top \[side\].
+/// Returns the centre of a cell, relative to the centre of the plate's upper side \[block
+/// lengths\].
 fn centre(cell: Cell, tables: &Tables) -> [f64; 3] {
     let across = |n: i32, blocks: u32| f64::from(n) - (f64::from(blocks) - 1.0) / 2.0;
     [
@@ -243,12 +246,12 @@ fn centre(cell: Cell, tables: &Tables) -> [f64; 3] {
     ]
 }
 
-/// Adds a cube of side 1. Its corners, normals and triangles are the first three accessors.
+/// Adds a cube of side 1. The first three accessors are its corners, normals and triangles.
 fn cubes(file: &mut BinaryBuffer) -> usize {
     let (mut corners, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
     for (number, face) in (0u16..).zip(Face::ALL) {
         let n = face.normal().map(|x| x as f32);
-        // Two directions in the face with u x v = n.
+        // Two directions in the face, with u x v = n.
         let u = [n[1], n[2], n[0]];
         let v = [
             n[1] * u[2] - n[2] * u[1],
@@ -280,18 +283,18 @@ fn cubes(file: &mut BinaryBuffer) -> usize {
     0
 }
 
-/// Returns the linear light of a colour, opaque.
+/// Returns an opaque colour as linear light, for a glTF material.
 fn factor(colour: Rgb) -> Vec<f64> {
     let light = colour.linear().map(|part| (100.0 * part).round() / 100.0);
     light.into_iter().chain([1.0]).collect()
 }
 
-/// Returns the mesh of the cube with a material.
+/// Returns the mesh of the cube with one of the materials.
 fn mesh(material: usize) -> Value {
     json!({ "primitives": [{ "attributes": { "POSITION": 0, "NORMAL": 1 }, "indices": 2, "material": material }] })
 }
 
-/// Binary part of a file, with its views and accessors.
+/// Binary part of a glTF file, with its buffer views and accessors.
 #[derive(Default)]
 struct BinaryBuffer {
     bytes: Vec<u8>,
@@ -300,7 +303,7 @@ struct BinaryBuffer {
 }
 
 impl BinaryBuffer {
-    /// Adds numbers with their `accessor`. Returns the index of the accessor.
+    /// Adds numbers and the `accessor` that describes them. Returns the index of the accessor.
     fn accessor(&mut self, bytes: &[u8], target: Option<u32>, mut accessor: Value) -> usize {
         let mut view =
             json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });

@@ -1,7 +1,7 @@
 //! Export of the motion of all blocks in a run.
 //!
 //! Each format is an [`Observer`](stochc_runtime::observe::Observer) of the run. It receives the
-//! computed numbers, without the rounding of a recording.
+//! positions without the rounding of a recording.
 mod gltf;
 mod trajectories;
 

@@ -15,10 +15,10 @@ use stochc_ir::table::Tables;
 use stochc_runtime::observe::{ObservedEvent, Observer};
 use stochc_runtime::world::Arena;
 
-/// Rows of a row group, about 30 MB in memory.
+/// Number of rows in a row group, about 30 MB in memory.
 const GROUP: usize = 1 << 20;
 
-/// Byte sequence at the end of every such table: a pair of its metadata in Thrift's compact
+/// Byte sequence near the end of every exported table: a pair of its metadata in Thrift's compact
 /// protocol.
 pub const TRAJECTORIES_MARK: &[u8] = b"stochc.table\x18\x0ctrajectories";
 
@@ -39,17 +39,17 @@ const SCHEMA: &str = "message trajectories {
 ///
 /// | column | type | meaning |
 /// |---|---|---|
-/// | `tick` | integer | tick, every nth from 0 |
+/// | `tick` | integer | tick: every nth tick, starting at 0 |
 /// | `body` | integer | number of the block, from 0 |
-/// | `x`, `y`, `z` | 32-bit float | position of its centre relative to the centre of the plate's top \[side\]; z is up |
-/// | `qx`, `qy`, `qz`, `qw` | 32-bit float | quaternion from its own axes to those of the structure |
-/// | `role` | text or null | its role while it is part of the structure |
+/// | `x`, `y`, `z` | 32-bit float | position of the block's centre relative to the centre of the plate's upper side \[block lengths\]; z is up |
+/// | `qx`, `qy`, `qz`, `qw` | 32-bit float | quaternion from the block's own axes to those of the structure |
+/// | `role` | text or null | role of the block while it is part of the structure |
 pub struct Trajectories<W: Write + Send> {
-    /// Writer. `None` if it has failed.
+    /// Writer of the file. `None` after an error.
     writer: Option<SerializedFileWriter<W>>,
     every: u64,
     names: Vec<String>,
-    /// Roles of the blocks in the structure.
+    /// Role of each block that is part of the structure.
     roles: BTreeMap<u32, usize>,
     rows: TrajectoryRows,
     broken: Option<ParquetError>,
@@ -64,7 +64,8 @@ struct TrajectoryRows {
 }
 
 impl<W: Write + Send> Trajectories<W> {
-    /// Starts a table with every `every`th tick. `about` is stored in its metadata.
+    /// Begins a table with the positions at every `every`th tick. `about` is stored in its
+    /// metadata.
     ///
     /// # Errors
     ///
@@ -83,7 +84,7 @@ impl<W: Write + Send> Trajectories<W> {
         let mut properties = WriterProperties::builder()
             .set_compression(Compression::GZIP(GzipLevel::default()))
             .set_key_value_metadata(Some(metadata.collect()));
-        // These numbers rarely repeat, but their high bytes are similar.
+        // Values of these columns rarely repeat, but their high bytes are similar.
         for column in ["x", "y", "z", "qx", "qy", "qz", "qw"] {
             properties = properties
                 .set_column_dictionary_enabled(ColumnPath::from(column), false)

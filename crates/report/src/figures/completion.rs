@@ -1,13 +1,12 @@
-//! Curves of the share of incomplete runs over time.
+//! Figure of completion: the share of incomplete runs over time.
 use stochc_experiments::{TimeUnit, completion_time};
 use stochc_results::{JournalError, Manifest, Records};
 
 use super::{SurvivalCurve, incomplete, survival};
 use crate::svg::{Colours, Drawing, Medium, PlotAxis};
 
-/// Draws the curves of all programs of an ensemble in a common unit. Returns `None` if no run has
-/// completed or been stopped. A sweep has the figures of [`super::sweep`] instead, and returns
-/// `None`.
+/// Draws the completion curves of all programs of an ensemble, in a common unit. Returns `None` for
+/// a sweep, which has the figures of [`super::sweep`]. Also returns `None` if no run has a time.
 ///
 /// # Errors
 ///

@@ -8,14 +8,14 @@ use crate::presentation::Presentation;
 /// File format of a figure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FigureFormat {
-    /// SVG, for browsers and drawing programs.
+    /// SVG, for browsers and drawing applications.
     #[default]
     Svg,
-    /// PDF, for papers, with an embedded font.
+    /// PDF with an embedded font, for papers.
     Pdf,
 }
 
-/// Error of an unknown file format.
+/// Error of parsing a file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("give `svg` or `pdf`")]
 pub struct UnknownFormat;
@@ -32,14 +32,14 @@ impl FromStr for FigureFormat {
     }
 }
 
-/// Options of figures in files. The figures on the page of a report are always for a screen.
+/// Options for figures in files. Figures on the page of a report are always laid out for a screen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
-    /// Medium of the layout.
+    /// Medium that figures are laid out for.
     pub medium: Medium,
     /// File formats, at least one.
     pub formats: Vec<FigureFormat>,
-    /// Presentation of programs and times.
+    /// Names of programs and unit of times.
     pub presentation: Presentation,
 }
 
@@ -63,7 +63,8 @@ impl Figures {
         names.collect()
     }
 
-    /// Returns the names and contents of the files of a figure drawn for the same [`Medium`].
+    /// Returns the name and content of each file of a figure. The figure must be drawn for the same
+    /// [`Medium`].
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! Figure of a fit: the distribution of each parameter, and its predictions.
+//! Figure of a fit: the posterior of each parameter, and the predicted times.
 use stochc_experiments::fit::{Fit, Interval, Prediction, Prior, Unit};
 use stochc_text::number;
 
@@ -6,14 +6,15 @@ use super::EDGE;
 use crate::svg::letters::{fitted, widest};
 use crate::svg::{Drawing, LINE, Medium, PlotAxis, Scale, Style};
 
-/// Height of the panel of a parameter.
+/// Height of the panel of a parameter, in units of a drawing.
 const PANEL: f64 = 130.0;
-/// Height of the row of a program.
+/// Height of the row of a program, in units of a drawing.
 const ROW: f64 = 26.0;
 /// Number of bins of a histogram.
 const BINS: usize = 40;
 
-/// Draws a histogram of each parameter over its range, and measured means next to predicted means.
+/// Draws the posterior of each parameter as a histogram over its prior range. Draws measured means
+/// next to predicted means.
 pub fn fit(medium: Medium, fit: &Fit, priors: &[Prior]) -> Drawing {
     let numbers: Vec<String> = (fit.numbers.iter())
         .map(|it| {
@@ -44,7 +45,8 @@ pub fn fit(medium: Medium, fit: &Fit, priors: &[Prior]) -> Drawing {
     out.high(foot - 8.0)
 }
 
-/// Draws the histogram of a parameter. Returns the baseline of the next line of text.
+/// Draws the posterior of parameter `i` as a histogram. Returns the baseline of the next line of
+/// text.
 fn histogram(out: &mut Drawing, fit: &Fit, prior: &Prior, i: usize, top: f64) -> f64 {
     let (bottom, known) = (top + PANEL - 50.0, &fit.numbers[i]);
     let (left, right) = (EDGE + 16.0, out.size().0 - 30.0);
@@ -70,7 +72,7 @@ fn histogram(out: &mut Drawing, fit: &Fit, prior: &Prior, i: usize, top: f64) ->
     out.across(&scale, (left, right), bottom, bottom, &of)
 }
 
-/// Draws measured and predicted means. Returns the baseline of the next line of text.
+/// Draws measured and predicted mean times. Returns the baseline of the next line of text.
 fn predictions(out: &mut Drawing, fit: &Fit, top: f64) -> f64 {
     let ends = fit.predictions.iter().flat_map(|it| {
         let measured = it.of.observed.as_ref().map_or(0.0, |it| it.mean);

@@ -1,4 +1,4 @@
-//! Maps: slices through counts in the cells of the lattice.
+//! Figures of maps: slices with a colour for each cell of the lattice.
 use stochc_text::number;
 use stochc_text::palette::sequential;
 
@@ -6,24 +6,26 @@ use super::EDGE;
 use crate::analysis::maps::SliceMap;
 use crate::svg::{Drawing, Medium, PlotAxis, Scale, Style};
 
-/// Slices, side by side or stacked, with a common colour scale.
+/// Slices with a common colour scale, side by side or stacked.
 pub(crate) struct MapColumn<'a> {
     pub title: String,
     pub maps: Vec<&'a SliceMap>,
-    /// Quantity of the colours, with the factor from map values to its unit.
+    /// Quantity that the colours show, with the factor from map values to its unit.
     pub shows: PlotAxis,
     pub unit: f64,
 }
 
-/// Distance between panels and around them.
+/// Distance between panels and around them, in units of a drawing.
 const GAP: f64 = 22.0;
-/// Width of the axis at the left of a panel.
+/// Width of the axis to the left of a panel, in units of a drawing.
 const AXIS: f64 = 40.0;
-/// Height of the colour scale and of its steps.
+/// Height of the colour scale, in units of a drawing.
 const SAMPLE: f64 = 10.0;
+/// Number of colours in the colour scale.
 const STEPS: usize = 40;
 
-/// Draws panels in columns, each with its colour scale below. Returns `None` if all maps are empty.
+/// Draws maps in columns, with the colour scale of each column below. Returns `None` if all maps
+/// are empty.
 pub(crate) fn maps(
     medium: Medium,
     name: &str,
@@ -106,7 +108,7 @@ fn panel(
         ];
         out.curve("mark outline", &corners, "");
     }
-    // Whole sides only.
+    // Only whole block lengths have ticks.
     let marks: Vec<(f64, String)> = (upward.ticks(5).into_iter())
         .filter(|tick| tick.fract() == 0.0)
         .map(|tick| (upward.at(tick), number(tick)))

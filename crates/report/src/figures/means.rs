@@ -6,7 +6,7 @@ use super::EDGE;
 use crate::svg::letters::{fitted, widest};
 use crate::svg::{Drawing, Medium, PlotAxis, Scale, Style, class};
 
-/// Draws a dot for each program, with the 95 % interval of its mean.
+/// Draws the mean time of each program as a dot, with its 95 % interval.
 pub(crate) fn means(medium: Medium, times: &[(&str, Time)], unit: &str) -> Option<Drawing> {
     const TOP: f64 = 14.0;
     const ROW: f64 = 26.0;

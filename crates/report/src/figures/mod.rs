@@ -1,4 +1,4 @@
-//! Figures (SVG and PDF) of ensembles, sweeps and trades, laid out for the width of their medium.
+//! Figures of ensembles, sweeps and trades (SVG and PDF), laid out for the width of their medium.
 mod completion;
 mod files;
 mod fit;
@@ -25,5 +25,5 @@ pub use structure::structure;
 pub use sweep::pictures as sweep;
 pub use trade::trade;
 
-/// Margin of a figure.
+/// Margin around a figure, in units of a drawing.
 const EDGE: f64 = 8.0;

@@ -1,4 +1,4 @@
-//! Figure of the origins of captured blocks.
+//! Figure of the former roles of captured blocks.
 use std::collections::BTreeMap;
 
 use stochc_ir::table::RoleId;
@@ -9,8 +9,8 @@ use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, widest};
 use crate::svg::{Drawing, LegendEntry, LegendSymbol, Medium, PlotAxis, Scale, class};
 
-/// Draws a bar for each capture that captured a released block at least once. Returns `None` if no
-/// capture did.
+/// Draws a bar for each capture that captured a released block at least once. Returns `None` if
+/// there is no such capture.
 pub(crate) fn origins(
     medium: Medium,
     number: usize,
@@ -20,14 +20,14 @@ pub(crate) fn origins(
 ) -> Option<Drawing> {
     const TOP: f64 = 16.0;
     const ROW: f64 = 24.0;
-    /// Number of roles with their own colours.
+    /// Number of former roles that have their own colour.
     const ROLES: usize = 6;
     let mut rows: Vec<&ReportedCapture> = waits
         .iter()
         .filter(|wait| !wait.released().is_empty())
         .collect();
     let all = rows.len();
-    // A figure shows a limited number of bars. The data file is complete.
+    // The number of bars in the figure is limited. The data file contains all.
     rows.truncate(super::SHOWN);
     if rows.is_empty() {
         return None;

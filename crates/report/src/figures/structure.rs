@@ -9,14 +9,14 @@ use crate::svg::{Drawing, Medium, Paint, Style};
 /// Edge of a cube, in units of a drawing.
 const EDGE: f64 = 26.0;
 
-/// Projected width of a cube.
+/// Width of a cube in the projection, in units of a drawing.
 const WIDTH: f64 = 2.0 * COS * EDGE;
 
-/// Cosine of 30 degrees, the angle of the ground edges in the projection.
+/// Cosine of 30 degrees, the angle of horizontal edges in the projection.
 const COS: f64 = 0.866;
 
-/// Draws the structure at the end of each phase, seen from the south-east. Blocks have the colour
-/// of their capturing phase, and dark edges at its end.
+/// Draws the structure at the end of each phase, seen from the south-east. A block has the colour
+/// of the phase that captured it. Blocks that were captured in the shown phase have dark edges.
 pub fn structure(built: &BuiltStructure) -> Drawing {
     let plate = &built.plate;
     let ground: Vec<Cell> = (0..plate.width as i32)
@@ -62,7 +62,7 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
         let mut cells: Vec<(Cell, Option<&BuiltBlock>)> = (ground.iter().map(|&cell| (cell, None)))
             .chain(standing)
             .collect();
-        // From the farthest to the nearest.
+        // Draw cells from the farthest to the nearest.
         cells.sort_by_key(|(cell, _)| (cell.x - cell.y + cell.z, cell.z));
         for (cell, block) in cells {
             cube(&mut out, shift, cell, block, number);
@@ -73,14 +73,14 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
     out.high(height)
 }
 
-/// Visible sides (top, south and east): light and corners of each.
+/// Visible sides of a cube (top, south and east): brightness and corners of each.
 const SIDES: [(f64, [[i32; 3]; 4]); 3] = [
     (1.0, [[0, 0, 1], [0, 1, 1], [1, 1, 1], [1, 0, 1]]),
     (0.85, [[0, 0, 1], [1, 0, 1], [1, 0, 0], [0, 0, 0]]),
     (0.7, [[1, 0, 1], [1, 1, 1], [1, 1, 0], [1, 0, 0]]),
 ];
 
-/// Projects a point into the drawing.
+/// Projects a point in space to a point of the drawing.
 fn project([x, y, z]: [f64; 3]) -> (f64, f64) {
     (EDGE * COS * (x + y), EDGE * (0.5 * (x - y) - z))
 }
@@ -165,7 +165,7 @@ mod tests {
                 .count()
         };
         assert_eq!(count("polygon"), 3 * (2 * 4 + 1 + 3));
-        // Labels of blocks and of phases.
+        // There are four labels of blocks and two of phases.
         assert_eq!(count("text"), 4 + 2);
         assert!(picture.contains("grow &amp; go: 3 blocks"));
     }

@@ -6,21 +6,22 @@ use super::EDGE;
 use crate::svg::letters::{fitted, width};
 use crate::svg::{Colours, Drawing, LINE, Medium, PlotAxis, Scale, dashes, plot_height};
 
-/// Data of one curve.
+/// Data of one curve in a figure.
 #[derive(Clone, Debug)]
 pub(crate) struct SurvivalCurve {
     pub name: String,
-    /// Times in the unit of the axis.
+    /// Times of the runs, in the unit of the axis.
     pub times: Vec<Observation>,
 }
 
-/// Returns the usual vertical axis.
+/// Returns the default vertical axis: the share of incomplete runs.
 pub(crate) fn incomplete() -> PlotAxis {
     PlotAxis::new("runs not complete yet", "%")
 }
 
-/// Draws Kaplan-Meier curves with their intervals. Marks show stopped runs. The numbers at risk are
-/// listed below the time axis. `axis` is the axis of times, and `of` that of shares.
+/// Draws Kaplan-Meier curves with their intervals. Marks show stopped runs. Numbers below the time
+/// axis show how many runs are under observation. `axis` is the axis of times, and `of` the axis of
+/// shares.
 pub(crate) fn survival(
     medium: Medium,
     name: &str,
@@ -31,9 +32,9 @@ pub(crate) fn survival(
 ) -> Option<Drawing> {
     const RISK: &str = "at risk";
     const ROW: f64 = 19.0;
-    /// Largest number of bands. More would hide each other.
+    /// Largest number of curves with bands for their intervals. More bands would hide each other.
     const BANDS: usize = 4;
-    /// Number of marks that a browser draws without delay.
+    /// Largest number of marks, which a browser draws without delay.
     const MARKS: usize = 2000;
     let known: Vec<_> = (curves.iter().enumerate())
         .filter_map(|(i, curve)| Some((i, curve, KaplanMeier::new(&curve.times)?)))
@@ -44,7 +45,7 @@ pub(crate) fn survival(
         return None;
     }
     let mut out = Drawing::new(medium, name, title, &description(&known));
-    // The first number at risk is next to the label.
+    // The first number under observation stands next to the label.
     let most = curves.iter().map(|curve| curve.times.len()).max();
     let most = width(&most.unwrap_or(0).to_string());
     let left = (EDGE + width(RISK) + 8.0 + most / 2.0).max(58.0);
@@ -57,7 +58,7 @@ pub(crate) fn survival(
     let mut foot = out.across(&x, (left, right), bottom, top, axis);
     out.upward(&y, (bottom, top), left, right, of, percent_number);
     for (i, _, estimate) in known.iter().filter(|_| known.len() <= BANDS) {
-        // After the last completion the curve is unknown or 0.
+        // After the last completion, the curve is unknown or 0.
         let points: Vec<_> = (thinned(estimate, &x).iter())
             .map_while(|point| Some((point.time, point.interval?)))
             .collect();
@@ -98,7 +99,7 @@ pub(crate) fn survival(
         let stopped = curve.times.iter().filter(|time| !time.is_completed());
         let mut stopped: Vec<f64> = stopped.map(|time| time.time).collect();
         if stopped.len() > MARKS {
-            // One of several indistinguishable marks.
+            // Keep one of several marks that overlap completely.
             stopped.sort_by(f64::total_cmp);
             stopped.dedup_by_key(|time| column(&x, *time));
         }
@@ -127,7 +128,8 @@ pub(crate) fn survival(
     Some(out.high(foot - 8.0))
 }
 
-/// Returns the distinguishable steps: the last within each third of a unit.
+/// Returns the steps of a curve that can be distinguished: the last one within each third of a
+/// drawing unit.
 fn thinned(estimate: &KaplanMeier, x: &Scale) -> Vec<SurvivalPoint> {
     let mut kept: Vec<SurvivalPoint> = Vec::new();
     for point in estimate.curve() {
@@ -142,7 +144,7 @@ fn thinned(estimate: &KaplanMeier, x: &Scale) -> Vec<SurvivalPoint> {
     kept
 }
 
-/// Returns the position of a time in thirds of a drawing unit.
+/// Returns the horizontal position of a time, in thirds of a drawing unit.
 fn column(x: &Scale, time: f64) -> i64 {
     (3.0 * x.at(time)) as i64
 }

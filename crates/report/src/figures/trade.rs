@@ -11,39 +11,41 @@ use crate::svg::{
 };
 use crate::tables::trade::RESTRICTED;
 
-/// Width on a screen.
+/// Width of the figure on a screen, in units of a drawing.
 const WIDTH: f64 = 1020.0;
-/// Smallest width with the list of settings at the right. In narrower figures it is below the plot.
+/// Smallest width of a figure with the list of settings to the right of the plot. In narrower
+/// figures, the list is below.
 const BESIDE: f64 = 840.0;
-/// Width of the list.
+/// Width of the list of settings, in units of a drawing.
 const LIST: f64 = 420.0;
-/// Smaller biases have a linear scale, larger ones a logarithmic scale.
+/// Largest bias on the linear part of the scale. It is logarithmic above.
 const SMALL: f64 = 0.02;
-/// Dash pattern of the front.
+/// Dash pattern of the line through Pareto-optimal settings.
 const FRONT: &str = "5 4";
-/// Half the size of a mark.
+/// Half the size of a mark, in units of a drawing.
 const MARK: f64 = 5.5;
-/// Height of a line in the list of settings.
+/// Height of a line in the list of settings, in units of a drawing.
 const ROW: f64 = 19.0;
 
-/// A candidate with its position in the figure.
+/// Candidate with its position in the figure.
 struct PlottedSetting<'a> {
-    /// Number as in the tables, from 1.
+    /// Number of the candidate in tables and in the figure, from 1.
     number: usize,
     candidate: &'a CandidateResult,
     reference: bool,
-    /// Cost of a run \[s\].
+    /// CPU time of a run \[s\].
     cost: f64,
-    /// Absolute bias, with its half-width.
+    /// Absolute value of the bias.
     bias: f64,
+    /// Half-width of the 95 % interval of the bias.
     half_width: f64,
 }
 
 /// Scales of the figure.
 struct Axes {
-    /// Scale of the costs.
+    /// Scale of the CPU times.
     cost: Scale,
-    /// Largest bias to show.
+    /// Largest bias on the vertical axis.
     most: f64,
     left: f64,
     right: f64,
@@ -52,7 +54,8 @@ struct Axes {
 }
 
 impl Axes {
-    /// Returns the vertical position of a bias: linear for small and logarithmic for large biases.
+    /// Returns the vertical position of a bias: linear for small biases, logarithmic for large
+    /// ones.
     fn y(&self, bias: f64) -> f64 {
         let scale = |bias: f64| (bias / SMALL).asinh();
         let share = scale(bias.clamp(0.0, self.most)) / scale(self.most);
@@ -60,7 +63,8 @@ impl Axes {
     }
 }
 
-/// Draws a trade. Each mark is a setting, at the cost of a run and the largest bias of any program.
+/// Draws the figure of a trade. Each mark is a candidate, at its cost and the largest bias of any
+/// program.
 pub fn trade(medium: Medium, trade: &Trade) -> Drawing {
     let points = points(trade);
     let names: Vec<&str> = trade.programs.iter().map(|p| p.name.as_str()).collect();
@@ -100,7 +104,7 @@ pub fn trade(medium: Medium, trade: &Trade) -> Drawing {
     out.high(end - 8.0)
 }
 
-/// Unit of the vertical axis, which is linear near 0 and logarithmic above.
+/// Unit of the bias in the label of the vertical axis.
 const BIAS_UNIT: &str = "% of the reference, logarithmic above 2";
 
 fn heading(names: &[&str]) -> String {
@@ -161,7 +165,7 @@ fn axes(points: &[PlottedSetting], (left, right): (f64, f64), top: f64) -> Axes 
     let margin = (0.06 * (most - least)).max(0.15);
     let biases = points.iter().map(|point| point.bias);
     let largest = biases.fold(0.01, f64::max);
-    // A long interval is cut, so that it does not compress all others.
+    // Long intervals are cut off, so that they do not compress the other ones.
     let ends = points.iter().map(|point| point.bias + point.half_width);
     let reach = ends.fold(largest, f64::max).min(2.0 * largest);
     let ends = (10f64.powf(least - margin), 10f64.powf(most + margin));
@@ -209,7 +213,7 @@ fn frame(out: &mut Drawing, axes: &Axes, of: &PlotAxis) -> f64 {
     out.marks_across(&costs, (left, right), bottom, &of.on(&axes.cost))
 }
 
-/// Returns a time without trailing zeros.
+/// Returns a CPU time without trailing zeros.
 fn plain(cost: f64) -> String {
     let text = seconds(cost);
     let (number, unit) = text.split_once(' ').unwrap_or((&text, ""));
@@ -234,7 +238,7 @@ fn front(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
     }
 }
 
-/// Returns the class and the shape of a setting's mark.
+/// Returns the class and the shape of a candidate's mark.
 fn look(point: &PlottedSetting) -> (&'static str, Marker) {
     let settings = &point.candidate.settings;
     let symbol = match settings.model {
@@ -273,7 +277,7 @@ fn draw(out: &mut Drawing, axes: &Axes, point: &PlottedSetting) {
     out.mark(&format!("mark {class}"), symbol, (x, y), MARK, &tooltip);
 }
 
-/// Draws the numbers of the marks at the places with the least overlap.
+/// Draws the number of each mark at the place with the least overlap.
 fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
     let places: Vec<(f64, f64)> = points
         .iter()
@@ -312,8 +316,8 @@ fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
     }
 }
 
-/// Draws the settings with their numbers, and the meaning of the marks. The first baseline is `(x,
-/// y)`. Returns the next baseline.
+/// Draws the settings with their numbers, and the meaning of the marks. `(x, y)` is the start of
+/// the first line of text. Returns the baseline after the last line.
 fn list(out: &mut Drawing, points: &[PlottedSetting], (x, y): (f64, f64)) -> f64 {
     let right = out.size().0 - EDGE;
     let mut y = y;

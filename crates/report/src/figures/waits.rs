@@ -1,4 +1,4 @@
-//! Figure of the wait for each capture, and its share of the time of the runs.
+//! Figure of the waiting time of each capture, and of its share of the completion time.
 use stochc_text::{number, percent};
 
 use super::EDGE;
@@ -7,13 +7,14 @@ use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, widest, width, wrapped};
 use crate::svg::{Drawing, LINE, Medium, Scale, Style};
 
-/// Largest number of rows. With more captures, those with the largest shares are shown.
+/// Largest number of captures in the figure. If there are more, it shows the captures with the
+/// largest shares.
 pub(crate) const SHOWN: usize = 60;
 
-/// Draws a dot for each mean waiting time with its interval, in the order of the dependency graph.
-/// Bars at the right show shares.
+/// Draws the mean waiting time of each capture as a dot with its interval. Captures are in the
+/// order of the dependency graph. Bars to the right show shares of the completion time.
 ///
-/// `number` is the number of the program in the report.
+/// `program` is the index of the program in the report.
 pub(crate) fn waits(
     medium: Medium,
     program: usize,
@@ -21,7 +22,7 @@ pub(crate) fn waits(
     waits: &[ReportedCapture],
 ) -> Option<Drawing> {
     const ROW: f64 = 20.0;
-    /// Left edge of the names of captures, next to the hooks.
+    /// Left edge of the names of captures, next to the lines that connect dependent captures.
     const NAMES: f64 = 30.0;
     const SHARES: &str = "part of the runs' time it decided [%]";
     const SHOWS: &str = "mean, 95\u{a0}% interval, middle 80\u{a0}% of the waits";
@@ -49,7 +50,7 @@ pub(crate) fn waits(
         .iter()
         .filter_map(|wait| wait.share)
         .fold(0.0, f64::max);
-    // Names, waits and bars are side by side.
+    // Names, waiting times and bars are side by side.
     let all = medium.width();
     let names = widest(shown.iter().map(|wait| wait.text.as_str())).min(0.29 * all);
     let left = (NAMES + names + 12.0).max(100.0);
@@ -60,7 +61,7 @@ pub(crate) fn waits(
     } else {
         bars_end
     };
-    // Includes space for a mark after the longest interval.
+    // Add space for a mark after the longest interval.
     let right = bars - 26.0;
     let (shows, shares) = (
         wrapped(SHOWS, right - left),
@@ -119,7 +120,8 @@ pub(crate) fn waits(
     Some(out.high(foot - 8.0))
 }
 
-/// Draws the mean of a capture with its interval and its spread, in the row whose middle is `y`.
+/// Draws the mean waiting time of a capture with its interval and spread. `y` is the middle of its
+/// row.
 fn draw_wait(
     out: &mut Drawing,
     subject: &ReportedProgram,
@@ -153,7 +155,7 @@ fn draw_wait(
     }
 }
 
-/// Draws the share of the time that a capture decided, as a bar in the row whose middle is `y`.
+/// Draws the share of a capture in the completion time as a bar. `y` is the middle of its row.
 fn draw_share(
     out: &mut Drawing,
     wait: &ReportedCapture,
@@ -169,7 +171,7 @@ fn draw_share(
     out.text("dim", (bar.at(share) + 5.0, y + 4.0), &percent(share));
 }
 
-/// Returns the captures to show, in their order.
+/// Returns the captures that fit in the figure, in their order.
 fn shown(waits: &[ReportedCapture]) -> Vec<&ReportedCapture> {
     let mut ranked: Vec<(usize, &ReportedCapture)> = waits.iter().enumerate().collect();
     let weight = |wait: &ReportedCapture| {

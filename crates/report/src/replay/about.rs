@@ -1,4 +1,4 @@
-//! Data of a replay page other than the recording.
+//! Data of a replay page, apart from the recording.
 use serde_json::{Value, json};
 use stochc_ir::emit::{graph_json, table_json};
 use stochc_results::{EnsembleProgram, Manifest};
@@ -8,10 +8,10 @@ use stochc_text::visible;
 use super::program_text::{EventLocation, program_text};
 
 /// Returns `{ program, file, seed, model, stochc, scene, radius, lift, tables, graph, text, tour,
-/// guided }`. The scene is as in the manifest. The radius of its shell \[side\] can be null, and
-/// `lift` is the height of the shell's centre. Tables and graph are as in `compile --format json`.
-/// The text is split at the `statements`. `tour` is the [`tour`](super::tour()) of the run, and
-/// `guided` is whether the page begins with it.
+/// guided }`. `scene` is the scene as in the manifest. `radius` is the radius of its shell \[block
+/// lengths\] or null, and `lift` the height of the shell's centre. `tables` and `graph` are as in
+/// `compile --format json`. `text` is the source, split at the `statements`. `tour` is the
+/// [`tour`](super::tour()) of the run. `guided` states whether the page begins with the tour.
 pub fn about(
     manifest: &Manifest,
     program: &EnsembleProgram,
@@ -50,7 +50,7 @@ pub fn about(
     about
 }
 
-/// Makes invisible characters visible in every text. Equal names stay equal.
+/// Replaces invisible characters in every text of a JSON value. Equal names stay equal.
 fn spell_out(value: &mut Value) {
     match value {
         Value::String(text) => *text = visible(text),

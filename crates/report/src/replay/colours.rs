@@ -1,13 +1,13 @@
-//! Palette of the page.
+//! Colours of the replay page.
 use stochc_text::palette::{self, DARK, LIGHT, PHASES, Theme};
 
-/// Returns `const PALETTE = ...;` with [`palette::json`].
+/// Returns the JavaScript line `const PALETTE = ...;` with [`palette::json`].
 pub(super) fn script() -> String {
     format!("const PALETTE = {};\n", palette::json())
 }
 
-/// Returns custom properties of the page: `--free`, `--lit`, `--group-0` to `--group-4` and others
-/// for each theme, and `--phase-0` to `--phase-7`.
+/// Returns CSS custom properties for the page. Each theme has `--free`, `--lit`, `--group-0` to
+/// `--group-4` and others. `--phase-0` to `--phase-7` are common.
 pub(crate) fn style() -> String {
     let properties = |theme: &Theme| -> String {
         let each = theme

@@ -1,7 +1,7 @@
 //! The replay page of a recording: one self-contained HTML file.
 //!
-//! `page/` has its parts. The page contains the recording unchanged and unpacks it in pieces during
-//! the replay.
+//! The folder `page/` contains its parts. The page contains the recording unchanged and unpacks it
+//! in parts during the replay.
 mod about;
 mod colours;
 mod program_text;

@@ -1,23 +1,23 @@
-//! Text of a program, split at the boundaries of statements.
+//! Source text of a program, split where the statements of its events begin and end.
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use serde_json::{Value, json};
 use stochc_results::Source;
 
-/// Location of an event in the text.
+/// Location of an event in the source text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EventLocation {
     /// Index of the file in the program's sources.
     pub file: usize,
-    /// Range in the file \[bytes\].
+    /// Range of the statement in the file \[bytes\].
     pub bytes: Range<usize>,
-    /// Event of the dependency graph. In a loop, many events share one location.
+    /// Index of the event in the dependency graph. In a loop, many events share one location.
     pub event: u32,
 }
 
-/// Returns `[{ file, pieces: [{ lines, events }] }]`. The concatenated lines of all pieces are the
-/// text. Files without events are left out, except the first.
+/// Returns `[{ file, pieces: [{ lines, events }] }]`. The lines of all pieces together are the
+/// text. Omits files without events, except the first.
 pub(super) fn program_text(sources: &[Source], statements: &[EventLocation]) -> Value {
     let files = sources.iter().enumerate().filter_map(|(number, source)| {
         let mut events: BTreeMap<(usize, usize), Vec<u32>> = BTreeMap::new();
@@ -71,7 +71,7 @@ mod tests {
         let statements = [
             statement(11..20, 4),
             statement(18..20, 5),
-            // Outside of this text.
+            // This range is outside of the text.
             statement(20..99, 6),
         ];
         let value = program_text(&[source], &statements);

@@ -1,10 +1,10 @@
-//! Safe embedding of foreign text in a page.
+//! Safe embedding of text from files in a page.
 use std::fmt::Write as _;
 
-/// Returns JSON for a script element. It cannot end the element and contains no line breaks.
+/// Returns JSON for a script element. The JSON cannot end the element and contains no line breaks.
 pub(super) fn json(value: &serde_json::Value) -> String {
     let mut safe = String::new();
-    // JSON contains these characters only in strings.
+    // In JSON, these characters occur only in strings.
     for c in value.to_string().chars() {
         match c {
             '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {

@@ -1,4 +1,4 @@
-//! Tour: the critical path of a run as steps of a page.
+//! Tour of a replay page: the critical path of a run, step by step.
 use serde_json::{Value, json};
 use stochc_ir::record::RunRecord;
 use stochc_results::EnsembleProgram;
@@ -7,11 +7,11 @@ use crate::analysis::events::Events;
 use crate::analysis::reported_program::FinishedRun;
 use crate::ensemble_report::narrative::{NarrativeContext, item};
 
-/// Largest number of steps. Longer paths are reduced to their longest segments.
+/// Largest number of steps. Longer tours are reduced to the longest segments.
 const MAX: usize = 200;
 
-/// Returns `[{ from, to, cell, html }]`: the consecutive waits in ticks, their cells, and their
-/// sentences in a report.
+/// Returns `[{ from, to, cell, html }]`: the ticks of each wait on the critical path, its cell, and
+/// its description as in a report.
 pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
     let events = Events::new(program);
     let run = FinishedRun::from_record(&events, record);
@@ -26,7 +26,7 @@ pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
         .map(|segment| segment.ticks())
         .collect();
     lengths.sort_unstable_by(|a, b| b.cmp(a));
-    // The sentence of the waiting event mentions segments without duration.
+    // The description of the waiting event mentions segments without duration.
     let least = lengths.get(MAX).map_or(1, |&ticks| ticks + 1);
     let told = run
         .critical_path

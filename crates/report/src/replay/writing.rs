@@ -1,4 +1,4 @@
-//! Writes the page of a replay.
+//! Assembly of the replay page.
 use std::io;
 use std::io::{Read, Write};
 
@@ -9,14 +9,14 @@ use stochc_text::escaped;
 use super::{colours, text};
 use crate::template::{fill, policy};
 
-/// Byte sequence in the first lines of every replay page.
+/// Byte sequence near the start of every replay page.
 pub const MARK: &str = "<meta name=\"generator\" content=\"stochc replay\">";
 
 const PAGE: &str = include_str!("page/page.html");
 
 const STYLE: &str = include_str!("page/style.css");
 
-/// Parts of the script. Each uses only earlier parts.
+/// Parts of the script in order. Each uses only earlier parts.
 const SCRIPT: &[&str] = &[
     include_str!("page/failure.js"),
     include_str!("page/maths.js"),
@@ -50,8 +50,8 @@ const SCRIPT: &[&str] = &[
     include_str!("page/start.js"),
 ];
 
-/// Writes the page of a recording. [`about()`](super::about()) provides its other data. `against` is another run of
-/// the same program.
+/// Writes the replay page of a recording. `about` is the result of [`about()`](super::about()).
+/// `against` is the recording of another run of the same program.
 ///
 /// # Errors
 ///
@@ -86,7 +86,8 @@ pub(super) fn script() -> String {
     format!("\"use strict\";\n{}{}", colours::script(), SCRIPT.concat())
 }
 
-/// Copies a stream as base64. Encodes parts whose length is a multiple of three bytes.
+/// Copies a stream as base64. Encodes parts with a multiple of three bytes, so that they can be
+/// concatenated.
 fn encode(from: &mut impl Read, out: &mut impl Write) -> io::Result<()> {
     const PIECE: u64 = 3 << 16;
     loop {

@@ -1,4 +1,4 @@
-//! Axes: a line, ticks with their values, and a name with a unit.
+//! Axes of drawings: a line, ticks with their values, and a label with a unit.
 use stochc_text::number;
 
 use super::drawing::{Drawing, LINE};
@@ -7,7 +7,7 @@ use super::scale::Scale;
 use super::shape::Form;
 use super::style::Style;
 
-/// Quantity of an axis.
+/// Quantity and unit of an axis.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct PlotAxis {
     name: String,
@@ -15,7 +15,7 @@ pub(crate) struct PlotAxis {
 }
 
 impl PlotAxis {
-    /// Creates a quantity. `unit` is `1` if it has no dimension.
+    /// Creates the quantity of an axis. `unit` is `1` if it has no dimension.
     pub fn new(name: &str, unit: &str) -> PlotAxis {
         PlotAxis {
             name: name.to_owned(),
@@ -23,7 +23,7 @@ impl PlotAxis {
         }
     }
 
-    /// Returns the label of an axis with this scale: `wait [s]`, or `wait [s, logarithmic]`.
+    /// Returns the label of an axis with this scale, such as `wait [s]` or `wait [s, logarithmic]`.
     pub fn on(&self, scale: &Scale) -> String {
         if scale.is_logarithmic() {
             format!("{} [{}, logarithmic]", self.name, self.unit)
@@ -38,11 +38,11 @@ impl PlotAxis {
     }
 }
 
-/// A position on an axis with its label.
+/// Position on an axis, and the label of its tick.
 pub(crate) type AxisTick = (f64, String);
 
 impl Drawing {
-    /// Returns the ticks of a horizontal axis whose labels do not overlap.
+    /// Returns the values of ticks for a horizontal axis. Their labels do not overlap.
     pub(crate) fn ticks_across(&self, scale: &Scale) -> Vec<f64> {
         let fits = |ticks: &Vec<f64>| {
             let marks = ticks.iter().map(|&tick| {
@@ -56,15 +56,15 @@ impl Drawing {
         all.find(fits).unwrap_or(first)
     }
 
-    /// Returns the centre for a text next to `x` that keeps it within the edges.
+    /// Returns the position nearest to `x` for centring a text within the margins.
     pub(crate) fn within(&self, x: f64, text: &str) -> f64 {
         let half = letters::width(text) / 2.0 + 2.0;
         let last = (self.size().0 - half).max(half);
         x.clamp(half, last)
     }
 
-    /// Draws a horizontal axis at height `y` with grid lines up to `top`, and its label below.
-    /// Returns the baseline of the next line of text.
+    /// Draws a horizontal axis at the vertical position `y`, with grid lines up to `top` and its
+    /// label below. Returns the baseline of the next line of text.
     pub(crate) fn across(
         &mut self,
         scale: &Scale,
@@ -81,7 +81,8 @@ impl Drawing {
         self.marks_across(&marks, ends, y, &of.on(scale))
     }
 
-    /// Draws a horizontal axis with ticks at given positions. Overlapping ticks are left out.
+    /// Draws a horizontal axis with ticks at given positions. Omits ticks whose labels would
+    /// overlap.
     pub(crate) fn marks_across(
         &mut self,
         marks: &[AxisTick],
@@ -94,7 +95,7 @@ impl Drawing {
             self.text_around("dim", (x, y + 17.0), &text);
         }
         self.line("axis", (left, y), (right, y));
-        // A label can be slightly longer than its axis.
+        // The label may be slightly longer than the axis.
         let most = (right - left + 40.0).min(self.size().0 - 8.0);
         let lines = wrapped(label, most);
         let mut foot = y + 36.0;
@@ -106,7 +107,7 @@ impl Drawing {
         foot + 7.0
     }
 
-    /// Returns the ticks that fit, every nth if labels would overlap.
+    /// Returns the ticks whose labels fit: all, or every nth.
     fn apart(&self, marks: &[AxisTick]) -> Vec<AxisTick> {
         let marks = marks.iter();
         let marks: Vec<AxisTick> = marks
@@ -118,12 +119,13 @@ impl Drawing {
         all.map(every).find(fits).unwrap_or_default()
     }
 
-    /// Returns the height above a vertical axis for this label.
+    /// Returns the height of the label above a vertical axis.
     pub(crate) fn head(&self, label: &str) -> f64 {
         19.0 + LINE * wrapped(label, self.size().0 - 16.0).len() as f64
     }
 
-    /// Returns the position of a vertical axis with space for its numbers at the left.
+    /// Returns the horizontal position of a vertical axis that leaves space for the numbers to its
+    /// left.
     pub(crate) fn left_of(scale: &Scale, label: impl Fn(f64) -> String) -> f64 {
         let labels: Vec<String> = scale.ticks(5).into_iter().map(label).collect();
         (widest(labels.iter().map(String::as_str)) + 15.0).max(40.0)
@@ -147,7 +149,8 @@ impl Drawing {
         self.marks_upward(&marks, ends, (8.0, x), &of.on(scale));
     }
 
-    /// Draws a vertical axis with ticks at given positions. Its label begins at `edge`.
+    /// Draws a vertical axis with ticks at given positions. Its label begins at the horizontal
+    /// position `edge`.
     pub(crate) fn marks_upward(
         &mut self,
         marks: &[AxisTick],

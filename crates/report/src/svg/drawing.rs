@@ -1,4 +1,4 @@
-//! A drawing with a name, a title, and a description for screen readers.
+//! Drawing with a name, a title, and a description for screen readers.
 use stochc_text::palette::Rgb;
 
 use super::letters::{self, fitted, wrapped};
@@ -6,19 +6,19 @@ use super::medium::Medium;
 use super::shape::{DrawnShape, Form, Marker, Point, TextAnchor};
 use super::style::{Paint, Style};
 
-/// Line height of text, in units.
+/// Line height of text, in units of a drawing.
 pub(crate) const LINE: f64 = 15.0;
 
-/// A drawing under construction. The type is 12 units high.
+/// Drawing under construction. Text is 12 units high.
 #[derive(Clone, Debug)]
 pub struct Drawing {
-    /// Name of its file without extension: letters, digits and `-`.
+    /// Name of the drawing's file without extension: letters, digits and `-`.
     pub name: String,
     /// Title of the figure.
     pub title: String,
     /// Description of its content.
     pub description: String,
-    /// Medium of the layout.
+    /// Medium that the drawing is laid out for.
     pub(super) medium: Medium,
     size: (f64, f64),
     shapes: Vec<DrawnShape>,
@@ -27,7 +27,7 @@ pub struct Drawing {
 /// Entry of the legend.
 #[derive(Clone, Debug)]
 pub(crate) struct LegendEntry {
-    /// Class of its symbol.
+    /// Style class of the symbol.
     pub class: String,
     pub sample: LegendSymbol,
     pub meaning: String,
@@ -36,15 +36,15 @@ pub(crate) struct LegendEntry {
 /// Symbol of a legend entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LegendSymbol {
-    /// A bar with this kind of hatching.
+    /// Bar with this kind of hatching.
     Bar(usize),
     Mark(Marker),
-    /// A dashed line with its pattern.
+    /// Line with this dash pattern.
     Line(&'static str),
 }
 
 impl Drawing {
-    /// Creates an empty drawing of the usual width.
+    /// Creates an empty drawing of the medium's default width.
     pub(crate) fn new(medium: Medium, name: &str, title: &str, description: &str) -> Drawing {
         Drawing::sized(medium, medium.width(), name, title, description)
     }
@@ -73,7 +73,7 @@ impl Drawing {
         self
     }
 
-    /// Returns width and height.
+    /// Returns the width and height of the drawing, in units.
     pub(crate) fn size(&self) -> (f64, f64) {
         self.size
     }
@@ -96,7 +96,7 @@ impl Drawing {
         self.stroke(class, from, to, Style::default());
     }
 
-    /// Draws a straight line with its own style.
+    /// Draws a straight line with the style `own`.
     pub(crate) fn stroke(&mut self, class: &str, from: Point, to: Point, own: Style) {
         self.push(class, own, Form::Line(from, to), "");
     }
@@ -121,8 +121,8 @@ impl Drawing {
         self.push(class, Style::default(), form, "");
     }
 
-    /// Draws text in lines of at most `most` width. The first baseline is at `place`. Returns the
-    /// next baseline.
+    /// Draws text in lines of at most `most` width. `place` is the start of the first line. Returns
+    /// the baseline after the last line.
     pub(crate) fn paragraph(&mut self, class: &str, place: Point, most: f64, content: &str) -> f64 {
         let mut y = place.1;
         for line in wrapped(content, most) {
@@ -156,7 +156,7 @@ impl Drawing {
         self.field(class, corner, size, Style::default(), tooltip);
     }
 
-    /// Draws a rectangle with its own style.
+    /// Draws a rectangle with the style `own`.
     pub(crate) fn field(
         &mut self,
         class: &str,
@@ -169,7 +169,7 @@ impl Drawing {
         self.push(class, own, Form::Rectangle(corner, size), tooltip);
     }
 
-    /// Hatches a bar in one of six kinds, so that bars differ not only by colour.
+    /// Draws one of six kinds of hatching over a bar, so that bars differ not only by colour.
     pub(crate) fn hatch(&mut self, kind: usize, (x, y): (f64, f64), (width, height): (f64, f64)) {
         const APART: f64 = 6.0;
         let steps = |from: f64, to: f64| {
@@ -179,7 +179,8 @@ impl Drawing {
         let mut lines: Vec<((f64, f64), (f64, f64))> = Vec::new();
         if matches!(kind % 6, 1 | 2 | 5) {
             for start in steps(-height, width) {
-                // From the left or bottom edge to the right or top edge.
+                // A line of the hatching runs from the left or bottom edge to the right or top
+                // edge.
                 let (first, last) = ((-start).max(0.0), height.min(width - start));
                 let (left, right) = (x + start + first, x + start + last);
                 if last > first && kind % 6 != 2 {
@@ -206,12 +207,12 @@ impl Drawing {
         self.push(class, Style::default(), Form::Disc(centre, radius), tooltip);
     }
 
-    /// Draws a disc with its own style.
+    /// Draws a disc with the style `own`.
     pub(crate) fn spot(&mut self, centre: Point, radius: f64, own: Style) {
         self.push("", own, Form::Disc(centre, radius), "");
     }
 
-    /// Draws a line through points.
+    /// Draws a line through several points.
     pub(crate) fn curve(&mut self, class: &str, points: &[Point], dashes: &'static str) {
         let class = format!("curve {class}");
         self.push(
@@ -222,13 +223,13 @@ impl Drawing {
         );
     }
 
-    /// Draws an area between points.
+    /// Fills the area between several points.
     pub(crate) fn area(&mut self, class: &str, points: &[Point]) {
         let class = format!("band {class}");
         self.push(&class, Style::default(), Form::Area(points.to_vec()), "");
     }
 
-    /// Draws an area with its own style.
+    /// Fills an area with the style `own`.
     pub(crate) fn polygon(&mut self, points: &[Point], own: Style) {
         self.push("", own, Form::Area(points.to_vec()), "");
     }
@@ -239,7 +240,8 @@ impl Drawing {
         self.push("", Style::area(colour), form, "");
     }
 
-    /// Draws a legend in columns. The first baseline is at `place`. Returns the next baseline.
+    /// Draws a legend in columns. The first baseline is at `place`. Returns the baseline after the
+    /// last line.
     pub(crate) fn keys(&mut self, place: Point, right: f64, keys: &[LegendEntry]) -> f64 {
         const ROW: f64 = 19.0;
         const APART: f64 = 16.0;

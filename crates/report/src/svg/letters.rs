@@ -1,4 +1,4 @@
-//! Widths of text in the included font. Helvetica and Arial have the same widths.
+//! Widths of text in the embedded font. Helvetica and Arial have the same widths.
 use std::sync::LazyLock;
 
 use ttf_parser::Face;
@@ -6,42 +6,42 @@ use ttf_parser::Face;
 use super::medium::TYPE;
 use stochc_text::short;
 
-/// Liberation Sans as published (`report/fonts/`).
+/// Font file of Liberation Sans, unchanged.
 pub(crate) const FONT: &[u8] = include_bytes!("../../fonts/LiberationSans-Regular.ttf");
 
 /// The parsed font.
 pub(crate) static FACE: LazyLock<Face<'static>> = LazyLock::new(|| {
-    // Covered by a test.
+    // A test parses the font.
     Face::parse(FONT, 0).expect("the included font is valid")
 });
 
 /// Returns the width of a line of text, in units of a drawing.
 pub(crate) fn width(text: &str) -> f64 {
-    // A character of another font is assumed to be as wide as high.
+    // A character that the font lacks is assumed to be as wide as high.
     let widths = text.chars().map(|sign| advance(sign).unwrap_or(TYPE));
     widths.sum()
 }
 
-/// Returns the width of a line of text. Returns `None` if the text is empty, or contains characters
-/// of other fonts.
+/// Returns the width of a line of text. Returns `None` if the text is empty or the font lacks one
+/// of its characters.
 pub(crate) fn known_width(text: &str) -> Option<f64> {
     let width: Option<f64> = text.chars().map(advance).sum();
     width.filter(|&width| width > 0.0)
 }
 
-/// Returns the width of a character. Returns `None` if the font does not contain it.
+/// Returns the width of a character. Returns `None` if the font lacks it.
 fn advance(sign: char) -> Option<f64> {
     let glyph = FACE.glyph_index(sign)?;
     let width = f64::from(FACE.glyph_hor_advance(glyph)?);
     Some(TYPE * width / f64::from(FACE.units_per_em()))
 }
 
-/// Returns the largest width of some lines.
+/// Returns the width of the widest line.
 pub(crate) fn widest<'a>(lines: impl IntoIterator<Item = &'a str>) -> f64 {
     lines.into_iter().map(width).fold(0.0, f64::max)
 }
 
-/// Shortens a name to a width by leaving out its middle.
+/// Shortens a name to a width by replacing its middle.
 pub(crate) fn fitted(name: &str, most: f64) -> String {
     let whole = short(name, usize::MAX);
     if width(&whole) <= most {
@@ -59,7 +59,7 @@ pub(crate) fn fitted(name: &str, most: f64) -> String {
     short(name, fits)
 }
 
-/// Breaks text into lines of limited width between words. A wider word loses its middle.
+/// Breaks text between words into lines of limited width. Shortens a word that is wider.
 pub(crate) fn wrapped(text: &str, most: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     // Non-breaking spaces keep words together.
@@ -77,7 +77,7 @@ pub(crate) fn wrapped(text: &str, most: f64) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Compares with the widths of Helvetica as published by Adobe, in thousandths of its size.
+    /// Compares with the widths of Helvetica that Adobe published, in thousandths of the font size.
     #[test]
     fn the_font_has_the_widths_of_helvetica() {
         for (letter, thousandths) in [(' ', 278), ('a', 556), ('i', 222), ('M', 833), ('7', 556)] {
@@ -99,7 +99,7 @@ mod tests {
             );
         }
         assert_eq!(fitted("A.up -> B", 100.0), "A.up -> B");
-        // Without space, one character remains.
+        // Without any space, one character remains.
         assert_eq!(fitted("ABC", 0.0).chars().count(), 1);
     }
 

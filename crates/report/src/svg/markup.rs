@@ -10,7 +10,7 @@ use super::shape::{DrawnShape, Form, TextAnchor};
 use super::style::stylesheet;
 
 impl Drawing {
-    /// Returns the drawing as a separate file.
+    /// Returns the drawing as the content of an SVG file.
     pub fn file(&self) -> String {
         let rest = format!(
             "<style>{}</style>\n<rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n{}",
@@ -20,7 +20,7 @@ impl Drawing {
         self.element("xmlns=\"http://www.w3.org/2000/svg\" ", "", &rest)
     }
 
-    /// Returns the drawing as a part of a page, which provides the styles of a screen. `prefix`
+    /// Returns the drawing as SVG for a page. The page must provide the styles. `prefix`
     /// distinguishes its identifiers from those of other drawings.
     pub(crate) fn inline(&self, prefix: &str) -> String {
         self.element("", prefix, &self.body())
@@ -29,7 +29,7 @@ impl Drawing {
     fn element(&self, more: &str, prefix: &str, content: &str) -> String {
         let (width, height) = self.size();
         let name = format!("{prefix}{}", self.name);
-        // In print, lengths are in points and everything is smaller.
+        // In print, lengths are in points, and text is smaller.
         let (size, unit) = match self.medium {
             Medium::Screen => (
                 format!(
@@ -68,9 +68,9 @@ impl Drawing {
     }
 }
 
-/// Writes the element of a shape, and a line break.
+/// Writes the SVG element of a shape and a line break.
 fn write(out: &mut String, shape: &DrawnShape) {
-    // Presentation attributes have less weight than class rules, and more than inherited values.
+    // Attributes have less weight than class rules, and more than inherited values.
     let own = shape.own.attributes();
     let (group, end, class) = if own.is_empty() {
         (String::new(), "", format!("class=\"{}\"", shape.class))
@@ -116,7 +116,7 @@ fn write(out: &mut String, shape: &DrawnShape) {
                 TextAnchor::Middle => " text-anchor=\"middle\"",
                 TextAnchor::End => " text-anchor=\"end\"",
             };
-            // A fallback font with wider characters, such as DejaVu Sans, is fitted to the same
+            // A fallback font such as DejaVu Sans has wider characters. Fit its text to the same
             // width.
             let room = known_width(content).map(|width| {
                 format!(" textLength=\"{width:.1}\" lengthAdjust=\"spacingAndGlyphs\"")
@@ -167,7 +167,7 @@ mod tests {
         let file = drawing.file();
         let length = format!("textLength=\"{:.1}\" lengthAdjust", width(long));
         assert!(file.contains(&length), "{file}");
-        // The width is unknown.
+        // The width of these texts is unknown.
         for unknown in ["", "\u{5854}"] {
             let mut drawing = Drawing::new(Medium::Screen, "name", "Title", "Description");
             drawing.text("ink", (10.0, 20.0), unknown);

@@ -1,27 +1,28 @@
-//! Medium of a figure, which determines its size.
+//! Medium of a figure, which determines the size of the figure.
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
-/// Height of type, in units of a drawing.
+/// Height of text, in units of a drawing.
 pub(crate) const TYPE: f64 = 12.0;
 
-/// Medium of a figure. The layout depends on the width, with type of constant height.
+/// Medium that a figure is laid out for. The height of text does not depend on the width.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Medium {
-    /// A page in a browser, light or dark.
+    /// Page in a browser, light or dark.
     #[default]
     Screen,
-    /// Paper of a given width \[mm\], with type of [`Medium::POINTS`].
+    /// Paper of a given width \[mm\]. Text has a height of [`Medium::POINTS`].
     Print(f64),
 }
 
 impl Medium {
-    /// Height of type in print \[pt\].
+    /// Height of text in print \[pt\].
     pub const POINTS: f64 = 7.0;
     /// Smallest and largest width of a figure in print \[mm\].
     const WIDTHS: (f64, f64) = (80.0, 300.0);
 
-    /// Returns the points per unit of a drawing. A pixel of a browser is three quarters of a point.
+    /// Returns the number of points per unit of a drawing. A pixel of a browser is three quarters
+    /// of a point.
     pub(crate) fn unit(self) -> f64 {
         match self {
             Medium::Screen => 0.75,
@@ -29,12 +30,12 @@ impl Medium {
         }
     }
 
-    /// Returns the width of a figure, in units.
+    /// Returns the default width of a figure, in units.
     pub(crate) fn width(self) -> f64 {
         self.width_or(760.0)
     }
 
-    /// Returns the width of a figure with a special width on a screen, in units.
+    /// Returns the width of a figure, in units. On a screen, this is `on_screen`.
     pub(crate) fn width_or(self, on_screen: f64) -> f64 {
         match self {
             Medium::Screen => on_screen,
@@ -43,7 +44,7 @@ impl Medium {
     }
 }
 
-/// Returns the height of a plot of this width, within limits that keep curves readable.
+/// Returns the height of a plot of this width. Its limits keep curves readable.
 pub(crate) fn plot_height(width: f64) -> f64 {
     (0.39 * width).clamp(190.0, 330.0).round()
 }
@@ -57,13 +58,13 @@ impl Display for Medium {
     }
 }
 
-/// Error of a medium.
+/// Error of parsing a medium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum InvalidMedium {
-    /// The text has another form.
+    /// The text does not have the form of a medium.
     #[error("give `screen`, or a width in print such as `89mm`")]
     Form,
-    /// The width is beyond the limits.
+    /// The width is outside of the limits.
     #[error("give a width from {}mm to {}mm", Medium::WIDTHS.0, Medium::WIDTHS.1)]
     Width,
 }

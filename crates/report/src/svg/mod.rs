@@ -1,8 +1,8 @@
 //! Drawings of results: SVG and PDF.
 //!
-//! A drawing is independent of its background. Colours are classes that follow the light or dark
-//! theme of the reader. Every drawing has a title and a description for screen readers. Its
-//! [`Medium`] determines the width, and figures lay themselves out for it.
+//! A drawing does not depend on its background. Its colours are style classes that follow the
+//! reader's light or dark theme. Every drawing has a title and a description for screen readers.
+//! Its [`Medium`] determines its width, and figures are laid out for this width.
 mod axis;
 mod drawing;
 pub(crate) mod letters;

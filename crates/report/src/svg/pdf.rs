@@ -1,4 +1,4 @@
-//! Conversion of a drawing to a PDF page of its exact size. Text remains text, with an embedded
+//! Conversion of a drawing to a PDF page of the same size. Text remains text, with an embedded
 //! font.
 use std::collections::BTreeMap;
 use std::io::{self, Write as _};
@@ -19,7 +19,7 @@ use super::medium::TYPE;
 use super::shape::{DrawnShape, Form, Point, TextAnchor};
 use super::style::{Paint, Style, on_paper};
 
-/// Glyphs have the numbers of the embedded font.
+/// Character codes of the embedded font are its glyph numbers.
 const CODES: SystemInfo = SystemInfo {
     registry: Str(b"Adobe"),
     ordering: Str(b"Identity"),
@@ -27,27 +27,28 @@ const CODES: SystemInfo = SystemInfo {
 };
 const FONT_NAME: Name = Name(b"F");
 
-/// Opacity of areas and lines, in thousandths.
+/// Opacity of areas and of lines, in thousandths.
 type Opacity = (u32, u32);
 
 /// Content of a page and its resources.
 struct PdfPage {
     content: Content,
-    /// Points per unit, and the height of the page \[pt\].
+    /// Number of points per unit of the drawing.
     unit: f64,
+    /// Height of the page \[pt\].
     height: f64,
     opacities: Vec<Opacity>,
     glyphs: GlyphRemapper,
-    /// Characters of the glyphs, by new glyph number.
+    /// Old glyph number and character of each used glyph, by new glyph number.
     signs: BTreeMap<u16, (u16, Option<char>)>,
 }
 
 impl Drawing {
-    /// Returns the drawing as a PDF file in the colours of paper.
+    /// Returns the drawing as a PDF file, in the colours for white paper.
     ///
     /// # Errors
     ///
-    /// If the font cannot be reduced to the required glyphs.
+    /// If the font cannot be reduced to the used glyphs.
     pub fn pdf(&self) -> io::Result<Vec<u8>> {
         let unit = self.medium.unit();
         let (width, height) = self.size();
@@ -85,7 +86,7 @@ impl PdfPage {
             Form::Curve(_, lengths) => dashes = lengths,
             _ => {}
         }
-        // Colours and line styles must precede a path.
+        // In PDF, colours and line styles must precede a path.
         self.content.save_state();
         let painted = self.prepare(style, dashes);
         match &shape.form {
@@ -115,7 +116,7 @@ impl PdfPage {
         self.content.restore_state();
     }
 
-    /// Adds a path through points.
+    /// Adds a path through several points.
     fn path(&mut self, places: &[Point]) {
         for (i, &place) in places.iter().enumerate() {
             let (x, y) = self.at(place);
@@ -126,7 +127,8 @@ impl PdfPage {
         }
     }
 
-    /// Adds four cubic curves, which deviate from a circle by less than 0.03 % of its radius.
+    /// Adds a circle of four cubic curves. They deviate from a circle by less than 0.03 % of its
+    /// radius.
     fn circle(&mut self, (x, y): Point, radius: f64) {
         const REACH: f64 = 0.552_284_75;
         let corners = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
@@ -148,7 +150,7 @@ impl PdfPage {
         self.content.close_path();
     }
 
-    /// Sets the style of the next path. Returns whether it is filled and whether it is stroked.
+    /// Sets the style of the next path. Returns whether to fill it and whether to stroke it.
     fn prepare(&mut self, style: Style, dashes: &str) -> (bool, bool) {
         let part = |own: Option<f64>| {
             let share = own.unwrap_or(1.0) * style.opacity.unwrap_or(1.0);
@@ -204,7 +206,7 @@ impl PdfPage {
         for &mode in modes {
             let is_outline = mode == TextRenderingMode::Stroke;
             if is_outline {
-                // The halo of text is not read a second time.
+                // The halo of text is marked so that screen readers skip it.
                 let mut span = (self.content).begin_marked_content_with_properties(Name(b"Span"));
                 span.properties().actual_text(TextStr(""));
             }
@@ -221,8 +223,8 @@ impl PdfPage {
         }
     }
 
-    /// Returns a text in two bytes per character. Missing characters use the glyph for missing
-    /// characters.
+    /// Returns the glyph numbers of a text, two bytes per character. A character that the font
+    /// lacks becomes the glyph for missing characters.
     fn codes(&mut self, text: &str) -> Vec<u8> {
         let mut codes = Vec::new();
         for sign in text.chars() {
@@ -234,8 +236,8 @@ impl PdfPage {
         codes
     }
 
-    /// Returns the name of the reduced font, with six letters that depend on the glyphs. This
-    /// distinguishes the fonts of several figures in one document.
+    /// Returns the name of the reduced font. It begins with six letters that depend on the glyphs,
+    /// which distinguishes the fonts of several figures in one document.
     fn base_font(&self) -> String {
         let glyphs = self
             .signs
@@ -293,7 +295,7 @@ impl PdfPage {
         let drawn = compressed(&self.content.finish())?;
         pdf.stream(content, &drawn).filter(Filter::FlateDecode);
 
-        // Type of height 1000.
+        // PDF measures glyphs in thousandths of the font size.
         let scale = 1000.0 / f32::from(FACE.units_per_em());
         pdf.type0_font(font)
             .base_font(base_font)
@@ -370,7 +372,7 @@ mod tests {
     use super::super::Medium;
     use super::*;
 
-    /// Checks that the page has the requested size, and that equal drawings give equal files.
+    /// Checks that a PDF page has the requested size, and that equal drawings give equal files.
     #[test]
     fn a_page_is_as_large_as_the_figure() {
         let mut out = Drawing::new(Medium::Print(89.0), "n", "A title", "d").high(240.0);
@@ -390,7 +392,7 @@ mod tests {
             text[end - 6..end].to_owned()
         };
         assert_ne!(name(&file), name(&out.pdf().unwrap()));
-        // A few of the 2,600 glyphs remain.
+        // Only a few of the font's 2,600 glyphs remain.
         assert!(file.len() < 20_000, "{}", file.len());
     }
 }

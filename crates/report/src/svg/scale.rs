@@ -1,6 +1,6 @@
-//! Scales: conversion of values to positions.
+//! Scales that convert values to positions.
 
-/// A scale from values between two ends to positions between two ends.
+/// Scale that converts values to positions, each within two ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
     values: (f64, f64),
@@ -14,7 +14,7 @@ impl Scale {
         let values = if values.1 > values.0 {
             values
         } else {
-            // By a distance that changes the number in spite of rounding.
+            // The distance is large enough to change the number in spite of rounding.
             (values.0, values.0 + values.0.abs().max(1.0))
         };
         Scale {
@@ -43,7 +43,7 @@ impl Scale {
         self.logarithmic
     }
 
-    /// Returns the position of a value, limited to the ends.
+    /// Returns the position of a value. Values outside of the ends are moved to the nearest end.
     pub fn at(&self, value: f64) -> f64 {
         let (from, to) = self.values;
         let value = value.clamp(from, to);
@@ -55,7 +55,7 @@ impl Scale {
         self.places.0 + (self.places.1 - self.places.0) * share
     }
 
-    /// Returns about `n` round values for ticks.
+    /// Returns about `n` round values for the ticks of an axis.
     pub fn ticks(&self, n: usize) -> Vec<f64> {
         let (from, to) = self.values;
         if self.logarithmic && to / from > 10.0 {
@@ -78,7 +78,7 @@ impl Scale {
     }
 }
 
-/// Rounds a positive step up to the next of 1, 2, 5, 10 and so on.
+/// Rounds a positive step up to 1, 2 or 5 times a power of ten.
 fn round_up(step: f64) -> f64 {
     let decade = 10f64.powf(step.log10().floor());
     let digits = [1.0, 2.0, 5.0, 10.0].into_iter();
@@ -103,7 +103,7 @@ mod tests {
         assert!((scale.at(10.0) - 5.0).abs() < 1e-12);
         let scale = Scale::logarithmic((1e-100, 1e100), (0.0, 10.0));
         assert!((3..=10).contains(&scale.ticks(5).len()));
-        // Equal positions must not cause an endless axis.
+        // Equal ends must not cause an endless number of ticks.
         assert!(Scale::linear((3.0, 3.0), (0.0, 1.0)).ticks(4).len() < 9);
         // Adding 1 does not change this number.
         assert_eq!(Scale::linear((1e17, 1e17), (0.0, 1.0)).at(1e17), 0.0);

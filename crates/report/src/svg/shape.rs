@@ -1,18 +1,18 @@
-//! Graphical elements of drawings.
+//! Shapes that drawings consist of.
 use super::style::Style;
 
-/// A position or size, in units of the drawing. Positive is down.
+/// Position or size, in units of the drawing. The second coordinate increases downwards.
 pub(crate) type Point = (f64, f64);
 
-/// A shape of a drawing.
+/// Shape of a drawing, with its style.
 #[derive(Clone, Debug)]
 pub(crate) struct DrawnShape {
-    /// Classes of its style, separated by spaces.
+    /// Style classes, separated by spaces.
     pub class: String,
-    /// Own style, which takes precedence over the classes.
+    /// Style of this shape, which overrides its classes.
     pub own: Style,
     pub form: Form,
-    /// Tooltip text. Empty if there is none.
+    /// Text of the tooltip. Empty if there is none.
     pub tooltip: String,
 }
 
@@ -20,18 +20,17 @@ pub(crate) struct DrawnShape {
 #[derive(Clone, Debug)]
 pub(crate) enum Form {
     Line(Point, Point),
-    /// A line through points, with its dash pattern. Empty: a solid line.
+    /// Line through points, with its dash pattern. The pattern of a solid line is empty.
     Curve(Vec<Point>, &'static str),
-    /// An area between points.
+    /// Area between points.
     Area(Vec<Point>),
-    /// A rectangle: upper left corner and size.
+    /// Rectangle: upper left corner and size.
     Rectangle(Point, Point),
-    /// A disc: centre and radius.
+    /// Disc: centre and radius.
     Disc(Point, f64),
-    /// A line of text.
+    /// Line of text.
     Text(Point, TextAnchor, String),
-    /// Start of an axis. The shapes up to its end are its line, its ticks, and its name with the
-    /// unit.
+    /// Start of an axis. The shapes up to [`Form::AxisEnd`] are its line, its ticks and its label.
     PlotAxis,
     /// End of an axis.
     AxisEnd,
@@ -52,7 +51,7 @@ pub(crate) enum TextAnchor {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Marker {
     Disc,
-    /// A circle without fill.
+    /// Circle without fill.
     Ring,
     Square,
     Triangle,
@@ -60,7 +59,7 @@ pub(crate) enum Marker {
 }
 
 impl Marker {
-    /// Returns the geometry, about `2 size` wide.
+    /// Returns the geometry of the marker, with a width of about `2 size`.
     pub fn form(self, (x, y): Point, size: f64) -> Form {
         let m = size;
         let corners = |corners: &[Point]| {

@@ -1,6 +1,6 @@
-//! Styles of shapes by class, for light and dark themes and paper.
+//! Styles of shapes by class, for light and dark themes and for paper.
 //!
-//! The same table of rules gives the stylesheet and the styles of a PDF.
+//! The same rules give the stylesheet of SVG and the styles of PDF.
 use std::fmt::Write as _;
 use std::sync::LazyLock;
 
@@ -8,26 +8,26 @@ use stochc_text::palette::{DARK, LIGHT, PHASES, Rgb, Theme};
 
 use super::Medium;
 
-/// Number of colours of compared items.
+/// Number of colours for distinguishing compared items.
 const COLOURS: usize = 6;
 
-/// Dash patterns of the compared items, so that they differ not only by colour.
+/// Dash pattern for each colour of compared items, so that they differ not only by colour.
 const DASHES: [&str; COLOURS] = ["", "7 3", "2 3", "9 3 2 3", "4 4", "1 4"];
 
-/// Returns the dash pattern of item `i`. The second item of a colour has another pattern than the
-/// first.
+/// Returns the dash pattern of compared item `i`. Items with the same colour have different
+/// patterns.
 pub(crate) fn dashes(i: usize) -> &'static str {
     DASHES[(i + i / COLOURS) % COLOURS]
 }
 
-/// A colour, or none.
+/// Colour, or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Paint {
     Colour(Rgb),
     Nothing,
 }
 
-/// Style of a rule. `None` if the rule does not set the property.
+/// Properties of a style. `None` if a property is not set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Style {
     pub fill: Option<Paint>,
@@ -40,7 +40,7 @@ pub(crate) struct Style {
 }
 
 impl Style {
-    /// Initial values of all properties.
+    /// Style with the initial values of all properties.
     const INITIAL: Style = Style {
         fill: Some(Paint::Colour(Rgb(0, 0, 0))),
         stroke: Some(Paint::Nothing),
@@ -68,7 +68,7 @@ impl Style {
         Style::fill(paint).then(Style::stroke(paint))
     }
 
-    /// Returns the style of a line of this width.
+    /// Returns a style for a line of this width.
     pub fn line(width: f64) -> Style {
         Style {
             width: Some(width),
@@ -76,7 +76,7 @@ impl Style {
         }
     }
 
-    /// Returns the style with an opacity from 0 to 1.
+    /// Returns the style with another opacity, from 0 to 1.
     pub fn faint(self, opacity: f64) -> Style {
         Style {
             opacity: Some(opacity),
@@ -84,7 +84,7 @@ impl Style {
         }
     }
 
-    /// Returns the style of a filled area without an outline.
+    /// Returns a style for a filled area without an outline.
     pub fn area(paint: Rgb) -> Style {
         Style {
             stroke: Some(Paint::Nothing),
@@ -92,7 +92,7 @@ impl Style {
         }
     }
 
-    /// Returns the style, overridden by a later one.
+    /// Returns the combination of two styles. The properties of `later` take precedence.
     pub fn then(self, later: Style) -> Style {
         Style {
             fill: later.fill.or(self.fill),
@@ -104,7 +104,7 @@ impl Style {
         }
     }
 
-    /// Returns the properties that are set, with their SVG names.
+    /// Returns the name and value of each property that is set, as in SVG.
     fn said(&self) -> impl Iterator<Item = (&'static str, String)> {
         let paint = |paint: Option<Paint>| {
             paint.map(|paint| match paint {
@@ -124,13 +124,13 @@ impl Style {
         (all.into_iter()).filter_map(|(name, value)| Some((name, value?)))
     }
 
-    /// Returns the declarations of a stylesheet.
+    /// Returns the style as declarations of a stylesheet.
     fn css(&self) -> String {
         let said = self.said().map(|(name, value)| format!("{name}:{value}"));
         said.collect::<Vec<_>>().join(";")
     }
 
-    /// Returns the attributes of an element, each after a space.
+    /// Returns the style as attributes of an SVG element, each after a space.
     pub fn attributes(&self) -> String {
         let said = self
             .said()
@@ -139,10 +139,10 @@ impl Style {
     }
 }
 
-/// A class with its style.
+/// Style class with its style.
 type StyleRule = (String, Style);
 
-/// Returns the rules of a theme in ascending precedence.
+/// Returns the style rules of a theme, in ascending precedence.
 fn rules(theme: &Theme) -> Vec<StyleRule> {
     let is_light = theme.paper.luminance() > 0.5;
     let [dim, axis, grid, grey] = if is_light {
@@ -216,7 +216,7 @@ fn rules(theme: &Theme) -> Vec<StyleRule> {
     all
 }
 
-/// Theme of white paper.
+/// Theme for white paper.
 const PAPER: Theme = Theme {
     paper: Rgb(0xff, 0xff, 0xff),
     ..LIGHT
@@ -225,7 +225,7 @@ const PAPER: Theme = Theme {
 static LIGHT_RULES: LazyLock<Vec<StyleRule>> = LazyLock::new(|| rules(&LIGHT));
 static PAPER_RULES: LazyLock<Vec<StyleRule>> = LazyLock::new(|| rules(&PAPER));
 
-/// Returns the style of a shape with these classes on paper. All properties are set.
+/// Returns the style of a shape with these classes on white paper. All its properties are set.
 pub(crate) fn on_paper(classes: &str) -> Style {
     let own = |rule: &&StyleRule| classes.split_whitespace().any(|class| class == rule.0);
     let rules = PAPER_RULES.iter().filter(own);
@@ -245,7 +245,8 @@ fn css(rules: &[StyleRule]) -> String {
     })
 }
 
-/// Stylesheet of drawings on a screen. `s0` to `s5` are compared items, `p0` to `p7` are phases.
+/// Stylesheet of drawings on a screen. The classes `s0` to `s5` are for compared items, `p0` to
+/// `p7` for phases.
 pub(crate) static STYLE: LazyLock<String> = LazyLock::new(|| {
     format!(
         "{}@media screen and (prefers-color-scheme:dark){{{}}}",
@@ -254,7 +255,7 @@ pub(crate) static STYLE: LazyLock<String> = LazyLock::new(|| {
     )
 });
 
-/// Returns the stylesheet of a separate drawing.
+/// Returns the stylesheet for a drawing in its own file.
 pub(crate) fn stylesheet(medium: Medium) -> String {
     match medium {
         Medium::Screen => STYLE.clone(),
@@ -262,17 +263,17 @@ pub(crate) fn stylesheet(medium: Medium) -> String {
     }
 }
 
-/// Kind of items of a figure.
+/// Kind of items that the colours of a figure distinguish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Colours {
-    /// Compared items, readable on paper.
+    /// Compared items, such as programs. Their colours are readable on paper.
     Compared,
-    /// Phases, with the same colours in both themes and a darker or lighter outline.
+    /// Phases. Their colours are the same in both themes, with a darker or lighter outline.
     Phases,
 }
 
 impl Colours {
-    /// Returns the class of item `i`.
+    /// Returns the style class of item `i`.
     pub fn class(self, i: usize) -> &'static str {
         match self {
             Colours::Compared => class(i),
@@ -281,12 +282,12 @@ impl Colours {
     }
 }
 
-/// Returns the class of compared item `i`.
+/// Returns the style class of compared item `i`.
 pub(crate) fn class(i: usize) -> &'static str {
     ["s0", "s1", "s2", "s3", "s4", "s5"][i % COLOURS]
 }
 
-/// Returns the class of phase `i`.
+/// Returns the style class of phase `i`.
 fn phase(i: usize) -> &'static str {
     ["p0", "p1", "p2", "p3", "p4", "p5", "p6", "p7"][i % PHASES.len()]
 }

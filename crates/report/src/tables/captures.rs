@@ -1,12 +1,12 @@
-//! Table of the captures of a program.
+//! Table of the captures of a program for a terminal.
 use stochc_experiments::CaptureSummary;
 use stochc_text::{Tick, percent};
 
 use super::comparison::{mean, ticks};
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// Returns the captures as a table of plain text. `tick` is the length of a tick \[s\], and `width`
-/// the width of the terminal \[characters\].
+/// Returns a table of captures as plain text. `tick` is the length of a tick \[s\], and `width` the
+/// width of the terminal \[characters\].
 pub fn captures_to_text(captures: &[CaptureSummary], tick: f64, width: usize) -> String {
     const NONE: &str = "-";
     let tick = Tick(tick);
@@ -49,7 +49,7 @@ pub fn captures_to_text(captures: &[CaptureSummary], tick: f64, width: usize) ->
     text
 }
 
-/// Returns the shares of captures that bonded a block after its release from a role.
+/// Returns the shares of captured blocks that had been released from each role.
 fn released(capture: &CaptureSummary) -> String {
     let share = |&(ref role, n): &(String, usize)| {
         let share = percent(n as f64 / capture.wait.completed as f64);

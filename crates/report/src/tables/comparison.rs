@@ -1,19 +1,20 @@
-//! Table of a comparison, in the layout of the paper's Tables I and II.
+//! Table of a comparison for a terminal.
 use stochc_experiments::{Comparison, Pair, ProgramSummary, Time};
 use stochc_text::{Tick, number};
 
 use crate::text::sentence;
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// Label of a row of seconds below a row of ticks. Side by side, both would be too wide.
+/// Label of a row with seconds, below a row with ticks. A common row would be too wide.
 const SECONDS: &str = "  in seconds";
 
-/// Cell of an undefined value.
+/// Text of a cell whose value is unknown.
 const NONE: &str = "-";
 
-/// Returns the table, followed by a sentence for each pair of programs.
+/// Returns a table of the compared programs, followed by a sentence for each pair.
 ///
-/// `width` is the width of the terminal \[characters\]. Columns that do not fit follow below.
+/// `width` is the width of the terminal \[characters\]. Columns that do not fit are printed below
+/// the others.
 pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
     let programs = &comparison.programs;
     let mut rows = ComparisonTableBuilder::new(programs);
@@ -58,9 +59,9 @@ pub fn pairs_to_text(comparison: &Comparison, width: usize) -> String {
     sentences.map(|it| paragraph(&it, width)).collect()
 }
 
-/// Returns a sentence for each pair of programs. A `~` is a non-breaking space.
+/// Returns a sentence for each compared pair of programs. A `~` stands for a non-breaking space.
 pub(super) fn pair_sentences(comparison: &Comparison) -> impl Iterator<Item = String> {
-    // The correction of the p-values counts only tested differences.
+    // The correction of p-values counts only the tested differences.
     let tested = comparison
         .pairs
         .iter()
@@ -73,19 +74,19 @@ pub(super) fn pair_sentences(comparison: &Comparison) -> impl Iterator<Item = St
     comparison.pairs.iter().map(told)
 }
 
-/// Note on runs ended by a timeout.
+/// Note about runs that timed out.
 pub(super) const NEVER_COMPLETES: &str =
     "Timed out: a phase of the program reached its timeout. These runs never complete.";
 
-/// Note on unfinished ensembles.
+/// Note about unfinished ensembles.
 pub(super) const UNFINISHED: &str =
     "Some runs are not finished. The slowest runs are missing, so the times are too short.";
 
-/// Note on right-censored runs.
+/// Note about right-censored runs.
 pub(super) const LOWER_BOUND: &str = "≥: some runs did not complete, so the mean is that of min(time, horizon), a lower bound. The median is \
      the Kaplan-Meier estimate.";
 
-/// Returns the notes on the values.
+/// Returns the notes that the values of the table require.
 fn notes(comparison: &Comparison) -> Vec<String> {
     let mut ticks: Vec<f64> = comparison
         .programs
@@ -115,7 +116,7 @@ fn notes(comparison: &Comparison) -> Vec<String> {
     notes
 }
 
-/// Adds the mean time of each phase, unless every program has only one.
+/// Adds a row with the mean time of each phase. Adds nothing if every program has only one phase.
 fn add_phases(rows: &mut ComparisonTableBuilder) {
     let phases = rows.programs.iter().map(|c| c.phases).max().unwrap_or(0);
     if phases < 2 {
@@ -131,7 +132,7 @@ fn add_phases(rows: &mut ComparisonTableBuilder) {
     }
 }
 
-/// A table under construction.
+/// Table of a comparison under construction.
 struct ComparisonTableBuilder<'a> {
     programs: &'a [ProgramSummary],
     table: TextTable,
@@ -149,7 +150,7 @@ impl<'a> ComparisonTableBuilder<'a> {
         }
     }
 
-    /// Adds a row of counts unless all are 0.
+    /// Adds a row of counts. Adds nothing if all counts are 0.
     fn add_if_any(&mut self, label: &str, count: impl Fn(&ProgramSummary) -> u64) {
         if self.programs.iter().any(|program| count(program) > 0) {
             self.add(label, |program| count(program).to_string());
@@ -164,15 +165,14 @@ impl<'a> ComparisonTableBuilder<'a> {
     }
 }
 
-/// Returns a mean with its half-width in ticks and seconds, after `≥` if it is a lower bound.
+/// Returns a mean and its half-width in ticks and seconds. A lower bound begins with `≥`.
 pub(super) fn mean(time: Option<&Time>, tick: Tick) -> String {
     time.map_or(NONE.to_owned(), |time| {
         in_ticks(time, &tick.beside_interval(time.mean, time.half_width))
     })
 }
 
-/// Returns a mean with its half-width in ticks, then the text `suffix`. A lower bound starts with
-/// `≥`.
+/// Returns a mean and its half-width in ticks, followed by `suffix`. A lower bound begins with `≥`.
 pub(super) fn in_ticks(time: &Time, suffix: &str) -> String {
     let half_width = time.half_width.map(|half| format!(" ± {}", ticks(half)));
     let text = ticks(time.mean) + &half_width.unwrap_or_default() + suffix;
@@ -182,7 +182,7 @@ pub(super) fn in_ticks(time: &Time, suffix: &str) -> String {
     }
 }
 
-/// Returns a mean with its half-width in seconds. Empty without a mean.
+/// Returns a mean and its half-width in seconds. Returns an empty text without a mean.
 fn in_seconds(column: &ProgramSummary, time: Option<&Time>) -> String {
     time.map_or(String::new(), |time| {
         let bound = if time.horizon.is_some() { "≥ " } else { "" };
@@ -190,13 +190,13 @@ fn in_seconds(column: &ProgramSummary, time: Option<&Time>) -> String {
     })
 }
 
-/// Returns a statistic in ticks.
+/// Returns a statistic as text, in ticks.
 fn figure(column: &ProgramSummary, of: impl Fn(&Time) -> Option<f64>) -> String {
     let figure = column.time.as_ref().and_then(of);
     figure.map_or(NONE.to_owned(), ticks)
 }
 
-/// Returns the shortest and the longest time.
+/// Returns the shortest and the longest time as text.
 fn range(time: Option<&Time>) -> String {
     let ends = |time: &Time| Some((time.min?, time.max));
     match time.and_then(ends) {
@@ -206,7 +206,7 @@ fn range(time: Option<&Time>) -> String {
     }
 }
 
-/// Returns the standard deviation and the coefficient of variation.
+/// Returns the standard deviation and the coefficient of variation as text.
 fn spread(time: Option<&Time>) -> String {
     let spread = |time: &Time| Some((time.sd?, time.cv?));
     match time.and_then(spread) {
@@ -215,7 +215,7 @@ fn spread(time: Option<&Time>) -> String {
     }
 }
 
-/// Returns ticks as a whole number with commas between thousands, and small ones with a decimal.
+/// Returns ticks as an integer with commas between thousands. Small numbers have one decimal.
 pub(super) fn ticks(ticks: f64) -> String {
     if ticks.abs() < 100.0 && ticks.fract() != 0.0 {
         format!("{ticks:.1}")

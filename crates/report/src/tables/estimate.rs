@@ -1,4 +1,4 @@
-//! Prints estimates as tables.
+//! Tables of estimates for a terminal.
 use stochc_text::{number, percent};
 
 use stochc_runtime::rates::{Interaction, LowerBoundReasons, Times};
@@ -8,8 +8,8 @@ use crate::estimate::{CompletionEstimate, Method};
 use crate::text::event_labels;
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// Returns the times of programs and of their phases, and up to `most` events with the largest
-/// shares. `width` is the width of the terminal \[characters\].
+/// Returns tables of the estimated times of programs and phases. Adds up to `most` events with the
+/// largest shares. `width` is the width of the terminal \[characters\].
 pub fn estimates_to_text(estimates: &[CompletionEstimate], most: usize, width: usize) -> String {
     let mut text = String::new();
     for (number, estimate) in estimates.iter().enumerate() {
@@ -43,7 +43,7 @@ pub fn estimates_to_text(estimates: &[CompletionEstimate], most: usize, width: u
     text
 }
 
-/// Returns a paragraph on the method and its accuracy.
+/// Returns a paragraph about the method of an estimate and its accuracy.
 fn origin(estimate: &CompletionEstimate) -> String {
     let all = estimate.completed + estimate.incomplete;
     let mut text = match (estimate.method, all) {
@@ -63,7 +63,8 @@ fn origin(estimate: &CompletionEstimate) -> String {
     text
 }
 
-/// Returns a paragraph about times that are lower bounds. Empty if they are estimates.
+/// Returns a paragraph about times that are lower bounds. Returns an empty text if `reasons` is
+/// empty.
 pub fn lower_bound(reasons: LowerBoundReasons, width: usize) -> String {
     if reasons.is_empty() {
         String::new()
@@ -75,8 +76,8 @@ pub fn lower_bound(reasons: LowerBoundReasons, width: usize) -> String {
     }
 }
 
-/// Returns a sentence on the interactions that the sum along a graph ignores, with the resulting
-/// error.
+/// Returns a sentence about the interactions of captures that the sum along a graph ignores, and
+/// the resulting error.
 pub fn left_out(interaction: Interaction) -> String {
     let mut meaning = interaction.meaning().to_owned();
     meaning[..1].make_ascii_uppercase();
@@ -86,12 +87,12 @@ pub fn left_out(interaction: Interaction) -> String {
     )
 }
 
-/// A statistic of times, with its half-width.
+/// Statistic of times with its half-width. `None` if unknown.
 type Figure = (Option<f64>, Option<f64>);
 
 fn times(estimate: &CompletionEstimate) -> TextTable {
     let total = std::iter::once((format!("{}, ticks", estimate.program), estimate.total));
-    // A program of one phase needs no row for the phase.
+    // A program with a single phase needs no row for it.
     let phases = estimate.phases.iter().filter(|_| estimate.phases.len() > 1);
     let phases = phases.map(|phase| (format!("  {}", phase.name), phase.times));
     let rows: Vec<(String, Option<Times>)> = total.chain(phases).collect();
@@ -119,7 +120,7 @@ fn times(estimate: &CompletionEstimate) -> TextTable {
     }
 }
 
-/// Returns the header of the first column: what kind of times these are.
+/// Returns the header of the first column, which describes the kind of times.
 fn label(estimate: &CompletionEstimate) -> &'static str {
     let is_calibrated = !matches!(
         estimate.method,

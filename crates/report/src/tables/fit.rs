@@ -1,14 +1,15 @@
-//! Table of a fit.
+//! Table of a fit for a terminal.
 use stochc_experiments::fit::{Fit, Interval, Marginal, Observed, Prediction, Prior, Unit};
 use stochc_text::{number, percent, percent_number};
 
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// Smallest ratio of the interval to that of the prior for an uninformed parameter.
+/// Ratio of the posterior's width to the prior's. Above it, the data do not constrain the
+/// parameter.
 const UNINFORMED: f64 = 0.8;
 
-/// Returns the fitted parameters, their predictions and remarks. `width` is the width of the
-/// terminal \[characters\].
+/// Returns the fitted parameters, the predicted times and notes as text. `width` is the width of
+/// the terminal \[characters\].
 pub fn fit_to_text(fit: &Fit, priors: &[Prior], width: usize) -> String {
     let mut text = numbers(fit, priors).text(width, false);
     text += &format!("\n{}\n", predictions(fit).text(width, false));
@@ -106,7 +107,7 @@ fn predictions(fit: &Fit) -> TextTable {
     }
 }
 
-/// Returns the cell of an undefined value.
+/// Returns the text of a cell whose value is unknown.
 fn absent() -> String {
     "-".to_owned()
 }
@@ -180,7 +181,7 @@ fn notes(fit: &Fit) -> Vec<String> {
     notes
 }
 
-/// Returns the strongly correlated pairs of parameters.
+/// Returns the strongly correlated pairs of parameters, each with its correlation.
 fn pairs(fit: &Fit) -> Vec<(usize, usize, f64)> {
     let mut found = Vec::new();
     for (i, row) in fit.correlations.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Tables for a terminal.
+//! Tables as text, for a terminal or a paper.
 mod captures;
 mod comparison;
 mod estimate;

@@ -1,4 +1,4 @@
-//! Tables for papers: each value once, in one unit.
+//! Tables for papers. Each value appears only once, in one unit.
 use stochc_experiments::sweep::Sweep;
 use stochc_experiments::{Comparison, ProgramSummary, Time};
 use stochc_text::number;
@@ -7,10 +7,10 @@ use super::comparison::{NEVER_COMPLETES, pair_sentences};
 use super::sweep::sweep_rows;
 use stochc_text::{Markup, TextColumn, TextTable};
 
-/// Cell of an undefined value.
+/// Text of a cell whose value is unknown.
 const NONE: &str = "–";
 
-/// Returns a comparison as a table, with the tests of its pairs below.
+/// Returns a comparison as a table. The results of the pairwise tests follow below.
 pub fn published_comparison(comparison: &Comparison, markup: Markup) -> String {
     let unit = comparison.time_unit;
     let mut table = TextTable {
@@ -56,7 +56,7 @@ pub fn published_comparison(comparison: &Comparison, markup: Markup) -> String {
     markup.table(&table) + &notes(markup, is_bound, are_timed_out) + &pairs(comparison, markup)
 }
 
-/// Returns a sweep as a table of its points, with the tests of programs below.
+/// Returns a sweep as a table of its points. The results of the pairwise tests follow below.
 pub fn published_sweep(sweep: &Sweep, comparison: &Comparison, markup: Markup) -> String {
     let points = || sweep.points.iter();
     let is_bound = points().any(|it| it.timed_out + it.censored > 0);

@@ -1,4 +1,4 @@
-//! Table of the rates of a scene.
+//! Table of a scene's rates for a terminal.
 use stochc_ir::{Cell, Face};
 use stochc_results::{EnsembleProgram, Manifest};
 use stochc_runtime::Model;
@@ -9,11 +9,11 @@ use stochc_text::{number, percent};
 use super::comparison::ticks;
 use stochc_text::{TextColumn, TextTable};
 
-/// Note on the accuracy of the rate model.
+/// Note about the accuracy of the rate model.
 pub const KNOWN_BIAS: &str = "Times are estimates of the rate model. In the default scene, its means differed from simulations by 3 % on \
      average and by at most 7 %; in other scenes by up to 20 % (docs/validation/rates.md).";
 
-/// Returns a sentence for each program of an ensemble by rates whose times are lower bounds.
+/// Returns a sentence for each program whose times in the rate model are lower bounds.
 pub fn lower_bounds(manifest: &Manifest) -> Vec<String> {
     let known = |program: &EnsembleProgram| {
         let settings = manifest.settings_of(program);
@@ -28,7 +28,7 @@ pub fn lower_bounds(manifest: &Manifest) -> Vec<String> {
     manifest.programs.iter().filter_map(known).collect()
 }
 
-/// Returns the note on waits in a scene without calibrated rates.
+/// Returns the note about uncalibrated estimates.
 pub fn first_guess() -> String {
     let (usual, most) = GUESS_ERROR;
     format!(
@@ -81,8 +81,8 @@ fn numbers(rates: &Rates) -> TextTable {
     }
 }
 
-/// Returns the rates of simple surroundings: occupied cells, and the open cell above or next to
-/// them.
+/// Returns a table of rates in simple surroundings. Each has some occupied cells, and an open cell
+/// above or next to them.
 fn examples(rates: &Rates) -> TextTable {
     let at = |x, z| Cell::new(x, 0, z);
     let tower = |x: i32, top: i32| move |cell: Cell| (cell.x, cell.y) == (x, 0) && cell.z <= top;

@@ -1,14 +1,15 @@
-//! Table of a sweep, with a row for each point.
+//! Table of a sweep for a terminal, with a row for each point.
 use stochc_experiments::sweep::{Sweep, SweepPoint};
 use stochc_text::{number, percent};
 
 use super::comparison::{LOWER_BOUND, NEVER_COMPLETES, UNFINISHED, mean, ticks};
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// Cell of an undefined value.
+/// Text of a cell whose value is unknown.
 const NONE: &str = "-";
 
-/// Returns the table with notes on its values. `width` is the width of the terminal \[characters\].
+/// Returns the table of a sweep, with notes about its values. `width` is the width of the terminal
+/// \[characters\].
 pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
     let mut text = sweep_rows(sweep, true).text(width, false);
     text.push('\n');
@@ -18,8 +19,8 @@ pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
     text
 }
 
-/// Returns the table with times in the unit of the sweep. If `with_seconds` is set, seconds follow the
-/// ticks.
+/// Returns the table of a sweep's points, in the unit of the sweep. `with_seconds` adds seconds
+/// after ticks.
 pub(super) fn sweep_rows(sweep: &Sweep, with_seconds: bool) -> TextTable {
     let tick = |point: &SweepPoint| sweep.tick(point).filter(|_| with_seconds);
     let time = |point: &SweepPoint, value: f64| match tick(point) {

@@ -1,4 +1,4 @@
-//! Table of a trade.
+//! Table of a trade for a terminal.
 use crate::text::relative;
 use stochc_experiments::trade::{
     CLOSE, CandidateResult, Convergence, ProgramResult, Reference, Trade, Verdict,
@@ -8,30 +8,30 @@ use stochc_text::{Tick, percent, ratio, seconds, visible};
 use super::comparison::ticks;
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// Cell of an undefined value.
+/// Text of a cell whose value is unknown.
 const NONE: &str = "-";
 
-/// Prefix of a bias of restricted means.
+/// Prefix of a bias that compares restricted means.
 pub(crate) const RESTRICTED: &str = "* ";
 
-/// Headers of the columns of numbers.
+/// Headers of the columns with numbers.
 const HEADER: [&str; 7] = [
     "CPU/run", "ratio", "n", "mean", "bias", "incompl.", "failed",
 ];
 
-/// A line of a table.
+/// Row of a table of settings.
 struct TradeRow {
     label: String,
     cells: Vec<String>,
-    /// Mark next to the setting.
+    /// Mark next to the name of the setting.
     mark: &'static str,
-    /// Remark after the columns.
+    /// Remark after the last column.
     remark: String,
-    /// Whether the line is red in colour output.
+    /// Whether the row is red in colour output.
     wrong: bool,
 }
 
-/// Returns a table for each program, the order of the programs, and advice.
+/// Returns a table for each program, the order of the programs, and the recommendation.
 ///
 /// `width` is the width of the terminal for sentences \[characters\]. With `colour`, errors are
 /// red.
@@ -123,7 +123,7 @@ fn mark_if(is_meant: bool, mark: &str) -> &str {
     if is_meant { mark } else { "" }
 }
 
-/// Returns the conclusions of each setting about the order of the programs.
+/// Returns text about the order of the programs with each setting.
 fn ranking(trade: &Trade, width: usize, colour: bool) -> String {
     let pairs = trade
         .reference_candidate()
@@ -185,7 +185,7 @@ fn pair(trade: &Trade, first: usize, second: usize) -> String {
     )
 }
 
-/// Returns the notes on the values.
+/// Returns the notes that the values of the tables require.
 fn notes(trade: &Trade) -> Vec<String> {
     let mut notes = vec![
         "Settings are model and substeps, and what differs from the defaults. CPU/run is the \
@@ -231,7 +231,7 @@ fn notes(trade: &Trade) -> Vec<String> {
     notes
 }
 
-/// Returns a table of settings. Lines can lack their values.
+/// Returns a table of settings. Its rows may lack values.
 fn table(header: &[&str], lines: &[TradeRow]) -> TextTable {
     let columns = header.iter().enumerate().map(|(i, header)| {
         let cell = |line: &TradeRow| line.cells.get(i).cloned().unwrap_or_default();
@@ -251,12 +251,12 @@ fn table(header: &[&str], lines: &[TradeRow]) -> TextTable {
     }
 }
 
-/// Returns a setting with its number, which also appears in figures.
+/// Returns the name of a setting after its number, which figures also show.
 fn label(number: usize, setting: &CandidateResult) -> String {
     format!("{:>2}  {}", number + 1, setting.name)
 }
 
-/// Returns a sentence on the convergence of the reference. `changes` are those of its last
+/// Returns a sentence about the convergence of the reference. `changes` is the text about its last
 /// doubling.
 fn convergence(reference: &Reference, changes: &str) -> String {
     let Some(last) = reference.doublings.last() else {

@@ -1,9 +1,10 @@
-//! Unique labels of events.
+//! Labels that distinguish the events of a program.
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// Returns the labels of events in a table: the text of the program, with the phase if `all`
-/// contains the same action twice. `shown` are the actions with their texts and phases.
+/// Returns a unique label for each event. The label is the event in the notation of the program. It
+/// includes the phase if `all` contains the same action twice. `shown` are the events with their
+/// texts and phases.
 pub fn event_labels<'a, A: Eq + Hash>(
     all: impl IntoIterator<Item = A>,
     shown: impl IntoIterator<Item = (A, String, &'a str)>,

@@ -1,4 +1,4 @@
-//! Events, tests and differences in words.
+//! Descriptions of events, tests and differences.
 mod event_label;
 mod pairwise;
 mod relative;

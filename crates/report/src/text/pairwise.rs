@@ -1,9 +1,9 @@
-//! Sentences on the test of two programs.
+//! Sentences about the test of two programs.
 use stochc_experiments::PairwiseResult;
 use stochc_experiments::statistics::{Difference, Longer, SIGNIFICANT, Test};
 use stochc_text::number;
 
-/// Returns the sentence on two programs with the given `names`.
+/// Returns a sentence about the test of two programs with these `names`.
 ///
 /// `pairs` is the number of differences that were tested together.
 pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: usize) -> String {
@@ -41,7 +41,8 @@ pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: u
     )
 }
 
-/// Returns `p = 0.03`, followed by the corrected value for several pairs.
+/// Returns the p-value as text, such as `p = 0.03`. For several pairs, the corrected p-value
+/// follows.
 fn p_values(found: &Difference, pairs: usize) -> String {
     let text = |p: f64| match probability(p) {
         p if p.starts_with('<') => format!("p~{}", p.replace(' ', "~")),
@@ -57,7 +58,7 @@ fn p_values(found: &Difference, pairs: usize) -> String {
     }
 }
 
-/// Returns the name of the test.
+/// Returns the name of the statistical test.
 pub fn method(found: &Difference, unit: &str) -> String {
     let test = match found.test {
         Test::Paired { pairs } => format!("paired t test of {pairs} runs"),
@@ -69,9 +70,9 @@ pub fn method(found: &Difference, unit: &str) -> String {
     }
 }
 
-/// Returns a probability as text. It is below [`SIGNIFICANT`] only if the exact value is.
+/// Returns a probability as text. The text is below [`SIGNIFICANT`] only if the exact value is.
 pub fn probability(p: f64) -> String {
-    // Values that would round to the limit have more digits.
+    // Values that would round to the limit get more digits.
     if (0.0495..SIGNIFICANT).contains(&p) {
         let digits = (4..).map(|digits| format!("{p:.digits$}"));
         let mut below =

@@ -1,4 +1,4 @@
-//! Maps of the recorded runs of a program.
+//! Maps of a program from its recorded runs.
 use std::collections::BTreeMap;
 use std::io;
 use std::io::Read;
@@ -14,11 +14,11 @@ use super::slice::{FaceEntries, Maps, Slice, SliceMap};
 use super::tally::Tally;
 use crate::analysis::reported_program::{Input, ReportedProgram};
 
-/// Reader of the recording of a run. Arguments: index of the folder, index of the program, number
-/// of the run. Returns `None` without a recording.
+/// Function that opens the recording of a run, or returns `None` if there is none. Its arguments
+/// are the index of the folder, the index of the program, and the number of the run.
 pub type RecordingReader<'a> = dyn Fn(usize, usize, u64) -> Option<io::Result<Box<dyn Read>>> + 'a;
 
-/// Computes the maps of a program. Returns `None` if its blocks do not move, or it captures none.
+/// Returns the maps of a program. Returns `None` if its blocks do not move or it has no captures.
 ///
 /// # Errors
 ///
@@ -49,7 +49,7 @@ pub(crate) fn maps(
             continue;
         };
         let place = first.get_or_insert_with(|| MapPlaces::new(subject));
-        // A run counts only after its recording has been read to the end.
+        // A run counts only after its recording was read to the end.
         match file
             .map_err(RecordingError::from)
             .and_then(|file| place.read(subject, &known, file))
@@ -118,7 +118,7 @@ pub(crate) fn maps(
     Ok(Some(maps))
 }
 
-/// Returns the estimate for each cell of a rectangle.
+/// Returns the known values of all cells in a rectangle.
 fn every(
     ((west, east), (low, high)): ((i32, i32), (i32, i32)),
     known: impl Fn(i32, i32) -> Option<Ratio>,

@@ -1,7 +1,7 @@
-//! Positions of blocks over all runs of a program: before their capture, close to the structure,
-//! and at open faces.
+//! Maps of the positions of blocks over all runs of a program: before their capture, close to the
+//! structure, and at open faces.
 //!
-//! All values are ratios of sums over runs in cells of the lattice. Their intervals come from a
+//! All values are ratios of sums over runs, by cell of the lattice. Their intervals come from a
 //! bootstrap over runs.
 mod collection;
 mod places;

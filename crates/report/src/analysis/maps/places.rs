@@ -1,4 +1,4 @@
-//! Geometry of the maps of a program.
+//! Cells and slices that the maps of a program show.
 use std::collections::BTreeMap;
 use std::io::{BufReader, Read};
 
@@ -14,42 +14,43 @@ use super::structure_membership::{AGES, PlaceQuery, StructureMembership, wanted}
 use super::tally::Counts;
 use crate::analysis::reported_program::ReportedProgram;
 
-/// Largest distance of the shown positions from the target cell \[side\].
+/// Largest distance of the shown positions from the target cell \[block lengths\].
 pub(crate) const REACH: i32 = 8;
 
-/// Margin around a structure, and largest shown width \[side\].
+/// Margin around the structure in a map \[block lengths\].
 const MARGIN: i32 = 3;
 
+/// Largest width of a map \[block lengths\].
 const WIDEST: i32 = 40;
 
-/// Half the thickness of a slice through the positions before a capture \[side\].
+/// Half the thickness of the slice of positions before a capture \[block lengths\].
 pub(super) const HALF_SLICE: f64 = 1.0;
 
-/// Largest number of captures for a map of the faces.
+/// Largest number of captures of a program with a map of its faces.
 const MAX_CAPTURES: usize = 2000;
 
-/// A cell in a slice: index of the slice, then its two coordinates.
+/// Cell in a slice: index of the slice, then the two coordinates of the cell.
 pub(super) type SlicePlace = (usize, i32, i32);
 
-/// A capture: parent, face and child as in the record.
+/// Capture: parent, face and child, as in the record.
 pub(super) type LocatedCapture = (u32, usize, u32);
 
-/// Counts of one run.
+/// Counts of one run for all maps.
 pub(super) struct RunCounts {
     pub(super) before: [Counts<SlicePlace>; 3],
     pub(super) occupation: Counts<SlicePlace>,
-    /// Entries and ticks of waiting.
+    /// Number of entries and ticks of waiting at each face.
     pub(super) faces: BTreeMap<LocatedCapture, (f64, f64)>,
 }
 
-/// Geometry of the maps of a program.
+/// Cells and slices that the maps of a program show.
 pub(super) struct MapPlaces {
-    /// Planes through the cells of most captures.
+    /// Horizontal and vertical plane that contain the cells of most captures.
     pub(super) slices: [Slice; 2],
     pub(super) ends: [((i32, i32), (i32, i32)); 2],
-    /// Cells of the plate and of captures.
+    /// Cells of the plate and of all captures.
     pub(super) cells: Vec<Cell>,
-    /// Cell and text of each capture, by parent, face and child.
+    /// Cell and text of each capture. The keys are parent, face and child.
     pub(super) captures: BTreeMap<LocatedCapture, (Cell, String)>,
     /// Offset from world coordinates to cells.
     corner: [f64; 3],
@@ -86,7 +87,7 @@ impl MapPlaces {
             for cell in &captured {
                 *counts.entry(of(cell)).or_default() += 1;
             }
-            // The lowest of equally frequent coordinates.
+            // Of equally frequent coordinates, take the lowest.
             let most = (counts.into_iter()).max_by_key(|&(at, n)| (n, std::cmp::Reverse(at)));
             most.map_or(0, |(at, _)| at)
         };
@@ -121,7 +122,7 @@ impl MapPlaces {
         }
     }
 
-    /// Returns the places of the structure in a slice.
+    /// Returns the coordinates of the structure's cells in a slice.
     pub(super) fn structure(&self, slice: usize) -> Vec<(i32, i32)> {
         let cells = self.cells.iter();
         let mut places: Vec<_> = cells
@@ -132,7 +133,7 @@ impl MapPlaces {
         places
     }
 
-    /// Reads the counts of a run from its recording.
+    /// Reads the recording of a run and returns its counts.
     pub(super) fn read(
         &self,
         subject: &ReportedProgram,
@@ -191,7 +192,7 @@ impl MapPlaces {
         faces
     }
 
-    /// Adds the cells of free blocks, weighted by a number of ticks.
+    /// Counts the cells of free blocks, each with the weight `ticks`.
     fn occupy(
         &self,
         places: &Places,
@@ -220,7 +221,7 @@ impl MapPlaces {
         }
     }
 
-    /// Returns the position of a block in cell coordinates, without rounding.
+    /// Returns a position in the coordinates of cells, without rounding.
     fn lattice(&self, place: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|i| place[i] + self.corner[i])
     }
@@ -230,9 +231,9 @@ impl MapPlaces {
         Cell::new(x, y, z)
     }
 
-    /// Adds the position of a block before its capture.
+    /// Counts the position of a block before its capture, for one query.
     fn look(&self, places: &Places, wanted: &PlaceQuery, before: &mut [Counts<SlicePlace>; 3]) {
-        // With sparse recorded positions, this one can be too late.
+        // Positions are recorded at intervals, so this position can be late.
         let late = places.tick() - wanted.tick;
         if late > AGES[wanted.age] / 10 || wanted.body as usize >= places.bodies() {
             return;
@@ -254,9 +255,9 @@ impl MapPlaces {
     }
 }
 
-/// Returns the cells of the plate.
+/// Returns the cells of the plate, or none if it is large.
 fn plate(tables: &Tables) -> Vec<Cell> {
-    /// A larger plate is drawn as the floor.
+    /// Largest width of a plate that is drawn as cells. A larger plate counts as part of the floor.
     const MAX: u32 = 64;
     let (width, depth) = (tables.plate.width.min(MAX), tables.plate.depth.min(MAX));
     let cells = (0..width).flat_map(|x| (0..depth).map(move |y| (x, y)));

@@ -1,4 +1,4 @@
-//! Slices through the space around a structure, and their maps.
+//! Slices through the space around a structure, as planes of maps.
 use std::collections::BTreeMap;
 
 use stochc_experiments::resampling::Ratio;
@@ -14,7 +14,7 @@ pub(crate) enum Slice {
 }
 
 impl Slice {
-    /// Returns the name of the second axis.
+    /// Returns the name of the second axis of the plane.
     pub fn up(self) -> &'static str {
         match self {
             Slice::Horizontal(_) => "north",
@@ -29,14 +29,14 @@ impl Slice {
         }
     }
 
-    /// Returns the coordinate of the plane in cells.
+    /// Returns the coordinate of the plane along its normal \[cells\].
     pub fn at(self) -> i32 {
         match self {
             Slice::Horizontal(at) | Slice::Vertical(at) => at,
         }
     }
 
-    /// Returns the coordinates of a cell in the plane. Returns `None` if the cell is outside the
+    /// Returns the coordinates of a cell within the plane. Returns `None` if the cell is not in the
     /// plane.
     pub(super) fn place(self, cell: Cell) -> Option<(i32, i32)> {
         match self {
@@ -46,39 +46,40 @@ impl Slice {
     }
 }
 
-/// A slice through a counted quantity.
+/// Map of a quantity in the cells of a slice.
 #[derive(Clone, Debug)]
 pub(crate) struct SliceMap {
     pub slice: Slice,
-    /// First and last coordinates of both axes.
+    /// First and last coordinate of the map, for both axes.
     pub ends: ((i32, i32), (i32, i32)),
-    /// Estimate for each cell of the map. Absent cells are unknown.
+    /// Value of each cell of the map. Cells with unknown values are absent.
     pub places: BTreeMap<(i32, i32), Ratio>,
-    /// Places of the structure in the plane.
+    /// Coordinates of the structure's cells in the plane.
     pub structure: Vec<(i32, i32)>,
 }
 
-/// The face of a capture, and the rate of blocks that enter its capture range.
+/// Face of a capture, and the rate of blocks that enter its capture range.
 #[derive(Clone, Debug)]
 pub(crate) struct FaceEntries {
     pub text: String,
     pub cell: Cell,
-    /// Entries per tick of waiting.
+    /// Number of entries per tick of waiting.
     pub rate: Ratio,
 }
 
 /// Maps of a program.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Maps {
-    /// Number of recordings used.
+    /// Number of recordings that the maps use.
     pub runs: usize,
-    /// Runs with unusable recordings, with reasons.
+    /// Number of each run whose recording cannot be used, with the reason.
     pub left_out: Vec<(u64, String)>,
-    /// For each of [`AGES`](super::AGES), the share of the captured blocks per volume of a cell.
+    /// For each of [`AGES`](super::AGES), the density of captured blocks at that time before their
+    /// capture: the share per cell.
     pub before: Vec<[SliceMap; 2]>,
-    /// Mean number of free blocks in each cell.
+    /// Mean number of free blocks in each cell. `None` if it was not counted.
     pub occupation: Option<[SliceMap; 2]>,
-    /// Entries per tick of waiting.
+    /// Number of entries per tick of waiting, by the cell in front of the face.
     pub entries: Option<[SliceMap; 2]>,
     pub faces: Vec<FaceEntries>,
 }

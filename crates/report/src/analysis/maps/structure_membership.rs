@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use stochc_ir::Cell;
 use stochc_ir::record::RunRecord;
 
-/// Times before the capture for the position of a block \[ticks\].
+/// Shown times before a capture \[ticks\].
 pub(crate) const AGES: [u64; 3] = [50, 200, 1000];
 
-/// Intervals of membership in the structure.
+/// Time intervals that each block spends in the structure.
 pub(super) struct StructureMembership {
-    /// For each block, the intervals from docking to release, in order of time.
+    /// For each block, the intervals from its captures to its releases, in order of time.
     stretches: BTreeMap<u32, Vec<(u64, u64)>>,
 }
 
@@ -38,19 +38,19 @@ impl StructureMembership {
     }
 }
 
-/// Query of a position.
+/// Query for the position of a block at a time before its capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PlaceQuery {
     pub tick: u64,
-    /// Index of the age in [`AGES`].
+    /// Index in [`AGES`] of the time before the capture.
     pub age: usize,
     pub body: u32,
-    /// Cell of the later capture.
+    /// Cell that captures the block later.
     pub cell: Cell,
 }
 
-/// Returns all queries of positions of blocks that were free at that time, in descending order of
-/// time.
+/// Returns the queries for all captures of a run, latest first. Leaves out blocks that were not
+/// free at the time of the query.
 pub(super) fn wanted(record: &RunRecord, held: &StructureMembership) -> Vec<PlaceQuery> {
     let mut wanted = Vec::new();
     for bond in &record.bonds {
@@ -81,7 +81,7 @@ mod tests {
 
     use super::*;
 
-    /// Checks a block that is captured at 300, released at 500, and captured again at 1200.
+    /// Checks a block that is captured at tick 300, released at 500 and captured again at 1200.
     #[test]
     fn blocks_are_looked_for_where_they_were_free() {
         let bond = |docked| BondRecord {
@@ -115,8 +115,8 @@ mod tests {
         let expected = [false, true, true, false, false, true];
         assert_eq!(ticks.map(|tick| held.is_held(7, tick)), expected);
         assert!(!held.is_held(6, 400));
-        // 1000 ticks before the first capture is before the beginning. 1000 ticks before the second
-        // capture the block was free.
+        // 1000 ticks before the first capture, the run had not begun. 1000 ticks before the second
+        // one, the block was free.
         let mut found: Vec<(u64, u64)> = (wanted(&record, &held).iter())
             .map(|it| (it.tick, AGES[it.age]))
             .collect();

@@ -1,13 +1,13 @@
-//! Counts by place, and their sums over runs.
+//! Counts by place, summed over runs.
 use std::collections::BTreeMap;
 
 use stochc_experiments::resampling::{Ratio, Replicates};
 
-/// Counts of a run for the sums over runs.
+/// Counts of one run by place, with their common denominator.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Counts<K> {
     by: BTreeMap<K, f64>,
-    /// Denominator of the counts.
+    /// Denominator of the counts, such as a number of ticks.
     pub of: f64,
 }
 
@@ -17,7 +17,7 @@ impl<K: Ord> Counts<K> {
     }
 }
 
-/// Sums over runs, for each bootstrap sample.
+/// Counts summed over runs, with bootstrap samples.
 pub(super) struct Tally<K> {
     by: BTreeMap<K, Replicates>,
     of: Replicates,
@@ -38,11 +38,12 @@ impl<K: Ord + Copy> Tally<K> {
         self.of.add(counts.of, weights);
     }
 
-    /// Returns the counts of a cell divided by `volume` times the denominator.
+    /// Returns the counts of a place divided by `volume` and by the denominator. Returns `None` if
+    /// the denominator is 0.
     pub fn ratio(&self, place: K, volume: f64) -> Option<Ratio> {
         match self.by.get(&place) {
             Some(counts) => counts.over(&self.of, volume),
-            // A place without counts has 0 in each sample.
+            // A place without counts is 0 in each bootstrap sample.
             None => Replicates::default().over(&self.of, volume),
         }
     }

@@ -1,4 +1,4 @@
-//! Common parts of the page.
+//! Parts that several sections of the page use.
 use stochc_experiments::{PairwiseResult, PairwiseTest, Time, TimeUnit};
 use stochc_files::address::address;
 use stochc_text::{Tick, escaped, number};
@@ -15,8 +15,8 @@ pub(super) fn link(folder: &str, file: &str) -> String {
     )
 }
 
-/// Adds a figure with links to its data, and its print version to `drawings`. Returns whether there
-/// is a figure.
+/// Adds a figure with links to its data. Also adds its version for print to `drawings`. Returns
+/// whether there is a figure.
 pub(super) fn show(
     parts: &Parts,
     out: &mut Html,
@@ -53,9 +53,9 @@ pub(super) fn show(
     true
 }
 
-/// Returns the sentence on a comparison of two programs as HTML.
+/// Returns a sentence of HTML about the comparison of two programs.
 pub(super) fn sentence(parts: &Parts, contrast: &PairwiseTest) -> String {
-    // Two placeholder characters, later replaced by names in HTML.
+    // Placeholder characters. They are later replaced by names in HTML.
     const NAMES: [&str; 2] = ["\u{e000}", "\u{e001}"];
     let is_tested = |it: &&PairwiseTest| matches!(it.verdict, PairwiseResult::Known(_));
     let tested = parts.pairwise_tests.iter().filter(is_tested).count();
@@ -67,7 +67,8 @@ pub(super) fn sentence(parts: &Parts, contrast: &PairwiseTest) -> String {
     told
 }
 
-/// Returns the length of a tick if times are in ticks. Returns `None` if they are in seconds.
+/// Returns the length of a tick if times on the page are in ticks. Returns `None` if they are in
+/// seconds.
 pub(super) fn tick(parts: &Parts) -> Option<Tick> {
     match parts.clock {
         TimeUnit::Ticks => Some(parts.subjects.first()?.tick()),
@@ -75,7 +76,8 @@ pub(super) fn tick(parts: &Parts) -> Option<Tick> {
     }
 }
 
-/// Returns a cell of a time, with seconds below if it is in ticks.
+/// Returns a table cell with a time. If `tick` is given, the time is in ticks, and seconds follow
+/// below.
 pub(super) fn figure(value: Option<f64>, tick: Option<Tick>) -> HtmlCell {
     let Some(value) = value else {
         return HtmlCell::Number("–".into());
@@ -84,7 +86,8 @@ pub(super) fn figure(value: Option<f64>, tick: Option<Tick>) -> HtmlCell {
     HtmlCell::Number(number(value) + &seconds)
 }
 
-/// Returns a cell of a mean with its interval, with seconds below if it is in ticks.
+/// Returns a table cell with a mean and its interval. If `tick` is given, the mean is in ticks, and
+/// seconds follow below.
 pub(super) fn mean_cell(time: Option<&Time>, tick: Option<Tick>) -> HtmlCell {
     let Some(time) = time else {
         return HtmlCell::Number("–".into());
@@ -94,8 +97,8 @@ pub(super) fn mean_cell(time: Option<&Time>, tick: Option<Tick>) -> HtmlCell {
     HtmlCell::Number(mean(time) + &seconds)
 }
 
-/// Returns the cells of the mean, median, SD, CV, minimum and maximum. With `tick` they include
-/// seconds.
+/// Returns table cells with the mean, median, SD, CV, minimum and maximum. If `tick` is given,
+/// seconds follow below.
 pub(super) fn figures(time: Option<&Time>, tick: Option<Tick>) -> Vec<HtmlCell> {
     let figure = |of: fn(&Time) -> Option<f64>| figure(time.and_then(of), tick);
     vec![
@@ -124,7 +127,7 @@ pub(super) fn mean(time: &Time) -> String {
     }
 }
 
-/// Returns text of several lines as HTML. Line breaks and tabs are preserved.
+/// Returns text of several lines as HTML. Preserves line breaks and tabs.
 pub(super) fn lines(text: &str) -> String {
     let lines: Vec<String> = text
         .lines()

@@ -1,4 +1,4 @@
-//! Completion section: curves, means and differences.
+//! Section about completion: curves, means and differences.
 use stochc_experiments::{PairwiseResult, PairwiseTest, Time};
 use stochc_text::number;
 
@@ -93,7 +93,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
     }
 }
 
-/// Adds the runs with failed physics.
+/// Adds a list of the runs whose physics failed.
 fn failures(parts: &Parts, subject: &ReportedProgram, out: &mut Html) {
     if subject.failed == 0 {
         return;

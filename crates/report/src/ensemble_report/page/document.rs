@@ -1,4 +1,4 @@
-//! The page as a document.
+//! Page as an HTML document.
 use stochc_text::escaped;
 
 use super::completion::{completion, differences};
@@ -12,7 +12,7 @@ use crate::ensemble_report::MARK;
 use crate::ensemble_report::html::{Html, name};
 use crate::svg::{Drawing, STYLE};
 
-/// Returns the page, and adds its figures to `drawings`.
+/// Returns the HTML page, and adds its figures to `drawings`.
 pub(crate) fn page(parts: &Parts, drawings: &mut Vec<Drawing>) -> String {
     let mut out = Html::default();
     head(parts, &mut out);
@@ -43,7 +43,7 @@ fn head(parts: &Parts, out: &mut Html) {
         let seconds = time.as_secs_f64().ceil();
         format!("<meta http-equiv=\"refresh\" content=\"{seconds}\"/>\n")
     });
-    // The policy forbids all external resources and all scripts, also if a name were not escaped.
+    // The policy forbids scripts and external resources, in case a name is not escaped.
     out.raw(&format!(
         "{MARK}\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n{reload}\

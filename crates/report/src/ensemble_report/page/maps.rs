@@ -1,4 +1,4 @@
-//! Maps of the positions of blocks in recorded runs.
+//! Section with maps of the positions of blocks in recorded runs.
 use stochc_files::shell;
 
 use super::Parts;
@@ -8,10 +8,10 @@ use crate::ensemble_report::html::{Html, code, name};
 use crate::figures::{MapColumn, maps as picture};
 use crate::svg::{Drawing, PlotAxis};
 
-/// Adds the maps of a program, or instructions to make recordings. Adds nothing if its blocks do
-/// not move.
+/// Adds the maps of a program, or instructions for making recordings. Adds nothing if blocks do not
+/// move.
 pub(super) fn maps(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
-    /// Largest number of individually mentioned recordings.
+    /// Largest number of recordings that are listed one by one.
     const TOLD: usize = 3;
     let (subject, n) = (&parts.subjects[index], index + 1);
     let Some(maps) = &parts.maps[index] else {

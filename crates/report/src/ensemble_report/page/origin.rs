@@ -1,4 +1,4 @@
-//! Origin of the results, commands to repeat them, and reading instructions.
+//! Section about the origin of the results, with commands to repeat them and reading instructions.
 use stochc_files::shell;
 use stochc_ir::scene::describe;
 use stochc_results::{ChosenSetting, EnsembleProgram};
@@ -49,7 +49,7 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
             out.raw(&command(&line));
         }
         let programs = manifest.programs.iter().enumerate();
-        // All points of a sweep share one text. The table lists their values.
+        // All points of a sweep share one source text. The table lists their values.
         let first = |(number, _): &(usize, &EnsembleProgram)| {
             first_of_text(&manifest.programs, *number) == *number
         };
@@ -78,12 +78,12 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
     }
 }
 
-/// Returns the HTML identifier of the text of a program of a folder.
+/// Returns the HTML identifier of a program's source text.
 pub(super) fn text_id(folder: usize, program: usize) -> String {
     format!("text-{}-{}", folder + 1, program + 1)
 }
 
-/// Returns the index of the first program with the same text.
+/// Returns the index of the first program with the same source text.
 pub(super) fn first_of_text(programs: &[EnsembleProgram], number: usize) -> usize {
     let program = &programs[number];
     let is_same =
@@ -95,13 +95,13 @@ pub(super) fn first_of_text(programs: &[EnsembleProgram], number: usize) -> usiz
     }
 }
 
-/// Returns the substeps of a tick. Returns `None` if blocks do not move.
+/// Returns the number of substeps per tick. Returns `None` if blocks do not move.
 fn steps(settings: &Settings) -> Option<String> {
     (settings.model.has_places()).then(|| settings.steps().to_string())
 }
 
 /// Returns settings other than model and substeps as options of `simulate`: the iterations, and all
-/// non-default settings. Empty if blocks do not move.
+/// that are not defaults. Returns none if blocks do not move.
 fn further(settings: &Settings) -> Vec<(&'static str, String)> {
     if !settings.model.has_places() {
         return Vec::new();
@@ -117,7 +117,7 @@ fn further(settings: &Settings) -> Vec<(&'static str, String)> {
 }
 
 /// Returns the command line that makes an ensemble. Returns `None` if its settings are not all
-/// combinations of some values.
+/// combinations of a set of values.
 pub(super) fn simulate(manifest: &stochc_results::Manifest) -> Option<String> {
     let axes = manifest.axes();
     let chosen = setting_axes(manifest)?;
@@ -173,8 +173,8 @@ pub(super) fn simulate(manifest: &stochc_results::Manifest) -> Option<String> {
     Some(words.join(" "))
 }
 
-/// Returns the swept settings with their values. Returns `None` if the sweep is not all
-/// combinations of them.
+/// Returns the settings that a sweep varies, with their values. Returns `None` if the sweep does
+/// not have all their combinations.
 fn setting_axes(manifest: &stochc_results::Manifest) -> Option<Vec<(&str, Vec<&str>)>> {
     let mut points: Vec<&[ChosenSetting]> = Vec::new();
     for program in &manifest.programs {

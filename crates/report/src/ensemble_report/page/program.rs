@@ -1,4 +1,4 @@
-//! Section of a program: its phases, captures, origins of blocks, and single runs.
+//! Section about one program: its phases, captures, origins of blocks, and single runs.
 use stochc_experiments::Time;
 use stochc_experiments::statistics::Observation;
 use stochc_files::shell;
@@ -19,7 +19,7 @@ use crate::figures as picture;
 use crate::figures::SurvivalCurve;
 use crate::svg::{Colours, Drawing, PlotAxis};
 
-/// Converts times of a program \[ticks\] to the unit of its figures.
+/// Converts times in ticks to the unit of the program's figures.
 fn on_axis(subject: &ReportedProgram, mut times: Vec<Observation>) -> Vec<Observation> {
     let placed = times.iter_mut();
     placed.for_each(|it| it.time = subject.on_axis(it.time));
@@ -62,7 +62,7 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     runs(parts, n, subject, out);
 }
 
-/// Adds the growth of the largest group of an aggregate.
+/// Adds the figure of the growth of an aggregate's largest group.
 fn sizes(
     parts: &Parts,
     n: usize,
@@ -125,7 +125,7 @@ fn sizes(
     out.table(caption, &header, &rows);
 }
 
-/// Returns a link to the text of a program.
+/// Returns a link to the source text of a program.
 fn text_link(parts: &Parts, subject: &ReportedProgram) -> String {
     let programs = &parts.inputs[subject.folder].manifest.programs;
     let first = first_of_text(programs, subject.number);

@@ -1,4 +1,4 @@
-//! Summary: the page in a few sentences.
+//! Section that summarizes the page in a few sentences.
 use stochc_experiments::statistics::{Observation, Status};
 use stochc_text::whole_percent;
 
@@ -29,7 +29,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
                 item += &format!(", {n} {what}");
             }
         }
-        // If a timeout ended all runs, no mean is meaningful, because none completes.
+        // If all runs timed out, they never complete, and the mean is meaningless.
         let may_complete = |it: &Observation| it.status != Status::Competing;
         let is_any = subject.times().iter().any(may_complete);
         if let Some(time) = parts.time(subject).filter(|_| is_any) {
@@ -49,7 +49,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         }
         items.push(item);
     }
-    // For many pairs, the table replaces the sentences.
+    // If there are many pairs, a table replaces the sentences.
     for contrast in parts
         .pairwise_tests
         .iter()

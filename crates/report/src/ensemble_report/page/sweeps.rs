@@ -1,4 +1,4 @@
-//! Swept parameters, and the resulting times.
+//! Section about the scene parameters of a sweep and the resulting times.
 use stochc_experiments::sweep::{Sweep, SweepPoint};
 use stochc_text::series;
 use stochc_text::{number, percent};
@@ -37,7 +37,7 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
     }
 }
 
-/// Returns a sentence of HTML on the differences between the points of a sweep.
+/// Returns a sentence of HTML about the differences between the points of a sweep.
 fn differences(sweep: &Sweep) -> String {
     if sweep.axes.is_empty() {
         let settings: Vec<String> = sweep.settings.iter().map(|of| code(of)).collect();

@@ -1,4 +1,4 @@
-//! Cost and accuracy of the settings of a sweep.
+//! Section about cost and accuracy of the settings of a sweep.
 use crate::text::relative;
 use stochc_experiments::trade::{CandidateResult, Trade};
 use stochc_text::{escaped, percent, ratio, seconds};
@@ -9,7 +9,7 @@ use crate::ensemble_report::html::{Html, HtmlCell, code};
 use crate::figures::trade as picture;
 use crate::svg::Drawing;
 
-/// Adds the figure, table and advice of each trade.
+/// Adds the figure, table and recommendation of each trade.
 pub(super) fn trades(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
     if parts.trades.is_empty() {
         return;

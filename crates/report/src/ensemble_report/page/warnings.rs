@@ -1,4 +1,4 @@
-//! Warnings at the top of the page.
+//! Section with warnings, at the top of the page.
 use stochc_files::shell;
 use stochc_runtime::Model;
 
@@ -6,7 +6,8 @@ use crate::analysis::reported_program::Input;
 use crate::ensemble_report::html::{code, name};
 use crate::tables::{KNOWN_BIAS, lower_bounds};
 
-/// Returns warnings about a folder as HTML. `is_running`: its runs are being simulated.
+/// Returns warnings about a results folder as HTML. `is_running` states whether runs of the folder
+/// are still being simulated.
 pub(super) fn warnings(input: &Input, is_running: bool) -> Vec<String> {
     let mut found = Vec::new();
     let manifest = &input.manifest;

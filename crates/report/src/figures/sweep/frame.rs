@@ -1,4 +1,4 @@
-//! Common parts of the figures over a swept parameter.
+//! Parts that the figures of a sweep share.
 use stochc_experiments::sweep::{Sweep, SweepPoint, SweptValue};
 use stochc_text::number;
 
@@ -8,7 +8,7 @@ use crate::svg::{
     Drawing, LegendEntry, LegendSymbol, Medium, PlotAxis, Scale, class, dashes, plot_height,
 };
 
-/// A figure with its axes and scales.
+/// Figure of a sweep with its axes and scales.
 pub(super) struct AxesFrame {
     pub out: Drawing,
     pub x: Scale,
@@ -16,30 +16,31 @@ pub(super) struct AxesFrame {
     pub bottom: f64,
 }
 
-/// Returns the horizontal offset of curve `i` of `n`, which keeps intervals distinguishable.
+/// Returns the horizontal offset of curve `i` of `n`. It keeps the intervals of several curves
+/// apart.
 pub(super) fn aside(i: usize, n: usize) -> f64 {
     4.0 * (i as f64 - (n as f64 - 1.0) / 2.0)
 }
 
-/// Points of one figure.
+/// Points of a sweep that are shown in one figure.
 pub(super) struct Panel<'a> {
     pub medium: Medium,
     pub sweep: &'a Sweep,
     pub points: Vec<&'a SweepPoint>,
-    /// Name of its file, without the extension.
+    /// Name of the figure's file, without the extension.
     pub name: String,
-    /// Common values of the third and further parameters.
+    /// Values of the third and later scene parameters, which all points share.
     pub rest: &'a [SweptValue],
 }
 
-/// A curve: points in order of the value.
+/// Curve in a figure of a sweep: points in ascending order of the value.
 pub(super) struct SweepCurve<'a> {
     pub name: String,
     pub points: Vec<(f64, &'a SweepPoint)>,
 }
 
 impl<'a> Panel<'a> {
-    /// Returns a curve for each program and each value of the second parameter.
+    /// Returns a curve for each program and each value of the second scene parameter.
     pub fn curves(&self) -> Vec<SweepCurve<'a>> {
         let several = self.sweep.programs().len() > 1;
         let second = |point: &SweepPoint| point.values.get(1).copied();
@@ -68,28 +69,28 @@ impl<'a> Panel<'a> {
         keys.into_iter().map(curve).collect()
     }
 
-    /// Returns the values that all points have in common, such as `tick=10 ms`. Returns `None` if
-    /// there are none.
+    /// Returns the values that all points share, such as `tick=10 ms`. Returns `None` if there are
+    /// none.
     pub fn fixed(&self) -> Option<String> {
         let further = self.sweep.axes.iter().skip(2).zip(self.rest);
         let values: Vec<String> = further.map(|(dial, value)| dial.at(*value)).collect();
         (!values.is_empty()).then(|| values.join(", "))
     }
 
-    /// Returns the common values for the title: ` at tick=10 ms`.
+    /// Returns the shared values as the end of a title, such as ` at tick=10 ms`.
     pub fn at(&self) -> String {
         let fixed = self.fixed();
         fixed.map_or(String::new(), |fixed| format!(" at {fixed}"))
     }
 
-    /// Returns the axis of parameter `i`.
+    /// Returns the axis of scene parameter `i`.
     pub fn axis(&self, i: usize) -> PlotAxis {
         let number = &self.sweep.axes[i];
         PlotAxis::new(&number.of, &number.unit)
     }
 
-    /// Draws the axes and the legend: the first parameter across, and `of` from 0 to `most` upward.
-    /// `label` gives the text of its marks.
+    /// Draws the axes and the legend of a figure. The first scene parameter is the horizontal axis,
+    /// and `of` is the vertical one. `label` returns the text of a vertical tick.
     pub fn frame(
         &self,
         name: &str,
@@ -134,7 +135,7 @@ impl<'a> Panel<'a> {
     }
 }
 
-/// Smallest ratio of values for a logarithmic axis. A power law is then a straight line.
+/// Smallest ratio of the largest to the smallest value for a logarithmic axis.
 pub(super) const DECADE: f64 = 10.0;
 
 /// Scale of the vertical axis.
@@ -153,7 +154,7 @@ impl YScale {
     }
 }
 
-/// Returns a sentence for each curve, with `each` for its points.
+/// Returns a sentence for each curve. `each` describes one of its points.
 pub(super) fn description(curves: &[SweepCurve], each: impl Fn(&SweepPoint) -> String) -> String {
     let curve = |curve: &SweepCurve| {
         let points = (curve.points.iter())

@@ -1,4 +1,4 @@
-//! Heat map of mean times over two swept parameters.
+//! Heat map of mean times over two scene parameters.
 use stochc_experiments::sweep::{SweepPoint, SweptValue};
 use stochc_text::number;
 
@@ -8,8 +8,8 @@ use crate::figures::EDGE;
 use crate::svg::letters::{fitted, widest, width as width_of};
 use crate::svg::{Drawing, Style};
 
-/// Draws a field for each pair of values. Longer times are darker. Returns `None` if no run of the
-/// program has a time.
+/// Draws a coloured field for each pair of values. Longer times are darker. Returns `None` if no
+/// run of the program has a time.
 pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> {
     const HEIGHT: f64 = 30.0;
     let own = || panel.points.iter().filter(|point| point.program == program);
@@ -82,7 +82,7 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
             ..Style::default()
         };
         out.field("s0", corner, (width - 2.0, HEIGHT - 2.0), own, tooltip);
-        // Text that does not fit is shown as a tooltip.
+        // Text that does not fit into the field is only in its tooltip.
         if width_of(&text) + 4.0 <= width {
             let place = (corner.0 + width / 2.0, corner.1 + HEIGHT / 2.0 + 3.0);
             out.text_around("ink", place, &text);

@@ -1,24 +1,24 @@
-//! All figures of a sweep.
+//! Selection of all figures of a sweep.
 use stochc_experiments::sweep::{Sweep, SweepPoint, SweptValue};
 
 use super::frame::Panel;
 use super::{heat, share, times};
 use crate::svg::{Drawing, Medium};
 
-/// Largest number of curves in one figure. More become a heat map.
+/// Largest number of curves in one figure. A heat map replaces a larger number of curves.
 const CURVES: usize = 6;
 
-/// Largest number of figures for the values of the third and further parameters. The table shows
-/// larger sweeps.
+/// Largest number of figures for different values of the third and later scene parameters. For
+/// larger sweeps, there is only the table.
 const PANELS: usize = 6;
 
-/// Draws mean times and shares of completed runs. `prefix` begins the names of their files.
+/// Draws mean times and shares of completed runs. The names of the files begin with `prefix`.
 ///
-/// The first parameter is the horizontal axis. Each combination of settings counts as a program.
-/// Each value of the second parameter has its curve, or its row in a map. Each combination of
-/// further values has its own figures, unless there are too many.
+/// The horizontal axis is the first scene parameter. Each combination of settings counts as a
+/// program. Each value of the second parameter has its own curve, or its own row in a heat map.
+/// Each combination of later parameters has its own figures, unless there are too many.
 pub fn pictures(medium: Medium, sweep: &Sweep, prefix: &str) -> Vec<Drawing> {
-    // Settings have no axis.
+    // A sweep over settings only has no axis.
     if sweep.axes.is_empty() {
         return Vec::new();
     }

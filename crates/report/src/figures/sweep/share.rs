@@ -1,4 +1,4 @@
-//! Share of completed runs over a swept parameter.
+//! Figure of the share of completed runs over a scene parameter.
 use stochc_experiments::sweep::SweepPoint;
 use stochc_text::percent_number;
 

@@ -1,4 +1,4 @@
-//! Mean times over a swept parameter.
+//! Figure of mean times over a scene parameter.
 use stochc_experiments::Time;
 use stochc_experiments::sweep::SweepPoint;
 use stochc_text::number;
@@ -76,8 +76,9 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     Some(out)
 }
 
-/// Returns a logarithmic scale if both the parameter and the times span more than a factor of ten.
-/// A power law is then a straight line. Otherwise the scale is linear from 0.
+/// Returns the scale of times. It is logarithmic if both the parameter and the times span more than
+/// a factor of ten. A power law is then a straight line. Otherwise, the scale is linear and begins
+/// at 0.
 fn scale(points: &[&SweepPoint], last: f64) -> YScale {
     let spans = |values: &mut dyn Iterator<Item = f64>| {
         let (least, most) = values.fold((f64::INFINITY, 0.0_f64), |(least, most), value| {
@@ -91,10 +92,11 @@ fn scale(points: &[&SweepPoint], last: f64) -> YScale {
     let times = || points.iter().filter_map(|it| it.time.as_ref());
     let means = || times().map(|time| time.mean).filter(|mean| *mean > 0.0);
     if !spans(&mut numbers) || !spans(&mut means()) {
-        // Includes space for a mark above the highest dot.
+        // Add space for a mark above the highest dot.
         return YScale::Linear(0.0, 1.06 * last);
     }
-    // An interval can reach 0, which a logarithmic axis cannot show. It ends at the edge.
+    // The lower end of an interval can be 0, which a logarithmic axis cannot show. Draw it to the
+    // edge.
     let least = means().fold(f64::INFINITY, f64::min);
     let ends = times().flat_map(|time| {
         [
