@@ -37,7 +37,7 @@ pub struct ProgramPlan {
     pub grown: Vec<PatternInstance>,
     /// Number of visited statements.
     pub(crate) steps: usize,
-    /// First words of names that a wrong statement may have removed: of blocks and of instances.
+    /// First words of block and instance names that may be missing because of a wrong statement.
     pub doubtful: FxHashSet<Symbol>,
 }
 
@@ -362,7 +362,7 @@ impl ProgramPlan {
         &self.events[id.0 as usize]
     }
 
-    /// Returns the acting block: the capturing one, or the released one.
+    /// Returns the acting block: the capturing block, or the released block.
     pub(crate) fn actor(&self, id: EventId) -> RoleId {
         let event = self.event(id);
         match event.kind {

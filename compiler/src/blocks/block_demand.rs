@@ -68,8 +68,9 @@ pub fn first_beyond(
 
 /// Returns the first phase that needs more than `free` blocks at a capture in some order.
 ///
-/// A phase without releases needs the blocks at its end, which is checked elsewhere. If captures
-/// choose among faces, or the search reaches its limit, returns the phase as a precaution.
+/// A phase without releases needs the most blocks at its end. Another check compares that number.
+/// If captures choose among faces, or the search reaches its limit, returns the phase as a
+/// precaution.
 pub fn scarce_phase<'a>(
     plan: &'a ProgramPlan,
     layout: &Layout,
@@ -137,8 +138,8 @@ impl Search<'_> {
     }
 
     /// Returns the largest number of anchored blocks after a capture. Returns 0 for a release, and
-    /// `None` if the search reaches its limit. `all` is the number with all captures of the phase
-    /// and no release.
+    /// `None` if the search reaches its limit. `all` is the number of blocks after all captures of
+    /// the phase without any release.
     fn most_at(&mut self, event: EventId, all: usize) -> Option<usize> {
         if self.plan.event(event).kind == EventKind::Release {
             return Some(0);

@@ -55,7 +55,7 @@ impl Holder {
         Holder { role, since }
     }
 
-    /// Returns the event of the phase after which the block can act.
+    /// Returns the trigger of the block's duty: the start of the phase, or the block's capture.
     pub fn trigger(self) -> Trigger {
         match self.since {
             Some(_) => Trigger::Anchored,
@@ -65,7 +65,7 @@ impl Holder {
 }
 
 impl Liveness {
-    /// Returns the block that acts: the capturing one, or the released one.
+    /// Returns the acting block: the capturing block, or the released block.
     pub fn actor(&self, plan: &ProgramPlan, id: EventId) -> Holder {
         Holder {
             role: plan.actor(id),
@@ -79,7 +79,7 @@ impl Liveness {
 struct RoleLiveness {
     /// Origin of the block that has the name. `None` if no block has it.
     holder: Option<BlockOrigin>,
-    /// Phase of the two fields below, from 1.
+    /// Number of the phase that the next two fields describe, from 1.
     phase: u32,
     captured: Option<EventId>,
     released: Option<EventId>,
@@ -95,7 +95,7 @@ enum BlockOrigin {
 
 /// Checks every name, and marks invalid events in the plan.
 ///
-/// `attracts`: whether faces attract by themselves, so that unused seeds have an effect.
+/// `attracts` states whether faces attract by themselves. Unused seeds then have an effect.
 ///
 /// # Errors
 ///

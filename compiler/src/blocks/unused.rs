@@ -20,7 +20,8 @@ struct Declared<'a> {
     is_local: bool,
 }
 
-/// Warns of unused declarations in the last module if it has a program.
+/// Warns of unused declarations in the last module, the program's own file. Ignores a file without
+/// a program.
 pub fn check(
     modules: &[Module],
     names: &Names,

@@ -23,7 +23,7 @@ use crate::shapes::layout::Layout;
 use crate::shapes::{layout, shape};
 use crate::{FileId, SourceLocation, Sources, reach};
 
-/// A stage of a check, in order.
+/// A stage of a check. The variants are in the order of the stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
     /// Reads and parses files.
@@ -106,7 +106,7 @@ pub(super) struct AssemblyInput<'a> {
     pub assembly: &'a Assembly,
     pub sources: &'a Sources,
     pub bounds: ExpansionBounds<'a>,
-    /// Whether all files could be read. Otherwise names may be missing for that reason.
+    /// Whether all files could be read. If not, names may be missing for that reason.
     pub readable: bool,
     /// Check of the files with one change, for the trial of a remedy. `None` inside a trial.
     pub trial: Option<&'a reach::Trial<'a>>,

@@ -26,7 +26,7 @@ pub fn check(path: &str, reader: &mut dyn Reader, limits: Limits) -> Checked {
     check_with(path, reader, limits, &LintLevels::default())
 }
 
-/// Checks a program like [`check`], with levels for warnings that have none in the source.
+/// Checks a program like [`check`], with levels for warnings whose level the source does not set.
 pub fn check_with(
     path: &str,
     reader: &mut dyn Reader,

@@ -57,7 +57,7 @@ pub fn check(program: &Program, diagnostics: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Returns the next larger number with two digits.
+/// Rounds a number of ticks up to two digits.
 fn round_up(ticks: f64) -> f64 {
     let digit = 10_f64.powf(ticks.max(10.0).log10().floor() - 1.0);
     (ticks / digit).ceil() * digit

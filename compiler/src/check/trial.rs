@@ -129,7 +129,7 @@ const TOO_MANY: [Code; 2] = [Code::TooManyErrors, Code::TooManyWarnings];
 /// Returns whether a change removes the fixed diagnostics, and leaves all others unchanged.
 ///
 /// Two kinds of new diagnostics are accepted. Some warnings appear only when there are no errors.
-/// And if a limit of diagnostics was reached, further ones of the same codes can appear.
+/// If a limit of diagnostics was reached, further diagnostics of the same codes can appear.
 pub(crate) fn resolves(
     before: &Checked,
     fixed: &[usize],

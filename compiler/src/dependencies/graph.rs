@@ -20,10 +20,10 @@ pub type DependencyGraph = DiGraph<EventId, LocatedDependency, u32>;
 pub enum LocatedDependency {
     /// A block captures, or is released, only after it is attached.
     Anchored,
-    /// A block can switch on a number of faces at a time, in source order. Of the `of` edges of
-    /// this kind into a capture, `needed` are enough.
+    /// A block can switch on a number of faces at a time, in source order. A capture has `of` edges
+    /// of this kind, and `needed` of them are enough.
     Face {
-        /// Number of these captures that must have happened.
+        /// Number of earlier captures of the block that must have happened.
         needed: u8,
         /// Number of earlier captures of the block with an edge to this capture.
         of: u8,

@@ -91,7 +91,7 @@ pub(crate) fn last_named(
 /// Largest number of bytes that are searched in a line or block. Bounds the work for long ones.
 pub(crate) const LONG: usize = 1 << 12;
 
-/// Returns the range that a removal of one list entry after `keyword` covers. It includes the comma
+/// Returns the range to remove with one entry of the list after `keyword`. It includes the comma
 /// next to the entry, or the keyword if the entry is the only one.
 ///
 /// Returns `None` if comments are in between, or if the removal would leave an `after` without a

@@ -117,7 +117,8 @@ impl Diagnostic {
     }
 }
 
-/// Returns the error of a block without its closing brace, with a `}` where the indentation ends.
+/// Returns the error of a block without its closing brace. Its fix adds `}` where the indentation
+/// ends.
 fn unclosed(location: SourceLocation, text: &str) -> Diagnostic {
     let start = location.span.start as usize;
     let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
@@ -198,7 +199,7 @@ fn missing_reason(location: SourceLocation, text: &str) -> Diagnostic {
 
 /// Returns the error of a number that cannot be stored.
 fn number_too_large(location: SourceLocation, number: &str) -> Diagnostic {
-    /// Number of digits that exceeds even a double.
+    /// Number of digits of a number that is certainly too large for a double.
     const DIGITS: usize = 300;
     let is_whole = number.bytes().all(|byte| byte.is_ascii_digit()) && number.len() < DIGITS;
     let (title, limit) = if is_whole {

@@ -275,7 +275,8 @@ impl SyntaxHint<'_> {
         })
     }
 
-    /// Returns a plate size that is written as one word, or its first number with the `x`.
+    /// Returns the corrected form of a plate size without spaces, such as `3 x 3` for `3x3`. The
+    /// number after the `x` may be missing.
     fn size(&self) -> Option<String> {
         let before = self.before().trim_end();
         let (width, depth) = self.found.split_once(['x', 'X'])?;
@@ -298,8 +299,8 @@ impl SyntaxHint<'_> {
         (!head.ends_with(is_word)).then_some(before.len())
     }
 
-    /// Returns the fix of arrows of other languages, here and in the rest of the line. Only the
-    /// first one is reported.
+    /// Returns a fix for arrows of other languages in the rest of the line. Only the first arrow is
+    /// reported as an error.
     fn arrow(&self, rest: &str) -> Option<Fix> {
         let is_part = |c: char| matches!(c, '=' | '-' | '>' | '\u{2192}' | '\u{2013}' | '\u{2014}');
         let length = rest.find(|c| !is_part(c)).unwrap_or(rest.len());
@@ -338,12 +339,12 @@ impl SyntaxHint<'_> {
         line.chars().all(|c| matches!(c, '#' | '.' | ' ' | '\t'))
     }
 
-    /// Returns whether a statement can begin here.
+    /// Returns whether a statement can begin at the unexpected word.
     fn begins_statement(&self) -> bool {
         self.expects("`}`") || self.expects("`assembly`")
     }
 
-    /// Returns whether this is the slash of `1/s`.
+    /// Returns whether the unexpected word is the slash of `1/s`.
     fn is_one_over(&self) -> bool {
         let after = &self.text[self.location.span.end as usize..];
         self.before().ends_with(" 1") && after.starts_with(|c: char| c.is_ascii_lowercase())

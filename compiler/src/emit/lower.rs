@@ -191,7 +191,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Returns the messages of an event to waiting blocks elsewhere.
+    /// Adds rules that report an event to waiting blocks elsewhere.
     fn notify(&mut self, id: EventId, phase: PhaseId) {
         let event = *self.plan.event(id);
         let node = NodeIndex::new(id.0 as usize);

@@ -10,7 +10,7 @@ use crate::plan::PlanPhase;
 const MAX_SIZE: i64 = 10_000;
 
 impl Expander<'_, '_> {
-    /// Expands the phases of an aggregate. Each is named by the size that ends it.
+    /// Expands the phases of an aggregate. Each phase is named after the size that ends it.
     pub fn aggregate(&mut self, aggregate: &Aggregate) {
         let timeout = self.timeout(aggregate.timeout.as_ref());
         let Some(value) = self.evaluate(&aggregate.size) else {

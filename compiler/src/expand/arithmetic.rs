@@ -7,7 +7,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::names::ValueKind;
 
 impl Expander<'_, '_> {
-    /// Returns the value of an expression. Errors are reported.
+    /// Returns the value of an expression. Returns `None` and reports an error if it has no value.
     pub fn evaluate(&mut self, expr: &Expr) -> Option<i64> {
         match &expr.kind {
             ExprKind::Int(value) => Some(*value),

@@ -358,7 +358,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// Returns the word of a name and the definition of a number, counter or parameter.
+    /// Returns the word of a name, and its definition if it names a number, counter or parameter.
     pub(super) fn named(&self, name: Name) -> (Symbol, Option<Definition>) {
         (name.symbol, self.names.definition(self.file, name.span))
     }

@@ -18,7 +18,7 @@ pub(crate) struct Probe {
 const MAX_KEYS: usize = 64;
 
 impl Probe {
-    /// Records the blocks of a name if it contains the location.
+    /// Records the blocks of a name if the name contains the location to look up.
     pub fn note(&mut self, file: FileId, place: &[Segment], keys: impl Iterator<Item = NameKey>) {
         // Instances before the last name, and names in its indices, are other names.
         if let Some(last) = place.last() {
@@ -26,7 +26,7 @@ impl Probe {
         }
     }
 
-    /// Records the blocks of a source range if it contains the location.
+    /// Records the blocks of a source range if the range contains the location to look up.
     pub(crate) fn note_span(
         &mut self,
         file: FileId,

@@ -23,8 +23,8 @@ const TRIED: u64 = 100;
 
 /// Reports captures whose cells free blocks may not reach, or only through a narrow gap.
 ///
-/// `search` is the number of cells that may be searched, in addition to some for every event. 0
-/// disables the search.
+/// `search` is the number of cells that may be searched, in addition to [`STEPS_PER_EVENT`] for
+/// every event. 0 disables the search.
 ///
 /// # Errors
 ///

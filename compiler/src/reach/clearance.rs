@@ -22,8 +22,8 @@ use stochc_ir::Cell;
 pub struct NarrowCapture {
     /// The capture.
     pub capture: EventId,
-    /// Number of cells of the best path that are one cell wide. `None` if they are too many to
-    /// count.
+    /// Number of narrow cells of the path with the fewest narrow cells. `None` if they are too many
+    /// to count.
     pub length: Option<u32>,
     /// Captures next to the cell in the gap: a pair on opposite sides if there is one, otherwise
     /// all.
@@ -106,7 +106,8 @@ impl ReachAnalysis<'_> {
         })
     }
 
-    /// Returns the capture in the same phase that attaches the capturing block below with `up`.
+    /// For a capture with the face `up`, returns the capture of the same phase that attaches the
+    /// capturing block.
     fn captor_below(&self, id: EventId, first: u32) -> Option<usize> {
         let EventKind::Capture { face: Face::Up, .. } = self.subject.plan.event(id).kind else {
             return None;
@@ -204,7 +205,7 @@ impl ReachAnalysis<'_> {
         })
     }
 
-    /// Returns the number of narrow cells of the best path.
+    /// Returns the number of narrow cells of the path with the fewest narrow cells.
     fn gap_length(&mut self, id: EventId, descendants: &DescendantIndex) -> Option<u32> {
         let start = self.cell(id)?;
         let following = descendants.of(id, &mut self.warning.steps);

@@ -107,7 +107,7 @@ impl DescendantIndex {
         }
     }
 
-    /// Returns the descendants of an event. Returns `None` if the effort is spent.
+    /// Returns an event and its descendants. Returns `None` if the search effort is used up.
     pub fn within(&self, id: EventId, effort: &mut SearchEffort<'_>) -> Option<Descendants<'_>> {
         let mut intervals = vec![self.interval(id)];
         self.add_cross(&mut intervals, &mut effort.steps, effort.budget);
@@ -151,7 +151,7 @@ impl DescendantIndex {
 }
 
 impl Descendants<'_> {
-    /// Returns whether the set contains an event of any phase.
+    /// Returns whether the set contains an event. The event may belong to any phase.
     pub fn contains(&self, id: EventId) -> bool {
         if !self.descendants.has(id) {
             return false;

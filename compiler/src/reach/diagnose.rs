@@ -27,20 +27,20 @@ const MAX_DESCRIBED: usize = 100;
 
 /// Outcome of a capture whose cell can be closed.
 enum SealedOutcome {
-    /// No order reaches the cell, for this reason.
+    /// The capture cannot happen in any order, for this reason.
     Never(UnreachableCause),
-    /// Some orders reach the cell, but in this order all blocks around it come first.
+    /// The capture happens in some orders, but in this order all blocks around its cell come first.
     Walled(Vec<EventId>),
     /// The cell is closed if all independent events happen. Releases or choices of faces leave open
     /// whether they can all happen.
     Doubtful,
 }
 
-/// Reason why no order reaches a capture.
+/// Reason why a capture cannot happen in any order.
 enum UnreachableCause {
     /// The blocks that the capture waits for, and earlier phases, close its cell.
     Walls,
-    /// The capture waits for a capture that no order reaches.
+    /// The capture waits for a capture that cannot happen in any order.
     Waits(EventId),
     /// The blocks that the capture waits for cannot all be built together.
     Together,

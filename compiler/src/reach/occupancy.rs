@@ -82,7 +82,8 @@ impl OccupiedCells {
         self.tops.get(&(cell.x, cell.y)).copied()
     }
 
-    /// Sorts the cells, which [`OccupiedCells::is_blocked`] and [`OccupiedCells::ceiling`] require.
+    /// Sorts the cells. [`OccupiedCells::is_blocked`] and [`OccupiedCells::ceiling`] require sorted
+    /// cells.
     pub fn sort(&mut self) {
         let cells = &self.cells;
         self.sorted

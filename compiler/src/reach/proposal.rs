@@ -4,8 +4,8 @@ use crate::diagnostic::{Code, Fix};
 /// Code and title of an error.
 pub type ReportedError = (Code, String);
 
-/// Checks the files with changes of the program's own file. Returns its errors, sorted and not
-/// merged. Returns `None` if the changes overlap.
+/// Function that checks the files with changes of the program's own file. Returns the errors,
+/// sorted and not merged. Returns `None` if the changes overlap.
 pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<ReportedError>> + 'a;
 
 /// Statements that must wait for a block.

@@ -136,8 +136,8 @@ impl ReachAnalysis<'_> {
     /// events that a member waits for in `straight`, a graph with every choice made. Returns `None`
     /// if the search was stopped.
     ///
-    /// The reverse is an order of the program. If an event cannot be removed, other choices may do
-    /// better.
+    /// The reverse order of the removals is a possible order of the events. If an event cannot be
+    /// removed, other choices may do better.
     pub fn dismantle(
         &mut self,
         straight: &DependencyGraph,

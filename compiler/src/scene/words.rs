@@ -69,7 +69,7 @@ fn within(
     WordContext { word, path, next }
 }
 
-/// Appends the entry that a word begins to the path.
+/// Appends an entry to the path if the word is the keyword of an entry.
 fn follow(
     path: &mut Vec<&'static SchemaEntry>,
     outer: usize,

@@ -5,7 +5,7 @@ use crate::names::{NameKind, Names};
 use crate::plan::ProgramPlan;
 use crate::{Checked, FileId, SourceLocation};
 
-/// Declared shapes of all files, including those inside assemblies.
+/// Declared shapes of all files, including shapes inside assemblies.
 pub struct DeclaredShapes<'a> {
     checked: &'a Checked,
     names: Names,

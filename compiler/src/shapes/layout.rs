@@ -116,7 +116,7 @@ struct LayoutBuilder<'a> {
     layout: Layout,
     /// Cell and parent of the blocks that are attached when the phase starts.
     seats: Vec<Option<AnchoredPosition>>,
-    /// Blocks by cell when the phase starts.
+    /// Block in each cell when the phase starts.
     taken: FxHashMap<Cell, RoleId>,
 }
 

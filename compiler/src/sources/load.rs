@@ -248,7 +248,7 @@ impl Loader<'_> {
 
     /// Reports a cycle of imports, with a label for each import.
     fn cycle(&mut self, path: &str, stack: &[Pending], statement: Option<SourceLocation>) {
-        /// Largest number of reported cycles, and of labelled imports of each.
+        /// Largest number of reported cycles, and of labelled imports per cycle.
         const MAX: usize = 10;
         let is_circle = |diagnostic: &&Diagnostic| diagnostic.code == Code::ImportCycle;
         if self.diagnostics.iter().filter(is_circle).count() >= MAX {
