@@ -15,8 +15,8 @@ impl<'a> Cancellation<'a> {
     /// A cancellation that never happens.
     pub const NEVER: Cancellation<'static> = Cancellation(&|| false);
 
-    /// Creates a cancellation. The work ends soon after `is_cancelled` has become true, which must
-    /// then stay true.
+    /// Creates a cancellation. The work ends soon after `is_cancelled` has returned true. From then
+    /// on, it must always return true.
     pub fn new(is_cancelled: &'a dyn Fn() -> bool) -> Cancellation<'a> {
         Cancellation(is_cancelled)
     }

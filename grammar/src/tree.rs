@@ -266,7 +266,7 @@ pub struct Aggregate {
     pub name: Name,
     /// Name of its scene. `None` for the default scene.
     pub scene: Option<Name>,
-    /// Number of bonded blocks that completes the aggregate.
+    /// Number of bonded blocks in a complete aggregate.
     pub size: Expr,
     /// Time limit for each size. `None` without a limit.
     pub timeout: Option<Quantity>,
@@ -429,7 +429,8 @@ impl Operator {
         }
     }
 
-    /// Returns the precedence. Higher ones bind tighter. All associate to the left.
+    /// Returns the precedence. Operators with a higher precedence bind tighter. All operators
+    /// associate to the left.
     pub const fn precedence(self) -> u8 {
         match self {
             Operator::Add | Operator::Subtract => 1,

@@ -20,7 +20,7 @@ pub enum FormatError {
 ///
 /// # Errors
 ///
-/// Returns an error if the source has errors of syntax.
+/// Returns an error if the source has syntax errors.
 pub fn format(text: &str) -> Result<String, FormatError> {
     let mut symbols = Symbols::new();
     let (parsed, record) = parse_recorded(text, &mut symbols);

@@ -64,7 +64,8 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Reports a list in parentheses that was parsed as an instance: `after (A, B)`.
+    /// Reports a list in parentheses that was parsed as an instance: `after (A, B)`. Returns
+    /// whether there is one.
     fn is_list(&mut self, pair: &Pair<'_, Rule>, base: usize) -> bool {
         let mut parts = pair.clone().into_inner();
         let word = parts.next().map_or("", |name| name.as_str());

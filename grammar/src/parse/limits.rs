@@ -3,7 +3,7 @@
 /// Largest depth of blocks, and of parentheses.
 pub const MAX_DEPTH: usize = 100;
 
-/// Largest number of numbers and names in an expression. Their sum is computed recursively.
+/// Largest number of operands in an expression. Limits the recursion of its evaluation.
 pub const MAX_TERMS: usize = 1_000;
 
 /// Largest number of bytes of a statement.
