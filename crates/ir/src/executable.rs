@@ -30,7 +30,7 @@ pub struct Executable {
     pub jam_risks: Vec<JamRisk>,
 }
 
-/// Risk of jamming. Has the code of a warning.
+/// Risk of jamming. Each risk has the code of a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum JamRisk {

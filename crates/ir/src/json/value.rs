@@ -7,7 +7,7 @@ use serde_json::Value;
 /// JSON value whose lists are generated element by element during writing, so that large documents
 /// need little memory.
 ///
-/// Fields are sorted by name, like those of [`Value`]. `{:#}` writes it with indentation, as does
+/// Fields are sorted by name, as in [`Value`]. `{:#}` writes it with indentation, as does
 /// [`serde_json::to_writer_pretty`] to a stream.
 pub enum Json<'a> {
     /// A small value that is held in memory.

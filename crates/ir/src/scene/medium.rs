@@ -74,7 +74,7 @@ pub struct Stir {
     pub radius: f64,
     /// Angular velocity \[rad/s\], counterclockwise seen from above.
     pub rate: f64,
-    /// Tangential force on the ring \[N\], to compute its power only.
+    /// Tangential force on the ring \[N\]. Used only to compute the power of the ring.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<f64>,
     /// Ratio of the fluid's speed at the ring to the speed of the ring, from 0 to 1.

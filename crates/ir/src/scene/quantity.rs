@@ -11,7 +11,7 @@ pub struct QuantityKind {
     pub noun: &'static str,
     /// SI unit of reported values. Empty for a dimensionless number.
     pub unit: &'static str,
-    /// Unit among block units. The block length a, the mass m and the tick τ are 1.
+    /// Unit of the kind in block units. The block length a, the mass m and the tick τ are 1.
     pub block_unit: &'static str,
     /// Conversion from SI to block units.
     pub in_block_units: fn(BlockUnits, f64) -> f64,
@@ -77,7 +77,8 @@ impl Dimension {
     }
 }
 
-/// Largest number of digits of a value that its author probably wrote in this unit.
+/// Largest number of digits of a value with a preferred unit. Values with more digits are written
+/// in the SI unit.
 const CHOSEN: usize = 8;
 
 /// Relative error allowed for a conversion between units.

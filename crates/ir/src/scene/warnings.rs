@@ -63,7 +63,7 @@ const MIN_DENSITY: f64 = 0.1;
 
 /// Returns all warnings about a scene that is computed with these steps.
 ///
-/// `layers`: the lowest and the highest layer of captures. Layer 1 is on the floor.
+/// `layers` contains the lowest and the highest layer of captures. Layer 1 is on the floor.
 pub fn scene_warnings(
     scene: &Scene,
     stepping: Stepping,

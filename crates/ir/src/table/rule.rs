@@ -33,8 +33,8 @@ pub enum Condition {
     Released(RoleId),
     /// A message has reported this event.
     Heard(News),
-    /// At least this many of the blocks that earlier rules of this duty capture have been captured.
-    /// The block then has a face available.
+    /// Enough earlier rules of the duty have captured their blocks: at least this number. The block
+    /// then has a face available.
     Turn(u8),
 }
 

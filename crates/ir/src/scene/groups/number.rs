@@ -15,7 +15,7 @@ pub struct DimensionlessGroup {
     pub value: f64,
     /// Limit that the time step must resolve, if there is one.
     pub limit: Option<ResolutionLimit>,
-    /// Range that it should be in at any time step.
+    /// Expected range of the number, at any time step. `None` without such a range.
     pub expected: Option<ExpectedRange>,
     /// Whether the number concerns blocks near an open face, which may take shorter steps.
     pub of_faces: bool,

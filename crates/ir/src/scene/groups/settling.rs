@@ -69,8 +69,7 @@ impl Settling {
     /// Returns the density of free blocks in a layer of cells, relative to their mean in the
     /// enclosure.
     ///
-    /// The lowest layer is 1. Sinking blocks reach it in any case. Returns `None` without an
-    /// enclosure.
+    /// The lowest layer is 1. Sinking blocks always reach it. Returns `None` without an enclosure.
     pub fn density_in(&self, scene: &Scene, layer: i32) -> Option<f64> {
         let enclosure = scene.enclosure.as_ref()?;
         let side = scene.block.side;
@@ -137,7 +136,7 @@ pub fn down(scene: &Scene) -> f64 {
 ///
 /// One third of the impulses' energy is vertical, and drag removes a part. There are g / (v √(2π))
 /// landings per time. Each loses (1 - e²) of the mean 2 v² of landing blocks. The result is at most
-/// that of a uniform gas, whose blocks exchange energy.
+/// the value for a uniform gas, whose blocks exchange energy.
 fn kicked(scene: &Scene, weight: f64) -> f64 {
     let units = BlockUnits::from_scene(scene);
     let gain = speed::kick(scene).powi(2) / 3.0;
@@ -186,8 +185,8 @@ fn terminal(scene: &Scene, force: f64) -> Option<f64> {
     Some(speed).filter(|speed| speed.is_finite())
 }
 
-/// Returns the fraction of a normal distribution beyond x √2 standard deviations, for x not
-/// negative. Accurate within 1.5e-7.
+/// Returns the fraction of a normal distribution beyond x √2 standard deviations, for x of at least
+/// 0. Accurate within 1.5e-7.
 ///
 /// # Source
 ///

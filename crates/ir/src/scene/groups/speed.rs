@@ -130,8 +130,8 @@ fn flow_at(scene: &Scene, away: f64) -> f64 {
     carried(scene) * slowed
 }
 
-/// Decay constant of a round jet. At x diameters from the mouth, the speed on the axis falls by
-/// this constant / x.
+/// Decay constant of a round jet. The speed on the axis, relative to the mouth, is this constant
+/// divided by the distance in diameters.
 ///
 /// # Source
 ///
@@ -244,8 +244,8 @@ fn wakes(scene: &Scene) -> f64 {
     })
 }
 
-/// Returns the coefficient of restitution for a head-on collision, of two blocks or of one with a
-/// fixed body.
+/// Returns the coefficient of restitution of a head-on collision. If `pair`, two blocks collide.
+/// Otherwise, a block hits a fixed body.
 pub(super) fn restitution(scene: &Scene, contact: &Contact, pair: bool) -> f64 {
     match contact.law {
         ContactLaw::Rigid { restitution } => restitution,

@@ -7,7 +7,7 @@ use super::super::units::Dimension;
 /// Parameter that a scene may have.
 #[derive(Debug)]
 pub struct SchemaNumber {
-    /// Names, the full one first: the preceding keywords, joined by dots.
+    /// Names of the parameter. The full name comes first: the preceding keywords, joined by dots.
     pub names: &'static [&'static str],
     /// Kind of quantity of the parameter.
     pub kind: QuantityKind,

@@ -54,8 +54,8 @@ const FOREIGN: [(&[&str], &str, f64, f64); 11] = [
 
 /// Converts values in an unsupported unit to a supported one, such as 2 `mmHg` to `266.645 Pa`.
 ///
-/// Returns `None` if the unit is unknown or of none of the `kinds`. Without kinds, all units are
-/// accepted.
+/// Returns `None` if the unit is unknown or belongs to none of the `kinds`. Without kinds, all
+/// units are accepted.
 pub fn converted(values: &[f64], word: &str, kinds: &[QuantityKind]) -> Option<String> {
     let is_meant = |name: &&str| name.eq_ignore_ascii_case(word);
     let mut foreign = FOREIGN.iter().filter(|(_, unit, ..)| fits(unit, kinds));
@@ -156,7 +156,8 @@ mod tests {
         assert_eq!(meant("furlong"), None);
     }
 
-    /// Laboratory units, and the symbols of all units with one letter added, removed or changed.
+    /// Returns laboratory units, and the symbols of all units with one letter added, removed or
+    /// changed.
     fn words() -> Vec<String> {
         let odd = [
             "mcg", "mcm", "mcL", "mbr", "torr", "cst", "cSt", "kgm", "Nm", "Ns", "mPas", "ccm",
