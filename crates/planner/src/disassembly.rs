@@ -39,8 +39,8 @@ impl Disassembly {
 /// Removable sites, the most urgent first.
 type Frontier = BinaryHeap<(u32, u32)>;
 
-/// Disassembles a target. Among sites at about the same distance from the plate, a higher key is
-/// removed first.
+/// Disassembles a target. Among sites at about the same distance from the plate, the site with the
+/// highest key is removed first.
 ///
 /// # Errors
 ///
@@ -216,7 +216,7 @@ mod tests {
     use super::*;
     use crate::target::structure::held;
 
-    /// Returns the cells of a cube of `size` cells.
+    /// Returns the cells of a cube with edges of `size` cells.
     fn cube(low: Cell, size: i32) -> impl Iterator<Item = Cell> {
         let steps = move || 0..size;
         steps().flat_map(move |dz| {
@@ -224,8 +224,8 @@ mod tests {
         })
     }
 
-    /// Returns whether a cube of `size` cells can bring a block to a cell from outside, by trying
-    /// every position.
+    /// Returns whether a cube with edges of `size` cells can bring a block to a cell from outside.
+    /// Tries every position.
     fn has_way(full: &BTreeSet<Cell>, cell: Cell, size: i32) -> bool {
         comes_out(
             full,
@@ -234,8 +234,9 @@ mod tests {
         )
     }
 
-    /// Returns whether a cube of size two can reach a gap along an axis. It must cover a cell next
-    /// to the gap but not the gap. All cells next to the gap above the ground must be empty.
+    /// Returns whether a cube of size two can reach a gap along an axis. The cube must cover a cell
+    /// next to the gap, but not the gap itself. All cells next to the gap above the ground must be
+    /// empty.
     fn has_way_to_gap(full: &BTreeSet<Cell>, cell: Cell, axis: Face) -> bool {
         let aside = || {
             let faces = Face::ALL.into_iter();
@@ -249,7 +250,8 @@ mod tests {
         aside().all(|beside| beside.z < 1 || !full.contains(&beside)) && comes_out(full, lows, 2)
     }
 
-    /// Returns whether a cube of `size` cells can move from one of these positions to the outside.
+    /// Returns whether a cube with edges of `size` cells can move from one of these positions to
+    /// the outside.
     fn comes_out(full: &BTreeSet<Cell>, lows: impl Iterator<Item = Cell>, size: i32) -> bool {
         let inside = |low: Cell| [low.x, low.y, low.z].iter().all(|at| (-4..=9).contains(at));
         let is_free = |low: Cell| low.z >= 1 && cube(low, size).all(|cell| !full.contains(&cell));

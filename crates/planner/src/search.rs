@@ -138,7 +138,7 @@ const TOLERANCE: f64 = 0.02;
 ///
 /// # Errors
 ///
-/// If there is none, or planning is cancelled before the first one.
+/// If there is no schedule, or planning is cancelled before the first schedule.
 pub fn search(
     sites: &Sites<'_>,
     hardware: Hardware,

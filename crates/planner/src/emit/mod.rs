@@ -141,7 +141,7 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
 /// Returns the captures of a plan as statements for a later phase of another program.
 ///
 /// `name` returns the other program's name of a block of the plate or the existing structure.
-/// `word` is a name that is not used in it.
+/// `word` is a name that the other program does not use.
 pub fn continuation(plan: &BuildPlan, word: &str, name: impl Fn(Cell) -> Option<String>) -> String {
     let words = NameWords {
         block: word,

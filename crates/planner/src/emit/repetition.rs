@@ -42,7 +42,7 @@ struct RepeatedItem {
     members: Vec<usize>,
 }
 
-/// Combines equal statements in loops, each at the place of its first one.
+/// Combines equal statements in loops. Each loop stands at the place of its first statement.
 pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
     let mut kinds = FxHashMap::default();
     let items = statements.iter().enumerate().map(|(at, statement)| {

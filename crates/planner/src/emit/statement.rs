@@ -158,7 +158,7 @@ fn after(capture: &Capture, called: impl Fn(Cell) -> Called) -> Vec<(Called, Cel
     rows.collect()
 }
 
-/// Returns cells as rows along the axis that needs the fewest.
+/// Returns cells as rows along an axis. Selects the axis with the fewest rows.
 fn rows_of(mut cells: Vec<Cell>) -> Vec<(Cell, Cell)> {
     type Key = fn(&Cell) -> (i32, i32, i32);
     const KEYS: [Key; 3] = [

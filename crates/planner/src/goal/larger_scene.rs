@@ -106,7 +106,7 @@ impl Goal {
     }
 
     /// Returns the factor that enlarges the radius so that the shape fits with a tenth to spare.
-    /// Returns `None` if it fits in already.
+    /// Returns `None` if the shape already fits.
     fn radius_needed(&self, scene: &Scene) -> Option<f64> {
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
         let first = scene.enclosure.as_ref()?.radius();

@@ -13,7 +13,7 @@ use crate::scaffold::{MastPiece, Scaffolding};
 /// Cost of a new mast \[captures\].
 const NEW: f32 = 1.0;
 
-/// Cost of a mast per diagonal neighbour, because the two take turns \[captures\].
+/// Cost of a mast per diagonal neighbour, because the two masts take turns \[captures\].
 const ACROSS: f32 = 1.5;
 
 /// Duration of a mast block's capture next to another mast \[captures\].

@@ -134,7 +134,7 @@ impl GrowthSchedule {
     /// Returns the scaffolds with one more piece from a block of a mast, for every length that
     /// saves captures.
     ///
-    /// A piece that begins within another one takes over its end.
+    /// A piece that begins within another piece takes over the end of that piece.
     pub fn extensions(
         &self,
         at: Cell,

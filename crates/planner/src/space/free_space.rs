@@ -37,7 +37,7 @@ enum PlaceReach {
 }
 
 impl FreeSpace {
-    /// Returns the space of a cube of `size` cells, for the complete target.
+    /// Returns the space of a cube with edges of `size` cells, for the complete target.
     pub fn new(sites: &Sites<'_>, size: i32) -> FreeSpace {
         let cells = sites.target.cells();
         let mut space = FreeSpace {

@@ -2,7 +2,7 @@
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, offsets_within};
 
-/// Value for each cell within a margin of a structure, in every coordinate.
+/// Value for each cell whose coordinates are within a margin of a structure.
 #[derive(Clone, Debug)]
 pub struct Grid<T> {
     low: Cell,

@@ -45,8 +45,8 @@ pub struct RateLaw<'a> {
 }
 
 /// Mean waiting time in a pit, and in a gap unless gaps are known to be passable \[ticks\]. Blocks
-/// jam there, and the rate model does not cover it. In another scene, closing a straight beam took
-/// at least 8,800 ticks, and a pit 10,000.
+/// jam there, and the rate model does not cover jams. In another scene, closing a straight beam
+/// took at least 8,800 ticks, and a pit 10,000.
 const JAM: f64 = 15_000.0;
 
 /// Layer above which all layers are equivalent.
