@@ -25,7 +25,7 @@ struct Channel {
     next: u32,
     /// Messages without acknowledgement, by number.
     kept: BTreeMap<u32, Message>,
-    /// All message numbers below this one have been accepted by the receiver.
+    /// Number below which the receiver has accepted all messages.
     taken_below: u32,
     /// Accepted message numbers that are not below `taken_below`.
     taken: BTreeSet<u32>,
@@ -38,7 +38,7 @@ impl Channel {
 }
 
 impl Channels {
-    /// Numbers and keeps a message at the sender.
+    /// Gives a message its number, and keeps it at the sender. Returns the number.
     pub fn send(&mut self, from: Body, to: Body, message: Message) -> u32 {
         // `close` must find both directions.
         self.channels.entry((to, from)).or_default();

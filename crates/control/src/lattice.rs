@@ -61,7 +61,7 @@ impl Lattice {
         self.placed.contains_key(&id)
     }
 
-    /// Returns the cell of a block captured at `site`, or `None` if it is occupied.
+    /// Returns the cell of a block captured at `site`, or `None` if the cell is occupied.
     pub fn target(&self, site: BlockFace) -> Option<Cell> {
         let parent = self.place(site.body)?;
         let cell = parent

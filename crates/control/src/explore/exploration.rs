@@ -7,10 +7,10 @@ use stochc_ir::table::Tables;
 use super::expected::ProgramGoals;
 use super::faults::Faults;
 
-/// Predicate: a free block can reach a cell while other cells are occupied. Cells of the plate, at
-/// z = 0, are not listed.
+/// Function that returns whether a free block can reach a cell while other cells are occupied.
+/// Cells of the plate, at z = 0, are not listed.
 ///
-/// It must be monotone: occupying more cells never makes a cell reachable.
+/// The function must be monotone: occupying more cells never makes a cell reachable.
 pub type CanReach<'a> = dyn Fn(&BTreeSet<Cell>, Cell) -> bool + 'a;
 
 /// Limits of an exploration.

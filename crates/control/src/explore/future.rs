@@ -200,7 +200,7 @@ impl<'t> Forecast<'_, 't> {
         }
     }
 
-    /// Fires all rules that may fire. Returns whether any did.
+    /// Fires all rules that may fire. Returns whether a rule has fired.
     fn round(&mut self) -> bool {
         let mut changed = false;
         let mut i = 0;

@@ -54,7 +54,7 @@ pub struct Violation {
     pub phase: PhaseId,
     /// Description in the program's names: `phase x ends before C is captured`.
     pub what: String,
-    /// Events that lead there, in order, one line each.
+    /// Events that lead to the violation, in order, one line each.
     pub trace: Vec<String>,
 }
 

@@ -20,8 +20,9 @@ use crate::orientation::Orientation;
 
 /// State of all anchored blocks: a plain value, compared and hashed by meaning.
 ///
-/// The cost of an event hardly depends on the number of blocks. A message costs one hop, a capture
-/// or release the blocks involved, and a new phase the blocks with duties in it.
+/// The cost of an event hardly depends on the number of blocks. The cost of a message is one hop.
+/// The cost of a capture or release depends on the blocks involved. The cost of a new phase depends
+/// on the blocks with duties in it.
 #[derive(Clone, Debug)]
 pub struct Structure<'t, M = ()> {
     pub(super) tables: &'t Tables,
