@@ -39,7 +39,7 @@ pub struct PhaseCost {
     pub depth: u32,
     /// Largest number of simultaneously open faces if all captures take equally long.
     pub width: u32,
-    /// Duration. `None` under the same conditions as for the program.
+    /// Duration of the phase. `None` under the conditions of [`Cost::total`].
     pub times: Option<Times>,
     /// Share of the phase's samples that end at its timeout.
     pub timed_out: f64,

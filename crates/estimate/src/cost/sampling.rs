@@ -52,7 +52,7 @@ pub struct Sampled {
     /// Whether two captures in adjacent cells are open at the same time in one of the first [`MIN`]
     /// samples.
     pub has_race: bool,
-    /// For each event, the share of the total time with it on the critical path.
+    /// For each event, its share of the total time on the critical path.
     pub shares: Vec<f64>,
     /// For each event, the mean time from its start to its end \[ticks\]. `None` if it never
     /// happened.

@@ -22,7 +22,7 @@ const AT_ONCE: usize = 12;
 /// Radius of the sphere around the centre of the face \[block lengths\].
 pub(crate) const RADIUS: f64 = 1.35;
 
-/// Distance from a block's surface below which a point counts as blocked \[block lengths\].
+/// Smallest distance of an unobstructed point from a block's surface \[block lengths\].
 const CLEARANCE: f64 = 0.35;
 
 /// Bit set of points.
@@ -80,7 +80,8 @@ pub fn sees(open: Cell, other: Cell) -> bool {
     near(open.x, other.x) && near(open.y, other.y) && near(open.z, other.z)
 }
 
-/// Returns the offsets from an open cell of the cells that can affect a face of a direction.
+/// Returns the offsets of the cells that can affect a face of a direction, relative to its open
+/// cell.
 pub fn offsets(way: Face) -> impl Iterator<Item = [i32; 3]> {
     BLOCKERS[way as usize].iter().map(|(offset, _)| *offset)
 }

@@ -7,8 +7,8 @@ use stochc_ir::{Cell, Face};
 
 use crate::geometry::surroundings::aside;
 
-/// Returns the cells next to an open cell, perpendicular to `way`, above the ground. In a gap they
-/// are empty: blocks there sometimes cause jams, the ground does not.
+/// Returns the cells next to an open cell, perpendicular to `way`, above the ground. In a gap,
+/// these cells are empty. Blocks there sometimes cause jams, but the ground does not.
 pub fn beside_gap(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
     let beside = aside(way).filter_map(move |face| cell.across(face));
     beside.filter(|beside| beside.z >= 1)
@@ -27,8 +27,8 @@ pub fn gap_entrances(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
     lows.flatten().filter(|low| low.z >= 1)
 }
 
-/// Returns the low corner of a cube from a step out of the cell to the next, extended along each of
-/// two other directions.
+/// Returns the low corner of a cube of size two. The cube contains the neighbour of `cell` in the
+/// direction `out`. From there, it extends in the directions `out`, `edge` and `along`.
 fn entrance(cell: Cell, out: Face, edge: Face, along: Face) -> Option<Cell> {
     let [first, edge, along] = [out, edge, along].map(Face::normal);
     let low = |axis: usize| first[axis] + (first[axis] + edge[axis] + along[axis]).min(0);

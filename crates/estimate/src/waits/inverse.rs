@@ -22,7 +22,7 @@ const PARTS: usize = part(MAX) - part(MIN);
 /// Bound of the relative error: thirty times the actual one.
 const ERROR: f64 = 1e-7;
 
-/// Value beyond which the spacing of doubles exceeds that error.
+/// Value beyond which the spacing of doubles exceeds [`ERROR`].
 const HUGE: f64 = 1e6;
 
 /// Polynomial of each part.

@@ -27,7 +27,8 @@ pub struct Surroundings {
     /// Whether the nearest block or ground is two cells from the capturing block. Directions are
     /// perpendicular to the face's normal.
     pub near_parent: bool,
-    /// Whether a block is opposite to the face and none next to the open cell, which is then a gap.
+    /// Whether the open cell is a gap: a block is opposite to the face, and no block is next to the
+    /// cell.
     pub ahead: bool,
     /// Open faces nearby.
     pub rivals: Rivals,
@@ -146,9 +147,9 @@ impl Parameters {
 
     /// Prior standard deviations between scenes.
     ///
-    /// Rate and docking time vary with the scene, the geometry little. The effect of adjacent faces
-    /// depends on how easily blocks are captured: two pulls capture more than one if it is hard. In
-    /// gaps, blocks jam in some scenes and settle faster in others.
+    /// Rate and docking time vary with the scene. The effects of geometry vary little. The effect
+    /// of adjacent faces depends on how easily blocks are captured: two pulls capture more than one
+    /// if it is hard. In gaps, blocks jam in some scenes and settle faster in others.
     pub const SPREAD: [f64; Parameters::COUNT] = [
         5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 0.5, 3.0, 0.3, 1.0, 5.0, 0.3, 0.3, 0.3, 0.3,
         0.5,
@@ -223,7 +224,7 @@ const DEPLETION: usize = 12;
 /// Smallest fraction of free blocks for `depletion`.
 const MIN_FREE: f64 = 1e-3;
 
-/// Added to the open fraction, so that a face in a pit still captures sometimes.
+/// Term that is added to the open fraction, so that a face in a pit still captures sometimes.
 const MIN_OPEN: f64 = 0.02;
 
 /// Smallest relative density in the rate law.

@@ -66,8 +66,8 @@ const SLOWEST_GAP: f64 = -0.7;
 /// Rates of built-in scenes, written by `stochc calibrate SCENE --out`.
 const BUILT_IN: [&str; 1] = [include_str!("../data/hemisphere.rates")];
 
-/// Returns the density of a [`profile`](Rates::profile) at a layer of cells. Constant above the
-/// last one.
+/// Returns the density of a [`profile`](Rates::profile) at a layer of cells. The density is
+/// constant above the last layer of the profile.
 pub fn density_in(profile: &[f64], layer: i32) -> f64 {
     let layer = usize::try_from(layer - 1).unwrap_or(0);
     profile
@@ -127,8 +127,8 @@ impl Rates {
         variance > 0.0 && self.parameters.0[AHEAD] - 2.0 * variance.sqrt() > SLOWEST_GAP
     }
 
-    /// Returns the relative density of free blocks at a layer of cells. Constant above the
-    /// calibrated ones.
+    /// Returns the relative density of free blocks at a layer of cells. It is constant above the
+    /// calibrated layers.
     pub fn density(&self, layer: i32) -> f64 {
         density_in(&self.profile, layer)
     }
@@ -309,7 +309,7 @@ impl TryFrom<Stored> for Rates {
 /// Largest number of layers of a profile.
 const MAX_LAYERS: usize = 1000;
 
-/// Largest squared distance of a head start.
+/// Largest number of head starts.
 const MAX_HEAD_STARTS: usize = 100;
 
 #[cfg(test)]

@@ -71,7 +71,8 @@ impl Wait {
         (summed, hazard)
     }
 
-    /// Returns the time of a cumulative hazard \[ticks\]. Infinite without arrivals.
+    /// Returns the time when the cumulative hazard reaches a value \[ticks\]. Infinite without
+    /// arrivals.
     pub fn time_of(self, cumulative_hazard: f64) -> f64 {
         self.docking * when_summed(cumulative_hazard / (self.rate * self.docking))
     }
