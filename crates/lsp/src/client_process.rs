@@ -8,8 +8,8 @@ use super::wire::Incoming;
 /// Time between two checks of the client's process.
 const PAUSE: Duration = Duration::from_secs(2);
 
-/// Ends the session after the client's process has ended, even if another process keeps its stream
-/// open.
+/// Watches the client's process. Ends the session after the process has ended, even if another
+/// process keeps its stream open.
 ///
 /// A process that is absent from the start may be on another machine or in a container, and is
 /// ignored.

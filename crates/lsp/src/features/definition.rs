@@ -91,7 +91,7 @@ fn imported(analysis: &Analysis, at: usize) -> Option<SourceLocation> {
     Some(SourceLocation { file, span })
 }
 
-/// Range in a file given by its path, which is valid in every program.
+/// Range in a file. The file is given by its path, so the range is valid in every program.
 pub type FileRange = (String, u32, u32);
 
 /// Returns all occurrences, in all programs, of the name at a location.
