@@ -29,9 +29,9 @@ const SAVED: &str = ".stochc-saved-";
 pub enum Replaces {
     /// Replaces no file: the name must be free.
     Nothing,
-    /// Replaces files that this function recognizes as ours.
+    /// Replaces files that this function recognizes as files of stochc.
     Ours(fn(&mut File) -> io::Result<bool>),
-    /// Replaces any regular file, in a folder of ours.
+    /// Replaces any regular file, in a folder of stochc.
     Ordinary,
     /// Replaces identical files, in a folder shared by several machines without locks. Names of
     /// drafts begin with the stem and `.draft-`. Leftovers are not removed.
@@ -389,7 +389,8 @@ pub fn clear_partial(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes the files of a folder whose names are ours, then the folder. Foreign files remain.
+/// Removes the files of a folder that `is_ours` selects by name, then the folder. Other files
+/// remain.
 ///
 /// # Errors
 ///
@@ -411,7 +412,7 @@ pub fn remove_own(folder: &Path, is_ours: impl Fn(&str) -> bool) -> io::Result<(
     }
 }
 
-/// Moves a file into a folder of ours under an unused name, and returns its new path.
+/// Moves a file into a folder of stochc under an unused name, and returns its new path.
 ///
 /// # Errors
 ///
@@ -438,7 +439,7 @@ fn folder_of(path: &Path) -> &Path {
         .unwrap_or(Path::new("."))
 }
 
-/// Creates a folder of ours with its parents. An existing folder is accepted, a link is not.
+/// Creates a folder of stochc with its parents. An existing folder is accepted, a link is not.
 ///
 /// # Errors
 ///

@@ -25,7 +25,7 @@ const fn any(bytes: u64) -> ReadBudget {
     ReadBudget { bytes, is_json }
 }
 
-/// Program. Positions in it have 32 bits.
+/// Limit for a program. Positions in a program have 32 bits.
 pub const PROGRAM: ReadBudget = any(4 * GIB);
 /// File of compiled programs.
 pub(crate) const EXECUTABLE: ReadBudget = json(4 * GIB);

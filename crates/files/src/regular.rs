@@ -109,7 +109,7 @@ fn open_flagged(path: &Path, options: &mut OpenOptions, flags: Flags) -> io::Res
     Ok(file)
 }
 
-/// Opens a file of ours, without following links.
+/// Opens a file of stochc, without following links.
 ///
 /// # Errors
 ///
