@@ -124,10 +124,11 @@ pub fn tables(page: &mut String) -> Vec<String> {
     let mut off = Vec::new();
     page.push_str(
         "
-## Digits
+## Rounding errors
 
-400 cubes of 10 um in water at 293 K that collide with nothing, at a distance in block lengths from the plate, for 2,000 ticks. The table has their
-diffusion over that of Einstein's relation, ± 4 %. In `rigid`, rounding errors of positions are kept and added in the next step.
+If blocks move very little per step, rounding errors could stop them. The test simulates 400 cubes of 10 um in water at 293 K without collisions, for 2,000 ticks. The
+distance is from the plate, in block lengths. The table lists the diffusion coefficient divided by its value from Einstein's relation. Its uncertainty is 4 %. `rigid`
+adds the rounding error of a position in the next step.
 
 | tick, distance | `rigid` | `rigid`, double precision | `rapier` |
 |---|--:|--:|--:|
@@ -148,10 +149,10 @@ diffusion over that of Einstein's relation, ± 4 %. In `rigid`, rounding errors 
     }
     page.push_str(
         "
-Rotation of the same cubes, six block lengths from the plate. Rounding errors of orientations are not kept: below 3e-7 per step single precision begins to
-stop rotation, and Rapier at ten times as much. `check --physics` and `simulate` warn of such scenes; `--precision double` rotates them.
+The second table lists the same ratio for rotation, six block lengths from the plate. Rounding errors of orientations are not added later. In single precision, rotation
+begins to stop below 3e-7 radians per step, and in Rapier below 3e-6. `check --physics` and `simulate` warn of such scenes. Use `--precision double` for them.
 
-| tick, turn in it | `rigid` | `rigid`, double precision | `rapier` |
+| tick, turn per step [rad] | `rigid` | `rigid`, double precision | `rapier` |
 |---|--:|--:|--:|
 ",
     );

@@ -13,8 +13,11 @@ use super::{Fate, fate, middle};
 const HEAD: &str = "
 ## Tanks
 
-The built-in tanks with six blocks, one change, four steps per tick and 600 ticks: `magnet_tank` without a plate, `suction_tank` with the centre of a
-plate of 3 x 3 open, or cubes of 10 um in water.
+Each row is a tank with six blocks and one change, for 600 ticks of four steps. The tanks are:
+
+- `magnet_tank` without a plate;
+- `suction_tank` with a plate of 3 x 3, whose centre is open (*suction*);
+- cubes of 10 um in water (*10 um*).
 
 | changed | `rigid` | `rapier` |
 |---|---|---|
