@@ -66,7 +66,8 @@ pub fn first_beyond(
     Ok(None)
 }
 
-/// Returns the first phase that needs more than `free` blocks at a capture in some order.
+/// Returns the first phase that needs more than `free` blocks at a capture in some order. Returns
+/// `None` if no phase needs more.
 ///
 /// A phase without releases needs the most blocks at its end. Another check compares that number.
 /// If captures choose among faces, or the search reaches its limit, returns the phase as a

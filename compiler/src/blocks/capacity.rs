@@ -209,7 +209,7 @@ fn distinct(one: f64, other: f64) -> (String, String) {
     pairs.find(differ).unwrap_or_else(|| written(17))
 }
 
-/// Checks that the plate lies within the enclosure.
+/// Checks that the plate lies within the enclosure. Returns a diagnostic if it does not.
 fn plate_outside(plan: &ProgramPlan, enclosure: &Enclosure, side: f64) -> Option<Diagnostic> {
     let (width, depth) = (plan.plate.width, plan.plate.depth);
     let corner = f64::from(width).hypot(f64::from(depth)) / 2.0 * side;

@@ -194,7 +194,7 @@ impl<'a> DiagnosticSpans<'a> {
         })
     }
 
-    /// Collects the locations of diagnostics, converted to positions after a change.
+    /// Creates the set of locations of diagnostics, converted to positions after a change.
     fn new(
         sources: &'a Sources,
         diagnostics: impl Iterator<Item = &'a Diagnostic>,

@@ -44,7 +44,8 @@ impl Order {
         chain.iter().filter(|id| is_capture(plan, **id)).count()
     }
 
-    /// Returns the phase with the longest chain, and the chain.
+    /// Returns the phase with the longest chain, and the chain. Returns `None` for a program
+    /// without phases.
     pub fn longest(&self, plan: &ProgramPlan) -> Option<(usize, &[EventId])> {
         (self.chains.iter().enumerate())
             .max_by_key(|(number, chain)| (Order::length(plan, chain), std::cmp::Reverse(*number)))

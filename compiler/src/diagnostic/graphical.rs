@@ -15,7 +15,7 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Draws with colours for a terminal, or in plain text. `width` is in columns.
+    /// Creates a renderer with colours for a terminal, or for plain text. `width` is in columns.
     pub fn new(colour: bool, width: usize) -> Renderer {
         let theme = if colour {
             GraphicalTheme::unicode()

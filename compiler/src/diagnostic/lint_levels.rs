@@ -284,6 +284,7 @@ impl FileLevels {
     }
 
     /// Returns the statement that sets the level of a code at a location, in the innermost block.
+    /// Returns `None` if no statement sets it.
     fn find(&self, code: Code, location: SourceLocation) -> Option<usize> {
         let scopes = self.scopes.get(&location.file)?;
         let at = location.span.start;

@@ -162,7 +162,8 @@ fn unclosed(location: SourceLocation, text: &str) -> Diagnostic {
         .fix(Fix::replace(end, brace, "add the `}`").unsafe_if(true))
 }
 
-/// Returns the first two words of the head of a block, such as `phase grow`.
+/// Returns the first two words of the head of a block, such as `phase grow`. Returns `None` if
+/// there are fewer words.
 fn block_name(head: &str) -> Option<String> {
     let words: Vec<&str> = head.split_whitespace().take(2).collect();
     (!words.is_empty()).then(|| spelt(&words.join(" ")))
@@ -199,7 +200,8 @@ fn missing_reason(location: SourceLocation, text: &str) -> Diagnostic {
 
 /// Returns the error of a number that cannot be stored.
 fn number_too_large(location: SourceLocation, number: &str) -> Diagnostic {
-    /// Number of digits of a number that is certainly too large for a double.
+    /// Largest number of digits of an integer with a message about 64 bits. The message for longer
+    /// numbers is about doubles.
     const DIGITS: usize = 300;
     let is_whole = number.bytes().all(|byte| byte.is_ascii_digit()) && number.len() < DIGITS;
     let (title, limit) = if is_whole {
@@ -293,7 +295,7 @@ fn unexpected(hint: &SyntaxHint<'_>) -> Diagnostic {
     diagnostic
 }
 
-/// Returns the fix of an error other than a wrong word.
+/// Returns the fix of an error other than a wrong word. Returns `None` if no fix is known.
 fn fix(location: SourceLocation, error: &SyntaxError, text: &str) -> Option<Fix> {
     let (start, end) = (location.span.start as usize, location.span.end as usize);
     let part = |start: usize, end: usize| SourceLocation {

@@ -83,7 +83,7 @@ impl SyntaxHint<'_> {
     }
 
     /// Returns the error of a `timeout` after a capture, with the change that moves it to the
-    /// phase.
+    /// phase. Returns `None` for other errors.
     pub fn timeout(&self) -> Option<Diagnostic> {
         if self.after != "timeout" {
             return None;
@@ -162,7 +162,7 @@ impl SyntaxHint<'_> {
         (Some(help.to_owned()), fix)
     }
 
-    /// Returns a misspelt keyword or unit.
+    /// Returns a misspelt keyword or unit. Returns `None` if no word is similar.
     fn misspelt(&self) -> Option<(SourceLocation, Suggestion)> {
         let is_word = |text: &str| text.starts_with(|c: char| c.is_ascii_alphabetic());
         if is_word(self.found) {
@@ -276,7 +276,7 @@ impl SyntaxHint<'_> {
     }
 
     /// Returns the corrected form of a plate size without spaces, such as `3 x 3` for `3x3`. The
-    /// number after the `x` may be missing.
+    /// number after the `x` may be missing. Returns `None` for other words.
     fn size(&self) -> Option<String> {
         let before = self.before().trim_end();
         let (width, depth) = self.found.split_once(['x', 'X'])?;
@@ -300,7 +300,7 @@ impl SyntaxHint<'_> {
     }
 
     /// Returns a fix for arrows of other languages in the rest of the line. Only the first arrow is
-    /// reported as an error.
+    /// reported as an error. Returns `None` if there is no such arrow.
     fn arrow(&self, rest: &str) -> Option<Fix> {
         let is_part = |c: char| matches!(c, '=' | '-' | '>' | '\u{2192}' | '\u{2013}' | '\u{2014}');
         let length = rest.find(|c| !is_part(c)).unwrap_or(rest.len());

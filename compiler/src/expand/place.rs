@@ -131,7 +131,8 @@ impl Expander<'_, '_> {
         Some((blocks.keys.first()?, blocks.face))
     }
 
-    /// Returns the new name that a text declares in the current scope.
+    /// Returns the new name that a text declares in the current scope. Returns `None` and reports
+    /// an error if the text is not a new name.
     pub fn single_key(&mut self, place: &Place) -> Option<NameKey> {
         let segment = match &place.path[..] {
             [only] => only,
@@ -159,7 +160,8 @@ impl Expander<'_, '_> {
         keys.first()
     }
 
-    /// Returns the scope of a named instance. `next` is the name inside the instance.
+    /// Returns the scope of a named instance. `next` is the name inside the instance. Returns
+    /// `None` and reports an error if the instance is unknown.
     fn instance_scope(&mut self, scope: u32, segment: &Segment, next: &Segment) -> Option<u32> {
         let (keys, ranged) = self.keys(scope, segment)?;
         if ranged {
@@ -254,6 +256,7 @@ impl Expander<'_, '_> {
     }
 
     /// Returns the names that a segment of a path stands for, and whether an index is a range.
+    /// Returns `None` and reports an error if an index is wrong.
     fn keys(&mut self, scope: u32, segment: &Segment) -> Option<(Keys, bool)> {
         let mut key = NameKey {
             scope,
@@ -347,7 +350,8 @@ impl Expander<'_, '_> {
     }
 }
 
-/// Returns the face that another word for a direction probably means.
+/// Returns the face that another word for a direction probably means. Returns `None` if it means no
+/// face.
 pub(super) fn face_meant(word: &str) -> Option<Suggestion> {
     let (face, clear) = match word {
         "top" | "above" | "upper" => (Face::Up, true),

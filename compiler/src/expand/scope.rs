@@ -129,7 +129,8 @@ impl Scope {
         }
     }
 
-    /// Returns the value of a definition, and the location of that value.
+    /// Returns the value of a definition, and the location of that value. Returns `None` if the
+    /// definition has no value in the current scope.
     pub fn get(
         &self,
         word: Symbol,
@@ -140,7 +141,7 @@ impl Scope {
         Some((binding.value, binding.location))
     }
 
-    /// Returns the location of any definition of a word.
+    /// Returns the location of any definition of a word. Returns `None` if the word is not defined.
     pub fn any(&self, word: Symbol) -> Option<SourceLocation> {
         Some(self.words.get(&word)?.last()?.location)
     }

@@ -86,14 +86,14 @@ impl Expander<'_, '_> {
         self.diagnostics.push(diagnostic);
     }
 
-    /// Returns the instance that is being expanded.
+    /// Returns the instance that is being expanded. Returns `None` outside of all instances.
     pub(super) fn grown(&self) -> Option<crate::plan::PatternInstance> {
         let number = (self.scope.instance as usize).checked_sub(1)?;
         self.plan.grown.get(number).copied()
     }
 
     /// Returns a `let` of this name below its use, in a block around the current statement. Also
-    /// returns the location of the name.
+    /// returns the location of the name. Returns `None` if there is none.
     fn let_below(&self, word: Symbol) -> Option<(SourceLocation, SourceLocation)> {
         let names = |item: &Item| match &item.kind {
             ItemKind::Let(let_) if let_.name.symbol == word => Some((item.span, let_.name.span)),

@@ -31,7 +31,7 @@ pub struct DeclaredNames {
 
 impl DeclaredNames {
     /// Returns the declaration of a word in an assembly, or outside of every assembly. Declarations
-    /// of the assembly hide declarations of the files.
+    /// of the assembly hide declarations of the files. Returns `None` if the word is not declared.
     pub fn seen_from(
         &self,
         assembly: Option<usize>,

@@ -28,7 +28,7 @@ impl Names {
     }
 
     /// Returns the location of the declaration of a pattern or shape that this word names in an
-    /// assembly.
+    /// assembly. Returns `None` if the word is not declared.
     pub(crate) fn seen_from(
         &self,
         assembly: SourceLocation,
@@ -41,7 +41,8 @@ impl Names {
         seen.map(|it| it.location)
     }
 
-    /// Returns the scene that a word names. The scene may be undeclared.
+    /// Returns the scene that a word names. The scene may be undeclared. Returns `None` if no
+    /// program uses the word as a scene.
     pub(crate) fn scene(&self, word: Symbol) -> Option<Definition> {
         self.declared.scenes.get(&word).copied()
     }
@@ -54,7 +55,8 @@ impl Names {
         uses.map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the name at a byte of a file, or the name that ends there.
+    /// Returns the name at a byte of a file, or the name that ends there. Returns `None` if the
+    /// byte is not part of a name.
     pub fn at(&self, file: FileId, at: u32) -> Option<&Occurrence> {
         let key =
             |occurrence: &Occurrence| (occurrence.location.file, occurrence.location.span.start);

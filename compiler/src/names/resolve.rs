@@ -518,7 +518,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns the number, counter or parameter that a word names.
+    /// Returns the number, counter or parameter that a word names. Returns `None` for other words.
     fn number(&mut self, word: Symbol) -> Option<Definition> {
         if let Some(definition) = self.bindings.get(word) {
             return Some(definition);
@@ -535,7 +535,7 @@ impl Resolver<'_> {
         self.definitions.unite(definitions)
     }
 
-    /// Returns the pattern or shape that a word names.
+    /// Returns the pattern or shape that a word names. Returns `None` if the word is not declared.
     fn named(&mut self, kind: NameKind, word: Symbol) -> Option<Definition> {
         let assembly = match self.enclosing {
             EnclosingScope::Assembly(number) | EnclosingScope::OwnPattern(number) => Some(number),

@@ -106,8 +106,8 @@ impl ReachAnalysis<'_> {
         })
     }
 
-    /// For a capture with the face `up`, returns the capture of the same phase that attaches the
-    /// capturing block.
+    /// Returns the capture of the same phase that attaches the capturing block. Returns `None` if
+    /// the capture is not by the face `up`, or if there is no such capture.
     fn captor_below(&self, id: EventId, first: u32) -> Option<usize> {
         let EventKind::Capture { face: Face::Up, .. } = self.subject.plan.event(id).kind else {
             return None;
@@ -205,7 +205,8 @@ impl ReachAnalysis<'_> {
         })
     }
 
-    /// Returns the number of narrow cells of the path with the fewest narrow cells.
+    /// Returns the number of narrow cells of the path with the fewest narrow cells. Returns `None`
+    /// if they are too many to count.
     fn gap_length(&mut self, id: EventId, descendants: &DescendantIndex) -> Option<u32> {
         let start = self.cell(id)?;
         let following = descendants.of(id, &mut self.warning.steps);

@@ -17,7 +17,8 @@ pub struct CaptureStatement<'a> {
 }
 
 impl<'a> CaptureStatement<'a> {
-    /// Returns the statement of a capture in the program's own file.
+    /// Returns the statement of a capture in the program's own file. Returns `None` if the capture
+    /// is in another file.
     pub fn new(subject: &SoundProgram<'a>, capture: EventId) -> Option<CaptureStatement<'a>> {
         let SourceLocation { file, span } = subject.plan.event(capture).location;
         if file != subject.file {
@@ -180,7 +181,7 @@ impl<'a> CaptureStatement<'a> {
 /// Largest number of spellings of a block's name.
 const MAX_NAMES: usize = 64;
 
-/// Returns the arrow of a chain at this source range.
+/// Returns the arrow of a chain at this source range. Returns `None` if there is no arrow.
 fn find(items: &[Item], span: Span) -> Option<CaptureStatement<'_>> {
     items.iter().find_map(|item| match &item.kind {
         ItemKind::Chain(chain) => (0..chain.links.len())

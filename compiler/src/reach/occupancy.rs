@@ -67,7 +67,7 @@ impl OccupiedCells {
         };
     }
 
-    /// Returns the event that fills a cell.
+    /// Returns the event that fills a cell. Returns `None` if the cell is empty.
     pub fn at(&self, cell: Cell) -> Option<EventId> {
         self.cells.get(&cell).copied()
     }
@@ -103,7 +103,7 @@ impl OccupiedCells {
     }
 
     /// Returns the height of the lowest blocked cell of a column from `z` on. Requires
-    /// [`OccupiedCells::sort`].
+    /// [`OccupiedCells::sort`]. Returns `None` if no cell is blocked.
     pub fn ceiling(&self, x: i32, y: i32, z: i32, has: Has) -> Option<i32> {
         if self.is_clear(x, y, z) {
             return None;

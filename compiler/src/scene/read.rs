@@ -124,7 +124,8 @@ impl<'a> SceneReader<'a, '_> {
         }
     }
 
-    /// Reads an optional keyword with its arguments.
+    /// Reads an optional keyword with its arguments. Returns `None` and reports an error if it is
+    /// wrong.
     fn then(
         &mut self,
         clause: Name,
@@ -148,7 +149,8 @@ impl<'a> SceneReader<'a, '_> {
         None
     }
 
-    /// Reads the fields in the braces of a clause, in any order.
+    /// Reads the fields in the braces of a clause, in any order. Returns `None` and reports an
+    /// error if one is wrong.
     fn fields(
         &mut self,
         clause: Name,
@@ -215,7 +217,8 @@ impl<'a> SceneReader<'a, '_> {
         complete
     }
 
-    /// Returns the alternative that the given fields select.
+    /// Returns the alternative that the given fields select. Reports an error and returns `None` if
+    /// they do not select one.
     fn either(
         &mut self,
         clause: Name,
@@ -354,7 +357,7 @@ impl<'a> SceneReader<'a, '_> {
     }
 }
 
-/// Returns the first of these names with this word.
+/// Returns the first of these names with this word. Returns `None` if there is none.
 fn named(names: &[Name], word: &str, symbols: &Symbols) -> Option<Name> {
     let mut names = names.iter().copied();
     names.find(|name| symbols.word(name.symbol) == word)
@@ -366,7 +369,8 @@ fn quoted(words: &[&str]) -> String {
     series(&quoted, "and")
 }
 
-/// Returns an example of a field with a unit, such as `side 20cm`.
+/// Returns an example of a field with a unit, such as `side 20cm`. Returns `None` for a field
+/// without a single number.
 fn example(field: &SchemaEntry) -> Option<String> {
     let SchemaPart::Number(number) = field.parts.first()? else {
         return None;

@@ -58,7 +58,7 @@ impl<'a> DeclaredShapes<'a> {
         &self.shapes
     }
 
-    /// Returns the shape that a word names in a program.
+    /// Returns the shape that a word names in a program. Returns `None` if the word names no shape.
     pub fn seen_from(&self, program: &ProgramPlan, word: &str) -> Option<&DeclaredShape<'a>> {
         let word = self.checked.symbols.get(word)?;
         let seen = (self.names).seen_from(program.location, NameKind::Shape, word)?;

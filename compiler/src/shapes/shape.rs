@@ -126,6 +126,7 @@ impl Comparison {
     }
 
     /// Returns the title and the help of the error for a shape that differs from the structure.
+    /// Returns `None` if they are equal.
     fn difference(&mut self, name: Symbol, word: &str) -> Option<(String, String)> {
         let claimed = self.claimed.get(&name)?.as_ref()?;
         let now = (name, self.built.fingerprint);
@@ -280,7 +281,8 @@ pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> 
     Some(cells)
 }
 
-/// Returns a number without names. Shapes are outside of loops and patterns.
+/// Returns the value of an expression without names. Shapes are outside of loops and patterns, so
+/// their numbers have no names. Returns `None` for any other expression.
 fn constant(expr: &Expr) -> Option<i64> {
     match &expr.kind {
         ExprKind::Int(value) => Some(*value),

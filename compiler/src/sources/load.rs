@@ -284,7 +284,7 @@ impl Loader<'_> {
     }
 }
 
-/// Returns the error of carriage returns without line feeds.
+/// Returns the error of carriage returns without line feeds. Returns `None` if there are none.
 ///
 /// Most editors show them as line ends, but the grammar does not: code after a comment would be a
 /// part of it.

@@ -127,7 +127,7 @@ impl<'a> Ancestry<'a> {
     }
 
     /// Returns the capture that anchors the parent of another capture: in the same phase, or the
-    /// last one before.
+    /// last one before. Returns `None` for a parent on the plate.
     fn anchoring(&self, capture: EventId, parent: RoleId) -> Option<EventId> {
         let here = anchored_by(&self.program.graph, capture);
         if here.is_some() {

@@ -51,7 +51,7 @@ impl Lattice {
         }
     }
 
-    /// Returns the block that a face holds.
+    /// Returns the block that a face holds. Returns `None` if it holds none.
     pub fn held(&self, site: BlockFace) -> Option<u32> {
         self.holds.get(&site).copied()
     }

@@ -91,7 +91,7 @@ impl Orientation {
     }
 
     /// Returns the child's face and the quarter turns that give this orientation on `parent_face`.
-    /// The inverse of [`Orientation::docked`].
+    /// The inverse of [`Orientation::docked`]. Returns `None` if no turn gives this orientation.
     pub fn as_docked(self, parent: Orientation, parent_face: Face) -> Option<(Face, u8)> {
         let child_face = self.to_own(parent.to_structure(parent_face).opposite());
         (0..4)

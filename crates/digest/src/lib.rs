@@ -84,7 +84,7 @@ impl Fnv {
 mod tests {
     use super::*;
 
-    /// Test vectors from the authors' table.
+    /// Compares with test vectors from the authors' table.
     #[test]
     fn the_hash_is_that_of_its_authors() {
         for (text, hash) in [

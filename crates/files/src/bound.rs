@@ -39,7 +39,7 @@ pub fn folder(path: &Path) -> io::Result<PathBuf> {
 }
 
 /// Returns the path of an existing file with all links resolved. All paths of the file give the
-/// same result.
+/// same result. Returns `None` if the file does not exist.
 pub fn identity(path: &str) -> Option<String> {
     let path = std::fs::canonicalize(Path::new(".").join(path)).ok()?;
     path.into_os_string().into_string().ok()

@@ -97,7 +97,7 @@ struct FolderPrograms {
 }
 
 impl FolderPrograms {
-    /// Returns the next folder to read. Links come last.
+    /// Returns the next folder to read. Links come last. Returns `None` after the last folder.
     fn next_folder(&mut self) -> Option<String> {
         self.folders
             .pop()
@@ -204,6 +204,7 @@ pub fn executables(path: &str) -> Option<Result<Vec<Executable>, UnusableExecuta
 }
 
 /// Returns a message about an argument that is not a file, for commands that accept only files.
+/// Returns `None` if the argument is a file.
 pub fn not_a_file(argument: &str) -> Option<String> {
     let what = match argument {
         STDIN => "the standard input",

@@ -135,7 +135,7 @@ struct Disassembler<'a, U> {
 
 impl<U: Fn(u32) -> (u32, u32)> Disassembler<'_, U> {
     /// Returns a site that can be removed through a space. Other sites are reconsidered after a
-    /// change nearby.
+    /// change nearby. Returns `None` if no queued site can be removed.
     fn next(&mut self, space: usize) -> Option<(u32, WayIn)> {
         while let Some((_, site)) = self.frontiers[space].pop() {
             self.is_queued[space][site as usize] = false;
@@ -155,6 +155,7 @@ impl<U: Fn(u32) -> (u32, u32)> Disassembler<'_, U> {
     }
 
     /// Returns a skipped site that can be removed through a space. Searches the whole structure.
+    /// Returns `None` if no skipped site can be removed.
     fn next_exactly(&mut self, space: usize) -> Option<(u32, WayIn)> {
         let support = &self.support;
         self.doubtful[space].retain(|&site| support.stands(site));

@@ -6,7 +6,7 @@ const MAX: usize = 5_000;
 /// Known word that an unknown one probably means.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Suggestion {
-    /// Known word.
+    /// The known word.
     pub word: String,
     /// Whether the suggestion is unambiguous: one or two letters differ, and no other word is as
     /// close.

@@ -148,7 +148,7 @@ impl LineLayout<'_, '_> {
     }
 
     /// Returns the text of a block on one line. The block must be empty, or written on one line
-    /// with one statement or a row of seeds.
+    /// with one statement or a row of seeds. Otherwise returns `None`.
     fn one_line(&self, at: usize) -> Option<(String, usize)> {
         let source = self.source;
         let room = WIDTH.saturating_sub(INDENT * self.depth);

@@ -57,7 +57,7 @@ pub fn line(source: &TokenizedText<'_>, at: usize, depth: usize) -> (FormattedLi
     (line, next, false)
 }
 
-/// Returns the text of a short block that is written on one line.
+/// Returns the text of a short block that is written on one line. Returns `None` for other blocks.
 fn one_line(source: &TokenizedText<'_>, at: usize, room: usize) -> Option<(String, usize)> {
     let mut text = String::new();
     let mut depth = 0;

@@ -41,7 +41,8 @@ pub fn format(text: &str) -> Result<String, FormatError> {
     })
 }
 
-/// Formats the output of [`crate::print()`], valid or not.
+/// Formats the output of [`crate::print()`], valid or not. Returns `None` if the grammar rejects
+/// it.
 pub(crate) fn lay_out(text: &str) -> Option<String> {
     let (parsed, record) = parse_recorded(text, &mut Symbols::new());
     // Misplaced statements must appear in the output, too.

@@ -97,7 +97,8 @@ impl Parser<'_, '_> {
         self.surplus.get_or_insert_with(|| surplus(self.text))
     }
 
-    /// Returns the rule of the piece at a byte, after any comments.
+    /// Returns the rule of the piece at a byte, after any comments. Returns `None` if there is no
+    /// piece.
     fn next_piece(&self, at: usize, mode: Mode) -> Option<Rule> {
         let mut at = trivia::skip(self.text, at);
         while self.text[at..].starts_with("///") {

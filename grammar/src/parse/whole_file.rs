@@ -52,7 +52,7 @@ pub(crate) fn parse_recorded(text: &str, symbols: &mut Symbols) -> (Parsed, Reco
 }
 
 /// Returns the start of a file that is JSON. A program never begins with a bracket and a quotation
-/// mark or another bracket.
+/// mark or another bracket. Returns `None` for other files.
 fn json_begins(text: &str) -> Option<usize> {
     let begun = text.trim_start();
     let inside = begun.strip_prefix(['{', '['])?.trim_start();

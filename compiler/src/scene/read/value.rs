@@ -12,7 +12,7 @@ use crate::diagnostic::{Code, Diagnostic, Edit, Fix, report};
 use crate::expand::units::to_si;
 
 impl<'a> SceneReader<'a, '_> {
-    /// Reads the value of a scene parameter.
+    /// Reads the value of a scene parameter. Returns `None` and reports an error if it is wrong.
     pub(super) fn number(
         &mut self,
         number: &'static SchemaNumber,
@@ -39,7 +39,8 @@ impl<'a> SceneReader<'a, '_> {
         None
     }
 
-    /// Reads a range: one value for both ends, or one for each.
+    /// Reads a range: one value for both ends, or one for each. Returns `None` and reports an error
+    /// if it is wrong.
     pub(super) fn range(
         &mut self,
         low: &'static SchemaNumber,
@@ -102,7 +103,7 @@ impl<'a> SceneReader<'a, '_> {
         None
     }
 
-    /// Converts quantities to SI units. Reports wrong units.
+    /// Converts quantities to SI units. Reports wrong units. Returns `None` if a unit is wrong.
     fn values<const N: usize>(
         &mut self,
         quantities: [&Quantity; N],

@@ -8,6 +8,7 @@ use crate::diagnostic::{Code, Diagnostic, Fix, report};
 
 impl SceneReader<'_, '_> {
     /// Returns the next word that is in `known`. Skips other words and reports the first of them.
+    /// Returns `None` at the end of the scene.
     pub(super) fn head(
         &mut self,
         known: &'static [SchemaEntry],
@@ -54,7 +55,7 @@ impl SceneReader<'_, '_> {
         }
     }
 
-    /// Reads a word that selects a kind.
+    /// Reads a word that selects a kind. Returns `None` and reports an error for any other word.
     pub(super) fn kind(
         &mut self,
         of: &'static [SchemaEntry],

@@ -158,7 +158,8 @@ impl Describer<'_> {
         }
     }
 
-    /// Returns the owner of an open face, the face, and the role of the expected block.
+    /// Returns the owner of an open face, the face, and the role of the expected block. Returns
+    /// `None` if the face is not open.
     fn face(
         &self,
         state: &ProgramState<'_>,

@@ -142,7 +142,7 @@ impl ProgramGoals {
     }
 }
 
-/// Returns the event of a condition.
+/// Returns the event of a condition. Returns `None` for a condition without an event.
 fn news_of(condition: Condition) -> Option<News> {
     match condition {
         Condition::Docked(role) => Some(News::Anchored(role)),

@@ -293,7 +293,7 @@ impl<'t> ProgramState<'t> {
         effects
     }
 
-    /// Returns the role that an open face gives.
+    /// Returns the role that an open face gives. Returns `None` if the face is not open.
     fn opened(&self, site: BlockFace) -> Option<RoleId> {
         let block = self.structure.block(site.body)?;
         let open = block.open().iter().find(|open| open.own == site.face)?;
@@ -340,12 +340,12 @@ impl<'t> ProgramState<'t> {
         effects
     }
 
-    /// Returns the role of a block of the structure.
+    /// Returns the role of a block of the structure. Returns `None` for any other block.
     pub fn role(&self, body: Body) -> Option<RoleId> {
         Some(self.structure.block(body)?.role())
     }
 
-    /// Returns the goal of the running phase.
+    /// Returns the goal of the running phase. Returns `None` after the last phase.
     pub fn stage<'e>(&self, expected: &'e ProgramGoals) -> Option<&'e PhaseGoal> {
         expected.phases.get(self.structure.phase()?.0 as usize)
     }

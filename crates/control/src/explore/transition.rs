@@ -44,7 +44,7 @@ pub(super) enum Transition {
 }
 
 impl Transition {
-    /// Returns the message of the transition.
+    /// Returns the message of the transition. Returns `None` for a transition without a message.
     pub fn transit(&self) -> Option<InTransit> {
         match *self {
             Transition::Arrive(transit)

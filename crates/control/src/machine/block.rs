@@ -191,7 +191,7 @@ impl<M: Copy> StructureBlock<M> {
         self.open.insert(i, open);
     }
 
-    /// Removes an open face.
+    /// Removes an open face. Returns `None` if the face is not open.
     #[inline]
     pub(super) fn close(&mut self, own: Face) -> Option<ActiveFace<M>> {
         let i = self.open().iter().position(|open| open.own == own)?;
@@ -205,7 +205,7 @@ impl<M: Copy> StructureBlock<M> {
         self.children.insert(i, (child, slot));
     }
 
-    /// Removes a child.
+    /// Removes a child. Returns `None` if there is no such child.
     pub(super) fn release(&mut self, child: RoleId) -> Option<BlockSlot> {
         let i = (self.children())
             .iter()
@@ -220,7 +220,7 @@ impl<M: Copy> StructureBlock<M> {
     }
 
     /// Returns the next ready rule, by its index in the duty, and marks it as fired. Requires that
-    /// the block [may act](Self::may_act).
+    /// the block [may act](Self::may_act). Returns `None` if no rule is ready.
     #[inline(always)]
     pub(super) fn next_action(&mut self, tables: &Tables) -> Option<(u32, Action)> {
         let first = self.next as usize;

@@ -145,7 +145,8 @@ impl Index {
         }
     }
 
-    /// Returns the index of the plate's block in a cell.
+    /// Returns the index of the plate's block in a cell. Returns `None` for a cell outside of the
+    /// plate.
     pub fn seed(&self, cell: Cell) -> Option<BlockSlot> {
         self.seeds.get(&cell).copied()
     }
@@ -172,7 +173,8 @@ impl Index {
         self.starting.get(phase.0)
     }
 
-    /// Returns the first role that captures `child` in a phase.
+    /// Returns the first role that captures `child` in a phase. Returns `None` if no role captures
+    /// it.
     pub fn captor(&self, tables: &Tables, phase: PhaseId, child: RoleId) -> Option<RoleId> {
         let captors = self.captors.get_or_init(|| Captors::new(tables));
         let of_role = captors.of_role(child);

@@ -38,7 +38,7 @@ impl<T> InlineVec<T> {
         }
     }
 
-    /// Removes the value at an index.
+    /// Removes the value at an index. Returns `None` beyond the end of the list.
     #[inline]
     pub fn remove(&mut self, at: usize) -> Option<T> {
         match self {

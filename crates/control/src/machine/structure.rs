@@ -102,12 +102,12 @@ impl<'t, M: Copy> Structure<'t, M> {
         self.slots.count()
     }
 
-    /// Returns an anchored block.
+    /// Returns an anchored block. Returns `None` if the block is not anchored.
     pub fn block(&self, body: Body) -> Option<&StructureBlock<M>> {
         self.slots.get(self.slots.find(&self.index, body)?)
     }
 
-    /// Returns the block that holds a role.
+    /// Returns the block that has a role. Returns `None` if the role is free.
     pub fn holder(&self, role: RoleId) -> Option<&StructureBlock<M>> {
         self.slots.get(self.holders[role.0 as usize])
     }
@@ -124,6 +124,7 @@ impl<'t, M: Copy> Structure<'t, M> {
     }
 
     /// Removes the next face that needs a pre-attached block. Returns it with the block's role.
+    /// Returns `None` if no face is left.
     pub fn next_to_plant(&mut self) -> Option<(BlockFace, RoleId)> {
         let site = self.to_plant.pop_first()?;
         let open = self.block(site.body)?.open();
@@ -267,7 +268,7 @@ impl<'t, M: Copy> Structure<'t, M> {
     }
 
     /// Returns the two ends of the contact between a block and its parent, and counts a message on
-    /// it.
+    /// it. Returns `None` for a block of the plate.
     pub(super) fn contact(&mut self, child: BlockSlot) -> Option<(Body, Body)> {
         let parent = self.slots.get(child)?.parent;
         let above = self.slots.get(parent)?.body;
@@ -277,7 +278,8 @@ impl<'t, M: Copy> Structure<'t, M> {
         })
     }
 
-    /// Changes a block and records that it has changed in this phase.
+    /// Changes a block and records that it has changed in this phase. Returns `None` if the slot is
+    /// empty.
     fn change<R>(
         &mut self,
         slot: BlockSlot,

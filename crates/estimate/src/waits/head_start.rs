@@ -113,7 +113,8 @@ impl<'r> HeadStarts<'r> {
 }
 
 impl ReleaseNearby {
-    /// Returns the head start at a face that opens this number of ticks after the release.
+    /// Returns the head start at a face that opens this number of ticks after the release. Returns
+    /// `None` after the end of all head starts.
     pub fn after(&self, since: f64) -> Option<HeadStart> {
         if since <= 0.0 {
             return Some(self.at_once);

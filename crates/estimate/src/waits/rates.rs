@@ -104,7 +104,7 @@ impl Rates {
     }
 
     /// Returns the given or built-in rates of a scene, or an [uncalibrated
-    /// estimate](Rates::first_guess).
+    /// estimate](Rates::first_guess). Returns `None` if no estimate is possible.
     pub fn known_or_guessed<'a>(given: &'a [Rates], scene: &Scene) -> Option<Cow<'a, Rates>> {
         let known = Rates::known(given, scene).map(Cow::Borrowed);
         known.or_else(|| Rates::first_guess(scene).map(Cow::Owned))

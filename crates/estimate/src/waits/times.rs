@@ -117,7 +117,7 @@ impl Cases<'_> {
     }
 
     /// Returns the half-width for a quantile. The number of values below it is binomial for any
-    /// distribution.
+    /// distribution. Returns `None` if its ends are beyond the values.
     fn half_width(self, q: f64) -> Option<f64> {
         let by = NORMAL * (q * (1.0 - q) / self.count() as f64).sqrt();
         let is_within = q - by >= 0.0 && q + by <= 1.0;
@@ -130,7 +130,7 @@ impl Cases<'_> {
 mod tests {
     use super::*;
 
-    /// `numpy.quantile([1, 2, 4, 8], [0, .1, .5, .9, 1])` is 1, 1.3, 3, 6.8, 8.
+    /// Compares with `numpy.quantile([1, 2, 4, 8], [0, .1, .5, .9, 1])`: 1, 1.3, 3, 6.8, 8.
     #[test]
     fn quantiles_are_those_of_numpy() {
         for (q, expected) in [(0.0, 1.0), (0.1, 1.3), (0.5, 3.0), (0.9, 6.8), (1.0, 8.0)] {
@@ -141,8 +141,8 @@ mod tests {
         assert_eq!(quantile(&[3.0], 0.9), Some(3.0));
     }
 
-    /// For n uniform values in (0, 1), the standard error of a quantile q is the root of q (1 - q)
-    /// / n.
+    /// Checks n uniform values in (0, 1). The standard error of a quantile q is the root of q (1 -
+    /// q) / n.
     #[test]
     fn intervals_are_those_of_order_statistics() {
         let n = 4000;
@@ -167,8 +167,8 @@ mod tests {
         assert!(times.median_half_width.is_some());
     }
 
-    /// 70 times from 1 to 70 and 30 infinite ones: quantiles refer to all hundred cases, and there
-    /// is no mean.
+    /// Checks 70 times from 1 to 70 and 30 infinite ones. Quantiles refer to all hundred cases, and
+    /// there is no mean.
     #[test]
     fn cases_that_never_end_are_slower_than_all_others() {
         let times = Times::new((1..=70).map(f64::from).collect(), 30).unwrap();

@@ -69,7 +69,7 @@ impl Face {
         }
     }
 
-    /// Returns the face of a keyword.
+    /// Returns the face of a keyword. Returns `None` for other words.
     pub fn from_word(word: &str) -> Option<Face> {
         Face::ALL.into_iter().find(|face| face.word() == word)
     }

@@ -117,7 +117,7 @@ fn resolving<'a>(
     steps
 }
 
-/// Warns of a scene without any motion of free blocks.
+/// Warns of a scene without any motion of free blocks. Returns `None` for a scene with motion.
 ///
 /// The pump of `bond suction` draws blocks from any distance.
 fn no_agitation(scene: &Scene) -> Option<SceneWarning> {
@@ -137,7 +137,8 @@ fn no_agitation(scene: &Scene) -> Option<SceneWarning> {
     })
 }
 
-/// Warns of a structure at heights with few free blocks because of weight or lift.
+/// Warns of a structure at heights with few free blocks because of weight or lift. Returns `None`
+/// if there are enough blocks.
 fn buoyant(scene: &Scene, layers: RangeInclusive<i32>) -> Option<SceneWarning> {
     let settling = Settling::from_scene(scene)?;
     let layer = if settling.is_floating {
@@ -203,7 +204,8 @@ fn slowed(taken: f64) -> String {
     format!("displacements are {} times too small", two_digits(times))
 }
 
-/// Warns of rotations per step below the precision of an orientation.
+/// Warns of rotations per step below the precision of an orientation. Returns `None` if the
+/// precision is sufficient.
 fn digits(scene: &Scene, smallest_turn: f64, steps: Substeps) -> Option<SceneWarning> {
     let turn = turn_in_steps(scene, f64::from(steps.longest()))?;
     (turn > 0.0 && turn < smallest_turn).then(|| SceneWarning {
@@ -267,8 +269,8 @@ mod tests {
         }
     }
 
-    /// The displacement in two steps at γ τ = 13 is e^-6.5 + e^-13 over 2. The correct one is 1 /
-    /// 13.
+    /// Checks the displacement in two steps at γ τ = 13: (e^-6.5 + e^-13) / 2. The correct
+    /// displacement is 1 / 13.
     #[test]
     fn a_coarse_drag_says_how_much_too_small_displacements_are() {
         let way = ((-6.5_f64).exp() + (-13.0_f64).exp()) / 2.0;

@@ -48,7 +48,7 @@ pub fn definitions(
     })
 }
 
-/// Returns the seeds and captures of the blocks meant at a byte.
+/// Returns the seeds and captures of the blocks that the name at a byte means.
 fn introductions(
     analysis: &Analysis,
     at: usize,
@@ -69,7 +69,8 @@ fn introductions(
     Ok(locations)
 }
 
-/// Returns the start of the file that is imported at a byte.
+/// Returns the start of the file that is imported at a byte. Returns `None` if no file is imported
+/// there.
 fn imported(analysis: &Analysis, at: usize) -> Option<SourceLocation> {
     let checked = &analysis.checked;
     let import = checked

@@ -150,7 +150,8 @@ fn block(
     text
 }
 
-/// Estimates the times in a scene with known or estimated rates.
+/// Estimates the times in a scene with known or estimated rates. Returns `None` for scenes without
+/// rates and for large programs.
 fn times(program: &Program) -> Option<Cost> {
     let scene = program.scene.as_ref()?;
     let rates = Rates::known_or_guessed(&[], scene)?;

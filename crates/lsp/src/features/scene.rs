@@ -10,7 +10,8 @@ use crate::workspace::analysis::Analysis;
 /// Completion kind of keywords in the protocol.
 const KEYWORD: u32 = 14;
 
-/// Returns the description of the keyword at a byte, and its range.
+/// Returns the description of the keyword at a byte, and its range. Returns `None` if no keyword is
+/// there.
 pub fn hover(analysis: &Analysis, at: usize) -> Option<(String, SourceLocation)> {
     let words = words(analysis, at)?;
     let (entry, outer) = words.path.split_last()?;

@@ -76,7 +76,8 @@ impl Analysis {
         }
     }
 
-    /// Returns the name at a byte of the program's own file.
+    /// Returns the name at a byte of the program's own file. Returns `None` if the byte is not part
+    /// of a name.
     pub fn name_at(&self, at: usize) -> Option<&Occurrence> {
         self.names.at(FileId(0), at as u32)
     }

@@ -137,7 +137,7 @@ impl Programs {
         self.0.values().flat_map(|program| &program.found)
     }
 
-    /// Returns a changed program that is waiting for its check.
+    /// Returns a changed program that is waiting for its check. Returns `None` if there is none.
     pub fn unchecked(&self) -> Option<&String> {
         let is_unchecked = |program: &OpenProgram| {
             program.is_unseen && matches!(program.state, AnalysisState::Unknown)
@@ -212,7 +212,8 @@ impl Reader for ProgramReader<'_> {
     }
 }
 
-/// Checks a program that may import from these folders, and records its files.
+/// Checks a program that may import from these folders, and records its files. Returns `None` if
+/// the check was cancelled.
 fn check(
     path: &str,
     documents: &Documents,

@@ -236,7 +236,8 @@ impl ScaffoldTrials<'_> {
         best
     }
 
-    /// Returns scaffolds with some pieces removed and other pieces added.
+    /// Returns scaffolds with some pieces removed and other pieces added. Returns `None` if the
+    /// change is not possible.
     pub(super) fn neighbour(
         &self,
         of: &ScaffoldCandidate,

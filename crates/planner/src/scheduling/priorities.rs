@@ -31,7 +31,7 @@ impl Priorities {
         tail * (0.5 + self.keys[site as usize])
     }
 
-    /// Returns the selected direction into a site, by price.
+    /// Returns the selected direction into a site, by price. Returns `None` without directions.
     pub fn chosen<T>(&self, site: u32, ways: impl Iterator<Item = (T, f32)>) -> Option<T> {
         let skipped = usize::from(self.skipped[site as usize]);
         if skipped == 0 {

@@ -81,7 +81,7 @@ impl ScheduleState<'_> {
     }
 
     /// Returns the direction with the lowest price from a parent with an available face, unless
-    /// priorities select another.
+    /// priorities select another. Returns `None` if no such parent exists.
     fn best_way(&self, site: u32, now: f32) -> Option<(Face, f32)> {
         let ways = self.ways(site, now).map(|(way, mean)| {
             let price = self.job.price(&self.schedule, site, way, mean);

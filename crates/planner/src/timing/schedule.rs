@@ -54,6 +54,7 @@ impl Schedule {
     }
 
     /// Returns the direction and capture time of a site that opens before a position \[ticks\].
+    /// Returns `None` for a site that opens later.
     pub fn before(&self, site: u32, place: u32) -> Option<(Face, f32)> {
         let here = site as usize;
         (self.rank[here] < place).then(|| (self.way[here], self.end[here]))

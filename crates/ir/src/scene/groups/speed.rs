@@ -139,7 +139,7 @@ fn flow_at(scene: &Scene, away: f64) -> f64 {
 const JET: f64 = 6.2;
 
 /// Returns the rms speed that corresponds to the kinetic energy \[m/s\]. Velocities averaged over a
-/// tick are smaller.
+/// tick are smaller. Returns `None` if the speed grows without limit.
 pub(super) fn energetic(scene: &Scene) -> Option<f64> {
     match scene.agitation {
         Some(Agitation::Brownian { temperature }) => {
@@ -174,7 +174,8 @@ pub fn turn_in_steps(scene: &Scene, steps: f64) -> Option<f64> {
     Some(6.0_f64.sqrt() * way)
 }
 
-/// Returns the random speed of blocks in a fluid, for this number of steps per tick.
+/// Returns the random speed of blocks in a fluid, for this number of steps per tick. Returns `None`
+/// if no fluid moves the blocks at random.
 fn of_fluid(scene: &Scene, steps: f64) -> Option<Speed> {
     let fluid = scene.fluid.as_ref()?;
     match scene.agitation.as_ref()? {

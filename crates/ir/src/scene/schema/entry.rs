@@ -130,7 +130,8 @@ impl Absent {
         }
     }
 
-    /// Returns the consequence for a scene without this term.
+    /// Returns the consequence of the missing term for a scene. Returns `None` if the consequence
+    /// is not mentioned.
     pub fn term(self, scene: &Scene) -> Option<&'static str> {
         match self {
             Absent::NoTerm(meaning) => Some(meaning),

@@ -57,7 +57,7 @@ fn jets(scene: &Scene) -> Option<&Jets> {
     }
 }
 
-/// Returns the turbulence of a scene, and its speed.
+/// Returns the turbulence of a scene, and its speed. Returns `None` without turbulence.
 fn eddies(scene: &Scene) -> Option<(&Turbulence, f64)> {
     match scene.agitation.as_ref()? {
         Agitation::Turbulence(eddies) => Some((eddies, eddies.speed(scene.flow.as_ref()))),

@@ -70,7 +70,7 @@ pub fn converted(values: &[f64], word: &str, kinds: &[QuantityKind]) -> Option<S
 }
 
 /// Returns the unit of one of the `kinds` that a word probably means. Without kinds, the word alone
-/// must be unambiguous.
+/// must be unambiguous. Returns `None` if no unit is likely.
 pub fn unit_meant(word: &str, kinds: &[QuantityKind]) -> Option<Suggestion> {
     let clear = |unit: &str| {
         Some(Suggestion {
