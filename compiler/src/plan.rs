@@ -229,7 +229,7 @@ pub struct Roles {
 }
 
 impl Roles {
-    /// Returns the role of a name. Creates it if needed.
+    /// Returns the role of a name. Creates the role if needed.
     pub fn intern(&mut self, key: NameKey) -> RoleId {
         let next = RoleId(self.keys.len() as u32);
         let role = *self.roles.entry(key).or_insert(next);
@@ -273,7 +273,7 @@ impl Roles {
         patterns.next().map(|(pattern, _)| pattern)
     }
 
-    /// Returns the scope of an instance. Creates it if needed.
+    /// Returns the scope of an instance. Creates the scope if needed.
     pub(crate) fn intern_scope(&mut self, key: NameKey) -> u32 {
         let next = self.scope_keys.len() as u32 + 1;
         let scope = *self.scopes.entry(key).or_insert(next);

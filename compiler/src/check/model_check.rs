@@ -13,7 +13,7 @@ use stochc_ir::table::Tables;
 use crate::check::checked::{Checked, Program};
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Largest number of captures and releases of a program that every check explores.
+/// Largest number of captures and releases of a program for the exploration in every check.
 const MAX_EVENTS: usize = 500;
 
 /// Limits of the exploration in every check, which takes 25 to 60 ms at most. They count states

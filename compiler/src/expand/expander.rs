@@ -420,7 +420,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// Returns the role of a name. Creates it if needed.
+    /// Returns the role of a name. Creates the role if needed.
     pub(super) fn role(&mut self, key: NameKey) -> RoleId {
         match self.pass {
             Pass::Writing => self.plan.roles.intern(key),

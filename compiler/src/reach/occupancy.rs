@@ -20,7 +20,7 @@ pub struct OccupiedCells {
     tops: FxHashMap<(i32, i32), i32>,
     /// Occupied cells sorted by (x, y, z). Computed on demand.
     sorted: Option<BTreeSet<(i32, i32, i32)>>,
-    /// Number of blocks visited in searches for ceilings.
+    /// Number of blocks that [`OccupiedCells::ceiling`] has visited.
     passed: std::cell::Cell<u64>,
 }
 

@@ -6,7 +6,7 @@ const MAX: usize = 5_000;
 /// Known word that an unknown one probably means.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Suggestion {
-    /// The known word.
+    /// The known word, as a suggestion.
     pub word: String,
     /// Whether the suggestion is unambiguous: one or two letters differ, and no other word is as
     /// close.

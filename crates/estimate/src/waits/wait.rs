@@ -115,7 +115,7 @@ impl Wait {
     }
 }
 
-/// Number of equal probabilities for moments.
+/// Number of parts of equal probability for the computation of moments.
 const PARTS: usize = 256;
 
 /// Means of an exponential variable of mean 1 within each of [`PARTS`] equal probabilities.

@@ -187,8 +187,8 @@ fn rows_of(mut cells: Vec<Cell>) -> Vec<(Cell, Cell)> {
     )
 }
 
-/// Content of a statement, relative to its base. It states whether a seed captures first, any other
-/// name of the first parent, kinds of names, sections and predecessors.
+/// Content of a statement, relative to its base. Parts in order: whether a seed captures first, any
+/// other name of the first parent, kinds of names, sections, predecessors.
 pub type StatementSignature<'a> = (
     bool,
     Option<&'a str>,
