@@ -1,7 +1,8 @@
-// Shows a second run next to the first. Both share the camera, and their clocks are synchronized by tick or by phase.
+// Shows a second run next to the first. Both runs share the camera, and their clocks are
+// synchronized by tick or by phase.
 
 class Against {
-  /** `wake` is told that something moves, `select` the block that is clicked. */
+  /** Calls `wake` when the view changes, and `select` with the block that was clicked. */
   constructor(about, recording, camera, { wake, select }) {
     this.recording = recording;
     this.history = new History(about, recording);
@@ -18,11 +19,11 @@ class Against {
       select(this.scene.pick(x - box.left, y - box.top));
     });
     new ResizeObserver(wake).observe(arena);
-    /** Whether phases, instead of ticks, go together. */
+    /** Whether the two runs are synchronized by phase instead of by tick. */
     this.byPhase = false;
   }
 
-  /** The tick of this run when the other is at one of its own. */
+  /** Returns the tick of this run that corresponds to a tick of the other run. */
   tick(tick, other) {
     if (!this.byPhase) return Math.min(tick, this.history.end);
     const at = lastAtOrBefore(other.begins.map(({ from }) => from), tick);

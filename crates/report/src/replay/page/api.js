@@ -1,4 +1,4 @@
-// `window.replay`: an interface to control the page from outside (docs/guides/replay.md).
+// `window.replay`: an interface for controlling the page from outside (docs/guides/replay.md).
 
 function api({ about, recording, history, scene, painter, camera, player, fetch, draw, select, against }) {
   const show = async tick => {
@@ -27,13 +27,13 @@ function api({ about, recording, history, scene, painter, camera, player, fetch,
   const centre = body => scene.place(body).centre;
   return {
     version: VERSION,
-    /** Stops at a tick; resolves with the state when it is to be seen. */
+    /** Stops the replay at a tick. Resolves with the state of the page when that tick is visible. */
     async seek(tick) {
       player.jump(tick);
       await show(player.tick);
       return state();
     },
-    /** The state when what was asked for is to be seen. */
+    /** Resolves with the state of the page when the requested tick is visible. */
     async settled() {
       await fetch(player.tick);
       await new Promise(drawn => requestAnimationFrame(() => requestAnimationFrame(drawn)));
@@ -41,23 +41,23 @@ function api({ about, recording, history, scene, painter, camera, player, fetch,
     },
     play: () => player.playing || player.toggle(),
     pause: () => player.playing && player.toggle(),
-    /** Times as fast as the robots are. */
+    /** Sets the speed of the replay, as a multiple of real time. */
     speed: speed => player.setSpeed(speed),
     select,
     state,
-    /** Looks from elsewhere: azimuth and height [rad], distance and the point that is looked at [side]. */
+    /** Moves the camera: azimuth and height [rad], distance and target point [block lengths]. */
     look: view => {
       camera.view = view;
       player.changed();
     },
-    /** A picture in PNG of some size [px], as a blob. */
+    /** Resolves with a PNG picture of the given size [px], as a blob. */
     async png(width, height) {
       await fetch(player.tick);
       const blob = await picture(scene, width, height);
       draw(performance.now());
       return blob;
     },
-    /** A film in WebM from a tick to another, as a blob. */
+    /** Resolves with a WebM film of a range of ticks, as a blob. */
     async film({ from = 0, to = history.end, width = 1280, height = 720, speed = player.speed }) {
       const at = async tick => {
         await recording.fetch(tick);
@@ -70,13 +70,13 @@ function api({ about, recording, history, scene, painter, camera, player, fetch,
     },
     screen: body => scene.screen(centre(body)),
     pixel: (x, y) => {
-      // The drawing buffer is lost after the picture has been shown.
+      // The browser clears the drawing buffer after showing it, so draw again.
       draw(performance.now());
       const scale = painter.canvas.width / painter.canvas.clientWidth;
       return painter.pixel(Math.round(x * scale), Math.round(y * scale));
     },
     pick: (x, y) => scene.pick(x, y),
-    /** The names that are written, and where [px]. */
+    /** Returns the names that are visible, with their positions [px]. */
     names: () => scene.labels.shown.map(({ body, text, x, y }) => ({ body, text, x, y })),
     face: (body, face) => scene.screen(add(centre(body), times(NORMALS[face], 0.5))),
   };

@@ -1,7 +1,8 @@
-// The camera. Dragging turns it, two fingers or the right button move it, wheel and pinch change the distance.
+// Camera of the arena. Dragging turns it, two fingers or the right button move it, and the wheel or
+// a pinch changes the distance.
 
 class Camera {
-  /** Sees all of the structure, and some of the cloud. */
+  /** Shows the whole structure and a part of the free blocks. */
   constructor(about, history) {
     const { width, depth } = about.tables.plate;
     let high = 1;
@@ -13,7 +14,7 @@ class Camera {
     }
     this.middle = [0, 0, high / 2];
     this.reach = 8 + 2.2 * Math.max(wide, high);
-    // Without a plate no structure grows, so the camera shows the shell.
+    // Without a plate, no structure grows, so the camera shows the shell.
     if (!width && about.radius) {
       this.middle = [0, 0, about.lift];
       this.reach = 2.8 * about.radius;
@@ -29,7 +30,7 @@ class Camera {
     this.first = this.view;
   }
 
-  /** Azimuth and height [rad], distance and the point that is looked at [side]. */
+  /** View of the camera: azimuth and height [rad], distance and target point [block lengths]. */
   get view() {
     return [this.azimuth, this.height, this.distance, ...this.at];
   }
@@ -37,7 +38,7 @@ class Camera {
   set view([azimuth, height, distance, ...at]) {
     this.azimuth = azimuth;
     this.height = height;
-    // Uses the same limits as manual control.
+    // Apply the same limits as for manual control.
     this.turn(0, 0);
     this.distance = distance;
     this.zoom(1);
@@ -49,7 +50,7 @@ class Camera {
     return view.every((number, i) => number === this.first[i]);
   }
 
-  /** A step of the way to a point, and near it. */
+  /** Moves the target and the distance of the camera one step towards a close view of a point. */
   approach(point) {
     this.at = add(this.at, times(minus(point, this.at), 0.06));
     this.distance += 0.06 * (0.6 * this.reach - this.distance);
@@ -60,7 +61,7 @@ class Camera {
     return add(this.at, [flat * Math.cos(this.azimuth), flat * Math.sin(this.azimuth), Math.sin(this.height) * this.distance]);
   }
 
-  /** To the right, up, and to the eye. */
+  /** Unit vectors of the view: to the right, up, and towards the eye. */
   get basis() {
     const back = unit(minus(this.eye, this.at));
     const right = unit(cross([0, 0, 1], back));
@@ -82,7 +83,7 @@ class Camera {
     this.distance = Math.min(20 * this.reach, Math.max(2.5, this.distance * factor));
   }
 
-  /** For a picture of some width and height. */
+  /** Returns the projection matrix for a picture of this size. */
   matrix(width, height) {
     this.aspect = width / height;
     const far = this.distance + 200;
@@ -90,12 +91,12 @@ class Camera {
     return product(this.lens, looking(this.eye, this.at, [0, 0, 1]));
   }
 
-  /** Upright pictures see as much to the sides as square ones. */
+  /** Vertical angle of view [rad]. A tall picture shows the same width as a square one. */
   get angle() {
     return this.aspect < 1 ? 2 * Math.atan(Math.tan(ANGLE / 2) / this.aspect) : ANGLE;
   }
 
-  /** The ray through a point of the picture, from -1 to 1 to the right and up. */
+  /** Returns the ray through a point of the picture. Coordinates are from -1 to 1, to the right and up. */
   ray(x, y) {
     const [right, up, back] = this.basis;
     const half = Math.tan(this.angle / 2);
@@ -104,10 +105,10 @@ class Camera {
   }
 }
 
-/** Of view, up and down [rad]. */
+/** Vertical angle of view of a wide picture [rad]. */
 const ANGLE = 0.7;
 
-/** Lets pointers move a camera; `moved` is told, `clicked` gets the place of a click. */
+/** Moves the camera with pointers. Calls `moved` after each change and `clicked` with the position of a click. */
 function steer(element, camera, moved, clicked) {
   const pointers = new Map();
   let travelled = 0;

@@ -1,4 +1,5 @@
-// Sorts free blocks from far to near for drawing, because they are transparent.
+// Sorting of free blocks from far to near. They are drawn in this order because they are
+// transparent.
 
 const SHELLS = 2048;
 

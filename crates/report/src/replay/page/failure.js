@@ -1,9 +1,9 @@
-// Shows an error instead of a blank page.
+// Error messages in place of a blank page.
 
-/** Something about the recording or the browser that the reader can be told in words. */
+/** Error of the recording or the browser, with a message for the reader. */
 class Unreadable extends Error {}
 
-/** Shows a message in the place of the arena. */
+/** Shows an error message in place of the arena. */
 function fail(reason) {
   const message = document.getElementById('message');
   message.hidden = false;

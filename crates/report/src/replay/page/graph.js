@@ -1,14 +1,14 @@
-// Draws the dependency graph next to the arena. Events light up when they happen.
+// Dependency graph next to the arena. Events are highlighted when they happen.
 
 const SVG = 'http://www.w3.org/2000/svg';
-/** Between events [px]. */
+/** Distance between neighbouring events [px]. */
 const STEP = { x: 92, y: 30 };
 const BOX = { width: 78, height: 22 };
-/** A phase with more events than this is listed without its edges' places being tidied. */
+/** Largest number of events of a phase whose graph is laid out with few crossings. */
 const TIDY = 400;
 
 class Graph {
-  /** `jump` is told the tick of an event that the reader picks. */
+  /** Calls `jump` with the tick of an event that the reader clicks. */
   constructor(element, history, jump) {
     this.element = element;
     this.history = history;
@@ -36,7 +36,7 @@ class Graph {
     });
   }
 
-  /** The graph of a phase, from left to right by the longest way that leads to an event. */
+  /** Draws the graph of a phase. The column of an event is the length of the longest path to it. */
   picture(number) {
     const { events } = this.phases[number];
     const column = new Map();
@@ -45,7 +45,7 @@ class Graph {
       moved = false;
       for (const { id, after } of events) {
         for (const { event, enough } of after) {
-          // Another event may satisfy the dependency, and this event may even come later.
+          // Another event may fulfil the dependency, and this event may even happen later.
           if (enough) continue;
           if (column.get(event) >= column.get(id)) {
             column.set(id, column.get(event) + 1);
@@ -98,7 +98,7 @@ class Graph {
       node.addEventListener('click', go);
       node.addEventListener('keydown', press => {
         if (press.key !== 'Enter' && press.key !== ' ') return;
-        // The space bar would scroll the page.
+        // The space bar would also scroll the page.
         press.preventDefault();
         go();
       });
@@ -108,7 +108,7 @@ class Graph {
     return picture;
   }
 
-  /** Lights what has happened by a tick. */
+  /** Highlights the events that have happened by a tick. */
   show(tick, anew) {
     this.tick = tick;
     const phase = this.history.phaseAt(tick);
@@ -140,7 +140,7 @@ class Graph {
     });
   }
 
-  /** Scrolls to an event of a phase, unless the reader is there. */
+  /** Scrolls to an event of a phase, unless the reader is using the graph. */
   reveal({ at, node }, number) {
     const { element } = this;
     if (element.matches(':hover') || element.contains(document.activeElement)) return;
@@ -150,7 +150,7 @@ class Graph {
     if (top < element.scrollTop || top + 2 * STEP.y > element.scrollTop + element.clientHeight) element.scrollTop = top - element.clientHeight / 2;
   }
 
-  /** `waiting`, `under-way`, `new` (it happened just now) or `done`. */
+  /** Returns the state of an event: `waiting`, `under-way`, `new` (it happened just now) or `done`. */
   state(id, tick) {
     const deed = this.history.deeds.get(id);
     if (!deed || deed.from > tick) return 'waiting';
@@ -159,7 +159,7 @@ class Graph {
   }
 }
 
-/** Gives every event a row: that of what it waits for, if it is free. */
+/** Returns a row for every event: the row of a dependency if it is free. */
 function rows(events, column) {
   const taken = new Set();
   const row = new Map();

@@ -1,15 +1,15 @@
 // Groups of bonded free blocks, with their sizes.
 
-/** Sizes from which a group has the next colour of the scale. */
+/** Smallest group size of each colour in the scale. */
 const SIZES = [2, 3, 5, 9, 17];
 
-/** The colour of the blocks of a group of some size, in a theme. */
+/** Returns the colour of blocks in a group of this size, in a theme. */
 const groupColour = (look, size) => look.groups[lastAtOrBefore(SIZES, size)];
 
-/** Blocks in groups, which grow and fall to pieces bond by bond. */
+/** Division of free blocks into groups. Bonds can be added and removed. */
 class Partition {
   constructor() {
-    /** By block: those that it is bonded to, and the group that it is in. */
+    /** For each block, the blocks that it is bonded to. `of` has the group of each block. */
     this.neighbours = new Map();
     this.of = new Map();
     this.groups = new Set();
@@ -55,7 +55,7 @@ class Partition {
     }
   }
 
-  /** A block, and all that hang together with it. */
+  /** Returns a block and all blocks that bonds connect to it. */
   connected(first) {
     const found = [first];
     const known = new Set(found);
@@ -69,7 +69,7 @@ class Partition {
     return found;
   }
 
-  /** The blocks of every group in rising order, by their lowest number. */
+  /** Returns the blocks of every group in ascending order, sorted by the lowest number. */
   list() {
     const rising = (a, b) => a - b;
     return [...this.groups].map(group => [...group].sort(rising)).sort((a, b) => a[0] - b[0]);
@@ -77,11 +77,11 @@ class Partition {
 }
 
 class Groups {
-  /** `rows`: all events. */
+  /** `rows` are all events of the run. */
   constructor(rows) {
-    /** Bonds, and from when to when they hold. */
+    /** Bonds, each with the ticks of its start and end. */
     this.bonds = [];
-    /** How many groups there are, and how large the largest one is, from a tick on. */
+    /** For each tick with a change: the number of groups and the size of the largest group. */
     this.course = [];
     const held = new Map();
     const partition = new Partition();
@@ -100,13 +100,13 @@ class Groups {
       this.course.push({ tick, count: partition.groups.size, largest: partition.largest });
     }
     this.ticks = this.course.map(({ tick }) => tick);
-    /** Of all ticks. */
+    /** Size of the largest group at any tick. `most` is the largest number of groups. */
     this.largest = this.course.reduce((most, { largest }) => Math.max(most, largest), 1);
     this.most = this.course.reduce((most, { count }) => Math.max(most, count), 0);
     this.known = { step: -1, partition: new Partition() };
   }
 
-  /** The groups at a tick. */
+  /** Returns the groups at a tick. */
   at(tick) {
     // Groups change only at events.
     const step = lastAtOrBefore(this.ticks, tick);
@@ -118,13 +118,13 @@ class Groups {
     return this.known.partition;
   }
 
-  /** The bonds that a block has had. */
+  /** Returns all bonds of a block during the run. */
   of(body) {
     return this.bonds.filter(({ a, b }) => a === body || b === body);
   }
 }
 
-/** The scale of colours and what there is at a tick, in a legend; empty where nothing bonds. */
+/** Legend with the colours of group sizes and the groups at a tick. Hidden if the run has no bonds. */
 class GroupLegend {
   constructor(element, groups) {
     this.element = element;

@@ -1,30 +1,30 @@
-// Events of the run as intervals of time. The view at a tick depends only on the tick.
+// Events of the run as time intervals. The view at a tick depends only on the tick.
 
 const NORMALS = {
   east: [1, 0, 0], west: [-1, 0, 0], north: [0, 1, 0], south: [0, -1, 0], up: [0, 0, 1], down: [0, 0, -1],
 };
 
 class History {
-  /** `about`: what the page knows of the program; the rest is the recording's. */
+  /** `about` is the data about the program, and `recording` the recording of the run. */
   constructor(about, recording) {
     this.about = about;
     this.end = recording.record.ticks;
     this.roles = about.tables.blocks.map(block => block.name);
     this.phases = about.tables.phases.map(phase => phase.name);
     this.rows = recording.events;
-    /** When which phase begins. */
+    /** Beginning of each phase. */
     this.begins = [];
-    /** By free block: when it is part of the structure, in which role. */
+    /** For each free block, the intervals during which it is part of the structure, with its role. */
     this.holds = Array.from({ length: recording.bodies }, () => []);
-    /** Faces that are on. */
+    /** Intervals during which faces are on. */
     this.faces = [];
-    /** Blocks in the reach of a face. */
+    /** Intervals during which blocks are within reach of a face. */
     this.pulls = [];
-    /** Messages, and reports that the plate counts. */
+    /** Messages, and reports that the plate has counted. */
     this.messages = [];
-    /** For each event of the graph: from when it is under way, and when it happens. */
+    /** For each event of the graph, the tick when it became possible and the tick when it happened. */
     this.deeds = new Map();
-    /** Bonds among free blocks. */
+    /** Bonds between free blocks. */
     this.groups = new Groups(this.rows);
     this.turns = deedsByWhat(about.graph);
     this.read(recording.record.bonds);
@@ -73,7 +73,7 @@ class History {
         const [, , body, role] = row;
         const hold = this.holds[body].at(-1);
         if (hold) hold.to = tick;
-        // The open faces of a released block are switched off with it.
+        // Releasing a block also switches off its open faces.
         for (const stretch of this.faces) if (stretch.body === body && stretch.to > tick) stretch.to = tick;
         const deed = this.turn(`release ${phase} ${this.roles[role]}`);
         if (deed !== undefined) this.deeds.set(deed, { from: tick, done: tick });
@@ -85,12 +85,12 @@ class History {
     }
   }
 
-  /** Whether one jumps to an event: bonds among free blocks are all that happens where there is no structure. */
+  /** Returns whether buttons and keys stop at an event. In an aggregate, they also stop at bonds. */
   isNotable([, kind]) {
     return NOTABLE.has(kind) || (Boolean(this.about.tables.aggregate) && BONDS.has(kind));
   }
 
-  /** The next event of the graph that this can be. */
+  /** Returns the next event of the graph that an observed action can belong to. */
   turn(what) {
     return this.turns.get(what)?.shift();
   }
@@ -100,12 +100,15 @@ class History {
     return begun.length ? begun.at(-1).phase : 0;
   }
 
-  /** How a free block is part of the structure at a tick; `undefined`: it is not. */
+  /**
+   * Returns the time a free block is part of the structure, as an interval around a tick. Returns `undefined` if it
+   * is free at this tick.
+   */
   holdAt(body, tick) {
     return this.holds[body]?.find(({ from, to }) => from <= tick && tick < to);
   }
 
-  /** Whether a block was attached by hand rather than captured. */
+  /** Returns whether a block is pre-attached rather than captured. */
   isByHand({ phase }) {
     return Boolean(this.about.tables.phases[phase]?.planted);
   }
@@ -118,21 +121,21 @@ class History {
     return this.pulls.filter(({ from, to }) => from <= tick && tick < to);
   }
 
-  /** What a block is called at a tick. */
+  /** Returns the name of a block at a tick. */
   nameAt(body, tick) {
     if (body < 0) return this.roles[-1 - body];
     const hold = this.holdAt(body, tick);
     return hold ? this.roles[hold.role] : `block ${body}`;
   }
 
-  /** What a block is called in an event: one that goes at that tick still has its name. */
+  /** Returns the name of a block in an event. A block that is released at this tick still has its name. */
   nameIn(body, tick) {
     if (body < 0 || this.holdAt(body, tick)) return this.nameAt(body, tick);
     const last = this.holds[body].find(({ to }) => to === tick);
     return last ? this.roles[last.role] : `block ${body}`;
   }
 
-  /** An event in words. */
+  /** Returns a description of an event. */
   words(row) {
     const [tick, kind] = row;
     const name = body => this.nameIn(body, tick);
@@ -149,7 +152,7 @@ class History {
     return `the plate counts the report of ${this.roles[row[2]]}`;
   }
 
-  /** A block that is part of the structure from now on, in words. */
+  /** Returns a description of the attachment of a block to the structure. */
   docking([tick, , body, , , role], site) {
     const hold = this.holds[body].find(({ from }) => from === tick);
     const name = this.roles[role];
@@ -157,11 +160,11 @@ class History {
   }
 }
 
-/** What one jumps to. */
+/** Kinds of events that the buttons and keys stop at. */
 const NOTABLE = new Set(['phase', 'on', 'dock', 'shed', 'free']);
 const BONDS = new Set(['bond', 'unbond']);
 
-/** What is left of a group, in words. */
+/** Returns a description of the rest of a group. */
 const remainder = size => (size > 1 ? `a group of ${size}` : 'a lone block');
 
 const SAID = {
@@ -171,7 +174,7 @@ const SAID = {
   released: role => `${role} is released`,
 };
 
-/** The events of the graph by what they do, in source order: the same may be done more than once. */
+/** Returns the events of the graph by action, in source order. Several events may have the same action. */
 function deedsByWhat(graph) {
   const deeds = new Map();
   graph.phases.forEach((phase, number) => {

@@ -1,27 +1,27 @@
-// Draws names and axes on sheets above the arena.
+// Names and axes on sheets above the arena.
 
-/** With more blocks than this in the structure, those in front are not looked for. */
+/** Largest number of named blocks. Above it, names behind other blocks are drawn as well. */
 const MANY = 400;
 
 class Labels {
-  /** `holder` is where the sheets are, as large as the arena. */
+  /** `holder` contains the sheets and is as large as the arena. */
   constructor(holder) {
     this.names = new Sheet(holder, 'names');
     this.axes = new Sheet(holder, 'axes');
   }
 
-  /** Has all be drawn anew. */
+  /** Makes the next drawing start from scratch. */
   forget() {
     this.key = this.around = null;
   }
 
   /**
-   * Names those of the blocks that have a name, are large enough and are not hidden by what is opaque; `glass` is what lets
-   * light through, and makes the names behind it fainter. `moves`: whether some of it does from tick to tick.
+   * Draws the names of blocks that are large enough and not hidden by opaque blocks. `glass` are transparent blocks:
+   * names behind them are fainter. `moves` states whether any of these blocks moves between ticks.
    */
   draw(scene, view, { blocks, opaque, glass, moves }, look, scale) {
     const { width, height } = scene.painter;
-    // Skips drawing while the view and the structure stay the same.
+    // Skip drawing if the view and the structure are unchanged.
     const around = `${view.join()} ${width} ${height} ${scale} ${look.ink}`;
     if (around !== this.around) drawAxes(this.axes, scene.camera, { width, height }, scene.about.scene.block.side, look, scale);
     const who = blocks.map(({ body }) => (body === null ? '' : `${body} ${scene.history.nameAt(body, scene.tick)}`));
@@ -37,7 +37,7 @@ class Labels {
       pen.font = name.font = `600 ${size}px system-ui, sans-serif`;
       name.half = [pen.measureText(name.text).width / 2 + 2, size / 2 + 2];
     }
-    // Leaves space for the halo, and for letters that are higher than most.
+    // Leave space for the halo, and for unusually high letters.
     const boxes = this.shown.map(({ x, y, half: [wide, high] }) => [x - wide - 2, y - 2 * high, x + wide + 2, y + 2 * high]);
     this.names.cover(boxes, { width, height }, scale);
     pen.textAlign = 'center';
@@ -55,24 +55,24 @@ class Labels {
     pen.globalAlpha = 1;
   }
 
-  /** Puts all of it onto a sheet as large as the arena. */
+  /** Draws names and axes onto a picture that is as large as the arena. */
   paint(pen) {
     this.axes.paint(pen);
     this.names.paint(pen);
   }
 
-  /** The block whose name is written at a point [px]; `undefined`: there is none. */
+  /** Returns the block whose name is at a point [px], or `undefined` if there is none. */
   at(x, y) {
     return this.shown.findLast(name => Math.abs(x - name.x) <= name.half[0] && Math.abs(y - name.y) <= name.half[1])?.body;
   }
 }
 
-/** The names that are seen, and where; the nearest come last. */
+/** Returns the visible names and their positions, the nearest last. */
 function visible(scene, view, blocks, opaque, eye) {
   const shown = [];
   const named = scene.named ? blocks.filter(block => block.named) : [];
   for (const block of named) {
-    // Only the upper side of a plate's block is visible.
+    // Only the upper side of a block of the plate is visible.
     const middle = block.body < 0 ? add(block.centre, [0, 0, 0.5]) : block.centre;
     const at = scene.screen(middle, view);
     if (!at || at.scale < 13 || (named.length <= MANY && hidden(middle, block, opaque, eye))) continue;
@@ -81,7 +81,7 @@ function visible(scene, view, blocks, opaque, eye) {
   return shown.sort((a, b) => a.scale - b.scale);
 }
 
-/** Whether one of the others is in front of a block, on the way to its middle. */
+/** Returns whether one of the other blocks hides the centre of a block. */
 function hidden(middle, block, others, eye) {
   const direction = unit(minus(middle, eye));
   // Touching blocks overlap slightly.

@@ -1,6 +1,6 @@
-// Stores tick, selected block, view and controls in the address of the page.
+// Storage of tick, selected block, view and controls in the address of the page.
 
-/** What the address asks for; `null`: nothing. */
+/** Returns the requests in the address of the page. A request is `null` if it is absent. */
 function readLink() {
   const asked = new URLSearchParams(location.hash.slice(1));
   const whole = name => (/^-?\d+$/.test(asked.get(name) ?? '') ? Number(asked.get(name)) : null);
@@ -13,7 +13,10 @@ function readLink() {
   };
 }
 
-/** Keeps them in the address, so that it can be passed on; the view only where it is not the first. */
+/**
+ * Writes the state of the page into its address, so that it can be shared. Includes the view if it differs from the
+ * initial one.
+ */
 function writeLink({ tick, body, view, embedded }) {
   const parts = [`tick=${Math.floor(tick)}`];
   if (body !== null) parts.push(`block=${body}`);
@@ -24,6 +27,6 @@ function writeLink({ tick, body, view, embedded }) {
   try {
     window.history.replaceState(null, '', hash);
   } catch {
-    // Some browsers do not let a local file change its address.
+    // Some browsers do not allow a local file to change its address.
   }
 }

@@ -1,4 +1,5 @@
-// Vectors as arrays of three, quaternions of four (x, y, z, w), matrices of sixteen by columns.
+// Vectors are arrays of three numbers, quaternions of four (x, y, z, w). Matrices are arrays of
+// sixteen, by columns.
 
 const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -7,7 +8,7 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = a => times(a, 1 / (Math.hypot(...a) || 1));
 
-/** Turns a vector by a quaternion. */
+/** Returns a vector rotated by a quaternion. */
 function turned(q, v) {
   const t = times(cross(q, v), 2);
   return add(add(v, times(t, q[3])), cross(q, t));
@@ -21,7 +22,7 @@ function perspective(angle, aspect, near, far) {
   return [f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) * depth, -1, 0, 0, 2 * far * near * depth, 0];
 }
 
-/** From the arena to an eye that looks at a point. */
+/** Returns the matrix from arena coordinates to the view of an eye that looks at a point. */
 function looking(eye, at, up) {
   const z = unit(minus(eye, at));
   const x = unit(cross(up, z));
@@ -41,9 +42,9 @@ function product(a, b) {
   return out;
 }
 
-/** How far along a ray a cube of side 1 is met; Infinity: it is not. */
+/** Returns the distance along a ray to a cube of side 1, or Infinity if the ray misses it. */
 function meets(origin, direction, centre, turn) {
-  // Most blocks are far from the ray. Half of a cube's diagonal is 0.87.
+  // Fast path: most blocks are far from the ray. Half of a cube's diagonal is 0.87.
   const way = minus(centre, origin);
   const along = dot(way, direction);
   if (along < -0.9 || dot(way, way) - along * along > 0.76) return Infinity;

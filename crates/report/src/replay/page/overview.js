@@ -1,12 +1,12 @@
 // Small view of the whole arena from above: structure, free blocks and camera.
 
-/** Free blocks that are drawn, at most. */
+/** Largest number of free blocks in the view. */
 const DOTS = 2000;
 
 class Overview {
   constructor(canvas) {
     this.canvas = canvas;
-    // Drawn without the graphics processor, which may be missing.
+    // The view is drawn without the graphics processor, which may be missing.
     this.pen = canvas.getContext('2d', { willReadFrequently: true });
   }
 
@@ -18,9 +18,9 @@ class Overview {
     const size = canvas.clientWidth;
     if (!size) return;
     const wide = Math.round(size * scale);
-    // Setting the size again would clear the canvas.
+    // Setting the size to the same value would clear the canvas.
     if (canvas.width !== wide) canvas.width = canvas.height = wide;
-    // Without a shell, shows the initial extent of the blocks.
+    // Without a shell, show the initial extent of the blocks.
     this.reach ??= scene.radius || places.reduce((most, place, i) => (i % 7 < 2 ? Math.max(most, Math.abs(place)) : most), 4);
     const half = size / 2;
     const unit = (half - 12) / this.reach;
@@ -46,7 +46,8 @@ class Overview {
       pen.fillStyle = colour;
       spot(centre, Math.max(2, unit));
     }
-    // The camera, or the direction to it, and its centre of view.
+    // Position of the camera. If it is outside the view, the direction to it. Also its centre of
+    // view.
     const [x, y] = times(camera.eye, unit);
     const inside = Math.min(1, (half - 4) / (Math.hypot(x, y) || 1));
     pen.strokeStyle = pen.fillStyle = look.ink;

@@ -1,12 +1,12 @@
-// Draws cubes, lines and flat shapes with WebGL2.
+// Drawing of cubes, lines and flat shapes with WebGL2.
 
-/** Numbers of a cube: centre, quaternion, colour with opacity, mark. */
+/** Numbers that describe a cube: centre, quaternion, colour with opacity, mark. */
 const CUBE = 12;
-/** Where there is no graphics processor, blocks that are smaller are drawn as points [px]. */
+/** Size of blocks that are drawn as points if there is no graphics processor [px]. */
 const SMALL = 12;
 
 class Painter {
-  /** `restored` is told when all has to be drawn once more. */
+  /** Calls `restored` when the whole picture must be drawn again. */
   constructor(canvas, restored) {
     const slow = drawsSlowly();
     const gl = canvas.getContext('webgl2', { antialias: !slow, alpha: false });
@@ -16,7 +16,8 @@ class Painter {
     this.lost = false;
     // A graphics processor is fast enough for many corners, and smooths only the edges of cubes.
     this.small = slow && gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1] >= 4 * SMALL ? SMALL : 0;
-    // A browser drops the graphics context in standby or if too many pages use one. It returns an empty context.
+    // A browser drops the graphics context in standby, or if too many pages use one. It then
+    // returns an empty context.
     canvas.addEventListener('webglcontextlost', event => {
       event.preventDefault();
       this.lost = true;
@@ -26,7 +27,7 @@ class Painter {
       this.prepare();
       restored();
     });
-    // Reading this value for every picture would force a layout of the page.
+    // Reading this value for every picture would force a new layout of the page each time.
     this.width = canvas.clientWidth;
     this.height = canvas.clientHeight;
     new ResizeObserver(() => {
@@ -36,7 +37,7 @@ class Painter {
     this.prepare();
   }
 
-  /** Gives the graphics processor what stays the same. */
+  /** Sends programs and shapes that never change to the graphics processor. */
   prepare() {
     const { gl } = this;
     this.cubes = program(gl, CUBE_CORNERS, CUBE_PAINT);
@@ -53,7 +54,7 @@ class Painter {
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   }
 
-  /** Fits the picture to the page; `scale`: pixels of the picture for one of the screen. */
+  /** Fits the picture to the page. `scale` is the number of pixels of the picture per pixel of the screen. */
   fit(scale) {
     const width = Math.max(1, Math.round(this.width * scale));
     const height = Math.max(1, Math.round(this.height * scale));
@@ -68,13 +69,13 @@ class Painter {
     this.camera = camera;
     const { gl } = this;
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
-    // Otherwise the depths of the last picture would remain.
+    // Otherwise, the depths of the last picture would remain.
     gl.depthMask(true);
     gl.clearColor(...rgb(background), 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
-  /** Draws cubes, the first `far` of which are small in the picture; the opaque ones hide what is behind them. */
+  /** Draws cubes. The first `far` of them are small in the picture. Opaque cubes hide everything farther away. */
   drawCubes(numbers, count, far, style) {
     if (!count) return;
     const { gl } = this;
@@ -109,7 +110,7 @@ class Painter {
     }
   }
 
-  /** Has one of the programs for blocks draw, with what both have to know. */
+  /** Selects one of the programs that draw blocks, and sets the values that both programs use. */
   dress({ made, places }, { mark, pulled, edge }) {
     const { gl } = this;
     gl.useProgram(made);
@@ -121,8 +122,8 @@ class Painter {
   }
 
   /**
-   * Draws a sketch; with a name, it is kept as long as what it is `of` stays the same. `graded`: the corners of its shapes differ
-   * in colour.
+   * Draws a sketch. A sketch with a name is stored until the object `of` changes. `graded` states whether the corners
+   * of a shape have different colours.
    */
   drawSketch(sketch, { lines, opaque, graded, name, of }) {
     const { gl } = this;
@@ -150,7 +151,7 @@ class Painter {
     gl.depthMask(!on);
   }
 
-  /** The colour of a point of the picture, from its upper left corner. */
+  /** Returns the colour of a pixel. Coordinates start in the upper left corner. */
   pixel(x, y) {
     const { gl } = this;
     const out = new Uint8Array(4);
@@ -159,7 +160,7 @@ class Painter {
   }
 }
 
-/** Whether there is no graphics processor, so that smooth edges would cost too much. */
+/** Returns whether there is no graphics processor, so that smooth edges would be too slow. */
 function drawsSlowly() {
   const gl = document.createElement('canvas').getContext('webgl2');
   const known = gl?.getExtension('WEBGL_debug_renderer_info');
@@ -168,7 +169,7 @@ function drawsSlowly() {
   return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
 
-/** A program, and the places of what it is told. */
+/** Compiles a graphics program. Returns the program and the locations of its inputs. */
 function program(gl, corners, paint) {
   const made = gl.createProgram();
   for (const [kind, text] of [[gl.VERTEX_SHADER, corners], [gl.FRAGMENT_SHADER, paint]]) {
@@ -181,7 +182,7 @@ function program(gl, corners, paint) {
   if (!gl.getProgramParameter(made, gl.LINK_STATUS)) {
     throw new Unreadable(`The graphics of this browser refuse to draw: ${gl.getProgramInfoLog(made)}`);
   }
-  // Looking up the locations for every picture would take longer than setting them.
+  // Looking up the locations for every picture would take longer than setting the values.
   const places = {};
   for (let i = 0; i < gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS); i++) {
     const { name } = gl.getActiveUniform(made, i);

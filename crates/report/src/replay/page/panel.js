@@ -1,4 +1,4 @@
-// Shows the name, the history and the event table of one block.
+// Panel with the name, the history and the event table of one block.
 
 class Panel {
   constructor(element, history, jump) {
@@ -8,7 +8,7 @@ class Panel {
     this.key = '';
   }
 
-  /** Shows a block at a tick, which is at a place of `scene`; `null`: none. */
+  /** Shows a block at a tick. `null` is no block. `scene` has the positions at this tick. */
   show(body, tick, scene) {
     const { history } = this;
     const role = body === null ? null : this.roleAt(body, tick);
@@ -27,7 +27,7 @@ class Panel {
     this.replace(title, follows, ...beyond.map(words => part('p', 'hint', words)), ...this.story(body, tick), ...this.table(role, tick));
   }
 
-  /** Puts other parts into its place; a line that had the focus keeps it, or leaves it to the latest. */
+  /** Replaces the content of the panel. Keeps the focus on a line, or moves it to the latest line. */
   replace(...parts) {
     const { element } = this;
     const focused = element.contains(document.activeElement) ? document.activeElement.closest('li') : null;
@@ -40,7 +40,7 @@ class Panel {
     if (line) line.parentNode.scrollTop = top;
   }
 
-  /** The latest events of the structure. */
+  /** Returns a list of the latest events of the structure. */
   latest(tick) {
     const rows = this.history.rows.filter(row => row[0] <= tick && this.history.isNotable(row));
     const lines = rows.slice(-40).reverse();
@@ -80,7 +80,7 @@ class Panel {
     return `free, in a group of ${group.length} with ${others.slice(0, 12).map(other => `block ${other}`).join(', ')}${others.length > 12 ? ' and others' : ''}`;
   }
 
-  /** What has happened to it up to now, the latest first. */
+  /** Returns the history of a block up to a tick, the latest event first. */
   story(body, tick) {
     const { history } = this;
     const lines = [];
@@ -123,7 +123,7 @@ class Panel {
     return [part('h3', '', title), lines.length ? list : part('p', 'hint', 'Nothing has happened to it yet.')];
   }
 
-  /** The event table of the role that it has. */
+  /** Returns the event table of the role that a block has. */
   table(role, tick) {
     if (role === null) return [];
     const { about, phases } = this.history;
@@ -166,7 +166,7 @@ function action(then) {
 
 const count = (n, one, many = `${one}s`) => `${n} ${n === 1 ? one : many}`;
 
-/** An element with a text, which is never read as HTML. */
+/** Returns an element with a text, which is never parsed as HTML. */
 function part(tag, name = '', text = '') {
   const made = document.createElement(tag);
   if (name) made.className = name;

@@ -1,6 +1,6 @@
-// Saves pictures and films of the arena in any size.
+// Pictures and films of the arena in any size.
 
-/** The arena with its names, on a sheet of some width and height [px]; `sheet` may be one that was used before. */
+/** Returns a canvas of this size [px] with the arena and its names. `sheet` may be a canvas from an earlier call. */
 function painted(scene, width, height, sheet = new OffscreenCanvas(width, height)) {
   const { painter, labels } = scene;
   const { gl } = painter;
@@ -9,7 +9,8 @@ function painted(scene, width, height, sheet = new OffscreenCanvas(width, height
   if (!sizes.every(size => Number.isInteger(size) && size > 0)) throw new Unreadable('A picture has a width and a height in whole pixels.');
   if (sizes.some(size => size > most)) throw new Unreadable(`The graphics of this browser draw ${most} x ${most} pixels at most.`);
   const shown = [painter.width, painter.height];
-  // Uses the height of the arena on the page as unit, so that letters and lines keep their relative size.
+  // The unit is the height of the arena on the page, so that letters and lines keep their relative
+  // size.
   const scale = height / painter.height;
   [painter.width, painter.height] = [width / scale, height / scale];
   try {
@@ -24,11 +25,12 @@ function painted(scene, width, height, sheet = new OffscreenCanvas(width, height
   return sheet;
 }
 
-/** A picture in PNG. */
+/** Resolves with a PNG picture of the arena. */
 const picture = (scene, width, height) => painted(scene, width, height).convertToBlob({ type: 'image/png' });
 
 /**
- * A film in WebM of a stretch of ticks, made while it plays. `at` is told the tick to draw, and resolves when it can be.
+ * Resolves with a WebM film of a range of ticks, recorded while it plays. `at` receives each tick and resolves when
+ * it can be drawn.
  */
 async function film(scene, { from, to, width, height, speed, secondsPerTick, at }) {
   if (typeof MediaRecorder === 'undefined' || !MediaRecorder.isTypeSupported('video/webm')) {
@@ -52,7 +54,7 @@ async function film(scene, { from, to, width, height, speed, secondsPerTick, at 
     await at(tick);
     painted(scene, width, height, sheet);
   }
-  // On a busy machine there may be no picture yet. Without pictures there is no film.
+  // A busy machine may not have recorded a picture yet. Without pictures, there is no film.
   for (let wait = 0; wait < 300 && !parts.some(({ size }) => size > 0); wait++) {
     painted(scene, width, height, sheet);
     await new Promise(passed => setTimeout(passed, 50));
@@ -62,7 +64,7 @@ async function film(scene, { from, to, width, height, speed, secondsPerTick, at 
   return new Blob(parts, { type: 'video/webm' });
 }
 
-/** Has the reader keep a file. */
+/** Offers a file to the reader for download. */
 function keep(blob, name) {
   const link = document.createElement('a');
   link.href = URL.createObjectURL(blob);

@@ -1,12 +1,12 @@
-// The clock of the replay, and the buttons and keys that move it.
+// Clock of the replay, and the buttons and keys that control it.
 
-/** Times as fast as the robots are. */
+/** Speeds of the replay, as multiples of real time. */
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100, 200];
 
 const nearest = wanted => SPEEDS.reduce((best, speed) => (Math.abs(Math.log(speed / wanted)) < Math.abs(Math.log(best / wanted)) ? speed : best), 1);
 
 class Player {
-  /** `changed` is called when something else is to be seen. */
+  /** Calls `changed` when the view changes. */
   constructor(history, secondsPerTick, changed) {
     this.history = history;
     this.end = history.end;
@@ -14,7 +14,7 @@ class Player {
     this.changed = changed;
     this.tick = 0;
     this.playing = false;
-    // Plays the whole run in about a minute and a half.
+    // Initial speed: the whole run takes about a minute and a half.
     this.speed = nearest((history.end * secondsPerTick) / 90);
     this.last = null;
   }
@@ -24,7 +24,7 @@ class Player {
     this.changed();
   }
 
-  /** Stops, and goes to a whole tick. */
+  /** Stops the replay and moves to a whole tick. */
   jump(tick) {
     this.playing = false;
     this.go(Math.round(tick));
@@ -37,7 +37,7 @@ class Player {
     this.changed();
   }
 
-  /** The nearest speed that there is. */
+  /** Sets the speed to the available speed that is nearest to `wanted`. */
   setSpeed(wanted) {
     this.speed = nearest(wanted);
     this.changed();
@@ -49,7 +49,7 @@ class Player {
     this.changed();
   }
 
-  /** To the next or the last event: of the structure, or any. */
+  /** Moves to the next or previous event. `any` includes events that are not of the structure. */
   event(direction, any) {
     const list = any ? this.history.steps : this.history.stops;
     const here = lastAtOrBefore(list, this.tick);
@@ -58,10 +58,10 @@ class Player {
     if (to !== undefined) this.jump(to);
   }
 
-  /** Time passes, if `ready` is: what is to be seen has been unpacked. */
+  /** Advances the clock of a playing replay. `ready` states whether the positions at this tick are unpacked. */
   pass(now, ready) {
     if (!this.playing) return;
-    // After a pause of the browser, the replay continues without skipping.
+    // If the browser pauses the page, the replay continues later without skipping.
     const seconds = this.last === null ? 0 : Math.min(0.1, (now - this.last) / 1000);
     this.last = now;
     if (!ready) return;
@@ -70,7 +70,7 @@ class Player {
   }
 }
 
-/** What keys do, by their names. */
+/** Assigns actions to keys, by the names of the keys. */
 function keys(player, does) {
   const actions = {
     ' ': () => player.toggle(),
@@ -90,7 +90,7 @@ function keys(player, does) {
   };
   addEventListener('keydown', event => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    // The focused element uses some keys itself, except the slider.
+    // Except for the slider, a focused element uses some keys itself.
     if (event.target.matches('select, input:not([type=range])')) return;
     if (event.key === ' ' && event.target.matches('button, summary, [role=button]')) return;
     const act = actions[event.key];

@@ -1,7 +1,8 @@
-// Shows the source of the program. Running events are highlighted, finished ones have the colour of their phase.
+// Source text of the program. Running events are highlighted, finished events have the colour of
+// their phase.
 
 class ProgramText {
-  /** `jump` is told the tick of a statement that the reader picks. */
+  /** Calls `jump` with the tick of a statement that the reader clicks. */
   constructor(element, history, jump) {
     this.element = element;
     this.history = history;
@@ -28,7 +29,7 @@ class ProgramText {
     element.addEventListener('toggle', () => this.reveal());
   }
 
-  /** Lights the statements at work at a tick. */
+  /** Highlights the statements whose events are running at a tick. */
   show(tick) {
     const key = lastAtOrBefore(this.history.steps, tick);
     if (key === this.key) return;
@@ -42,7 +43,7 @@ class ProgramText {
     this.reveal();
   }
 
-  /** Scrolls to the last statement at work, unless the reader is there. */
+  /** Scrolls to the last statement with a running event, unless the reader is using the text. */
   reveal() {
     const piece = this.marks.findLast(({ piece }) => piece.className === 'under-way')?.piece;
     const text = piece?.parentNode;

@@ -1,12 +1,12 @@
-// The recording: docs/guides/replay.md describes the format.
+// Reader of the recording. docs/guides/replay.md describes the format.
 
 const VERSION = 1;
-/** Checksum behind every part [bytes]. */
+/** Size of the checksum after every part [bytes]. */
 const SEAL = 4;
-/** Decoded places that are kept for going back [bytes]. */
+/** Largest size of the unpacked positions in memory [bytes]. */
 const CACHE = 96 << 20;
 
-/** Reads parts of a long base64 text without decoding all of it. */
+/** Reader for parts of a long base64 text. Does not decode the whole text. */
 class Base64 {
   constructor(text) {
     this.text = text;
@@ -14,7 +14,7 @@ class Base64 {
     this.length = Math.floor(text.length / 4) * 3 - padding;
   }
 
-  /** The bytes from `from` to before `to`. */
+  /** Returns the bytes from `from` up to `to`, exclusive. */
   bytes(from, to) {
     if (to > this.length) throw new Unreadable(CUT_SHORT);
     const first = Math.floor(from / 3);
@@ -41,7 +41,7 @@ async function inflate(bytes) {
 }
 
 class Recording {
-  /** Reads everything but the places, which are unpacked when they are needed. */
+  /** Reads the whole recording except the positions, which are unpacked when they are needed. */
   static async open(text) {
     const recording = new Recording();
     const data = (recording.data = new Base64(text));
@@ -86,7 +86,7 @@ class Recording {
     return recording;
   }
 
-  /** The last frame at or before a tick. */
+  /** Returns the last frame at or before a tick. */
   frameAt(tick) {
     return Math.max(0, lastAtOrBefore(this.ticks, tick));
   }
@@ -95,19 +95,19 @@ class Recording {
     return lastAtOrBefore(this.begins, frame);
   }
 
-  /** The places of a chunk if they are unpacked; if not, `undefined`, and they will be. */
+  /** Returns the positions of a chunk. If they are not unpacked yet, returns `undefined` and starts unpacking. */
   unpacked(chunk) {
     const entry = this.cache.get(chunk);
     if (!entry) this.unpack(chunk);
     else {
-      // Marks the chunk as most recently used.
+      // Mark the chunk as the most recently used one.
       this.cache.delete(chunk);
       this.cache.set(chunk, entry);
     }
     return entry?.numbers;
   }
 
-  /** Unpacks a chunk; the promise is kept when it is there. */
+  /** Unpacks a chunk. The promise resolves when its positions are in memory. */
   unpack(chunk) {
     const known = this.cache.get(chunk);
     if (known) return known.promise;
@@ -126,7 +126,7 @@ class Recording {
     return entry.promise;
   }
 
-  /** 7 numbers x blocks x ticks, the tick fastest. */
+  /** Resolves with the numbers of a chunk: 7 for each block and tick. The tick varies fastest. */
   async decode(index) {
     const { from, to, ticks } = this.chunks[index];
     const frames = ticks.length;
@@ -148,7 +148,7 @@ class Recording {
     return numbers;
   }
 
-  /** Whether the places around a tick are unpacked; those that follow are fetched as well. */
+  /** Returns whether the positions around a tick are unpacked. Also starts unpacking the next chunk. */
   has(tick) {
     const frame = this.frameAt(tick);
     const chunk = this.chunkOf(frame);
@@ -158,7 +158,7 @@ class Recording {
     return Boolean(here);
   }
 
-  /** Resolves when [`has`] is true of a tick. */
+  /** Resolves when [`has`] returns true for a tick. */
   async fetch(tick) {
     const frame = this.frameAt(tick);
     await this.unpack(this.chunkOf(frame));
@@ -166,8 +166,8 @@ class Recording {
   }
 
   /**
-   * Where all blocks are at a tick, which need not be whole: for each x, y, z [side] and a
-   * quaternion x, y, z, w. Between two recorded places a block goes straight.
+   * Writes the positions of all blocks at a tick to `out`. A position is x, y, z [block lengths] and a quaternion x,
+   * y, z, w. Between two frames, positions are interpolated linearly. The tick may be a fraction.
    */
   places(tick, out) {
     const frame = this.frameAt(tick);
@@ -194,7 +194,7 @@ class Recording {
     return out;
   }
 
-  /** Reads the places of one frame. */
+  /** Returns a function that reads the positions of one frame. */
   reader(frame) {
     const index = this.chunkOf(frame);
     const numbers = this.cache.get(index).numbers;
@@ -210,7 +210,7 @@ class Recording {
   }
 }
 
-/** What stands before the packed places of a chunk. */
+/** Returns the header of a chunk, which precedes its packed positions. */
 function chunkHead(data, from, to) {
   const head = new DataView(data.bytes(from, from + 48).buffer);
   const first = Number(head.getBigUint64(0, true));
@@ -227,7 +227,7 @@ function chunkHead(data, from, to) {
   };
 }
 
-/** The index of the last number in a rising list that is not above `value`; -1: none. */
+/** Returns the index of the last number in an ascending list that is at most `value`. Returns -1 if there is none. */
 function lastAtOrBefore(list, value) {
   let [low, high] = [0, list.length];
   while (low < high) {

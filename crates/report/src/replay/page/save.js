@@ -1,6 +1,6 @@
-// Controls to save pictures and films.
+// Controls for saving pictures and films.
 
-/** `replay` gives `window.replay`, once there is one. */
+/** `replay` returns `window.replay` after the page has loaded. */
 function save(about, recording, player, replay) {
   const whole = id => Number(element(id).value);
   const name = ending => `${about.program}-${recording.header.run}-${Math.floor(player.tick)}.${ending}`;

@@ -1,13 +1,15 @@
-// Computes and draws the view at a tick.
+// View of the run at a tick.
 
-/** From how far on a block is said to be in the floor, and, by its centre, outside of the shell [side]. */
+/**
+ * Limits for reporting a block: depth in the floor, and position of its centre relative to the shell [block lengths].
+ */
 const [SUNK, OUT] = [0.05, -0.5];
 
 class Scene {
   constructor(about, recording, history, painter, labels, camera) {
     Object.assign(this, { about, recording, history, painter, labels, camera });
     const { width, depth } = about.tables.plate;
-    // The centre of cell (0, 0, 0). The origin is the centre of the plate's upper side.
+    // Centre of cell (0, 0, 0). The origin is the centre of the plate's upper side.
     this.corner = [-(width - 1) / 2, -(depth - 1) / 2, -0.5];
     this.seeds = about.tables.blocks.flatMap((block, role) => (block.seed ? [{ body: -1 - role, cell: block.seed }] : []));
     const seeded = new Set(this.seeds.map(({ cell }) => cell.join()));
@@ -19,10 +21,10 @@ class Scene {
     this.lift = about.lift;
     this.cloud = new Cloud(recording.bodies);
     this.list = new Uint32Array(recording.bodies);
-    /** How free blocks are shown: 0 faint, 1 solid, 2 not at all. */
+    /** Display of free blocks: 0 is faint, 1 is solid, 2 is hidden. */
     this.clouds = 0;
     this.named = true;
-    /** Whether the cells that are still empty are shown. */
+    /** Whether cells are shown that are still empty. */
     this.aimed = true;
     this.target = target(about);
     this.selected = null;
@@ -33,7 +35,7 @@ class Scene {
     return add(this.corner, cell);
   }
 
-  /** The centre of a block and how it is turned. */
+  /** Returns the centre of a block and its rotation. */
   place(body) {
     if (body < 0) {
       const seed = this.seeds.find(seed => seed.body === body);
@@ -43,7 +45,10 @@ class Scene {
     return { centre: [...this.places.subarray(at, at + 3)], turn: [...this.places.subarray(at + 3, at + 7)] };
   }
 
-  /** How far a free block reaches into the floor, and its centre out of the shell [side]; negative: it does not. */
+  /**
+   * Returns the depth of a free block in the floor, and the distance of its centre from the shell [block lengths].
+   * Negative values are inside.
+   */
   depths(body) {
     const [px, py, pz, x, y, z, w] = this.places.subarray(7 * body, 7 * body + 7);
     // Vertical distance from the block's centre to its farthest point.
@@ -51,7 +56,7 @@ class Scene {
     return this.radius ? { sunk: reach - pz, out: Math.hypot(px, py, pz - this.lift) - this.radius } : { sunk: -1, out: -1 };
   }
 
-  /** What of a block is in the floor, or outside of the shell, and why, in words. */
+  /** Returns descriptions of how far a block is in the floor or outside the shell, and why. */
   beyond(body) {
     const { sunk, out } = this.depths(body);
     const words = [];
@@ -61,7 +66,7 @@ class Scene {
     return words;
   }
 
-  /** How many blocks there are of each kind, in words; empty: none. */
+  /** Returns a description of the number of such blocks, or an empty text if there are none. */
   allBeyond() {
     let [floor, shell] = [0, 0];
     for (let body = 0; body < this.recording.bodies; body++) {
@@ -73,7 +78,7 @@ class Scene {
     return kinds.length ? `now some blocks reach ${kinds.join(', and ')}: click one to see why` : '';
   }
 
-  /** Moves all blocks to a tick, if their places are unpacked. */
+  /** Moves all blocks to their positions at a tick. Returns `false` if these are not unpacked yet. */
   go(tick) {
     if (!this.recording.has(tick)) return false;
     this.recording.places(tick, this.places);
@@ -81,7 +86,10 @@ class Scene {
     return true;
   }
 
-  /** `scale`: pixels of the picture for one of the page; `sharp`: the same of the names. */
+  /**
+   * Draws the view. `scale` is the number of pixels of the picture per pixel of the page, and `sharp` the same for
+   * names.
+   */
   draw(scale, sharp = devicePixelRatio || 1) {
     const { history, painter, camera, tick } = this;
     const look = THEMES[themeName()];
@@ -125,7 +133,7 @@ class Scene {
     this.labels.draw(this, view, { blocks: [...solid.filter(({ named }) => named), ...chosen], opaque, glass, moves }, look, sharp);
   }
 
-  /** The numbers of the blocks that are seen and hide what is behind them, for the painter; how many there are, and how many of them are small. */
+  /** Writes the visible opaque blocks for the painter. Returns their number, and the number of them that are small. */
   fillSolid(sight) {
     const seen = this.solid.filter(({ centre }) => sight.has(centre));
     return inTwo(seen, ({ centre }) => sight.isSmall(centre), ({ body, centre, turn, colour }, at) => {
@@ -137,7 +145,7 @@ class Scene {
     });
   }
 
-  /** The same of the free blocks: there may be very many. */
+  /** Writes the visible free blocks in the same way, but faster, because there may be very many. */
   fillFree(pulled, look, sight) {
     const { numbers, places } = this;
     const colour = rgb(look.free);
@@ -152,7 +160,7 @@ class Scene {
     });
   }
 
-  /** Lights the faces that are on, and ties what they pull to them. */
+  /** Draws the faces that are on, with a line from each to the blocks that it pulls. */
   drawFaces(look) {
     const centres = new Map();
     const shapes = new Sketch();
@@ -163,7 +171,7 @@ class Scene {
       const middle = add(this.place(body).centre, times(normal, 0.5));
       centres.set(`${body} ${face}`, middle);
       shapes.square(add(middle, times(normal, 0.012)), normal, 0.46, [...red, 1]);
-      // Draws a glow around and above the block.
+      // Glow around and above the face.
       shapes.square(add(middle, times(normal, 0.02)), normal, 0.95, [...red, 0.65], [...red, 0]);
       const [u, v] = sides(normal);
       for (const [a, b] of [[u, v], [v, u]]) {
@@ -183,7 +191,7 @@ class Scene {
     this.painter.drawSketch(() => threads, { lines: true, opaque: true });
   }
 
-  /** The edges of the cells that the structure will have in the end, and does not yet. */
+  /** Draws the edges of cells in the final structure that are still empty. */
   drawTarget(look) {
     if (!this.aimed) return;
     const edges = () => {
@@ -198,8 +206,8 @@ class Scene {
   }
 
   /**
-   * The block that is meant at a point of the canvas, in pixels of the page; `null`: none. Names come first, and what lets light
-   * through last.
+   * Returns the block at a point of the canvas [px], or `null` if there is none. Names have priority over blocks, and
+   * opaque blocks over transparent ones.
    */
   pick(x, y) {
     const named = this.labels.at(x, y);
@@ -216,7 +224,7 @@ class Scene {
     return found;
   }
 
-  /** Where a place is on the canvas, in pixels of the page; `null`: behind the eye. */
+  /** Returns the position of a point on the canvas [px], or `null` if it is behind the camera. */
   screen(place, view = this.camera.matrix(this.painter.canvas.width, this.painter.canvas.height)) {
     const at = row => view[row] * place[0] + view[4 + row] * place[1] + view[8 + row] * place[2] + view[12 + row];
     const w = at(3);
@@ -226,7 +234,10 @@ class Scene {
   }
 }
 
-/** Fills in the blocks of a list, first those that are small, each in its order; how many there are, and how many of them are small. */
+/**
+ * Calls `fill` for the small blocks of a list, then for the others. Returns the number of blocks, and the number of
+ * small ones.
+ */
 function inTwo(list, isSmall, fill) {
   let [far, i] = [0, 0];
   const rest = [];

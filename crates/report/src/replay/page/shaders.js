@@ -1,14 +1,14 @@
-// Programs of the graphics processor.
+// Programs for the graphics processor.
 
-/** How bright a face is, by its direction. */
+/** Returns the brightness of a face by its direction. */
 const LIGHT = `
 float lightOn(vec3 n) {
   return 0.62 + 0.28 * max(dot(n, normalize(vec3(0.5, -0.35, 0.8))), 0.0) + 0.10 * n.z;
 }`;
 
 /**
- * The colours of a block, of its faces and at their edges. They are worked out at its corners, of which there are few, and
- * are the same all over a face; `ownRim`: the edges have a colour of their own, which no light changes.
+ * Computes the colours of a block's faces and edges. They are constant on a face, so they are computed only at its
+ * few corners. If `ownRim` is set, light does not change the colour of the edges.
  */
 const BLOCK_COLOURS = `
 uniform vec3 markColour;
@@ -23,13 +23,16 @@ void dress(vec4 paint, float marked, float light, float near) {
   rim = vec4(marked > 1.5 ? pulledColour : ownRim ? markColour : base.rgb * edgeShade, paint.a);
   within = ownRim ? 0.84 : 0.91;
   if (paint.a < 1.0) {
-    // Transparent blocks do not hide others, and are fainter at a distance.
+    // Transparent blocks hide nothing, and are fainter at a distance.
     base.a *= smoothstep(3.0, 12.0, near) * mix(1.0, 0.45, smoothstep(15.0, 50.0, near));
     rim.a = 1.4 * base.a;
   }
 }`;
 
-/** How much a place on a face is at its edge; `second`: how far it is from the middle of the face, which is 1 at the edge. */
+/**
+ * Returns whether a point on a face belongs to its edge, from 0 to 1. `second` is its distance from the middle of the
+ * face, which is 1 at the edge.
+ */
 const EDGE = `
 flat in float within;
 float edgeAt(float second) {
@@ -53,7 +56,7 @@ vec3 turned(vec3 v) {
   return v + 2.0 * cross(turn.xyz, cross(turn.xyz, v) + turn.w * v);
 }
 void main() {
-  // The camera in the block's own axes. It can see at most one face of each opposite pair.
+  // Position of the camera in the block's own axes. It can see at most one of two opposite faces.
   vec3 way = eye - centre;
   vec3 seen = way + 2.0 * cross(-turn.xyz, cross(-turn.xyz, way) + turn.w * way);
   vec3 side = vec3(seen.x < 0.0 ? -1.0 : 1.0, seen.y < 0.0 ? -1.0 : 1.0, seen.z < 0.0 ? -1.0 : 1.0);
@@ -74,7 +77,7 @@ void main() {
   colour = mix(base, rim, edgeAt(max(abs(onFace.x), abs(onFace.y))));
 }`;
 
-/** A small block as a point, within which rays meet it: one corner instead of twelve. */
+/** Draws a small block as one point instead of twelve corners. Rays are traced within the point. */
 const POINT_CORNERS = `#version 300 es
 layout(location = 2) in vec3 centre;
 layout(location = 3) in vec4 turn;
@@ -98,7 +101,7 @@ vec3 turned(vec3 v, vec3 by) {
 }
 void main() {
   vec3 way = eye - centre;
-  // The camera and the rays of the picture in the block's own axes.
+  // Position of the camera and rays of the picture, in the block's own axes.
   from = turned(way, -turn.xyz);
   vec3[3] own = vec3[3](turned(basis[0], -turn.xyz), turned(basis[1], -turn.xyz), turned(basis[2], -turn.xyz));
   right = own[0] * lens.x;
@@ -114,7 +117,8 @@ void main() {
   dress(colour, mark, 1.0, length(way));
   ownRim = mark > 0.5 ? 1.0 : 0.0;
   gl_Position = view * vec4(centre, 1.0);
-  // Extent of the block from its centre: to the right, up, and towards the camera, which enlarges it.
+  // Extent of the block from its centre: to the right, up, and towards the camera. The last one
+  // makes it appear larger.
   vec3 reach = vec3(dot(abs(own[0]), vec3(0.5)), dot(abs(own[1]), vec3(0.5)), dot(abs(own[2]), vec3(0.5)));
   vec2 off = abs(gl_Position.xy / gl_Position.w) * lens;
   vec2 most = (reach.xy + off * reach.z) / (gl_Position.w - reach.z) / lens * pixels;
@@ -138,14 +142,15 @@ ${EDGE}
 void main() {
   vec2 at = gl_FragCoord.xy / pixels * 2.0 - 1.0;
   vec3 ray = ahead + right * at.x + up * at.y;
-  // Intersections of the ray with the visible faces' planes. The last one is on the block, if the ray meets it.
+  // Intersections of the ray with the planes of the visible faces. If the ray meets the block, the
+  // last one is on it.
   vec3 side = vec3(from.x < 0.0 ? -1.0 : 1.0, from.y < 0.0 ? -1.0 : 1.0, from.z < 0.0 ? -1.0 : 1.0);
   vec3 far = (side * 0.5 - from) / ray;
   vec3 met = vec3(abs(from.x) > 0.5 ? far.x : -1.0, abs(from.y) > 0.5 ? far.y : -1.0, abs(from.z) > 0.5 ? far.z : -1.0);
   float most = max(met.x, max(met.y, met.z));
   vec3 a = abs(from + most * ray) * 2.0;
   float light = most == met.x ? lights.x : most == met.y ? lights.y : lights.z;
-  // On a face one of these is 1. At an edge two of them are 1.
+  // On a face, one of these is 1. On an edge, two of them are 1.
   float highest = max(a.x, max(a.y, a.z));
   float edge = edgeAt(a.x + a.y + a.z - highest - min(a.x, min(a.y, a.z)));
   vec4 lit = vec4(light, light, light, 1.0);
@@ -154,7 +159,10 @@ void main() {
   gl_FragDepth = 0.5 + 0.5 * (depths.y / most - depths.x);
 }`;
 
-/** Coloured lines, and flat shapes: each of one colour (`flat`), which is cheaper, or with a colour that goes over into another (`smooth`). */
+/**
+ * Draws coloured lines and flat shapes. With `flat`, each shape has one colour, which is faster. With `smooth`, the
+ * colour changes gradually.
+ */
 const plainCorners = colours => `#version 300 es
 layout(location = 0) in vec3 corner;
 layout(location = 1) in vec4 colour;

@@ -1,8 +1,8 @@
-// Vertices of the shapes to draw.
+// Corners of the shapes to draw.
 
 /**
- * Three faces of a cube of side 1: those to the east, north and up, each of four corners with the
- * normal. No more than three are ever seen; the shader puts them on the sides that face the eye.
+ * Returns three faces of a cube of side 1: to the east, north and up. Each has four corners and a normal. At most
+ * three faces are visible. The shader moves them to the sides that face the eye.
  */
 function cube() {
   const corners = [];
@@ -15,16 +15,16 @@ function cube() {
   return new Float32Array(corners);
 }
 
-/** Its triangles. */
+/** Triangles of the three faces, as indices of corners. */
 const CUBE_TRIANGLES = new Uint16Array([0, 4, 8].flatMap(at => [at, at + 1, at + 2, at, at + 2, at + 3]));
 
-/** Two directions in a face, so that u x v = normal. */
+/** Returns two directions u and v in a face, with u x v = normal. */
 function sides(normal) {
   const u = normal[2] ? [1, 0, 0] : [0, 0, 1];
   return [u, cross(normal, u)];
 }
 
-/** Collects coloured lines or triangles. */
+/** Collector of coloured lines or triangles. */
 class Sketch {
   constructor() {
     this.numbers = [];
@@ -39,7 +39,7 @@ class Sketch {
     this.point(b, colour);
   }
 
-  /** The edges of a cube, half as wide as `half`. */
+  /** Adds the edges of a cube. `half` is half of its side. */
   box(centre, half, colour) {
     for (const [u, v, w] of [[0, 1, 2], [1, 2, 0], [2, 0, 1]]) {
       for (const [a, b] of [[-1, -1], [1, -1], [1, 1], [-1, 1]]) {
@@ -54,13 +54,13 @@ class Sketch {
     }
   }
 
-  /** A ring about the vertical; half of one, if `arc` is half a turn. */
+  /** Adds a horizontal ring about the vertical axis. */
   ring(radius, z, colour, parts = 96) {
     const at = i => [radius * Math.cos((2 * Math.PI * i) / parts), radius * Math.sin((2 * Math.PI * i) / parts), z];
     for (let i = 0; i < parts; i++) this.line(at(i), at(i + 1), colour);
   }
 
-  /** A flat square about a point, `out` wide. */
+  /** Adds a flat square around a point. `half` is half of its side. */
   square(centre, normal, half, colour, rim = colour) {
     const [u, v] = sides(normal);
     const corner = (a, b) => add(centre, add(times(u, a * half), times(v, b * half)));
@@ -73,11 +73,12 @@ class Sketch {
   }
 }
 
-/** The ground inside the shell, as triangles. */
+/** Returns the ground inside the shell, as triangles. */
 function ground(radius, colour) {
   const sketch = new Sketch();
   const at = i => [radius * Math.cos((Math.PI * i) / 64), radius * Math.sin((Math.PI * i) / 64), -0.02];
-  // Few wide triangles are faster than many narrow ones without a graphics processor. Each joins two corners of the rim.
+  // Without a graphics processor, few wide triangles are faster than many narrow ones. Each joins
+  // two corners of the rim.
   const fill = (from, to) => {
     const middle = (from + to) / 2;
     for (const i of [from, middle, to]) sketch.point(at(i), colour);
@@ -87,10 +88,13 @@ function ground(radius, colour) {
   return sketch;
 }
 
-/** The shell, whose centre is `lift` over the ground, and rings on the ground every five sides, as lines. */
+/**
+ * Returns the lines of the shell, and of rings on the ground every five block lengths. `lift` is the height of the
+ * shell's centre.
+ */
 function wires(radius, lift, rings, shell) {
   const sketch = new Sketch();
-  // Angle below the shell's centre at its intersection with the ground.
+  // Angle below the shell's centre where the shell meets the ground.
   const low = Math.asin(lift / radius);
   for (let r = 5; r < radius * Math.cos(low); r += 5) sketch.ring(r, 0, rings);
   for (let part = Math.ceil((-8 * low) / Math.PI); part < 4; part++) {

@@ -1,10 +1,11 @@
-// A transparent sheet above an arena. It is as small as possible, because the browser blends all its pixels.
+// Transparent canvas above the arena. It is as small as possible, because the browser blends all
+// its pixels.
 
-/** Sheets grow and shrink by so many pixels, so that few changes make one anew. */
+/** Step in which sheets grow and shrink [px]. A large step avoids frequent changes of the size. */
 const GRAIN = 64;
 
 class Sheet {
-  /** `holder` is as large as the arena, and empty but for sheets. */
+  /** `holder` is as large as the arena and contains only sheets. */
   constructor(holder, name) {
     this.canvas = holder.appendChild(document.createElement('canvas'));
     this.canvas.className = name;
@@ -13,8 +14,8 @@ class Sheet {
   }
 
   /**
-   * Clears it, and has it lie where the boxes are, each [left, top, right, bottom], within an arena of some size; all of it in
-   * the units of the page [px], in which the pen goes on. `scale`: pixels of the sheet for one of the page.
+   * Clears the sheet and moves it over the boxes in an arena of this size [px]. A box is [left, top, right, bottom].
+   * The pen then also uses pixels of the page. `scale` is the number of pixels of the sheet per pixel of the page.
    */
   cover(boxes, { width, height }, scale) {
     const { canvas, pen } = this;
@@ -25,11 +26,11 @@ class Sheet {
     const most = (side, i) => side(...boxes.map(box => box[i]));
     const [left, right] = wide(most(Math.min, 0), most(Math.max, 2), width);
     const [top, bottom] = wide(most(Math.min, 1), most(Math.max, 3), height);
-    // An empty list has no bounds.
+    // An empty list of boxes has no bounds.
     canvas.hidden = !boxes.length || right === left || bottom === top;
     if (canvas.hidden) return;
     Object.assign(this, { left, top });
-    // Setting the size again would clear the canvas.
+    // Setting the size to the same value would clear the canvas.
     if (canvas.width !== right - left) canvas.width = right - left;
     if (canvas.height !== bottom - top) canvas.height = bottom - top;
     const place = { left, top, width: right - left, height: bottom - top };
@@ -39,7 +40,7 @@ class Sheet {
     pen.setTransform(scale, 0, 0, scale, -left, -top);
   }
 
-  /** Puts what is on it onto another sheet, which is as large as the arena. */
+  /** Draws the content of the sheet onto a picture that is as large as the arena. */
   paint(pen) {
     if (!this.canvas.hidden) pen.drawImage(this.canvas, this.left, this.top);
   }

@@ -1,18 +1,25 @@
-// Selects the blocks that the camera can see. Only these are drawn.
+// Selection of the blocks that the camera can see. Only these are drawn.
 
-/** From the centre of a block to its corners [side]. */
+/** Distance from the centre of a block to its corners [block lengths]. */
 const CORNER = 0.87;
-/** What lets light through fades out towards the eye (shaders.js), and is less than half a step of a colour within this [side]. */
+/**
+ * Distance from the eye below which transparent blocks are invisible [block lengths]. They fade out towards the eye
+ * (shaders.js).
+ */
 const FADED = 3.2;
 
 class Sight {
-  /** `view`: from the arena to the picture, by columns; `far`: from where on blocks are small [side]. */
+  /**
+   * `view` is the matrix from the arena to the picture, by columns. Blocks farther away than `far` are small [block
+   * lengths].
+   */
   constructor(view, eye, far) {
     this.eye = eye;
     this.far = far;
     const row = i => [view[i], view[4 + i], view[8 + i], view[12 + i]];
     const last = row(3);
-    // Planes at the left, right, bottom, top and front. Visible points have a positive distance from each.
+    // Planes at the left, right, bottom, top and front of the view. Visible points have a positive
+    // distance from each.
     const pairs = [[0, 1], [0, -1], [1, 1], [1, -1], [2, 1]];
     this.planes = pairs.map(([axis, sign]) => {
       const plane = row(axis).map((number, i) => last[i] + sign * number);
@@ -21,7 +28,10 @@ class Sight {
     });
   }
 
-  /** Whether any of a block may be seen, whose centre is at an index of a list; `faint`: it lets light through. */
+  /**
+   * Returns whether a part of a block may be visible. Its centre is at index `at` of a list. `faint` states whether
+   * the block is transparent.
+   */
   has(places, at = 0, faint = false) {
     const [x, y, z] = [places[at], places[at + 1], places[at + 2]];
     const { planes, eye } = this;
@@ -32,7 +42,10 @@ class Sight {
     return !faint || (x - eye[0]) ** 2 + (y - eye[1]) ** 2 + (z - eye[2]) ** 2 > FADED * FADED;
   }
 
-  /** Whether a block is small in the picture, and its centre within: of a point whose centre is not, nothing is drawn. */
+  /**
+   * Returns whether a block is small in the picture and its centre visible. A point whose centre is not visible is
+   * not drawn.
+   */
   isSmall(places, at = 0) {
     const [x, y, z] = [places[at], places[at + 1], places[at + 2]];
     const { planes, eye } = this;

@@ -1,4 +1,4 @@
-// Assembles the page.
+// Assembly of the page.
 
 const element = id => document.getElementById(id);
 
@@ -30,7 +30,7 @@ async function start() {
   head(about, recording, against);
   save(about, recording, player, () => window.replay);
 
-  /** Chooses a block of the first run, or of the second. */
+  /** Selects a block of the first run, or of the second run `of`. */
   function select(body, of = null) {
     scene.selected = of ? null : body;
     if (against) against.scene.selected = of ? body : null;
@@ -45,7 +45,7 @@ async function start() {
     wake();
   }
 
-  /** Draws once more, and goes on while something moves. */
+  /** Draws the page again, repeatedly while something moves. */
   let awake = false;
   function wake() {
     if (awake) return;
@@ -63,7 +63,7 @@ async function start() {
     if (player.playing || tour.playing) wake();
   }
 
-  /** The runs that are shown, and the tick of each. */
+  /** Returns the shown runs, each with its tick. */
   const shown = tick => [[recording, scene, Math.min(tick, history.end)], ...(against ? [[against.recording, against.scene, against.tick(tick, history)]] : [])];
   const ready = tick => shown(tick).every(([recording, , tick]) => recording.has(tick));
   const fetch = tick => Promise.all(shown(tick).map(([recording, , tick]) => recording.fetch(tick)));
@@ -78,12 +78,12 @@ async function start() {
     program.show(scene.tick);
     timeline.draw();
     legend.show(scene.tick);
-    // The overview is too small to show the motion of its dots.
+    // The overview is too small to show the motion of its dots, so update it rarely.
     if (!player.playing || now - state.surveyed > 500) {
       state.surveyed = now;
       overview.draw(scene);
     }
-    // Ten updates per second are as fast as people can read.
+    // Readers cannot follow more than ten updates of text per second.
     if (!player.playing || now - state.told > 100) {
       state.told = now;
       controls();
@@ -91,7 +91,7 @@ async function start() {
     adapt(now);
   }
 
-  /** Where drawing is slow, fewer pixels are drawn while the clock runs. */
+  /** Reduces the number of pixels while the replay plays if drawing is slow. */
   function adapt(now) {
     const took = now - (state.drawn ?? now);
     state.drawn = player.playing ? now : null;
@@ -186,7 +186,7 @@ async function start() {
     tourer: () => tour.show(tour.playing ? null : 0),
   };
   for (const [id, act] of Object.entries(buttons)) element(id).addEventListener('click', act);
-  /** Chooses another block: of the structure, or one of those that are pulled. */
+  /** Selects the next or previous block of the structure or of the pulled blocks. */
   const choose = step => () => {
     const all = [...scene.solid.flatMap(({ body }) => body ?? []), ...scene.pulled];
     const at = all.indexOf(scene.selected);
@@ -226,7 +226,7 @@ function text(id, words) {
   if (place.textContent !== words) place.textContent = words;
 }
 
-/** What the page is of. */
+/** Writes the name and the facts of the run at the top of the page. */
 function head(about, recording, against) {
   const { record } = recording;
   text('name', about.program);
@@ -235,14 +235,14 @@ function head(about, recording, against) {
   text('facts', [outcome(about, recording), count(record.bonds.length, 'capture'), ...waiting, about.model, `scene ${about.scene.name}`, `seed ${about.seed}`].join(' · '));
 }
 
-/** How a run ended, and when. */
+/** Returns a description of how and when a run ended. */
 function outcome(about, { header, record }) {
   const { kind, by } = record.outcome;
   const words = kind === 'timed_out' ? { timeout: 'timed out', max_ticks: 'stopped by --max-ticks' }[by] : kind;
   return `run ${header.run} · ${words} after ${record.ticks} ticks (${time(record.ticks * about.scene.tick)})`;
 }
 
-/** Seconds as minutes and seconds. */
+/** Returns seconds as a text in minutes and seconds. */
 function time(seconds) {
   const digits = seconds < 60 ? `${seconds.toFixed(2)} s` : `${Math.floor(seconds / 60)} min ${String(Math.floor(seconds % 60)).padStart(2, '0')} s`;
   return digits;

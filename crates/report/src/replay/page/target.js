@@ -1,6 +1,6 @@
-// The final structure of the program.
+// Final structure of the program.
 
-/** The cells that are filled when all has happened as the program says. */
+/** Returns the cells that are occupied after all events of the program. */
 function target(about) {
   const magnetized = new Map();
   for (const { name, duties } of about.tables.blocks) {
@@ -11,7 +11,8 @@ function target(about) {
   const cells = new Map();
   for (const { name, events } of about.graph.phases) {
     const goes = events.filter(({ kind }) => kind === 'release').map(({ block }) => block);
-    // A block in the structure is released before its name is reused. Other blocks are captured first.
+    // Blocks that were already in the structure are released first, because their names may be
+    // reused. Blocks that this phase captures and releases are removed at the end.
     const brief = goes.filter(block => !cells.has(block));
     for (const block of goes) cells.delete(block);
     for (const { parent, face, block } of events) {

@@ -1,6 +1,6 @@
-// Colours of drawings, from the palette of stochc. The colours of the page are in style.css.
+// Colours of drawings, from the palette of stochc. The colours of the page itself are in style.css.
 
-/** `ghost`: how opaque a free block is; `edge`: how dark the edges of blocks are. */
+/** Colours of both themes. `ghost` is the opacity of free blocks, and `edge` the darkness of the edges of blocks. */
 const THEMES = {
   dark: { ...PALETTE.dark, ghost: 0.3, edge: 0.42 },
   light: { ...PALETTE.light, ghost: 0.28, edge: 0.6 },
@@ -9,7 +9,7 @@ const THEMES = {
 const ofPhase = phase => PALETTE.phases[phase % PALETTE.phases.length];
 const phaseColour = phase => ofPhase(phase).colour;
 
-/** `#rrggbb` to red, green and blue from 0 to 1. */
+/** Returns the red, green and blue of `#rrggbb`, from 0 to 1. */
 function rgb(hex) {
   let known = RGB.get(hex);
   if (!known) RGB.set(hex, (known = [1, 3, 5].map(at => parseInt(hex.slice(at, at + 2), 16) / 255)));
@@ -18,7 +18,7 @@ function rgb(hex) {
 
 const RGB = new Map();
 
-/** The theme that the reader chose, or the system's. */
+/** Returns the theme that the reader chose, or the theme of the system. */
 function themeName() {
   const chosen = document.documentElement.dataset.theme;
   return chosen || (matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light');

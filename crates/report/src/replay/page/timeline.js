@@ -1,13 +1,13 @@
-// The bar below the arena: phases, captures and releases over time.
+// Bar below the arena with phases, captures and releases over time.
 
-/** Half of the handle of the slider below [px]. */
+/** Half the width of the slider's handle [px]. The slider is below the bar. */
 const MARGIN = 8;
 
-/** The height of the part with phases and captures, and of a course above it [px]. */
+/** Height of the part with phases and captures, and of the part with the curves of groups [px]. */
 const STRIP = 28;
 
 class Timeline {
-  /** `jump` is told the tick to which the reader drags. */
+  /** Calls `jump` with the tick that the reader drags to. */
   constructor(canvas, history, jump) {
     this.canvas = canvas;
     this.history = history;
@@ -43,7 +43,7 @@ class Timeline {
       pen.globalAlpha = 1;
       pen.font = '11px system-ui, sans-serif';
       const room = at(to) - at(from) - 4;
-      // If there is no space for names, numbers distinguish the phases.
+      // If there is no space for names, numbers identify the phases.
       const name = [`${phase + 1} ${history.phases[phase]}`, String(phase + 1)].find(name => pen.measureText(name).width < room);
       if (name) {
         pen.fillStyle = THEMES[themeName()].ink;
@@ -51,7 +51,7 @@ class Timeline {
       }
     });
     this.courses(pen, at, height - STRIP - 4);
-    // Phases end and begin within a tick.
+    // Phase of the event at this tick, which gives a capture its colour.
     let during = 0;
     for (const [tick, kind, number] of history.rows) {
       if (kind === 'phase') during = number;
@@ -60,7 +60,7 @@ class Timeline {
       pen.fillRect(at(tick) - 1, height - (kind === 'dock' ? 13 : 9), 2, kind === 'dock' ? 13 : 9);
     }
   }
-  /** The size of the largest group and the number of groups over time, each as high as it ever gets. */
+  /** Draws the size of the largest group and the number of groups over time, each relative to its maximum. */
   courses(pen, at, height) {
     const { course, largest, most } = this.history.groups;
     if (!course.length) return;
@@ -85,7 +85,7 @@ class Timeline {
       }
       pen.lineTo(at(this.history.end), level(before));
       pen.stroke();
-      // A segment of the line, and its label.
+      // Sample of the line, and its label.
       pen.beginPath();
       pen.moveTo(x, 6);
       pen.lineTo(x + 18, 6);

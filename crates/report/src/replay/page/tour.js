@@ -1,10 +1,10 @@
-// A tour of the critical path: the view moves from event to event.
+// Tour of the critical path: the view moves from event to event.
 
-/** Seconds of the reader's that a step takes: as long as it is read. */
+/** Returns the duration of a step [s]: the time for reading its text. */
 const reading = text => 2 + text.length / 18;
 
 class Tour {
-  /** `about.tour` is a list of steps; `go` is told the tick of a moment, `look` the cell that it is about. */
+  /** `about.tour` is the list of steps. Calls `go` with the tick of a moment, and `look` with the cell of the event. */
   constructor(element, history, { go, look, changed }) {
     Object.assign(this, { element, history, go, look, changed });
     this.steps = history.about.tour.map(({ from, to, cell, html }) => ({ from, to, cell, text: plain(html) }));
@@ -30,7 +30,7 @@ class Tour {
     return this.at !== null;
   }
 
-  /** Goes to a step; `null`, or one beyond the last, ends the tour. */
+  /** Shows a step. `null` or an index after the last step ends the tour. */
   show(step) {
     const known = step !== null && step < this.steps.length;
     this.at = known ? Math.max(0, step) : null;
@@ -43,7 +43,7 @@ class Tour {
     this.changed();
   }
 
-  /** Time passes: from the beginning of a wait to its end, and a moment longer. */
+  /** Advances the tour from the beginning of a wait to its end, then pauses for a moment. */
   pass(now) {
     if (!this.playing) return;
     this.begun ??= now;
@@ -55,5 +55,5 @@ class Tour {
   }
 }
 
-/** The text of a piece of HTML, which never becomes a part of the page. */
+/** Returns the text in a piece of HTML. The piece never becomes a part of the page. */
 const plain = html => new DOMParser().parseFromString(html, 'text/html').body.textContent;
