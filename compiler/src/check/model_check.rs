@@ -1,7 +1,7 @@
 //! Explores event tables in every order of events.
 //!
-//! The argument that the tables are right is in docs/concepts/protocol.md. This check does not rely on it. Every `check`
-//! explores small programs. `verify` also explores large ones.
+//! The argument that the tables are right is in docs/concepts/protocol.md. This check does not rely
+//! on it. Every `check` explores small programs. `verify` also explores large ones.
 use std::fmt::Write as _;
 
 use stochc_control::explore::{

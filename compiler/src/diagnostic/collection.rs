@@ -37,7 +37,8 @@ pub(super) fn count(diagnostics: &[Diagnostic], severity: Severity) -> usize {
 /// for every fix.
 const MAX_MEANT: usize = 200;
 
-/// Returns the known word that is closest to an unknown one. Returns `None` after [`MAX_MEANT`] diagnostics.
+/// Returns the known word that is closest to an unknown one. Returns `None` after [`MAX_MEANT`]
+/// diagnostics.
 pub(crate) fn meant<S: AsRef<str>>(
     diagnostics: &[Diagnostic],
     unknown: &str,

@@ -23,7 +23,7 @@ const TRIED: u64 = 100;
 
 /// Reports captures whose cells free blocks may not reach, or only through a narrow gap.
 ///
-/// `search` is the number of cells that may be searched, in addition to [`STEPS_PER_EVENT`] for
+/// `search` is the number of cells that may be searched, in addition to 10 for
 /// every event. 0 disables the search.
 ///
 /// # Errors

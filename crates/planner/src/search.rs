@@ -194,7 +194,8 @@ struct Searcher<'a> {
 }
 
 impl Searcher<'_> {
-    /// Returns the schedule that results from these keys of the disassembly order and these priorities.
+    /// Returns the schedule that results from these keys of the disassembly order and these
+    /// priorities.
     fn candidate(
         &self,
         order: Vec<f32>,

@@ -9,8 +9,8 @@ use crate::geometry::accessibility::RADIUS;
 use crate::waits::law::Parameters;
 use crate::waits::rates::Rates;
 
-/// Errors of estimated mean waiting times relative to calibrated ones (docs/validation/rates.md): the rms
-/// factor and the largest factor, both rounded up.
+/// Errors of estimated mean waiting times relative to calibrated ones (docs/validation/rates.md):
+/// the rms factor and the largest factor, both rounded up.
 pub const GUESS_ERROR: (f64, f64) = (1.5, 3.0);
 
 /// Ratio of the pull's work to a block's energy when half of the blocks within reach dock.

@@ -14,7 +14,8 @@ pub enum LowerBoundReason {
     CrowdedCaptures,
     /// The structure is larger than all structures of the calibration.
     ///
-    /// Solid shapes of 66 to 121 blocks take 11 to 24 % longer with physics (docs/validation/rates.md).
+    /// Solid shapes of 66 to 121 blocks take 11 to 24 % longer with physics
+    /// (docs/validation/rates.md).
     LargeStructure,
 }
 

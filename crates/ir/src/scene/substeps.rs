@@ -16,7 +16,8 @@ impl Substeps {
     /// Largest number of steps per tick.
     pub const MAX: u32 = 1000;
 
-    /// Default: the cheapest steps that preserve the times of the default scene (docs/validation/speed-and-accuracy.md).
+    /// Default: the cheapest steps that preserve the times of the default scene
+    /// (docs/validation/speed-and-accuracy.md).
     pub const DEFAULT: Substeps = Substeps {
         near: 8,
         away: Some(2),

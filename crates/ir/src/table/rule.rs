@@ -54,8 +54,9 @@ pub enum News {
 pub enum Action {
     /// Makes a face capture, and gives the role to the captured block.
     ///
-    /// The mechanism depends on the [bond](super::Tables::bond): the face's magnet is switched on, or
-    /// its valve is opened. A face that always attracts keeps the next block instead of rejecting it.
+    /// The mechanism depends on the [bond](super::Tables::bond): the face's magnet is switched on,
+    /// or its valve is opened. A face that always attracts keeps the next block instead of
+    /// rejecting it.
     Magnetize {
         /// Face in the structure's frame. The block converts it by its orientation.
         face: Face,

@@ -82,7 +82,8 @@ impl Dimension {
     }
 }
 
-/// Converts a value in a unit, such as `[("N", 1), ("m", -1)]`, to SI units. Returns it with its dimension.
+/// Converts a value in a unit, such as `[("N", 1), ("m", -1)]`, to SI units. Returns it with its
+/// dimension.
 pub fn to_si<'a>(value: f64, unit: impl IntoIterator<Item = (&'a str, i8)>) -> (f64, Dimension) {
     let (mut scale, mut dimension) = (Scale::ONE, Dimension::NUMBER);
     for (symbol, power) in unit {
