@@ -1,4 +1,4 @@
-//! The command line.
+//! Command line of `stochc`.
 use std::ffi::OsString;
 use std::num::{IntErrorKind, ParseIntError};
 use std::path::Path;
@@ -161,8 +161,8 @@ pub enum Command {
     Man(man::ManArguments),
 }
 
-/// Reports errors of the command line, or prints the help or version. Names in the message are
-/// escaped.
+/// Prints an error of the command line, or the help or version. Escapes invisible characters in the
+/// message.
 pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
     if !error.use_stderr() {
         let help = error.render();
@@ -194,8 +194,8 @@ pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
     }
 }
 
-/// Adds the most similar option as a suggestion. A transposition counts as one edit. clap alone
-/// would suggest a prefix.
+/// Adds a suggestion: the option with the most similar name. A transposition counts as one edit.
+/// clap itself would suggest options with a common prefix.
 fn with_nearest_option(mut error: clap::Error) -> clap::Error {
     let text = |kind| error.get(kind).map(ToString::to_string);
     let unknown =
@@ -220,7 +220,7 @@ fn with_nearest_option(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// Command names of other programs, with the matching command.
+/// Names of commands in other applications, each with the `stochc` command that does the same.
 const OTHER_NAMES: [(&str, &str); 14] = [
     ("run", "stochc simulate"),
     ("sim", "stochc simulate"),
@@ -238,7 +238,8 @@ const OTHER_NAMES: [(&str, &str); 14] = [
     ("continue", "stochc resume"),
 ];
 
-/// Suggests the command that matches another program's name for it, or the command for a file.
+/// Adds a suggestion for an unknown command: the matching command of [`OTHER_NAMES`], or a command
+/// for a file.
 fn with_command(mut error: clap::Error) -> clap::Error {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
         return error;
@@ -258,7 +259,8 @@ fn with_command(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// Returns the message about arguments that are not UTF-8. Names and program files must be UTF-8.
+/// Returns the message about arguments that are not UTF-8. Names and paths of programs must be
+/// UTF-8.
 fn no_utf8(arguments: impl Iterator<Item = OsString>) -> String {
     let strange = arguments.filter(|it| it.to_str().is_none());
     let strange = strange.map(|it| format!("`{}`", visible(&it.to_string_lossy())));
@@ -269,11 +271,11 @@ fn no_utf8(arguments: impl Iterator<Item = OsString>) -> String {
     )
 }
 
-/// Parses the command line. Negative numbers are values, not options, so that each option can
-/// reject them itself.
+/// Parses the command line. Negative numbers count as values, so that each option can reject them
+/// itself.
 ///
 /// # Errors
-/// If the command line is invalid, or asks for help or the version.
+/// If the command line is invalid, or requests the help or version.
 pub fn parse() -> Result<Cli, clap::Error> {
     let negative = |arg: clap::Arg| {
         let takes_values = arg.get_action().takes_values();
@@ -292,7 +294,7 @@ pub fn parse() -> Result<Cli, clap::Error> {
     Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
 }
 
-/// Groups of subcommands in the help.
+/// Groups of subcommands in the help, each with a title.
 const GROUPS: [(&str, &[&str]); 6] = [
     (
         "Write",
@@ -329,7 +331,7 @@ fn help_template(command: &clap::Command) -> String {
     )
 }
 
-/// Returns the error about an invalid whole number in plain words. Other errors are unchanged.
+/// Returns a clearer error about an invalid integer. Returns other errors unchanged.
 fn about_numbers(error: clap::Error) -> clap::Error {
     let source = std::error::Error::source(&error);
     let Some(number) = source.and_then(|it| it.downcast_ref::<ParseIntError>()) else {
@@ -349,7 +351,7 @@ fn about_numbers(error: clap::Error) -> clap::Error {
     )
 }
 
-/// Executes the command. The failure has the message to print.
+/// Runs the command. A failure contains the message to print.
 pub fn run(cli: Cli) -> Result<Exit, Failure> {
     outlive_file_limit();
     configure(TerminalOptions {

@@ -4,24 +4,23 @@ use std::path::Path;
 
 use stochc_text::visible;
 
-/// The result of a command.
+/// Result of a command, which determines its exit status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// Success.
+    /// The command succeeded.
     Success,
-    /// The program has errors.
+    /// A program has errors.
     InvalidProgram,
     /// The command line is invalid, or a file cannot be read or written.
     Usage,
-    /// A run did not complete.
+    /// A run, estimate or exploration did not complete successfully.
     UnsuccessfulRun,
     /// The user interrupted the command.
     Interrupted,
 }
 
 impl Exit {
-    /// Returns the result of a command with runs, or with estimates or explorations instead of
-    /// runs.
+    /// Returns success or [`Exit::UnsuccessfulRun`], for runs, estimates or explorations.
     pub const fn from_runs(are_successful: bool) -> Exit {
         if are_successful {
             Exit::Success
@@ -30,7 +29,7 @@ impl Exit {
         }
     }
 
-    /// Returns the exit status of the process.
+    /// Returns the number of the exit status.
     pub const fn status(self) -> u8 {
         match self {
             Exit::Success => 0,
@@ -56,27 +55,27 @@ impl Exit {
 pub struct Failure {
     /// Result of the command.
     pub exit: Exit,
-    /// Message for standard error, in complete lines. Empty if everything has been reported.
+    /// Message for standard error, in complete lines. Empty if everything was already reported.
     pub message: String,
 }
 
 impl Failure {
-    /// Creates the failure of an invalid command line or an unusable file.
+    /// Creates the failure for an invalid command line or an unusable file.
     pub fn usage(reason: impl Display) -> Failure {
         Failure::error(Exit::Usage, reason)
     }
 
-    /// Creates the failure that a file cannot be written.
+    /// Creates the failure for a file that cannot be written.
     pub fn not_written(path: &Path, reason: impl Display) -> Failure {
         Failure::usage(format!("cannot write `{}`: {reason}", path.display()))
     }
 
-    /// Creates the failure that a program cannot be run.
+    /// Creates the failure for a program that cannot be run.
     pub fn invalid_program(reason: impl Display) -> Failure {
         Failure::error(Exit::InvalidProgram, reason)
     }
 
-    /// Creates a failure with a one-line message. Invisible characters in the reason are escaped.
+    /// Creates a failure with a one-line message. Escapes invisible characters in the reason.
     pub(crate) fn error(exit: Exit, reason: impl Display) -> Failure {
         Failure {
             exit,
@@ -84,7 +83,7 @@ impl Failure {
         }
     }
 
-    /// Creates a failure without a message, because everything has been reported.
+    /// Creates a failure without a message, for errors that were already reported.
     pub(crate) fn silent(exit: Exit) -> Failure {
         Failure {
             exit,

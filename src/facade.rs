@@ -1,4 +1,4 @@
-//! Functions for Rust programs: check, compile and simulate.
+//! Functions that check, compile and simulate programs from Rust.
 use std::fmt;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -13,20 +13,20 @@ use crate::reader::DiskReader;
 
 /// Checks a file and its imports, and compiles its assemblies.
 ///
-/// Never fails: an unreadable file gives a diagnostic.
+/// Always returns a result: a file that cannot be read gives a diagnostic.
 pub fn check(path: &str) -> Checked {
     check_with(path, &LintLevels::default())
 }
 
-/// Checks a file like [`check`], with levels for warnings that have none in the source.
+/// Checks a file like [`check`]. `levels` apply to warnings whose level the source does not set.
 ///
 /// Small programs are also executed [in every order of events](stochc_compiler::model_check).
 pub fn check_with(path: &str, levels: &LintLevels) -> Checked {
     check_within(path, levels, &[])
 }
 
-/// Checks a file like [`check_with`]. It may also import from the folders `further`, except through
-/// symbolic links that leave them.
+/// Checks a file like [`check_with`]. Imports may also come from the folders `further`. Symbolic
+/// links must not leave these folders.
 pub fn check_within(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Checked {
     let mut reader = DiskReader::new(path, None, further);
     let limits = Limits::default();
@@ -35,15 +35,15 @@ pub fn check_within(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Che
     checked
 }
 
-/// Error for a program with errors.
+/// Error of compiling a file whose check found errors.
 #[derive(Debug)]
 pub struct CompileError {
-    /// The diagnostics and the sources.
+    /// Diagnostics of the file, and its sources.
     pub checked: Checked,
 }
 
 impl fmt::Display for CompileError {
-    /// Writes one line per diagnostic.
+    /// Writes the diagnostics, one per line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(show(&self.checked, Format::Short, false, 0).trim_end())
     }

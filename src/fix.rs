@@ -1,4 +1,4 @@
-//! Applies the changes of `check --fix` to a program.
+//! Application of safe fixes to a program, as `check --fix` does.
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -10,24 +10,24 @@ use stochc_text::visible;
 
 use crate::reader::DiskReader;
 
-/// A file with all its safe fixes applied in memory.
+/// File with all its safe fixes, applied in memory.
 #[derive(Debug)]
 pub struct FixedFile {
     path: String,
-    /// Original content.
+    /// Content of the file as it was read.
     original: Vec<u8>,
-    /// Content with all safe fixes.
+    /// Content of the file with all safe fixes.
     pub new: Vec<u8>,
     /// Number of applied fixes.
     pub changes: usize,
-    /// The check of the original content.
+    /// Result of checking the original content.
     pub before: Checked,
-    /// The check of the new content. `None` if there are no fixes.
+    /// Result of checking the new content. `None` if there are no fixes.
     pub after: Option<Checked>,
 }
 
-/// Computes all safe fixes of a file. It may also import from the folders `further`. Imported files
-/// are not changed.
+/// Applies all safe fixes of a file in memory. Imports may also come from the folders `further`.
+/// Does not change imported files.
 ///
 /// # Errors
 /// If the file cannot be read.
@@ -40,7 +40,7 @@ pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> io::Result<F
         before,
         after,
     } = compiler::fix(path, &mut reader, Limits::default(), levels);
-    // The compiler skips the byte order mark.
+    // The compiler skips a byte order mark, so keep it here.
     let mark = BYTE_ORDER_MARK.as_bytes();
     let mark = if original.starts_with(mark) {
         mark
@@ -58,7 +58,7 @@ pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> io::Result<F
 }
 
 impl FixedFile {
-    /// Returns the changes as a unified diff. Empty if there are none.
+    /// Returns the changes as a unified diff. Returns an empty text if there are none.
     pub fn diff(&self) -> String {
         if self.changes == 0 {
             return String::new();
@@ -71,8 +71,8 @@ impl FixedFile {
             .to_string()
     }
 
-    /// Replaces the file. Returns `false` and leaves the file unchanged if it has changed since it
-    /// was read.
+    /// Replaces the file by its fixed content. Returns `false` and changes nothing if the file was
+    /// modified after it was read.
     ///
     /// # Errors
     /// If the file cannot be written. The original file is then intact.

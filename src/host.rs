@@ -1,4 +1,4 @@
-//! Interface to the program that requests work: a terminal or another program.
+//! Interface of operations to their caller: a terminal or another application.
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
@@ -7,44 +7,45 @@ use stochc_compiler::Checked;
 
 use crate::progress::WorkProgress;
 
-/// Receives messages and progress of the work, and can stop it.
+/// Caller of an operation. Receives messages and progress, and can stop the work.
 pub trait Host: Sync {
     /// Receives a note or a warning, in complete lines.
     fn warn(&self, text: &str);
 
-    /// Receives warnings about a program. A quiet terminal ignores them.
+    /// Receives warnings about a program. A quiet terminal does not print them.
     fn report_warnings(&self, text: &str) {
         self.warn(text);
     }
 
-    /// Receives the failure of one part of the work, in complete lines. The rest continues.
+    /// Receives the failure of one part of the work, in complete lines. The other parts continue.
     fn report_failure(&self, message: &str);
 
-    /// Receives the diagnostics of a file, errors and warnings.
+    /// Receives all diagnostics of a file.
     fn report_diagnostics(&self, checked: &Checked);
 
-    /// Returns diagnostics as text to include in a message.
+    /// Returns the diagnostics of a file as text for a message.
     fn draw(&self, checked: &Checked) -> String;
 
     /// Returns the flag that stops the work at the next tick.
     fn stop(&self) -> &AtomicBool;
 
-    /// Shows progress until the channel `ended` closes. `state` returns the progress after a
-    /// duration.
+    /// Shows progress until the channel `ended` closes. `state` returns the progress for the time
+    /// since the start.
     fn show(&self, state: &dyn Fn(Duration) -> WorkProgress, ended: &Receiver<()>);
 }
 
-/// Does some work while the host shows its progress. `state` returns the progress after a duration.
+/// Runs `work` while the host shows its progress. `state` returns the progress for the time since
+/// the start.
 pub fn during<R>(
     host: &dyn Host,
     state: impl Fn(Duration) -> WorkProgress + Send,
     work: impl FnOnce() -> R,
 ) -> R {
     std::thread::scope(|scope| {
-        // Dropped when the work ends, also by a panic. This ends the display.
+        // The sender is dropped when the work ends, even by a panic. This ends the display.
         let (_working, ended) = channel();
         let show = move || host.show(&state, &ended);
-        // If the thread cannot be started, the work runs without a display.
+        // If the thread cannot be started, the work runs without a progress display.
         let _ = std::thread::Builder::new().spawn_scoped(scope, show);
         work()
     })

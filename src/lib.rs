@@ -14,7 +14,7 @@
 //! # }
 //! ```
 //!
-//! A program with errors returns diagnostics that state the errors and how to fix them:
+//! For a program with errors, the diagnostics state the errors and how to fix them:
 //!
 //! ```
 //! let checked = stochc::check_text("pair.sa", "assembly pair { }");

@@ -1,19 +1,19 @@
-//! Progress of work, as a share and as text.
+//! Progress of work, as a fraction and as text.
 use std::collections::BTreeMap;
 use std::time::Duration;
 
 use stochc_results::{Manifest, Progress, Snapshot, time_left};
 use stochc_text::words;
 
-/// Progress of a task: the share that is done, and a text for the user.
+/// Progress of work: the fraction that is done, and a text for the user.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WorkProgress {
-    /// Finished share of the work, 0 to 1.
+    /// Fraction of the work that is done, from 0 to 1.
     pub share: f64,
-    /// Finished work as text, also for the last line: `3 of 50 runs, 1 failed`. Empty if not
-    /// applicable.
+    /// Finished work as text, such as `3 of 50 runs, 1 failed`. Also printed at the end. Empty if
+    /// it cannot be counted.
     pub done: String,
-    /// Further text during the work. A narrow terminal truncates it.
+    /// Additional text that is shown only during the work. A narrow terminal truncates it.
     pub more: String,
 }
 
@@ -28,9 +28,9 @@ pub fn of_ensemble(manifest: &Manifest, progress: &Progress, elapsed: Duration) 
     }
 }
 
-/// Returns the remaining time of an ensemble and its current runs, as text.
+/// Returns a text about the remaining time of an ensemble and its running simulations.
 fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
-    /// Largest number of runs in the text.
+    /// Largest number of running simulations in the text.
     const SHOWN: usize = 3;
     let mut text = String::new();
     if let Some(left) = time_left(snapshot, elapsed) {
@@ -61,7 +61,7 @@ fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
     text
 }
 
-/// Returns the number of unsuccessful runs of an ensemble, as text.
+/// Returns a text about the number of unsuccessful runs.
 fn troubles(snapshot: &Snapshot) -> String {
     let mut text = String::new();
     for (runs, what) in [

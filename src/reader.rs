@@ -1,4 +1,4 @@
-//! Reads programs and their imports from the disk for the compiler.
+//! Reader of programs and their imports from the disk, for the compiler.
 use std::io;
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use stochc_compiler::Reader;
 use stochc_files::bound::{ImportFolders, identity};
 use stochc_files::{programs, read};
 
-/// Reads a program and its imports, up to the limit of size.
+/// Reader of a program and its imports from the disk. Limits their size.
 pub(crate) struct DiskReader<'a> {
     program: &'a str,
     text: Option<&'a [u8]>,
@@ -14,8 +14,8 @@ pub(crate) struct DiskReader<'a> {
 }
 
 impl<'a> DiskReader<'a> {
-    /// Creates a reader for a program, whose imports may also come from the folders `further`.
-    /// `text` replaces the content of the program's file.
+    /// Creates a reader for a program. Imports may also come from the folders `further`. `text`
+    /// replaces the content of the program's file.
     pub fn new(program: &'a str, text: Option<&'a [u8]>, further: &[PathBuf]) -> DiskReader<'a> {
         let bound = ImportFolders::new(program, further);
         DiskReader {

@@ -79,7 +79,7 @@ pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-/// Returns the scene with this name, or the scene of a program.
+/// Returns the scene with the requested name, or the only scene of a program.
 fn scene(options: &CalibrateArguments, host: &Terminal) -> Result<Scene, Failure> {
     if let Some(scene) = built_in(&options.target) {
         return Ok(scene);

@@ -23,7 +23,8 @@ pub struct RunSelection {
     pub program: Option<String>,
 }
 
-/// Selects a run. The default is the run with the median completion time, and a note names it.
+/// Returns the run that the options select. By default, this is the run with the median completion
+/// time. A note then names it.
 pub fn choose(choice: &RunSelection, host: &Terminal) -> Result<ChosenRun, Failure> {
     let (manifest, finished) = read(&choice.folder, host)?;
     let (folder, program) = (Some(choice.folder.as_path()), choice.program.as_deref());

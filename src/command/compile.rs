@@ -75,7 +75,7 @@ enum EmittedFormat {
     Svg,
 }
 
-/// Compiles a file and prints a stage.
+/// Compiles a file and prints the result of one stage.
 pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     let given = if options.output.json {
         Some(EmittedFormat::Json)
@@ -124,8 +124,7 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
         print_with(|out| emit(checked, stage, form, out))?;
         return Ok(Exit::Success);
     };
-    // Only an executable has a mark that identifies files of stochc. Other stages never replace a
-    // file.
+    // Only executables have a mark of stochc. The output of other stages never replaces a file.
     let replaces = match stage {
         EmittedStage::Executable => Replaces::Ours(is_executable),
         _ => Replaces::Nothing,
@@ -140,10 +139,11 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     }
 }
 
-/// Error for the picture of an aggregate.
+/// Error message if a picture of an aggregate is requested.
 const NO_PICTURE: &str = "an aggregate has no picture, because it grows at random";
 
-/// Keeps the programs to show. A picture shows one program that is not an aggregate.
+/// Reduces `programs` to those to print. A picture shows one program, which must not be an
+/// aggregate.
 fn choose(
     programs: &mut Vec<Program>,
     name: Option<&str>,
@@ -164,7 +164,7 @@ fn choose(
     }
 }
 
-/// Keeps the program with this name, or the only one.
+/// Reduces `programs` to the program with this name, or checks that there is only one.
 fn only(programs: &mut Vec<Program>, name: Option<&str>) -> Result<(), String> {
     let names: Vec<_> = programs.iter().map(|it| &*it.plan.name).collect();
     let place = index(&names, name, "file")?;
@@ -203,7 +203,7 @@ fn emit(
     Ok(())
 }
 
-/// Writes a JSON document without holding it in memory.
+/// Writes a JSON document piece by piece, without all of it in memory.
 fn document(programs: Json<'_>, out: &mut dyn Write) -> io::Result<()> {
     let document = Json::object([("format", FORMAT.into()), ("programs", programs)]);
     serde_json::to_writer_pretty(&mut *out, &document)?;

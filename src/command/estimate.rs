@@ -69,11 +69,11 @@ pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
     )
 }
 
-/// Number of captures in the list by default.
+/// Default number of captures in the list.
 const SHOWN: &str = "5";
 
-/// Prints estimates with this number of captures each. An estimate without times is an unsuccessful
-/// run.
+/// Prints estimates, each with up to `captures` captures. Returns the exit status of an
+/// unsuccessful run if an estimate has no times.
 fn print_estimates(
     estimates: &[CompletionEstimate],
     captures: usize,

@@ -16,10 +16,10 @@ pub struct ExplainArguments {
     code: Option<String>,
 }
 
-/// Largest width of text \[columns\].
+/// Largest width of explanations \[columns\].
 const MAX_WIDTH: usize = 80;
 
-/// Prints the page of a code, or the list of all codes.
+/// Prints the page about a diagnostic code, or the list of all codes.
 pub fn run(options: &ExplainArguments) -> Result<Exit, Failure> {
     let width = output_width().min(MAX_WIDTH);
     match &options.code {
@@ -54,7 +54,8 @@ fn list(width: usize) -> String {
     text + "stochc explain CODE explains one of them.\n"
 }
 
-/// Wraps a text. The first line begins with `first`; the others are indented by its width.
+/// Wraps a text at `width` columns. The first line begins with `first`, and other lines are
+/// indented by its width.
 fn wrapped(text: &str, first: &str, width: usize) -> String {
     let indent = first.chars().count();
     let (mut out, mut used) = (first.to_owned(), indent);
@@ -73,7 +74,7 @@ fn wrapped(text: &str, first: &str, width: usize) -> String {
     out + "\n"
 }
 
-/// Renders a page for a terminal: wrapped text, and programs without fences.
+/// Renders a page for a terminal: wrapped text, and programs without code fences.
 fn rendered(page: &str, width: usize, has_colour: bool) -> String {
     let (mut out, mut paragraph, mut in_program) = (String::new(), String::new(), false);
     let heading = |text: &str| style(text).bold().force_styling(has_colour).to_string() + "\n";
@@ -105,7 +106,7 @@ fn rendered(page: &str, width: usize, has_colour: bool) -> String {
     out
 }
 
-/// Parser of codes that accepts any word, so that the shell can complete codes.
+/// Parser that accepts any word as a code and offers all codes to the shell for completion.
 #[derive(Clone)]
 struct CodeParser;
 

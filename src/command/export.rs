@@ -52,7 +52,8 @@ impl TrajectoryFormat {
     }
 }
 
-/// Returns the format from the option or the file extension. Rejects a contradiction.
+/// Returns the format that the option or the file extension states. Returns an error if they
+/// differ.
 fn format(
     given: Option<TrajectoryFormat>,
     out: Option<&Path>,

@@ -30,7 +30,7 @@ enum FigureForm {
 }
 
 impl FigureOptions {
-    /// Returns the options as values.
+    /// Returns the size and formats of figures that the options choose.
     pub fn figures(&self) -> Figures {
         let mut formats = Vec::new();
         for form in &self.figure_format {

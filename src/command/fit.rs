@@ -140,7 +140,7 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-/// Returns the names and contents of the figure in all requested formats.
+/// Returns the name and content of each file of the fit's figure.
 fn figures(
     fit: &Fit,
     priors: &[Prior],
@@ -169,7 +169,8 @@ fn keep(out: &Path, fit: &Fit, scenes: &str, figures: &[(String, Vec<u8>)]) -> R
     Ok(())
 }
 
-/// Creates a folder, or accepts one that is empty except for leftovers of killed processes.
+/// Creates a folder. Accepts an existing folder that is empty, except for files of killed
+/// processes.
 fn claim_empty(out: &Path) -> Result<(), String> {
     let shown = out.display();
     let unusable = |error: io::Error| format!("cannot use `{shown}`: {error}");

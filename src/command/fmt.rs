@@ -72,7 +72,7 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
     })
 }
 
-/// Replaces the source of a file by the formatted source, or reports that it differs.
+/// Writes the formatted source to a file. With `check`, only reports that the source differs.
 fn write(file: &str, text: &str, laid_out: &str, check: bool) -> Result<Exit, Failure> {
     if check {
         return compare(file, text, laid_out);

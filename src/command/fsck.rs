@@ -23,7 +23,7 @@ pub struct FsckArguments {
     repair: bool,
 }
 
-/// Reports for each file of a folder whether it is valid.
+/// Reports whether each file of a results folder is valid.
 pub fn run(options: &FsckArguments) -> Result<Exit, Failure> {
     let path = &options.folder;
     let health = verify(path).map_err(Failure::usage)?;
@@ -61,7 +61,7 @@ pub fn run(options: &FsckArguments) -> Result<Exit, Failure> {
     }
 }
 
-/// Returns a line per file, and a line per problem.
+/// Returns the report as text: a line for each file and each problem.
 fn table(files: &[FileIntegrity]) -> String {
     let mut text = String::new();
     for FileIntegrity { name, health } in files {

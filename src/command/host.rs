@@ -1,4 +1,4 @@
-//! The terminal as a [`Host`].
+//! [`Host`] that writes to the terminal.
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
@@ -14,14 +14,14 @@ use crate::diagnostics::{drawn, drawn_errors, warning_lines};
 use crate::host::Host;
 use crate::progress::WorkProgress;
 
-/// The terminal of a command. Standard error may also be redirected.
+/// Terminal as the host of operations. Its standard error may also be redirected.
 #[derive(Clone, Copy, Debug)]
 pub struct Terminal {
     display: Display,
 }
 
 impl Default for Terminal {
-    /// Creates a host that writes to standard error.
+    /// Creates a terminal whose messages go to standard error.
     fn default() -> Terminal {
         let display = Display::on_standard_error(is_quiet());
         Terminal { display }
@@ -43,7 +43,7 @@ impl Host for Terminal {
         warn_drawn(message);
     }
 
-    /// Draws errors in full, and prints each warning on one line.
+    /// Draws errors over the source, and prints each warning on one line.
     fn report_diagnostics(&self, checked: &Checked) {
         if checked.has_errors() {
             warn_drawn(&drawn_errors(checked, has_colour(), message_width()));
@@ -57,7 +57,7 @@ impl Host for Terminal {
         drawn(checked, has_colour(), message_width())
     }
 
-    /// Returns the flag that an interrupt sets, after
+    /// Returns the flag that is set by an interrupt, after
     /// [`stop_on_interrupt`](super::interrupt::stop_on_interrupt).
     fn stop(&self) -> &AtomicBool {
         &STOP

@@ -1,4 +1,4 @@
-//! Handles Ctrl-C and the signals that ask a process to end.
+//! Handling of Ctrl-C and of the signals that ask a process to end.
 use std::io::{self, Write as _};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,7 +8,7 @@ use crate::exit::{Exit, Failure};
 /// Flag that the first interrupt sets.
 pub(super) static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Whether the handlers are installed.
+/// Whether the signal handlers are installed.
 static LISTENS: Mutex<bool> = Mutex::new(false);
 
 /// Installs the handlers for interrupts, and returns the flag that the first one sets. Further
@@ -29,10 +29,10 @@ pub fn stop_on_interrupt() -> Result<&'static AtomicBool, Failure> {
     Ok(&STOP)
 }
 
-/// Handles an interrupt.
+/// Counts an interrupt. Sets the flag at the first one, and ends the process at the second.
 fn interrupted() {
     if STOP.swap(true, Ordering::Relaxed) {
-        // Ends the process without waiting for threads.
+        // End the process without waiting for its threads.
         std::process::exit(Exit::Interrupted.status().into());
     }
     let message = "\nstopping; press Ctrl-C again to quit at once";
@@ -42,7 +42,7 @@ fn interrupted() {
 #[cfg(unix)]
 fn listen() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    // Respects signals that the caller ignores, as `nohup` and background jobs do.
+    // Signals that the caller has set to be ignored, as `nohup` does, stay ignored.
     let heeded = [SIGINT, SIGTERM, SIGHUP]
         .into_iter()
         .filter(|&signal| !is_ignored(signal));
@@ -66,13 +66,13 @@ fn is_ignored(signal: i32) -> bool {
     mask.is_some_and(|mask| mask & (1 << (signal - 1)) != 0)
 }
 
-/// Turns the signal for the file size limit into an error of the write, instead of ending the
-/// process.
+/// Prevents the signal for the file size limit from ending the process. The write then returns an
+/// error.
 pub fn outlive_file_limit() {
     #[cfg(unix)]
     {
         let reached = std::sync::Arc::new(AtomicBool::new(false));
-        // Without the handler, the signal ends the process.
+        // If the handler cannot be installed, the signal ends the process.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, reached);
     }
 }

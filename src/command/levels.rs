@@ -9,14 +9,14 @@ use stochc_compiler::{Level, LintLevels};
 
 use crate::operations::codes::{ALL_WARNINGS, warning};
 
-/// Levels of warnings from the command line. The last option for a code counts.
+/// Levels of warnings from the command line. The last option for a code takes precedence.
 #[derive(Clone, Debug, Default)]
 pub struct LevelOptions {
-    /// Levels of warnings without a level in the source.
+    /// Levels from the command line, for warnings whose level the source does not set.
     pub levels: LintLevels,
 }
 
-/// The options, with their levels and their help.
+/// Options with the level and the help text of each.
 const OPTIONS: [(&str, Level, &str); 3] = [
     (
         "allow",
@@ -73,11 +73,11 @@ impl FromArgMatches for LevelOptions {
     }
 }
 
-/// A warning, or all warnings.
+/// Warning that an option names. `None` is all warnings.
 #[derive(Clone, Copy, Debug)]
 struct Warning(Option<Code>);
 
-/// Parser of warning codes.
+/// Parser for warnings by their code.
 #[derive(Clone)]
 struct Warnings;
 

@@ -11,12 +11,12 @@ pub struct LspArguments {
     stdio: bool,
 }
 
-/// Serves an editor until it ends the connection.
+/// Serves an editor as a language server until the editor ends the connection.
 pub fn run(_: &LspArguments) -> Result<Exit, Failure> {
     let served = stochc_lsp::serve(std::io::stdin(), std::io::stdout().lock());
     let served =
         served.map_err(|error| Failure::usage(format!("cannot listen to the editor: {error}")))?;
-    // The protocol demands status 0 after `shutdown`, else 1.
+    // The protocol requires status 0 after a `shutdown` request, otherwise 1.
     Ok(if served {
         Exit::Success
     } else {

@@ -17,11 +17,11 @@ pub struct ManArguments {
     out: Option<PathBuf>,
 }
 
-/// Prints the manual, or writes it into a folder.
+/// Prints the manual, or writes its pages into a folder.
 pub fn run(options: &ManArguments, command: clap::Command) -> Result<Exit, Failure> {
-    // `help` gets no page, because every page has the same content.
+    // The subcommand `help` gets no pages, because they would repeat the others.
     let mut command = command.disable_help_subcommand(true);
-    // Passes the full command name on to the subcommands.
+    // This call sets the full names of all subcommands.
     command.build();
     let refuse = |error| Failure::usage(format!("cannot write the manual: {error}"));
     match &options.out {

@@ -1,4 +1,4 @@
-//! Events of a run, as text or JSON.
+//! Events of one run, printed as text or JSON.
 use std::fmt::Write as _;
 
 use serde_json::json;
@@ -12,8 +12,8 @@ use super::terminal::print;
 use crate::exit::{Exit, Failure};
 use crate::operations::json::document;
 
-/// Prints the events of runs. The exit status is that of an unsuccessful run if one did not
-/// complete.
+/// Prints the events of runs. Returns the exit status of an unsuccessful run if one of the runs did
+/// not complete.
 pub fn show_runs(
     records: &[(RunRecord, &EnsembleProgram)],
     is_json: bool,
@@ -35,7 +35,7 @@ pub fn show_runs(
     ))
 }
 
-/// Returns a run as lines: each phase with its events, and the end of the run.
+/// Returns the description of a run in lines: each phase with its events, then the outcome.
 fn narrative(record: &RunRecord, program: &EnsembleProgram) -> String {
     let narrator = RunNarrator { record, program };
     let mut out = String::new();
@@ -69,7 +69,7 @@ fn narrative(record: &RunRecord, program: &EnsembleProgram) -> String {
     out
 }
 
-/// Describes the events of a run.
+/// Generator of descriptions for the events of a run.
 struct RunNarrator<'a> {
     record: &'a RunRecord,
     program: &'a EnsembleProgram,
@@ -84,12 +84,13 @@ impl RunNarrator<'_> {
         visible(self.program.role(role))
     }
 
-    /// Returns a number of ticks, also in seconds.
+    /// Returns a number of ticks as text, with the same time in seconds.
     fn ticks(&self, n: u64) -> String {
         counted(n as usize, "tick") + &self.tick().beside(n as f64)
     }
 
-    /// Returns the events of a phase with their ticks, and the events that were running at the end.
+    /// Returns the events of a phase with their ticks. Then follow the events that were still
+    /// running at the end.
     fn lines(&self, phase: PhaseId) -> Vec<(u64, String)> {
         let record = self.record;
         let bonds = record.bonds.iter().filter(|bond| bond.phase == phase);
@@ -105,7 +106,7 @@ impl RunNarrator<'_> {
 
     fn capture(&self, bond: &BondRecord) -> String {
         let entries = match bond.entries {
-            // No block moved.
+            // Blocks do not move in this model.
             0 => String::new(),
             entries => format!(" and {}", counted(entries as usize, "entry")),
         };

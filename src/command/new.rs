@@ -1,4 +1,4 @@
-//! `stochc new`: a commented program to start from.
+//! `stochc new`: creates a commented program to start from.
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
@@ -40,7 +40,7 @@ impl Template {
         }
     }
 
-    /// Returns the commands to try on the file, each with a comment.
+    /// Returns commands to try next with the new file, each with a comment.
     fn next(self, file: &str, name: &str) -> [(String, &'static str); 3] {
         let check = |options: &str| format!("stochc check {file}{options}");
         let simulate = |file: &str| format!("stochc simulate {file} -n 20 -o results/{name}");
@@ -70,7 +70,7 @@ impl Template {
     }
 }
 
-/// Writes the program and prints the next commands.
+/// Writes the new program and prints the commands to try next.
 pub fn run(options: &NewArguments) -> Result<Exit, Failure> {
     let stem = options.name.strip_suffix(".sa").unwrap_or(&options.name);
     let path = format!("{stem}.sa");
@@ -101,7 +101,7 @@ pub fn run(options: &NewArguments) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-/// Returns whether a program can have this name.
+/// Returns whether a text is a valid name in a program.
 fn is_name(name: &str) -> bool {
     let mut letters = name.chars();
     let is_first = letters.next().is_some_and(|it| it.is_ascii_alphabetic());

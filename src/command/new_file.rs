@@ -1,4 +1,4 @@
-//! The file of the option `--out`.
+//! Output file of the option `--out`.
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,8 @@ use stochc_files::atomic::{Draft, Replaces};
 
 use crate::exit::Failure;
 
-/// An output file that is opened before the work, so that errors appear before a long computation.
+/// Output file that is opened before the work starts, so that errors appear before a long
+/// computation.
 #[derive(Debug)]
 pub struct NewFile {
     draft: Draft,
@@ -14,10 +15,10 @@ pub struct NewFile {
 }
 
 impl NewFile {
-    /// Opens the file.
+    /// Opens the file for writing.
     ///
     /// # Errors
-    /// If it cannot be written, or would replace a file that `replaces` protects.
+    /// If the file cannot be written, or if `replaces` does not allow replacing it.
     pub fn begin(path: &Path, replaces: Replaces) -> Result<NewFile, Failure> {
         let draft = Draft::new(path, replaces);
         Ok(NewFile {

@@ -187,7 +187,7 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
     }
 }
 
-/// Opens the file of the program. Rejects the file of the target.
+/// Opens the output file. Returns an error if it is also the target of the plan.
 fn begin(path: &Path, options: &PlanArguments) -> Result<NewFile, Failure> {
     if !options.force {
         return NewFile::begin(path, Replaces::Nothing);
@@ -204,7 +204,7 @@ fn begin(path: &Path, options: &PlanArguments) -> Result<NewFile, Failure> {
     NewFile::begin(path, ours)
 }
 
-/// Reports an error about the target, as JSON if requested.
+/// Reports an error in the target of a plan. Reports it as JSON if requested.
 fn report(not_planned: NotPlanned, options: &PlanArguments) -> Result<Planned, Failure> {
     if let (true, Some(error)) = (options.output.json, &not_planned.refused) {
         let mut content = json!(error);
@@ -231,7 +231,8 @@ fn write(planned: &Planned, out: Option<NewFile>, options: &PlanArguments) -> Re
         let told = explanation(plan);
         match (options.output.json, &options.out) {
             (false, Some(_)) => print(&told)?,
-            // If standard output has the program, the explanation goes to standard error.
+            // If standard output has the program, the description of the plan goes to standard
+            // error.
             _ => warn(&told),
         }
     }

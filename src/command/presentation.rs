@@ -24,7 +24,7 @@ enum UnitOption {
 }
 
 impl PresentationOptions {
-    /// Returns the options as values.
+    /// Returns the names of programs and the unit of times that the options choose.
     pub fn presentation(&self) -> Presentation {
         Presentation {
             in_seconds: self.unit == UnitOption::S,

@@ -1,4 +1,4 @@
-//! Shows the progress of long work: a bar on a terminal, otherwise occasional lines.
+//! Progress display for long work: a bar on a terminal, otherwise occasional lines.
 use std::io::IsTerminal as _;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
@@ -10,10 +10,10 @@ use stochc_text::{visible, words};
 use super::terminal::{is_dumb, warn};
 use crate::progress::WorkProgress;
 
-/// How to show progress on standard error.
+/// Form of the progress on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Display {
-    /// A bar that is redrawn.
+    /// Bar that is redrawn.
     Bar,
     /// Plain lines: after each tenth of the work, at least 10 s and at most 60 s apart.
     Lines,
@@ -21,15 +21,15 @@ pub enum Display {
     Quiet,
 }
 
-/// Decides when to print a plain line.
+/// Decision about when to print the next plain line.
 struct Cadence {
     at: Duration,
     tenth: u32,
 }
 
 impl Display {
-    /// Returns a bar if standard error is a terminal with cursor control, else lines. Returns
-    /// nothing if `quiet`.
+    /// Returns a bar if standard error is a terminal with cursor control, otherwise lines. Returns
+    /// [`Display::Quiet`] if `quiet`.
     pub fn on_standard_error(quiet: bool) -> Display {
         if quiet {
             Display::Quiet
@@ -88,7 +88,7 @@ fn print_last(state: &WorkProgress, elapsed: Duration) {
     print_line(&format!("{} in {}", state.done, words(elapsed)));
 }
 
-/// Prints a line on standard error. Ignores errors.
+/// Prints a line to standard error. Ignores errors of writing.
 fn print_line(line: &str) {
     warn(&format!("{}\n", visible(line)));
 }
@@ -104,7 +104,7 @@ impl Cadence {
         }
     }
 
-    /// Returns whether to write a line now, `elapsed` after the start.
+    /// Returns whether to print a line at the time `elapsed` after the start.
     fn due(&mut self, elapsed: Duration, state: &WorkProgress) -> bool {
         let since = elapsed.saturating_sub(self.at);
         let tenth = tenths(state);

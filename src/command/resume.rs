@@ -1,4 +1,4 @@
-//! `stochc resume`.
+//! Options that several commands share.
 use std::path::PathBuf;
 
 use clap::Args;

@@ -60,10 +60,10 @@ pub struct RatesOption {
     pub rates: Vec<PathBuf>,
 }
 
-/// Word for all captures.
+/// Value of an option that stands for all captures.
 pub const ALL: &str = "all";
 
-/// Parses a number of captures, or [`ALL`].
+/// Parses a number of captures. Returns the largest possible number for [`ALL`].
 pub fn count(text: &str) -> Result<usize, String> {
     if text == ALL {
         return Ok(usize::MAX);

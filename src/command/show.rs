@@ -1,4 +1,4 @@
-//! `stochc show`, and the results that `simulate` prints.
+//! `stochc show`, and printing of results for `simulate`.
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -61,9 +61,10 @@ pub enum TableFormat {
 pub struct ResultsView<'a> {
     /// Output format.
     pub form: TableFormat,
-    /// Unit of times, and labels of programs.
+    /// Unit of times, and names of programs.
     pub how: &'a Presentation,
-    /// Number of captures to list, longest waiting times first. `None` lists no captures.
+    /// Number of captures to list for each program, longest waiting times first. `None` lists no
+    /// captures.
     pub captures: Option<usize>,
     /// Results folder. `None` if the results are not stored.
     pub folder: Option<&'a Path>,
@@ -78,7 +79,7 @@ impl ShowArguments {
         }
     }
 
-    /// Rejects options that the format does not use.
+    /// Checks that the output format uses all given options.
     fn are_consistent(&self) -> Result<(), Failure> {
         let is_published = !matches!(self.format(), TableFormat::Text | TableFormat::Json);
         if self.presentation.presentation().in_seconds && !is_published {
@@ -95,8 +96,8 @@ impl ShowArguments {
     }
 }
 
-/// Prints the results of a folder. Corrupted files and missing runs have an exit status of their
-/// own.
+/// Prints the results of a folder. The exit status shows whether files are corrupted or runs are
+/// missing.
 pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     options.are_consistent()?;
     let host = Terminal::default();
@@ -138,8 +139,8 @@ pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     Ok(exit.or_worse(Exit::from_runs(missing == 0)))
 }
 
-/// Prints the events of a run of each program. The exit status is that of an unsuccessful run if
-/// one did not complete.
+/// Prints the events of one run of each program. Returns the exit status of an unsuccessful run if
+/// one of the runs did not complete.
 fn show_run(
     manifest: &Manifest,
     finished: &Records,
@@ -158,8 +159,8 @@ fn show_run(
     show_runs(&records, is_json)
 }
 
-/// Prints the comparison of an ensemble's programs. The exit status is that of an unsuccessful run
-/// if any run was unsuccessful.
+/// Prints the comparison of an ensemble's programs. Returns the exit status of an unsuccessful run
+/// if one of the runs did not complete.
 pub fn show(
     manifest: &Manifest,
     finished: &Records,

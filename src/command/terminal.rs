@@ -1,4 +1,4 @@
-//! Writes to standard output and standard error.
+//! Output to standard output and standard error.
 use std::io::{self, BufWriter, ErrorKind, IsTerminal as _, Write};
 use std::path::Path;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -10,12 +10,12 @@ use stochc_text::{visible, visible_lines};
 
 use crate::exit::{Exit, Failure};
 
-/// Options of every command that concern the terminal.
+/// Global options about the terminal.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TerminalOptions {
-    /// Whether to leave out progress, notes and warnings.
+    /// Whether to omit progress, notes and warnings.
     pub is_quiet: bool,
-    /// When to use colors.
+    /// Rule for using colours.
     pub color: Color,
 }
 
@@ -33,7 +33,7 @@ pub enum Color {
 
 static OPTIONS: OnceLock<TerminalOptions> = OnceLock::new();
 
-/// Sets the terminal options once, at the start.
+/// Sets the global terminal options. Must be called once, at the start.
 pub fn configure(options: TerminalOptions) {
     let _ = OPTIONS.set(options);
 }
@@ -42,13 +42,13 @@ fn options() -> TerminalOptions {
     OPTIONS.get().copied().unwrap_or_default()
 }
 
-/// Returns whether to leave out progress, notes and warnings.
+/// Returns whether progress, notes and warnings are omitted.
 pub fn is_quiet() -> bool {
     options().is_quiet
 }
 
-/// Prints a text. On a terminal, invisible characters are shown as escapes. A closed pipe, such as
-/// to `head`, is not an error.
+/// Prints a text to standard output. On a terminal, escapes invisible characters. A closed pipe,
+/// such as to `head`, is not an error.
 ///
 /// # Errors
 /// If the output cannot be written for another reason, such as a full disk.
@@ -56,7 +56,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
     print_with(|out| out.write_all(text.as_bytes()))
 }
 
-/// Prints lines with [`print`], folded to the width of the terminal.
+/// Prints lines as [`print`] does, folded to the width of the terminal.
 pub fn print_folded(text: &str) -> Result<(), Failure> {
     if output_is_watched() {
         print(&folded(text, output_width()))
@@ -65,8 +65,8 @@ pub fn print_folded(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Folds lines that are wider than `width` at spaces. Continuation lines are indented by four more
-/// columns.
+/// Breaks lines that are wider than `width` at spaces. Continuation lines are indented by four
+/// additional columns.
 fn folded(text: &str, width: usize) -> String {
     let mut out = String::new();
     for line in text.lines() {
@@ -92,7 +92,7 @@ fn folded(text: &str, width: usize) -> String {
     out
 }
 
-/// Prints what `write` writes, while it is being written. See [`print`].
+/// Prints the output of `write` while it is being written, as [`print`] does.
 pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     if output_is_watched() {
         print_to(VisibleWriter::new(io::stdout().lock()), write)
@@ -101,7 +101,7 @@ pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Resul
     }
 }
 
-/// Prints a text that may contain colors of stochc. Names in it are already escaped.
+/// Prints a text with colours of stochc. The names in it must already be escaped.
 pub fn print_drawn(text: &str) -> Result<(), Failure> {
     print_to(io::stdout().lock(), |out| out.write_all(text.as_bytes()))
 }
@@ -121,10 +121,10 @@ fn print_to(
     }
 }
 
-/// Writer that escapes invisible characters of UTF-8 text with [`visible_lines`].
+/// Writer that escapes invisible characters in UTF-8 text, as [`visible_lines`] does.
 struct VisibleWriter<W> {
     out: W,
-    /// Bytes of an incomplete character.
+    /// First bytes of a character whose other bytes have not been written yet.
     begun: Vec<u8>,
 }
 
@@ -139,7 +139,7 @@ impl<W: Write> Write for VisibleWriter<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.begun.extend_from_slice(bytes);
         let whole = match std::str::from_utf8(&self.begun) {
-            // Passes on invalid bytes, which are escaped.
+            // Invalid bytes are passed on and then escaped.
             Err(error) if error.error_len().is_none() => error.valid_up_to(),
             _ => self.begun.len(),
         };
@@ -155,33 +155,33 @@ impl<W: Write> Write for VisibleWriter<W> {
     }
 }
 
-/// Prints a message on standard error with invisible characters escaped. Ignores errors.
+/// Prints a message to standard error. Escapes invisible characters and ignores errors of writing.
 pub fn warn(text: &str) {
     warn_drawn(&visible_lines(text));
 }
 
-/// Prints where results are and what to run next, unless the command is quiet.
+/// Prints the location of results and the next commands, unless the command is quiet.
 pub fn close(text: &str) {
     if !is_quiet() {
         warn(text);
     }
 }
 
-/// Returns a path quoted as an argument of a command.
+/// Returns a path, quoted as an argument of a command line.
 pub fn argument(path: &Path) -> String {
     shell_file(&visible(&path.to_string_lossy()))
 }
 
-/// Prints a message that may contain colors of stochc on standard error. Names in it are already
+/// Prints a message with colours of stochc to standard error. The names in it must already be
 /// escaped.
 pub fn warn_drawn(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Warnings that are delayed until the command line is checked.
+/// Warnings that are printed only after the command line has been checked.
 static DEFERRED: Mutex<String> = Mutex::new(String::new());
 
-/// Prints a warning when work starts or the command ends, so that errors come first.
+/// Delays a warning until work starts or the command ends, so that errors are printed first.
 pub fn defer(text: &str) {
     let mut deferred = DEFERRED.lock().unwrap_or_else(PoisonError::into_inner);
     deferred.push_str(text);
@@ -193,8 +193,8 @@ pub fn show_deferred() {
     warn_drawn(&std::mem::take(&mut *deferred));
 }
 
-/// Reports the failure of one part of the work and returns its exit status. The caller continues
-/// with the rest.
+/// Prints the failure of one part of the work. Returns the part's exit status, so that the caller
+/// can continue with other parts.
 pub fn exit_of(done: Result<Exit, Failure>) -> Exit {
     done.unwrap_or_else(|failure| {
         warn_drawn(&failure.message);
@@ -202,12 +202,12 @@ pub fn exit_of(done: Result<Exit, Failure>) -> Exit {
     })
 }
 
-/// Returns whether standard error uses colors.
+/// Returns whether messages on standard error have colours.
 pub fn has_colour() -> bool {
     uses_colour(std::io::stderr().is_terminal())
 }
 
-/// Returns whether standard output uses colors.
+/// Returns whether standard output has colours.
 pub fn output_has_colour() -> bool {
     uses_colour(std::io::stdout().is_terminal())
 }
@@ -220,13 +220,13 @@ fn uses_colour(is_terminal: bool) -> bool {
     }
 }
 
-/// Returns whether the environment permits colors: `NO_COLOR` is unset and the terminal supports
-/// them.
+/// Returns whether the environment permits colours: `NO_COLOR` is unset and the terminal supports
+/// colours.
 fn wants_colour() -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && !is_dumb()
 }
 
-/// Returns whether the terminal supports no control sequences.
+/// Returns whether the terminal does not support control sequences.
 pub fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|name| name == "dumb")
 }
@@ -236,21 +236,22 @@ pub fn output_is_watched() -> bool {
     std::io::stdout().is_terminal()
 }
 
-/// Returns the width of standard output \[columns\]. The default is [`WIDTH`].
+/// Returns the width of standard output \[columns\]. Returns [`WIDTH`] if it is not a terminal.
 pub fn output_width() -> usize {
     columns(&Term::stdout()).unwrap_or(WIDTH)
 }
 
-/// Returns the width for messages on standard error \[columns\], at most [`WIDTH`].
+/// Returns the width of messages on standard error \[columns\], at most [`WIDTH`].
 pub fn message_width() -> usize {
     columns(&Term::stderr()).map_or(WIDTH, |columns| columns.min(WIDTH))
 }
 
-/// Width of the output if it is not a terminal \[columns\].
+/// Width of output that does not go to a terminal \[columns\].
 const WIDTH: usize = 80;
 
 fn columns(terminal: &Term) -> Option<usize> {
-    /// Narrower terminals break lines themselves.
+    /// Smallest width that text is folded to \[columns\]. Narrower terminals break lines
+    /// themselves.
     const MIN: usize = 40;
     let (_, columns) = terminal.size_checked()?;
     Some(usize::from(columns).max(MIN))

@@ -1,4 +1,4 @@
-//! `stochc trace`: one run, event by event.
+//! `stochc trace`: simulates one run and prints its events.
 use clap::Args;
 use stochc_results::until;
 

@@ -65,7 +65,7 @@ pub struct TradeArguments {
     imports: ImportOptions,
 }
 
-/// Measures the cost of accuracy.
+/// Compares speed and accuracy of settings.
 pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
     let MeasuringOptions {
         chance,

@@ -1,4 +1,4 @@
-//! `stochc verify`: checks programs and executes their event tables in every order of events.
+//! `stochc verify`: executes event tables in every order of events.
 use std::fmt::Write as _;
 
 use clap::Args;
@@ -20,13 +20,13 @@ use crate::operations::programs::{is_readable, nothing_to_run, verdict};
 use crate::operations::summary::status_lines;
 use stochc_compiler::model_check::{MISTAKE, expected, shortest};
 
-/// Number of random orders for a program with too many orders.
+/// Number of sampled orders if a program has too many orders for all of them.
 const SCHEDULES: u64 = 1_000;
 
-/// Largest number of steps of the random orders. They take about a minute.
+/// Limit on the total steps of the sampled orders. It corresponds to about a minute.
 const SAMPLED: u64 = 200_000_000;
 
-/// Seed of the random orders.
+/// Seed of the sampled orders.
 const SEED: u64 = 0;
 
 /// Arguments of `verify`.
@@ -44,7 +44,7 @@ pub struct VerifyArguments {
     imports: ImportOptions,
 }
 
-/// Number of programs per verification result.
+/// Number of programs with each result of the verification.
 #[derive(Debug, Default)]
 struct Verified {
     completely: usize,
@@ -52,7 +52,7 @@ struct Verified {
     wrong: usize,
 }
 
-/// Checks programs and executes their event tables in every order of events.
+/// Checks programs, then executes their event tables in every order of events.
 pub fn run(options: &VerifyArguments) -> Result<Exit, Failure> {
     let mut exit = Exit::Success;
     let mut verified = Verified::default();
@@ -102,7 +102,8 @@ impl Verified {
     }
 }
 
-/// Explores the programs of a correct file, each up to this number of states.
+/// Executes the programs of a file without errors in every order of events. `states` limits the
+/// number of states of each program.
 fn explore(
     file: &str,
     checked: &Checked,
@@ -199,8 +200,8 @@ fn describe(reports: &[ExplorationReport], bounds: &ExplorationBounds) -> String
     out
 }
 
-/// Returns the message about a violation with its sequence of events. Returns `None` if there is
-/// none.
+/// Returns the message about a violation, with the sequence of events that leads to it. Returns
+/// `None` if there is no violation.
 fn violation_message(file: &str, tables: &Tables, report: &ExplorationReport) -> Option<String> {
     let violation = report.violation()?;
     Some(format!(

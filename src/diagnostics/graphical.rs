@@ -1,20 +1,20 @@
-//! Diagnostics drawn over the source.
+//! Diagnostics that are drawn over the source.
 use stochc_compiler::diagnostic::{Code, Diagnostic, Edit, Renderer, Severity};
 use stochc_compiler::{Checked, FileId};
 use stochc_text::{counted, series};
 
-/// Largest number of diagnostics that are drawn. The others are counted.
+/// Largest number of drawn diagnostics. Further diagnostics are only counted.
 const MAX_DRAWN: usize = 50;
 
-/// Largest number of codes that the last line names.
+/// Largest number of diagnostic codes in the last line.
 const MAX_NAMED: usize = 5;
 
-/// Draws all diagnostics of a file, errors first.
+/// Returns all diagnostics of a file, drawn over the source, errors first.
 pub fn show(checked: &Checked, colour: bool, width: usize) -> String {
     draw(checked, |_| true, colour, width)
 }
 
-/// Draws only the errors of a file.
+/// Returns the errors of a file, drawn over the source.
 pub fn show_errors(checked: &Checked, colour: bool, width: usize) -> String {
     draw(checked, Diagnostic::is_error, colour, width)
 }
@@ -43,18 +43,18 @@ fn draw(
     out
 }
 
-/// Number and codes of diagnostics, for the last lines of a report.
+/// Counts and codes of diagnostics, for the last lines of the output.
 #[derive(Clone, Debug, Default)]
 pub struct DiagnosticCounts {
     errors: usize,
     warnings: usize,
     fixable: usize,
-    /// Codes without duplicates, errors first.
+    /// Codes of the counted diagnostics without duplicates, errors first.
     codes: Vec<(Severity, Code)>,
 }
 
 impl DiagnosticCounts {
-    /// Adds the diagnostics of a file.
+    /// Counts the diagnostics of a file.
     pub fn add(&mut self, checked: &Checked) {
         for diagnostic in &checked.diagnostics {
             match diagnostic.severity {
@@ -64,7 +64,7 @@ impl DiagnosticCounts {
             if !self.codes.iter().any(|&(_, code)| code == diagnostic.code) {
                 self.codes.push((diagnostic.severity, diagnostic.code));
             }
-            // Fixes in another file are applied when that file is checked.
+            // A check of another file applies the fixes of that file.
             let is_own = |edit: &Edit| edit.location.file == FileId(0);
             let fix = diagnostic.fix.as_ref();
             let is_fixable = fix.is_some_and(|fix| fix.safe && fix.edits.iter().all(is_own));
@@ -73,8 +73,8 @@ impl DiagnosticCounts {
         self.codes.sort_by_key(|&(severity, _)| severity);
     }
 
-    /// Returns ``2 errors, 1 warning; `stochc check --fix` can fix 1 of them`` and a line that names
-    /// `stochc explain`. Returns an empty text if nothing was counted.
+    /// Returns the last lines, such as ``2 errors, 1 warning; `stochc check --fix` can fix 1 of
+    /// them``, and a line about `stochc explain`. Returns an empty text if nothing was counted.
     pub fn lines(&self) -> String {
         let parts = [(self.errors, "error"), (self.warnings, "warning")];
         let told: Vec<String> = (parts.into_iter())

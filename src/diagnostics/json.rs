@@ -3,17 +3,18 @@ use serde_json::{Value, json};
 use stochc_compiler::diagnostic::{diagnostics_json, program_json};
 use stochc_compiler::{Checked, Program};
 
-/// Diagnostics and programs of several files as one JSON document.
+/// JSON document with the diagnostics and programs of several files.
 #[derive(Debug, Default)]
 pub struct CheckDocument {
     diagnostics: Vec<Value>,
     programs: Vec<Value>,
-    /// The physics of the scenes. `None` without `--physics`.
+    /// Physics of the scenes, as JSON. `None` without `--physics`.
     pub scenes: Option<Vec<Value>>,
 }
 
 impl CheckDocument {
-    /// Adds the diagnostics and the programs of a file. Each program may have a `cost`.
+    /// Adds the diagnostics and programs of a file. `cost` returns the data of `--cost` for a
+    /// program.
     pub fn add(&mut self, file: &str, checked: &Checked, cost: impl Fn(&Program) -> Option<Value>) {
         self.diagnostics.extend(diagnostics_json(checked));
         for (number, checked_program) in checked.programs.iter().enumerate() {
@@ -25,7 +26,8 @@ impl CheckDocument {
         }
     }
 
-    /// Returns `{ format, diagnostics, programs }`, with `scenes` if requested.
+    /// Returns the document as text: `{ format, diagnostics, programs }`, with `scenes` if
+    /// requested.
     pub fn text(self) -> String {
         let mut document = json!({
             "format": 1,

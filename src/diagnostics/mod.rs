@@ -1,4 +1,4 @@
-//! Prints diagnostics: drawn, as single lines, as JSON, or as SARIF.
+//! Output of diagnostics: drawn, as single lines, as JSON, or as SARIF.
 mod graphical;
 mod json;
 mod sarif;
@@ -16,9 +16,9 @@ pub use stochc_compiler::diagnostic::diagnostics_json;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "command", derive(clap::ValueEnum))]
 pub enum Format {
-    /// Drawn over the source text.
+    /// Diagnostics drawn over the source text.
     Graphical,
-    /// One line each: `file:line:column: severity[code]: message`.
+    /// One line per diagnostic: `file:line:column: severity[code]: message`.
     Short,
     /// One JSON document.
     Json,
@@ -26,7 +26,7 @@ pub enum Format {
     Sarif,
 }
 
-/// Returns the diagnostics of a file in this format, ready to print.
+/// Returns the diagnostics of a file in this format.
 pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> String {
     match format {
         Format::Graphical => graphical::show(checked, colour, width),
@@ -45,14 +45,15 @@ pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> St
     }
 }
 
-/// Draws the diagnostics of one file over its source, with their number at the end.
+/// Returns the diagnostics of one file, drawn over its source. Their number follows at the end.
 pub fn drawn(checked: &Checked, colour: bool, width: usize) -> String {
     let mut tally = DiagnosticCounts::default();
     tally.add(checked);
     graphical::show(checked, colour, width) + &tally.lines()
 }
 
-/// Draws the errors of one file over its source, with the number of diagnostics at the end.
+/// Returns the errors of one file, drawn over its source. The number of diagnostics follows at the
+/// end.
 pub fn drawn_errors(checked: &Checked, colour: bool, width: usize) -> String {
     let mut tally = DiagnosticCounts::default();
     tally.add(checked);

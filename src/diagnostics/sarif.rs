@@ -2,8 +2,8 @@
 //!
 //! # Source
 //!
-//! [OASIS Standard](https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html). Comments below
-//! give its section numbers.
+//! [OASIS Standard](https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html). Section
+//! numbers in comments refer to this standard.
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
@@ -11,15 +11,15 @@ use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, Label};
 use stochc_compiler::{Allowed, Checked, SourceLocation, Sources, without_dots};
 use stochc_files::address::address;
 
-/// The schema that the document follows.
+/// Address of the JSON schema that the document follows.
 const SCHEMA: &str =
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
 
-/// The diagnostics of one or more files, as one run of the tool.
+/// SARIF log with the diagnostics of one or more files, as one run of the tool.
 #[derive(Debug)]
 pub struct SarifLog {
-    /// Folder for relative addresses, with `/` as the separator and at the end. `None` for absolute
-    /// addresses.
+    /// Folder that addresses are relative to, with `/` as separator and at the end. `None` for
+    /// absolute addresses.
     folder: Option<String>,
     results: Vec<Value>,
     /// Whether every file could be read.
@@ -49,7 +49,7 @@ impl SarifLog {
         }
         for Allowed { diagnostic, reason } in &checked.allowed {
             let mut result = self.result(path, diagnostic, &checked.sources);
-            // Section 3.35: a suppressed result has a reason.
+            // Section 3.35: a suppressed result states the reason.
             let suppression = match reason {
                 Some(reason) => json!({ "kind": "inSource", "justification": reason }),
                 None => json!({ "kind": "external" }),
@@ -59,12 +59,12 @@ impl SarifLog {
         }
     }
 
-    /// Records that a file could not be read.
+    /// Records that a file could not be read, so that the log is incomplete.
     pub fn leave_out(&mut self) {
         self.complete = false;
     }
 
-    /// Returns the complete document.
+    /// Returns the complete log as JSON text.
     pub fn document(self) -> String {
         let version = env!("CARGO_PKG_VERSION");
         let rules: Value = Code::ALL.iter().map(|&code| rule(code)).collect();
@@ -86,7 +86,7 @@ impl SarifLog {
         format!("{document:#}\n")
     }
 
-    /// Returns a diagnostic as a result (section 3.27).
+    /// Returns a diagnostic as a SARIF result (section 3.27).
     fn result(&self, path: &str, diagnostic: &Diagnostic, sources: &Sources) -> Map<String, Value> {
         let mut text = diagnostic.message();
         if let Some(help) = &diagnostic.help {
@@ -96,7 +96,7 @@ impl SarifLog {
         let mut labels = diagnostic.labels.iter();
         let place = match labels.next() {
             Some(label) => self.location(label, sources),
-            // An unreadable file has no lines.
+            // A file that cannot be read has no lines.
             None => json!({ "physicalLocation": { "artifactLocation": self.artifact(path) } }),
         };
         let mut result = Map::new();
@@ -123,7 +123,7 @@ impl SarifLog {
         result
     }
 
-    /// Returns a label as a location (section 3.28).
+    /// Returns a label of a diagnostic as a SARIF location (section 3.28).
     fn location(&self, label: &Label, sources: &Sources) -> Value {
         let name = &sources.file(label.location.file).name;
         json!({
@@ -135,7 +135,7 @@ impl SarifLog {
         })
     }
 
-    /// Returns a fix (section 3.55) with one `artifactChange` per changed file.
+    /// Returns a fix as a SARIF fix (section 3.55), with one `artifactChange` per changed file.
     fn fix(&self, fix: &Fix, sources: &Sources) -> Value {
         let mut files: Vec<_> = fix.edits.iter().map(|edit| edit.location.file).collect();
         files.sort_unstable();
@@ -157,7 +157,7 @@ impl SarifLog {
                 })
             })
             .collect();
-        // SARIF has no field for the safety of a fix.
+        // SARIF has no field that states whether a fix is safe.
         let text = if fix.safe {
             fix.title.clone()
         } else {
@@ -166,13 +166,13 @@ impl SarifLog {
         json!({ "description": { "text": text }, "artifactChanges": changes })
     }
 
-    /// Returns an artifact location (section 3.4).
+    /// Returns a file as an artifact location (section 3.4).
     fn artifact(&self, name: &str) -> Value {
         json!({ "uri": file_address(name, self.folder.as_deref()) })
     }
 }
 
-/// Returns a region (section 3.30). The unit of its columns is declared by the run.
+/// Returns a source location as a region (section 3.30). The run declares the unit of its columns.
 fn region(sources: &Sources, location: SourceLocation) -> Value {
     let (start_line, start_column) = sources.file(location.file).position(location.span.start);
     let (end_line, end_column) = sources.file(location.file).position(location.span.end);
@@ -184,7 +184,8 @@ fn region(sources: &Sources, location: SourceLocation) -> Value {
     })
 }
 
-/// Returns a reporting descriptor (section 3.49) with texts from the page of the code.
+/// Returns a diagnostic code as a reporting descriptor (section 3.49). Its texts are from the page
+/// about the code.
 fn rule(code: Code) -> Value {
     let page = code.page();
     let (_, text) = page.split_once('\n').unwrap_or((page, ""));
@@ -199,7 +200,7 @@ fn rule(code: Code) -> Value {
     })
 }
 
-/// Returns the address of a file. Names below `folder` and relative names give relative addresses.
+/// Returns the address of a file. It is relative if the name is relative or below `folder`.
 fn file_address(name: &str, folder: Option<&str>) -> String {
     let name = slashes(name);
     let path = folder
@@ -214,7 +215,7 @@ fn file_address(name: &str, folder: Option<&str>) -> String {
     }
 }
 
-/// Returns a path with `/` as the separator.
+/// Returns a path with `/` as separator.
 fn slashes(path: &str) -> String {
     match std::path::MAIN_SEPARATOR {
         '/' => path.to_owned(),

@@ -1,4 +1,4 @@
-//! Selects one run of a results folder, to show it or to repeat it.
+//! Selection of one run of a results folder, to show or repeat it.
 use std::io::{BufReader, ErrorKind, Read, Seek as _};
 use std::path::{Path, PathBuf};
 
@@ -17,22 +17,22 @@ use super::runs::warn_of_build;
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
-/// A run of an ensemble, with everything that is needed to repeat it.
+/// Run of an ensemble, with all data for repeating it.
 #[derive(Debug)]
 pub struct ChosenRun {
-    /// Results folder. `None` if the ensemble is not stored.
+    /// Results folder of the ensemble. `None` if it is not stored.
     folder: Option<PathBuf>,
     /// Manifest of the whole ensemble.
     pub manifest: Manifest,
     /// Index of the program in the manifest.
     pub program: usize,
-    /// The number of the run.
+    /// Number of the run, from 0.
     pub run: u64,
-    /// Record of the run in the folder. `None` if the run has not been made yet.
+    /// Stored run. `None` if the run has not been made yet.
     known: Option<Finished>,
 }
 
-/// Selects a run of an ensemble. The program may be omitted if the ensemble has only one.
+/// Selects a run of an ensemble. `program` may be `None` if the ensemble has only one program.
 ///
 /// # Errors
 /// If the program or the run does not exist.
@@ -62,8 +62,8 @@ pub fn choose(
     })
 }
 
-/// Returns the number of the run with the median completion time. The program may be omitted if
-/// there is only one.
+/// Returns the number of the run with the median completion time. `program` may be `None` if the
+/// ensemble has only one program.
 ///
 /// # Errors
 /// If the program does not exist, or none of its runs completed.
@@ -83,8 +83,8 @@ pub fn median_run(
     })
 }
 
-/// Returns the index of the program called `name`. The name may be omitted if there is only one
-/// program. `holder` is the word for the folder or file in the message.
+/// Returns the index of the program called `name`. `name` may be `None` if there is only one
+/// program. `holder` is the word for the folder or file in the error message.
 ///
 /// # Errors
 /// If no program has this name, or the name is missing. The error is a message for the user.
@@ -116,11 +116,11 @@ impl ChosenRun {
         self.known.as_ref().map(|known| &known.record)
     }
 
-    /// Returns the name of a file about this run: the assembly and the run number between two
-    /// texts.
+    /// Returns the name for a file about this run. The name of the assembly and the run number are
+    /// between `before` and `after`.
     pub fn file_name(&self, before: &str, after: &str) -> String {
-        // Uses the assembly, which is a word. The program's name may be any text in an edited
-        // manifest.
+        // The name of an assembly is a valid word. The name of a program may be any text in an
+        // edited manifest.
         let assembly = self.entry().assembly();
         let twins = (self.manifest.programs.iter()).filter(|twin| twin.assembly() == assembly);
         let which = match twins.count() {
@@ -130,7 +130,7 @@ impl ChosenRun {
         format!("{before}{assembly}{which}-{}{after}", self.run)
     }
 
-    /// Repeats the run with an observer, and checks that its record equals that of the folder.
+    /// Repeats the run with an observer. Checks that its record equals the stored record.
     ///
     /// # Errors
     /// If the records differ, or the run is interrupted.
@@ -163,8 +163,8 @@ impl ChosenRun {
         Ok(record)
     }
 
-    /// Opens the recording of the run at its start. Repeats the run if it has no recording, and
-    /// stores the new recording if the folder is writable.
+    /// Opens the recording of the run. If there is none, repeats the run, and stores the new
+    /// recording if the folder is writable.
     ///
     /// # Errors
     /// If the existing recording is unusable, or [`ChosenRun::again`] fails.
@@ -229,7 +229,7 @@ impl ChosenRun {
     }
 }
 
-/// Returns the error that a recording is unusable for this reason.
+/// Returns the failure for an unusable recording.
 fn useless(path: &Path, reason: &str) -> Failure {
     let shown = path.display();
     Failure::usage(format!(

@@ -1,13 +1,13 @@
-//! Looks up diagnostics by their codes.
+//! Lookup of diagnostics by their codes.
 use stochc_compiler::diagnostic::{Code, Severity};
 
 /// Name that stands for all warnings in `--allow`, `--warn` and `--deny`.
 pub const ALL_WARNINGS: &str = "warnings";
 
-/// Returns the warning with this name. Returns `None` if the name means all warnings.
+/// Returns the warning with this code. Returns `None` if the name means all warnings.
 ///
 /// # Errors
-/// If no warning has this name. The error is a message for the user.
+/// If no warning has this code. The error is a message for the user.
 pub fn warning(name: &str) -> Result<Option<Code>, String> {
     if name == ALL_WARNINGS {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! Makes the runs of an ensemble.
+//! Execution of the runs of an ensemble.
 use std::path::Path;
 use std::time::Duration;
 
@@ -29,34 +29,34 @@ use crate::progress::of_ensemble;
 pub struct EnsembleOptions<'a> {
     /// Results folder. `None` if the results stay in memory.
     pub out: Option<&'a Path>,
-    /// Whether to resume from the runs in the folder.
+    /// Rule for runs that the folder already contains.
     pub resume: Resume,
-    /// Runs to record. Recordings require a folder.
+    /// Selection of runs to record. Recordings require a folder.
     pub record: Option<&'a Selection>,
-    /// Time between two recorded positions \[ticks\].
+    /// Interval between recorded positions \[ticks\].
     pub record_every: u32,
     /// Interval between checkpoints of running simulations.
     pub checkpoints: Interval,
     /// Number of threads. `None` means one per core.
     pub threads: Option<u16>,
-    /// Whether the user has been warned that other builds made some of the runs.
+    /// Whether the user has already been warned that other builds made some of the runs.
     pub has_warned_of_build: bool,
-    /// Whether the caller may ask for more runs afterwards. The folder is then not finished.
+    /// Whether the caller may request more runs afterwards. The folder then stays open for them.
     pub goes_on: bool,
     /// Size and format of the figures of a sweep.
     pub figures: &'a Figures,
-    /// Whether to rewrite the report of the folder during the runs.
+    /// Whether to rewrite the report of the folder during the work.
     pub watch: bool,
-    /// Time after which no run is started. `None` if there is no limit.
+    /// Time limit for starting runs. `None` if there is no limit.
     pub time_limit: Option<Duration>,
 }
 
-/// The runs of an ensemble, and the reason if some recordings are missing.
+/// Runs of an ensemble, and an error if recordings are missing.
 #[derive(Debug)]
 pub struct MadeEnsemble {
     /// All runs, including those of earlier commands.
     pub results: Results,
-    /// Why recordings are missing. `None` if all recordings exist.
+    /// Reason why recordings are missing. `None` if all recordings exist.
     pub unrecorded: Option<Failure>,
 }
 
@@ -83,14 +83,14 @@ pub fn can_record(manifest: &Manifest, record: Option<&Selection>) -> Result<(),
     }
 }
 
-/// Reports warnings about the scenes of a manifest that no check has reported yet. Each warning is
-/// reported once.
+/// Reports warnings about the scenes of a manifest that a check has not reported yet. Reports each
+/// warning only once.
 ///
-/// A check has already reported warnings about programs that were read from source. `is_checked`
-/// states that this check used the same settings.
+/// For programs read from source, a check has already reported warnings. `is_checked` states that
+/// this check used the same settings.
 ///
 /// # Errors
-/// If such a warning is denied.
+/// If the level of such a warning is "deny".
 pub fn judge_scenes(
     manifest: &Manifest,
     is_checked: bool,
@@ -138,7 +138,7 @@ pub fn judge_scenes(
     })
 }
 
-/// A warning about the scene of a program. Other programs may share it.
+/// Warning about the scene of a program. Other programs may have the same warning.
 struct FoundWarning<'a> {
     program: &'a EnsembleProgram,
     stepping: Stepping,
@@ -152,7 +152,7 @@ impl FoundWarning<'_> {
         (self.warning.kind, self.warning.symbol) == (other.kind, other.symbol)
     }
 
-    /// Returns the warning in one line, without its level.
+    /// Returns the warning as one line of text, without its level.
     fn text(&self, code: Code) -> String {
         let others = match self.others {
             0 => String::new(),
@@ -170,7 +170,7 @@ impl FoundWarning<'_> {
     }
 }
 
-/// Returns the level of a warning about a program's scene. The source of the program has priority
+/// Returns the level of a warning about a program's scene. A level in the source has precedence
 /// over the command line.
 fn level(program: &EnsembleProgram, code: Code, levels: &LintLevels) -> Level {
     let checked = KeptText::new(program, levels).checked;
@@ -245,7 +245,7 @@ pub fn make(
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
     let work = || run_all(destination, &progress, stop, simulate);
     let results = match how.out.filter(|_| how.watch) {
-        // All runs exist, so there is no progress to show.
+        // All runs already exist, so there is no progress to show.
         _ if is_all_there => work(),
         None => during(host, state, work),
         Some(out) => watched(out, how.figures, host, || during(host, state, work))?,

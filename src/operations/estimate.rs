@@ -1,4 +1,4 @@
-//! Estimates completion times with the rate model.
+//! Estimates of completion times with the rate model.
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
@@ -12,23 +12,25 @@ use super::rates::{at_hand, of_files_for, of_scenes, supported};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
-/// Approximate number of captures to draw for a program, over all its runs.
+/// Approximate number of captures to sample for a program, in all its runs.
 const DRAWN: u64 = 1_000_000;
 
-/// Largest and smallest number of runs of a program.
+/// Largest number of runs of a program.
 const MAX: u64 = 2000;
+/// Smallest number of runs of a program.
 const MIN: u64 = 20;
 
 /// Options of an estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimating<'a> {
-    /// Files of rates. Scenes without rates use the uncalibrated estimate, or are calibrated first
-    /// if `runs` is given.
+    /// Files with calibrated rates. Other scenes get the uncalibrated estimate. If `runs` is given,
+    /// they are calibrated first.
     pub rates: &'a [PathBuf],
-    /// Number of runs per program. `None` means that waiting times are summed along the dependency
-    /// graph. Executables then get enough runs to draw a million captures.
+    /// Number of runs of each program in the rate model. `None` means that waiting times are summed
+    /// along the dependency graph. For executables, `None` means enough runs to sample a million
+    /// captures.
     pub runs: Option<u64>,
-    /// Longest run \[ticks\]. Longer runs are stopped.
+    /// Limit on the ticks of a run. Longer runs are stopped.
     pub max_ticks: u64,
     /// Seed of the runs.
     pub seed: u64,
@@ -47,7 +49,7 @@ pub fn estimates(
 ) -> Result<Vec<CompletionEstimate>, Failure> {
     programs.iter().try_for_each(supported)?;
     let given = of_files_for(how.rates, programs.iter().map(|it| &it.scene), host)?;
-    // Calibrates missing rates once, before the first run.
+    // Calibrate missing rates only once, before the first run.
     let known = match how.runs {
         Some(_) => of_scenes(&given, &programs, how.threads, host)?,
         None => given,

@@ -1,4 +1,4 @@
-//! Exports the trajectories of a run for other programs.
+//! Export of the trajectories of a run to other applications.
 use std::path::Path;
 
 use stochc_files::atomic::{Draft, Replaces, ends_with, holds};
@@ -8,7 +8,7 @@ use super::chosen_run::ChosenRun;
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Repeats a run and writes the positions of its blocks every `every` ticks as a Parquet table.
+/// Repeats a run and writes the positions of its blocks at every `every`th tick as a Parquet table.
 ///
 /// # Errors
 /// If the repeated run differs from the stored one, or the file cannot be written.
@@ -47,7 +47,7 @@ pub fn parquet(
 /// See [`parquet`].
 pub fn gltf(chosen: &ChosenRun, every: u32, path: &Path, host: &dyn Host) -> Result<(), Failure> {
     let (tables, scene) = (chosen.entry().tables(), &chosen.entry().scene);
-    // Opens the file first, because the run may take long.
+    // Open the file first, so that errors appear before a long run.
     let file = Draft::new(path, Replaces::Ours(|file| holds(file, GLTF_MARK)));
     let mut file = file.map_err(|error| Failure::not_written(path, error))?;
     let mut gltf = Gltf::new(every, scene.free.count, tables);

@@ -1,4 +1,4 @@
-//! Fits scene parameters to measured completion times.
+//! Fits of scene parameters to measured completion times.
 use std::path::Path;
 
 use stochc_compiler::LintLevels;
@@ -22,23 +22,23 @@ use super::sweep::{at_point, share_tables};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
-/// A program of a fit.
+/// Program of a fit, with its measured times.
 #[derive(Clone, Debug)]
 pub struct FitProgram {
-    /// The program with its scene as written.
+    /// Program with the scene as in its source.
     pub program: EnsembleProgram,
     /// Measured times of the program, or the number of runs to predict.
     pub measurement: Measurement,
 }
 
-/// Programs whose times the fit does not use.
+/// Programs that the fit does not use, although they are given.
 #[derive(Clone, Copy, Debug)]
 pub struct Unused<'a> {
-    /// Names of programs whose times are held out for validation.
+    /// Names of programs that are held out: their measured times validate the fit.
     pub held_out: &'a [String],
-    /// Names of programs without measured times.
+    /// Names of programs without measured times. Their times are only predicted.
     pub predicted: &'a [String],
-    /// Number of runs of each predicted measurement.
+    /// Number of runs that the times of a predicted program stand for.
     pub n: usize,
 }
 
@@ -47,15 +47,16 @@ pub struct Unused<'a> {
 pub struct FitSetup<'a> {
     /// Scene parameters to fit, with their ranges.
     pub priors: &'a [Prior],
-    /// Points per round. `None` means three per coefficient of the polynomials.
+    /// Number of points per round. `None` means three per coefficient of the polynomials.
     pub points: Option<usize>,
-    /// Number of rounds, at least one. Each round samples the range that the previous one left.
+    /// Number of rounds, at least one. Each round samples the range that the previous round left as
+    /// plausible.
     pub rounds: u64,
     /// Number of runs of each program at each point.
     pub runs: u64,
-    /// The unit of the times.
+    /// Unit of the measured times.
     pub unit: Unit,
-    /// Settings of every run. A run is stopped at `max_ticks`.
+    /// Settings of every simulated run, including the limit of its ticks.
     pub settings: Settings,
     /// Seed of all random numbers.
     pub seed: u64,
@@ -65,7 +66,8 @@ pub struct FitSetup<'a> {
     pub levels: &'a LintLevels,
 }
 
-/// Resolves the scene parameters to fit in the scenes of all programs.
+/// Checks the scene parameters of a fit against the scenes of all programs. Returns the completed
+/// priors.
 ///
 /// # Errors
 /// If a parameter is given twice or does not exist in a scene. If its range has invalid values or
@@ -85,8 +87,8 @@ pub fn of_scenes(mut priors: Vec<Prior>, measured: &[FitProgram]) -> Result<Vec<
     Ok(priors)
 }
 
-/// Reads the measured times of each program from a CSV file. Warns if many equal times suggest
-/// stopped runs.
+/// Reads the measured times of each program from a CSV file. Warns if many times are equal, which
+/// suggests stopped runs.
 ///
 /// # Errors
 /// If the file cannot be read or is not a table of times.
@@ -102,11 +104,11 @@ pub fn measured_times(path: &Path, host: &dyn Host) -> Result<MeasuredTimes, Fai
     Ok(times)
 }
 
-/// Assigns measured times to programs.
+/// Matches programs with measured times by name.
 ///
 /// # Errors
-/// If a program has neither times nor a prediction, times belong to no program, or no program is
-/// left for the fit.
+/// If a program has neither times nor a prediction, times belong to no program, or the fit would
+/// use no program.
 pub fn matched(
     programs: Vec<EnsembleProgram>,
     mut observed: Vec<(String, Observed)>,
@@ -183,7 +185,7 @@ fn measurement(
     })
 }
 
-/// The points of one round of the fit.
+/// Points that one round of a fit simulates.
 struct Points<'a> {
     design: &'a Design,
     seed: u64,
@@ -211,7 +213,7 @@ impl FitSetup<'_> {
         self.seed.wrapping_add(1_000_000 * round)
     }
 
-    /// Returns the points of a round. They have only valid values of the parameters.
+    /// Returns the points of a round, moved to valid values of the parameters.
     fn design(&self, ends: &[(f64, f64)], round: u64) -> Result<Design, Failure> {
         let mut design = Design::latin_hypercube(ends, self.points()?, self.seed_of_round(round));
         for point in &mut design.points {
@@ -221,7 +223,7 @@ impl FitSetup<'_> {
         Ok(design)
     }
 
-    /// Returns the length of the unit of time \[ticks\].
+    /// Returns the number of ticks in the unit of the measured times.
     fn ticks(&self, scene: &Scene) -> f64 {
         match self.unit {
             Unit::Ticks => 1.0,
@@ -229,7 +231,7 @@ impl FitSetup<'_> {
         }
     }
 
-    /// Returns the manifest with the runs of a round.
+    /// Returns the manifest of the runs in a round.
     fn manifest(
         &self,
         measured: &[FitProgram],
@@ -242,7 +244,7 @@ impl FitSetup<'_> {
     }
 }
 
-/// Forecasts the CPU time of a fit. Assumes that all rounds take as long as the first.
+/// Forecasts the CPU time of a fit. Assumes that all rounds take as long as the first one.
 ///
 /// # Errors
 /// See [`fit`].
@@ -286,8 +288,7 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
         }
         let emulators: Option<Vec<Emulator>> = (all.iter().zip(measured))
             .map(|(points, program)| {
-                // Fits polynomials only near the remaining range. Distant points would distort
-                // them.
+                // Fit polynomials only near the remaining range. Distant points would distort them.
                 let near = points.iter().filter(|point| point.is_within(&ends));
                 let near: Vec<Simulated> = near.cloned().collect();
                 Emulator::new(&near, program.measurement.horizon())
@@ -332,7 +333,7 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
     })
 }
 
-/// Checks that simulated runs last at least as long as the observed ones.
+/// Checks that the limit of ticks allows simulated runs to last as long as the measured ones.
 fn check_limit(setup: &FitSetup, measured: &[FitProgram]) -> Result<(), Failure> {
     let limit = setup.settings.max_ticks.unwrap_or(u64::MAX);
     for FitProgram {
@@ -351,8 +352,8 @@ fn check_limit(setup: &FitSetup, measured: &[FitProgram]) -> Result<(), Failure>
     Ok(())
 }
 
-/// Simulates every program at every point. Returns the times, and the number of runs without a time
-/// that the fit needs.
+/// Simulates every program at every point. Returns the times. Also returns the number of runs whose
+/// unknown times the fit would need.
 fn simulated(
     setup: &FitSetup,
     measured: &[FitProgram],
@@ -374,13 +375,13 @@ fn simulated(
         let completed = observed[entry].iter().filter_map(|it| it.completed_time());
         let times: Vec<f64> = completed.map(|ticks| ticks / unit).collect();
         let incomplete = observed[entry].len() - times.len();
-        // Before the horizon, an incomplete run is as informative as a complete one.
+        // If there is a horizon, an incomplete run is as informative as a complete one.
         let lost = match measured[entry / count].measurement.horizon() {
             Some(_) => 0,
             None => setup.runs as usize - times.len(),
         };
         stopped += lost;
-        // If many runs of a point are stopped, its times come from the fast runs only.
+        // If many runs at a point are stopped, the known times are biased towards fast runs.
         if lost * 10 <= setup.runs as usize {
             found[entry / count].push(Simulated {
                 at: points.design.points[entry % count].clone(),
@@ -392,7 +393,7 @@ fn simulated(
     Ok((found, stopped))
 }
 
-/// Returns the scenes of all programs with the fitted medians, as source that other programs can
+/// Returns the scenes of all programs with the fitted medians, as source text that programs can
 /// import.
 ///
 /// # Errors
@@ -439,7 +440,7 @@ pub fn fitted_scenes(
     Ok(laid_out.expect("clauses are written as they are read"))
 }
 
-/// Returns each program at each point, program by program.
+/// Returns all combinations of programs and points, sorted by program.
 fn at_points(
     setup: &FitSetup,
     measured: &[FitProgram],

@@ -1,4 +1,4 @@
-//! Forecasts the CPU time of runs.
+//! Forecasts of the CPU time of runs.
 use stochc_results::{CpuForecast, EnsembleProgram, Manifest, forecast_cpu_time};
 use stochc_runtime::rates::{Rates, estimate};
 use stochc_text::words;
@@ -8,7 +8,7 @@ use super::runs::{threads as default_threads, try_out_all};
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Forecasts the CPU time of an ensemble. It takes about a second.
+/// Forecasts the CPU time of an ensemble. The forecast itself takes about a second.
 ///
 /// # Errors
 /// If a scene cannot be set up, or the user interrupts.
@@ -18,14 +18,15 @@ pub fn cpu_time(manifest: &Manifest, host: &dyn Host) -> Result<CpuForecast, Fai
     forecast.ok_or_else(|| stopped("nothing was simulated"))
 }
 
-/// Returns the mean completion time by the rate model \[ticks\]. Returns `None` if the model has no
-/// rates for the scene.
+/// Returns the mean completion time in the rate model \[ticks\]. Returns `None` if the scene has no
+/// rates.
 fn expected_ticks(program: &EnsembleProgram) -> Option<f64> {
     let rates = Rates::known_or_guessed(&[], &program.scene)?;
     estimate(program.parts(), Some(&rates))?.total?.mean
 }
 
-/// Returns a forecast as a line of text: `576 runs, about 30 s of CPU time (15 s on 2 threads)`.
+/// Returns a forecast as one line of text, for example `576 runs, about 30 s of CPU time (15 s on 2
+/// threads)`.
 pub fn forecast_to_text(forecast: &CpuForecast, threads: Option<u16>) -> String {
     let about = if forecast.is_lower_bound {
         "at least"

@@ -8,12 +8,12 @@ use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::progress::of_ensemble;
 
-/// Makes all runs of a manifest. Each program gets its own seed, because equal random impulses
-/// would correlate the errors of programs.
+/// Makes all runs of a manifest. Each program gets its own seed: equal random impulses would
+/// correlate the errors of programs.
 ///
 /// # Errors
-/// If a scene cannot be set up, or the user interrupts. `stopped` is the consequence
-/// in the message.
+/// If a scene cannot be set up, or the user interrupts. The message about an interrupt includes
+/// `stopped`.
 pub fn all_runs(
     manifest: &Manifest,
     threads: Option<u16>,
@@ -42,7 +42,7 @@ pub fn all_runs(
     }
 }
 
-/// Returns the error of an interrupted command. `what` states the consequence.
+/// Returns the failure of an interrupted command. `what` describes the consequence.
 pub fn stopped(what: &str) -> Failure {
     Failure {
         exit: Exit::Interrupted,

@@ -1,10 +1,11 @@
-//! The JSON documents that commands print; `docs/reference/json.md` describes them.
+//! JSON documents that commands print. `docs/reference/json.md` describes them.
 use serde::Serialize;
 
-/// Version of all JSON documents.
+/// Version of the format of all JSON documents.
 pub const FORMAT: u32 = 1;
 
-/// A document with the version of its format. The keys of `content` are written next to `format`.
+/// Document with the version of its format. The fields of `content` are at the same level as
+/// `format`.
 #[derive(Serialize)]
 struct Document<T> {
     format: u32,

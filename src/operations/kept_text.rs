@@ -1,24 +1,24 @@
-//! Compiles the sources that a results folder stores with each program.
+//! Compilation of the sources that a results folder stores for each program.
 use stochc_compiler::{Checked, LintLevels, Program};
 use stochc_results::{EnsembleProgram, Varied};
 
 use super::programs::recompile;
 
-/// The result of compiling a program's stored sources.
+/// Result of compiling the stored sources of a program.
 #[derive(Debug)]
 pub struct KeptText<'a> {
     kept: &'a EnsembleProgram,
-    /// All diagnostics. If no source is stored, one diagnostic reports this.
+    /// Result of the check. If no source is stored, it contains a diagnostic that reports this.
     pub checked: Checked,
 }
 
 impl<'a> KeptText<'a> {
-    /// Compiles the sources of a program with the values of its point in a sweep.
+    /// Compiles the sources of a program, with the parameter values of its point in a sweep.
     pub fn new(kept: &'a EnsembleProgram, levels: &LintLevels) -> KeptText<'a> {
         KeptText::varied(kept, &kept.varied, levels)
     }
 
-    /// Compiles the sources of a program with the values as written.
+    /// Compiles the sources of a program, with the parameter values in the source.
     pub fn as_written(kept: &'a EnsembleProgram) -> KeptText<'a> {
         KeptText::varied(kept, &[], &LintLevels::default())
     }
@@ -37,8 +37,8 @@ impl<'a> KeptText<'a> {
         programs.find(|it| it.plan.name == self.kept.assembly())
     }
 
-    /// Returns the compiled program if it equals the stored one. Another version of the compiler
-    /// may produce a different one.
+    /// Returns the compiled program if it equals the stored one. Returns `None` if another version
+    /// of the compiler gives another result.
     pub fn same_program(&self) -> Option<&Program> {
         let program = self.program();
         program.filter(|it| it.tables.as_ref() == Some(self.kept.tables()))

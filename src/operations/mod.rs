@@ -1,8 +1,7 @@
-//! The work of each command for any [`Host`](crate::host::Host): programs, ensembles, shards,
-//! pages.
+//! Work of each command for any [`Host`](crate::host::Host): programs, ensembles, shards, pages.
 //!
-//! The command line and the Python package call these functions with the same options. They get
-//! identical folders.
+//! The command line and the Python package call these functions with the same options. The
+//! resulting folders are identical.
 pub mod chosen_run;
 pub mod codes;
 pub mod ensemble;

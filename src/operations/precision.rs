@@ -1,4 +1,4 @@
-//! Makes runs until the means are precise enough.
+//! Runs of an ensemble until the means are precise enough.
 use std::path::Path;
 
 use stochc_experiments::{Comparison, ComparisonTally, ProgramSummary};
@@ -13,12 +13,12 @@ use crate::host::Host;
 /// Number of runs per program in the first round.
 const FIRST: u64 = 30;
 
-/// Number of runs after which programs with fewer than two completed runs are ignored.
+/// Number of runs after which programs with fewer than two completed runs no longer count.
 const HOPELESS: u64 = 100;
 
-/// Makes runs until the relative 95 % confidence interval of every program's mean is at most
-/// `within`. Stops at the number of runs in `manifest`. Returns the manifest with the final number
-/// of runs, and all runs.
+/// Makes runs until the half-width of every mean's 95 % confidence interval, divided by the mean,
+/// is at most `within`. Makes at most the number of runs in `manifest`. Returns the manifest with
+/// the final number of runs, and all runs.
 ///
 /// The number of runs depends only on the times of earlier runs. The same command therefore makes
 /// the same runs.
@@ -52,7 +52,8 @@ pub fn make_until(
             return Ok((manifest, made));
         };
         manifest.runs = more.min(most);
-        // Resumes runs that it started itself. Runs of an earlier command need `--resume`.
+        // Rounds after the first resume the runs of earlier rounds. Runs of an earlier command need
+        // `--resume`.
         if stage.resume == Resume::No && there.is_none() {
             stage.resume = Resume::SameBuild;
         }
@@ -60,8 +61,8 @@ pub fn make_until(
     }
 }
 
-/// Returns the number of runs per program that a folder is planned for. Returns `None` without a
-/// folder.
+/// Returns the number of runs of each program in the manifest of a folder. Returns `None` if the
+/// folder does not exist.
 fn stored_runs(out: &Path) -> Option<u64> {
     let stored = survey(out).ok().flatten();
     stored.map(|stored| stored.runs)
@@ -73,7 +74,7 @@ fn compared(manifest: &Manifest, finished: &Records) -> Result<Comparison, Failu
     Ok(tally.finish())
 }
 
-/// Returns the half width of the confidence interval divided by the mean.
+/// Returns the half-width of the mean's confidence interval, divided by the mean.
 fn relative(program: &ProgramSummary) -> f64 {
     match &program.time {
         Some(time) if time.mean <= 0.0 => 0.0,
@@ -84,22 +85,22 @@ fn relative(program: &ProgramSummary) -> f64 {
     }
 }
 
-/// Returns the number of runs per program that are needed for the precision `within`. Returns
-/// `None` if `runs` are enough. `programs` has the number of completed runs and the relative half
-/// width for each program.
+/// Returns the number of runs per program that the precision `within` requires. Returns `None` if
+/// `runs` suffice. `programs` gives the number of completed runs and the relative half-width for
+/// each program.
 fn wanted(programs: impl Iterator<Item = (u64, f64)>, runs: u64, within: f64) -> Option<u64> {
     let hopeful = programs.filter(|&(completed, _)| completed >= 2 || runs < HOPELESS);
     let worst = hopeful.map(|(_, relative)| relative).fold(0.0, f64::max);
     if worst <= within {
         return None;
     }
-    // Intervals shrink with the square root of the number of runs. Early intervals are imprecise.
+    // The width of an interval is proportional to 1 / sqrt(runs). Early intervals are imprecise.
     let needed = runs as f64 * (worst / within).powi(2);
     let [least, most] = [runs + runs / 10 + 1, runs.saturating_mul(4)];
     Some((needed.min(most as f64).ceil() as u64).max(least))
 }
 
-/// Warns of means that are not precise enough after the largest number of runs.
+/// Warns about means that are not precise enough after the largest number of runs.
 fn warn_of_unknown(comparison: &Comparison, [runs, most]: [u64; 2], within: f64, host: &dyn Host) {
     let unknown = comparison
         .programs
@@ -135,7 +136,7 @@ mod tests {
         let of = |programs: &[(u64, f64)], runs| wanted(programs.iter().copied(), runs, 0.05);
         assert_eq!(of(&[(30, 0.05), (30, 0.01)], 30), None);
         assert_eq!(of(&[(30, 0.075), (30, 0.01)], 30), Some(68));
-        // At most four times as many, and always a few more.
+        // The number grows at most fourfold, and always by a few runs.
         assert_eq!(of(&[(30, 0.9)], 30), Some(120));
         assert_eq!(of(&[(200, 0.0501)], 200), Some(221));
         // A program that never completes does not cause more runs.

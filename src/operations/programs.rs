@@ -1,4 +1,4 @@
-//! Reads files as programs that are ready to run.
+//! Programs that are ready to run, read from files.
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
@@ -43,7 +43,7 @@ pub fn programs(
     wrong.map_or(Ok(programs), Err)
 }
 
-/// Returns the files, with each folder replaced by its programs.
+/// Returns the paths of files. Each folder is replaced by the programs in it.
 fn expanded(arguments: &[String]) -> Result<Vec<String>, Failure> {
     let files = arguments.iter().flat_map(|argument| {
         if Path::new(argument).is_dir() {
@@ -67,7 +67,7 @@ pub fn is_readable(file: &str) -> Result<(), Failure> {
     opened.map(drop).map_err(|error| cannot_read(file, error))
 }
 
-/// Returns the usage error that a file cannot be read.
+/// Returns the failure for a file that cannot be read.
 pub fn cannot_read(file: &str, reason: impl Display) -> Failure {
     Failure::usage(format!("cannot read {file}: {reason}"))
 }
@@ -88,7 +88,7 @@ fn read(
     }
 }
 
-/// Returns the programs of executable files.
+/// Returns executables as programs of an ensemble.
 fn compiled(executables: Vec<Executable>) -> Vec<EnsembleProgram> {
     let programs = executables.into_iter().map(|executable| {
         let name = executable.tables.assembly.clone();
@@ -97,7 +97,7 @@ fn compiled(executables: Vec<Executable>) -> Vec<EnsembleProgram> {
     programs.collect()
 }
 
-/// Returns the programs of a compiled file, and shows its diagnostics.
+/// Returns the programs of a compiled file, and reports its diagnostics.
 ///
 /// # Errors
 /// If the file has errors or contains nothing to run.
@@ -127,12 +127,12 @@ pub fn accept(
     Ok(complete.collect())
 }
 
-/// Returns the error that a file has no assembly to run.
+/// Returns the failure for a file without an assembly.
 pub fn nothing_to_run(file: &str) -> Failure {
     Failure::usage(format!("`{file}` declares no assembly or aggregate to run"))
 }
 
-/// Compiles stored sources for one assembly, with the values that a sweep varies.
+/// Compiles stored sources for one assembly, with the parameter values that a sweep has set.
 pub fn recompile(
     sources: &[Source],
     varied: &[Varied],
@@ -150,7 +150,7 @@ pub fn recompile(
     crate::check_texts(&texts, levels, assembly, &changes.collect::<Vec<_>>())
 }
 
-/// Returns the exit status for the diagnostics of a file.
+/// Returns the exit status for a file with these diagnostics.
 pub fn verdict(checked: &Checked) -> Exit {
     if !checked.has_errors() {
         Exit::Success

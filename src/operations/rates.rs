@@ -1,4 +1,4 @@
-//! Rates for `--model rate`, from files or from a calibration.
+//! Rates for the rate model, from files or from a calibration.
 use std::path::{Path, PathBuf};
 
 use stochc_experiments::calibration::{Calibration, PROGRAMS, profile};
@@ -17,20 +17,20 @@ use crate::exit::{Exit, Failure};
 use crate::facade::compile;
 use crate::host::Host;
 
-/// Default number of runs of a calibration. Takes about 30 s of CPU time in the default scene.
+/// Default number of runs of a calibration. They take about 30 s of CPU time in the default scene.
 pub const RUNS: u64 = 6;
-/// Longest run of a calibration \[ticks\]. Longer runs are stopped.
+/// Limit on the ticks of a run in a calibration. Longer runs are stopped.
 pub const MAX_TICKS: u64 = 60_000;
 
-/// Seed of calibrations. Differs from that of `simulate`, so that a calibration is never compared
-/// with its own random impulses.
+/// Seed of calibrations. It differs from the default seed of `simulate`, so that calibrations are
+/// tested with other random impulses.
 pub const SEED: u64 = 0x5ca1_e000;
 
-/// Returns the rates of the scenes of all programs, without duplicates. Uses known and built-in
+/// Returns the rates for the scenes of all programs, without duplicates. Uses `known` and built-in
 /// rates, and calibrates the other scenes.
 ///
 /// # Errors
-/// If a program is not supported, or a calibration fails.
+/// If the rate model does not support a program, or a calibration fails.
 pub fn of_scenes(
     known: &[Rates],
     programs: &[EnsembleProgram],
@@ -59,14 +59,14 @@ pub fn of_scenes(
     Ok(found)
 }
 
-/// Files of rates that match none of the scenes in use.
+/// Files of rates whose scene no program uses.
 #[derive(Debug)]
 pub struct UnusedRates<'a> {
     of: Vec<(&'a Path, &'a Rates)>,
 }
 
 impl<'a> UnusedRates<'a> {
-    /// Creates the list with all files. [`UnusedRates::not_of`] removes the ones in use.
+    /// Creates a list of all files. [`UnusedRates::not_of`] removes those that are used.
     pub fn new(files: &'a [PathBuf], rates: &'a [Rates]) -> UnusedRates<'a> {
         let files = files.iter().map(PathBuf::as_path);
         UnusedRates {
@@ -74,7 +74,7 @@ impl<'a> UnusedRates<'a> {
         }
     }
 
-    /// Removes the files that match one of these scenes.
+    /// Removes the files whose scene is one of these.
     pub fn not_of<'b>(&mut self, scenes: impl Iterator<Item = &'b Scene> + Clone) {
         let is_about = |rates: &Rates| scenes.clone().any(|scene| rates.are_of(scene));
         self.of.retain(|(_, rates)| !is_about(rates));
@@ -91,7 +91,7 @@ impl<'a> UnusedRates<'a> {
     }
 }
 
-/// Reads files of rates, and warns of files that match none of the scenes.
+/// Reads files of rates. Warns about files whose scene is not one of these.
 ///
 /// # Errors
 /// If a file cannot be read.
@@ -115,7 +115,7 @@ pub(crate) fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
     files.iter().map(|path| read(path)).collect()
 }
 
-/// Returns the known or built-in rates of a scene. Returns `None` if there are none, or the rate
+/// Returns the known or built-in rates for a scene. Returns `None` if there are none, or the rate
 /// model does not support the scene.
 pub(crate) fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
     Rates::known(known, scene).filter(|_| RateWorld::unsupported(scene).is_none())
@@ -124,7 +124,7 @@ pub(crate) fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates
 /// Checks that the rate model supports a program and its scene.
 ///
 /// # Errors
-/// If it does not, with the unsupported feature and a model that has it.
+/// If it does not. The error names the unsupported feature, and a model that supports it.
 pub(crate) fn supported(program: &EnsembleProgram) -> Result<(), Failure> {
     match RateWorld::unsupported_by(program.tables(), &program.scene) {
         Some(error) => Err(Failure::invalid_program(format!(
@@ -143,12 +143,12 @@ fn read(path: &Path) -> Result<Rates, Failure> {
     Rates::from_text(&text).map_err(|reason| Failure::usage(format!("`{shown}`: {reason}")))
 }
 
-/// Size of a calibration.
+/// Extent of a calibration.
 #[derive(Clone, Debug)]
 pub struct Effort {
-    /// Settings of the runs.
+    /// Settings of the simulated runs.
     pub settings: Settings,
-    /// Number of runs of each program.
+    /// Number of runs of each observed program.
     pub runs: u64,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -157,7 +157,7 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// Returns the default size of a calibration.
+    /// Returns the default extent of a calibration.
     pub fn usual(threads: Option<u16>) -> Effort {
         Effort {
             settings: Settings {
@@ -187,7 +187,7 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
         for mut executable in executables {
             let captures = executable.tables.captures() as u64;
             least = least.min(captures);
-            // Skips programs with more captures than the scene has free blocks.
+            // Skip programs with more captures than the scene has free blocks.
             if captures <= u64::from(scene.free.count) {
                 executable.scene = scene.clone();
                 observed.push(EnsembleProgram::new(name, Vec::new(), executable));

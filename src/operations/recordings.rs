@@ -1,4 +1,4 @@
-//! Records selected runs of an ensemble while they are made.
+//! Recordings of selected runs, written while the runs are made.
 use std::io;
 use std::path::Path;
 use std::sync::Mutex;
@@ -12,18 +12,18 @@ use stochc_runtime::{RunError, Watch};
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// The runs to record, and the first error in doing so.
+/// Selection of the runs to record, with the first error of a recording.
 pub(super) struct Recordings<'a> {
-    /// Folder and selected runs. `None` if no runs are recorded.
+    /// Results folder and selected runs. `None` if no runs are recorded.
     wanted: Option<(&'a Path, &'a Selection)>,
     every: u32,
     manifest: &'a Manifest,
     identity: String,
-    /// The first error of writing a recording.
+    /// First error of writing a recording. `None` if there was none.
     broken: Mutex<Option<io::Error>>,
 }
 
-/// The recording of one run.
+/// Recording of one run.
 pub(super) struct RecordingOfRun<'a> {
     all: &'a Recordings<'a>,
     folder: &'a Path,
@@ -46,7 +46,8 @@ impl<'a> Recordings<'a> {
         }
     }
 
-    /// Returns the recording to write for a run. Returns `None` if the run is not selected.
+    /// Returns the recording of a run, ready to be written. Returns `None` if the run is not
+    /// selected.
     pub fn of(&'a self, program: usize, run: u64) -> Option<RecordingOfRun<'a>> {
         let (folder, _) = self.wanted.filter(|(_, runs)| runs.contains(run))?;
         Some(RecordingOfRun {
@@ -57,8 +58,8 @@ impl<'a> Recordings<'a> {
         })
     }
 
-    /// Reports selected recordings that are missing. Returns the error of the command if any is
-    /// missing.
+    /// Warns about selected runs without a recording. Returns the failure of the command if there
+    /// are any.
     pub fn comment(&self, finished: &Records, host: &dyn Host) -> Option<Failure> {
         let (folder, runs) = self.wanted?;
         let broken = self.broken.lock().ok().and_then(|mut broken| broken.take());
@@ -83,7 +84,7 @@ impl<'a> Recordings<'a> {
 }
 
 impl RecordingOfRun<'_> {
-    /// Makes a run and records it. If the recording cannot be written, the run is still made.
+    /// Makes a run and records it. If the recording cannot be written, makes the run without it.
     pub fn record(
         &self,
         program: &EnsembleProgram,
@@ -128,7 +129,7 @@ impl RecordingOfRun<'_> {
     }
 }
 
-/// Starts a recording at `path`, and creates its folder.
+/// Begins a recording at `path`. Creates the folder if needed.
 pub(super) fn begin(
     path: &Path,
     header: &RecordingHeader,

@@ -1,4 +1,4 @@
-//! Writes the replay page of a run.
+//! Replay page of a run.
 use std::io::{self, Seek as _, Write};
 use std::path::Path;
 
@@ -14,19 +14,20 @@ use super::kept_text::KeptText;
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Options of a replay page.
+/// Options for a replay page.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct View<'a> {
-    /// Another run of the program to show side by side.
+    /// Another run of the same program that the page shows next to the first. `None` shows only one
+    /// run.
     pub beside: Option<&'a ChosenRun>,
-    /// Whether the page opens with the tour of the critical path.
+    /// Whether the page begins with the tour of the critical path.
     pub is_guided: bool,
 }
 
-/// Writes the page of a run atomically.
+/// Writes the replay page of a run, atomically.
 ///
 /// # Errors
-/// If a run cannot be shown, or the file cannot be written.
+/// If the run has no recording and cannot be repeated, or the file cannot be written.
 pub fn write(
     chosen: &ChosenRun,
     view: &View<'_>,
@@ -34,17 +35,17 @@ pub fn write(
     host: &dyn Host,
 ) -> Result<(), Failure> {
     let cannot = |error| Failure::not_written(path, error);
-    // Opens the file first, because the run may take long.
+    // Open the file first, so that errors appear before a long run.
     let ours = Replaces::Ours(|file| begins_with(file, MARK.as_bytes()));
     let mut out = Draft::new(path, ours).map_err(cannot)?;
     to(&mut out, chosen, view, host, cannot)?;
     out.keep().map_err(cannot)
 }
 
-/// Returns the page of a run.
+/// Returns the replay page of a run.
 ///
 /// # Errors
-/// If a run cannot be shown.
+/// If the run has no recording and cannot be repeated.
 pub fn page(chosen: &ChosenRun, view: &View<'_>, host: &dyn Host) -> Result<String, Failure> {
     let mut page = Vec::new();
     to(&mut page, chosen, view, host, Failure::usage)?;
@@ -71,11 +72,12 @@ fn to(
     write_page(&title, &about, recording, beside, out).map_err(cannot)
 }
 
-/// Largest number of events. Pages of larger programs do not link source locations.
+/// Largest number of events with source locations. Pages of larger programs do not highlight the
+/// source.
 const MAX_STATEMENTS: usize = 50_000;
 
-/// Returns the source location of each event. Returns nothing if the sources are missing or compile
-/// to another program.
+/// Returns the source location of each event. Returns none if the sources are missing or compile to
+/// another program.
 fn statements(program: &EnsembleProgram) -> Vec<EventLocation> {
     if program.sources.is_empty() || program.compiled.graph.events.len() > MAX_STATEMENTS {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! Writes the report on results folders and its figures.
+//! Report on results folders, with its figures.
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -19,7 +19,7 @@ use crate::host::Host;
 /// Default file name of the report.
 const PAGE: &str = "report.html";
 
-/// Writes a report on results folders, and its figures to a folder next to it.
+/// Writes a report on results folders. Writes its figures to a folder next to the page.
 ///
 /// # Errors
 /// If a results folder cannot be read, or the page would replace a file that is not a report.
@@ -33,7 +33,8 @@ pub fn write(
     write_page(&folders, out, figures, None)
 }
 
-/// Writes the report of one folder into it, without notes. A browser reloads it after the time `reload`.
+/// Writes the report on a results folder into this folder, without messages. A browser reloads the
+/// page after the time `reload`.
 ///
 /// # Errors
 /// If the folder cannot be read, or its `report.html` is not a report.
@@ -104,7 +105,8 @@ fn write_page(
     Ok(page)
 }
 
-/// Reads the results folders without duplicates. Reports all problems, not only the first.
+/// Reads results folders, without duplicates. Reports the problems of all folders, not only the
+/// first one.
 fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Failure> {
     let mut seen = Vec::new();
     let mut folders = Vec::new();
@@ -158,14 +160,14 @@ fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Fai
     }
 }
 
-/// The folder of figures next to a page.
+/// Folder for figures next to the page of a report.
 struct Beside {
     folder: PathBuf,
-    /// Content of an earlier report at the same path. Empty if there is none.
+    /// Content of an earlier report with the same path. Empty if there is none.
     earlier: Vec<u8>,
 }
 
-/// Returns the folder of figures for a page.
+/// Returns the folder for the figures of a page.
 ///
 /// # Errors
 /// If the page or the folder would replace other files. The error is a message for the user.
@@ -194,7 +196,7 @@ fn claim(page: &Path) -> Result<Beside, String> {
         ));
     }
     match disk::list(&folder) {
-        // An interrupted report may have left a partial file.
+        // An interrupted report may have left an incomplete file.
         Ok(there)
             if earlier.is_empty()
                 && !there.is_empty()
@@ -212,9 +214,9 @@ fn claim(page: &Path) -> Result<Beside, String> {
 }
 
 impl Beside {
-    /// Starts a file in the folder. Creates the folder if needed.
+    /// Begins a file in the folder. Creates the folder if needed.
     fn begin(&self, name: &str) -> io::Result<Draft> {
-        // Creates only this folder: a missing parent may be a typing error.
+        // Create only this folder: a missing parent may be a typing error.
         if !self.folder.is_dir() {
             std::fs::create_dir(&self.folder)?;
         }
@@ -222,9 +224,9 @@ impl Beside {
     }
 }
 
-/// Writes the figures and then the page that refers to them. Deletes the figures of an earlier
-/// report that the new one lacks. `chains` is renamed last, because a folder without a page has no
-/// known owner.
+/// Writes the figures, and then the page that refers to them. Deletes figures of an earlier report
+/// that the new one does not have. Renames `chains` last, because a folder without a page cannot be
+/// recognized as part of a report.
 fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Result<()> {
     let Beside { folder, earlier } = beside;
     for entry in std::fs::read_dir(folder)? {
@@ -235,7 +237,7 @@ fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Res
             extension.is_some_and(|it| ["svg", "pdf", "csv"].iter().any(|one| it == *one));
         let stays = (report.has_chains && name == CHAINS)
             || report.files.iter().any(|(file, _)| name == file.as_str());
-        // Keeps files that the earlier page does not mention.
+        // Files that the earlier page does not mention are kept.
         let address = format!("/{}\"", name.to_string_lossy());
         if is_figure && !stays && atomic::holds(&earlier[..], address.as_bytes())? {
             std::fs::remove_file(entry.path())?;
@@ -253,9 +255,8 @@ fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Res
     }
 }
 
-/// Returns the link from a report to the replay of a run. The replay is next to the page of a
-/// single folder, or in the results folder. Returns `None` if there is none below the page's
-/// folder.
+/// Returns the address of the replay of a run, relative to the page of a report. The replay is next
+/// to the page of a single folder, or in the results folder. Returns `None` if neither has one.
 fn replay(page: &Path, folder: &Path, single: bool, names: &[String]) -> Option<String> {
     let here = match page.parent()? {
         empty if empty == Path::new("") => Path::new("."),
@@ -266,14 +267,14 @@ fn replay(page: &Path, folder: &Path, single: bool, names: &[String]) -> Option<
         return Some(address(name));
     }
     let name = names.iter().find(|name| folder.join(name).is_file())?;
-    // An absolute path would break if the report moved to another computer.
+    // An absolute path would break if the report were moved to another computer.
     let (here, folder) = (here.canonicalize().ok()?, folder.canonicalize().ok()?);
     let below = folder.strip_prefix(here).ok()?.join(name);
     Some(address(&below.to_string_lossy().replace('\\', "/")))
 }
 
-/// Returns the possible file names for the replay of a run: with the assembly, or only the run
-/// number if the folder has one program.
+/// Returns the possible file names of a run's replay. They contain the assembly or only the run
+/// number.
 fn replay_names(manifest: &Manifest, program: usize, run: u64) -> Vec<String> {
     let assembly = manifest.programs[program].assembly();
     let twins = manifest.programs.iter();
@@ -283,7 +284,7 @@ fn replay_names(manifest: &Manifest, program: usize, run: u64) -> Vec<String> {
         _ => format!("-{program}"),
     };
     let mut names = Vec::new();
-    // An edited manifest may contain a path instead of a name.
+    // An edited manifest may contain a path in place of a name.
     if assembly.chars().all(|c| c.is_alphanumeric() || c == '_') {
         names.push(format!("replay-{assembly}{which}-{run}.html"));
     }

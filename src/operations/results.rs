@@ -1,4 +1,4 @@
-//! Reads results folders and summarizes their runs.
+//! Results folders and summaries of their runs.
 use std::path::Path;
 
 use serde_json::json;
@@ -24,7 +24,7 @@ use super::json::document;
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Reads a results folder and reports its problems.
+/// Reads a results folder and reports its problems. Returns its manifest and runs.
 ///
 /// # Errors
 /// If the folder contains no results.
@@ -33,7 +33,7 @@ pub fn read(folder: &Path, host: &dyn Host) -> Result<(Manifest, Records), Failu
     Ok((contents.manifest, contents.finished))
 }
 
-/// Reads a results folder with all details, and warns of corrupted files.
+/// Reads a results folder with all details, and warns about corrupted files.
 ///
 /// # Errors
 /// If the folder contains no results.
@@ -43,9 +43,9 @@ pub fn read_contents(folder: &Path, host: &dyn Host) -> Result<Contents, Failure
     Ok(contents)
 }
 
-/// Warns of corrupted files in a results folder.
+/// Warns about corrupted files in a results folder.
 pub(crate) fn warn_of_damage(folder: &Path, damage: &[String], host: &dyn Host) {
-    /// Largest number of files in the warning.
+    /// Largest number of files that the warning lists.
     const SHOWN: usize = 5;
     if damage.is_empty() {
         return;
@@ -71,11 +71,11 @@ pub struct EnsembleResults<'a> {
     manifest: &'a Manifest,
     /// Statistics of each program, and comparisons between programs.
     pub comparison: Comparison,
-    /// Summary of the sweep. `None` if the ensemble is not a sweep.
+    /// Summary of the sweep. `None` if the ensemble has no sweep.
     pub sweep: Option<Sweep>,
     /// Summary of the trade. `None` if no settings are varied.
     pub trade: Option<Trade>,
-    /// Waiting times of each program. Empty if captures are not listed.
+    /// Waiting times of the captures of each program. Empty if captures are not listed.
     waits: Vec<WaitsTally>,
     /// Largest number of captures to list per program.
     max_captures: usize,
@@ -83,7 +83,7 @@ pub struct EnsembleResults<'a> {
     failure: Option<Failed>,
 }
 
-/// Returns the `most` captures of a program with the longest waiting times, longest first.
+/// Returns the `most` captures of a program with the longest waiting times, in descending order.
 fn longest(program: &EnsembleProgram, waits: WaitsTally, most: usize) -> Vec<CaptureSummary> {
     let mut captures = captures(program, waits);
     if captures.len() > most {
@@ -93,7 +93,7 @@ fn longest(program: &EnsembleProgram, waits: WaitsTally, most: usize) -> Vec<Cap
     captures
 }
 
-/// The first run whose physics failed.
+/// First run of an ensemble whose physics failed.
 #[derive(Debug)]
 struct Failed {
     program: usize,
@@ -119,7 +119,8 @@ impl Failed {
     }
 }
 
-/// Summarizes the runs of an ensemble. Lists up to `max_captures` captures per program.
+/// Summarizes the runs of an ensemble. `max_captures` is the number of captures to list per
+/// program. `None` lists no captures.
 ///
 /// # Errors
 /// If the records cannot be read.
@@ -160,7 +161,7 @@ pub fn ensemble_results<'a>(
 }
 
 impl EnsembleResults<'_> {
-    /// Renames programs as the options require, and converts times to seconds on request.
+    /// Replaces the names of programs and the unit of times as `how` requires.
     ///
     /// # Errors
     /// If a label does not belong to a program.
@@ -185,7 +186,7 @@ impl EnsembleResults<'_> {
         })
     }
 
-    /// Returns CSV with a row per program, or per point of a sweep.
+    /// Returns a CSV table with a row for each program, or each point of a sweep.
     pub fn csv(&self) -> String {
         match &self.sweep {
             Some(sweep) => sweep.to_csv(),
@@ -193,7 +194,7 @@ impl EnsembleResults<'_> {
         }
     }
 
-    /// Returns the tables in LaTeX or Markdown.
+    /// Returns the tables as LaTeX or Markdown.
     pub fn markup(&self, markup: Markup) -> String {
         match &self.sweep {
             Some(sweep) => published_sweep(sweep, &self.comparison, markup),
@@ -201,7 +202,7 @@ impl EnsembleResults<'_> {
         }
     }
 
-    /// Returns the tables as text of this width \[columns\].
+    /// Returns the tables as text for a width \[columns\].
     pub fn text(self, width: usize) -> String {
         let comparison = &self.comparison;
         let mut text = match &self.sweep {

@@ -1,4 +1,4 @@
-//! Makes the runs of a manifest for [`stochc_results::run`] and shards.
+//! Functions that make the runs of a manifest, for [`stochc_results::run`] and shards.
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
@@ -8,14 +8,14 @@ use stochc_results::{Checkpoints, Manifest, RunCancelled, RunWatch, other_build,
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Returns the function that makes a run of an ensemble, for [`stochc_results::run`].
+/// Returns a function that makes a run of an ensemble, for [`stochc_results::run`].
 pub fn made_by(
     manifest: &Manifest,
 ) -> impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync {
     |program, number, mut watch| made(manifest, program, number, &mut watch)
 }
 
-/// Returns the function that repeats a run of an ensemble. It stops on `stop`.
+/// Returns a function that repeats a run of an ensemble. The run stops if `stop` is set.
 pub fn made_again(
     manifest: &Manifest,
     stop: &AtomicBool,
@@ -32,11 +32,11 @@ fn made(
     let program = &manifest.programs[program];
     let settings = manifest.settings_of(program);
     let record = program.run(&settings, manifest.seed, run, watch);
-    // [`try_out_all`] has checked the scene, so only an interrupted run has no record.
+    // [`try_out_all`] has checked the scene, so the only possible error is an interrupt.
     record.map_err(|_| RunCancelled)
 }
 
-/// Sets up the scene of every program, to report errors before the first run.
+/// Sets up the scene of every program once, so that errors appear before the first run.
 ///
 /// # Errors
 /// If a scene cannot be set up.
@@ -48,21 +48,21 @@ pub fn try_out_all(manifest: &Manifest) -> Result<(), Failure> {
     })
 }
 
-/// Warns if another build made some of the runs.
+/// Warns if builds other than this one made some of the runs.
 pub(crate) fn warn_of_build(builds: &[String], host: &dyn Host) {
     if let Some(told) = other_build(builds) {
         host.warn(&format!("warning: {told}\n"));
     }
 }
 
-/// Reports problems with checkpoints.
+/// Warns about problems with checkpoints.
 pub(crate) fn warn_of_checkpoints(checkpoints: Option<&Checkpoints>, host: &dyn Host) {
     for note in checkpoints.map(Checkpoints::notes).unwrap_or_default() {
         host.warn(&format!("note: {note}\n"));
     }
 }
 
-/// Returns the number of threads. The default is one per core.
+/// Returns the number of threads to use: `asked`, or one per core by default.
 pub fn threads(asked: Option<u16>) -> NonZeroUsize {
     let cores = || std::thread::available_parallelism().ok();
     let threads = asked.map_or_else(cores, |asked| NonZeroUsize::new(asked.into()));

@@ -1,4 +1,4 @@
-//! Runs a shard of an ensemble, and merges all shards.
+//! Runs of a shard of an ensemble, and merging of all shards.
 use std::path::Path;
 
 use stochc_results::Interval;
@@ -10,7 +10,8 @@ use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::progress::of_ensemble;
 
-/// Makes the missing runs of a shard. Returns its number of runs, or `None` if the user interrupts.
+/// Makes the missing runs of a shard. Returns the number of runs in the shard, or `None` if the
+/// user interrupts.
 ///
 /// # Errors
 /// If the shard does not exist, or its folder cannot be used. Finished runs are not lost.

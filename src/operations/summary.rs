@@ -1,9 +1,9 @@
-//! Summarizes a check without errors as text.
+//! Summary of a check without errors, as text.
 use stochc_compiler::diagnostic::Diagnostic;
 use stochc_compiler::{Checked, Program};
 use stochc_text::counted;
 
-/// Returns the size, the number of warnings and the proof of a program, in lines.
+/// Returns lines with the size, the number of warnings and the proof of a program.
 pub fn status_lines(checked: &Checked, number: usize) -> String {
     let program = &checked.programs[number];
     let proof = match checked.proof(number) {
@@ -19,7 +19,7 @@ pub fn status_lines(checked: &Checked, number: usize) -> String {
     lines
 }
 
-/// Returns the number of warnings that `part` selects, as text. Returns `None` if there are none.
+/// Returns the number of warnings that `part` selects, as text. Returns `None` if it selects none.
 pub fn warnings(checked: &Checked, part: impl Fn(&Diagnostic) -> bool) -> Option<String> {
     let reported = checked.diagnostics.iter().filter(|it| part(it)).count();
     let allowed = checked.allowed.iter();
@@ -35,7 +35,7 @@ pub fn warnings(checked: &Checked, part: impl Fn(&Diagnostic) -> bool) -> Option
     }
 }
 
-/// Returns the size of a program as text: `13 captures in 1 phase`.
+/// Returns the size of a program as text, such as `13 captures in 1 phase`.
 fn size(program: &Program) -> String {
     let plan = &program.plan;
     if let Some(size) = plan.aggregate {

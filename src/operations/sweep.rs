@@ -1,4 +1,4 @@
-//! Compiles programs at the points of a sweep, and writes the files that summarize it.
+//! Programs at the points of a sweep, and the files that summarize a sweep.
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -18,8 +18,8 @@ use super::rates;
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Compiles each program with the values of each point. Reports all points with errors. Such a
-/// point stops the command before the first run.
+/// Compiles each program with the parameter values of each point. Reports all points with errors
+/// before the first run.
 ///
 /// # Errors
 /// If a point has errors, or there are too many points or runs.
@@ -71,7 +71,7 @@ pub fn points(
     let Some((_, mut failure)) = wrong.next() else {
         return Ok(at_points);
     };
-    // Shows one error in full, because most points fail for the same reason.
+    // Report one error in full, because most points fail for the same reason.
     let more: Vec<String> = wrong.map(|(name, _)| visible(&name)).collect();
     if !more.is_empty() {
         failure.message += &format!("error: nor can these be run: {}\n", more.join(", "));
@@ -79,12 +79,12 @@ pub fn points(
     Err(failure)
 }
 
-/// Returns whether settings are among the axes of a sweep.
+/// Returns whether an axis of a sweep varies a setting.
 pub fn varies_settings(axes: &[Axis]) -> bool {
     axes.iter().any(|axis| axis.settings().is_some())
 }
 
-/// Checks the settings of all points. Adds the rates that points need, from `known` or by
+/// Checks the settings of all points. Adds the rates that the points need, from `known` or by
 /// calibration.
 ///
 /// # Errors
@@ -113,8 +113,8 @@ pub fn complete(
     Ok(())
 }
 
-/// Compiles a program with the values of its point. Does not repeat warnings that the program has
-/// without these values.
+/// Compiles a program with the parameter values of its point. Does not repeat warnings that the
+/// program has without these values.
 ///
 /// # Errors
 /// If the program cannot run at this point.
@@ -147,7 +147,7 @@ pub(crate) fn at_point(
     Ok(())
 }
 
-/// Shares tables that are equal at several points, to save memory.
+/// Stores equal tables of several points only once, to save memory.
 pub(crate) fn share_tables(programs: &mut [EnsembleProgram]) {
     let mut known: HashMap<String, Arc<Compiled>> = HashMap::new();
     for program in programs {
@@ -163,10 +163,10 @@ pub(crate) fn share_tables(programs: &mut [EnsembleProgram]) {
 }
 
 /// Returns the files that a sweep adds to a results folder: `sweep.json`, `sweep.csv` and figures.
-/// If settings are varied, adds `trade.json` and its figure.
+/// If settings are varied, these include `trade.json` and its figure.
 ///
 /// # Errors
-/// If the records cannot be read, or a figure cannot be written.
+/// If the records cannot be read, or a figure cannot be drawn.
 pub fn files(manifest: &Manifest, finished: &Records, figures: &Figures) -> FurtherFiles {
     let Some(sweep) = Sweep::from_records(manifest, finished)? else {
         return Ok(Vec::new());
@@ -191,7 +191,7 @@ pub fn files(manifest: &Manifest, finished: &Records, figures: &Figures) -> Furt
     Ok(files)
 }
 
-/// Returns the files of [`files`] with figures for screens.
+/// Returns the same files as [`files`], with figures for screens.
 ///
 /// # Errors
 /// See [`files`].

@@ -1,4 +1,4 @@
-//! Measures the cost of accuracy with a sweep over settings, and summarizes it.
+//! Trade of accuracy for speed: a sweep over settings, and its summary.
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -15,25 +15,26 @@ use super::precision::make_until;
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Default number of runs of each program at each setting.
+/// Default number of runs of each program with each combination of settings.
 const RUNS: u64 = 30;
 
-/// Largest number of runs of each program at each setting, with a time limit or a precision.
+/// Largest number of runs of each program with each combination of settings. Used if a time limit
+/// or a precision is given.
 const MAX_RUNS: u64 = 10_000;
 
 /// Options of a trade.
 #[derive(Clone, Copy, Debug)]
 pub struct TradeSetup<'a> {
-    /// Number of runs of each program at each setting. `None` means the default.
+    /// Number of runs of each program with each combination of settings. `None` means the default.
     pub runs: Option<u64>,
-    /// Time after which no run is started. `None` if there is no limit.
+    /// Time limit for starting runs. `None` if there is no limit.
     pub time: Option<Duration>,
-    /// Largest relative half width of the 95 % confidence intervals at the end. `None` if the
-    /// number of runs is fixed.
+    /// Required precision: half-width of the 95 % confidence interval, divided by the mean. `None`
+    /// if the number of runs is fixed.
     pub until: Option<f64>,
     /// Number of substeps of the reference.
     pub finest: u32,
-    /// Longest run \[ticks\]. Longer runs are stopped.
+    /// Limit on the ticks of a run. Longer runs are stopped.
     pub max_ticks: u64,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -47,19 +48,19 @@ pub struct TradeSetup<'a> {
     pub figures: &'a Figures,
 }
 
-/// A trade, and whether all its runs are finished.
+/// Result of a trade.
 #[derive(Debug)]
 pub struct MeasuredTrade {
-    /// The ensemble.
+    /// Manifest of the ensemble with all settings.
     pub manifest: Manifest,
-    /// The comparison of the settings.
+    /// Comparison of the settings.
     pub trade: Trade,
     /// Whether all runs are finished.
     pub is_complete: bool,
 }
 
-/// Returns the ensemble of all programs at all settings. Leaves out settings that a program does
-/// not support, with a warning.
+/// Returns the manifest of all programs with all candidate settings. Omits settings that a program
+/// does not support, with a warning.
 ///
 /// # Errors
 /// If the scene of a program cannot be set up.
@@ -89,7 +90,7 @@ pub fn manifest(
                 let points = points.iter_mut().zip(at_setting);
                 points.for_each(|(points, point)| points.push(point));
             }
-            // This program supports none of the settings.
+            // The program supports none of the settings.
             Some(told) if points.iter().all(Vec::is_empty) => {
                 return Err(Failure::invalid_program(told));
             }
@@ -105,7 +106,7 @@ pub fn manifest(
     Ok(manifest)
 }
 
-/// Makes the runs of a trade, and compares its settings.
+/// Makes the runs of a trade, and compares the settings.
 ///
 /// # Errors
 /// If the results folder cannot be used. Finished runs are not lost.
@@ -119,7 +120,7 @@ pub fn measured(
         resume: setup.resume.into(),
         record: None,
         record_every: EVERY,
-        // The CPU time of a resumed run is unknown, so checkpoints are off.
+        // Checkpoints are disabled, because the CPU time of a resumed run is unknown.
         checkpoints: Interval::Never,
         threads: setup.threads,
         has_warned_of_build: false,

@@ -1,4 +1,4 @@
-//! The output of `check --cost`.
+//! Output of `check --cost`.
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::{MAX_ESTIMATED, Program, Symbols};
@@ -13,8 +13,8 @@ use stochc_text::{number, percent};
 use super::super::terminal::output_width;
 use crate::operations::rates::at_hand;
 
-/// Returns a table of the phases, and a table of the captures that decide their durations. Empty
-/// without `--cost`.
+/// Returns a table of phases, and a table of the captures that dominate their durations. Returns an
+/// empty text without `--cost`.
 pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &[Rates]) -> String {
     let Some(most) = most.filter(|_| !program.plan.events.is_empty()) else {
         return String::new();
@@ -27,7 +27,7 @@ pub fn costs(program: &Program, symbols: &Symbols, most: Option<usize>, rates: &
     })
 }
 
-/// Returns the data of `--cost` as JSON. Null for an aggregate.
+/// Returns the data of `--cost` as JSON. Returns null for an aggregate.
 pub fn cost_json(program: &Program, symbols: &Symbols, most: usize, rates: &[Rates]) -> Value {
     let rates = (program.scene.as_ref()).and_then(|scene| Rates::known_or_guessed(rates, scene));
     let rates = rates.as_deref();
@@ -62,7 +62,8 @@ pub fn cost_json(program: &Program, symbols: &Symbols, most: usize, rates: &[Rat
     })
 }
 
-/// Returns a line with the expected duration of a program. Empty if the duration is unknown.
+/// Returns a line with the expected completion time of a program. Returns an empty text if it is
+/// unknown.
 pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     let rates = (program.scene.as_ref()).and_then(|scene| at_hand(rates, scene));
     let (true, Some(rates)) = (program.plan.events.len() <= MAX_ESTIMATED, rates) else {
@@ -97,8 +98,8 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     format!("  estimate: {takes}{never}{reasons}; details: `--cost`\n")
 }
 
-/// Returns the share of drawn times that include the timeout of a phase. Returns `None` if none
-/// does.
+/// Returns the fraction of sampled times that a timeout of a phase ended. Returns `None` if it is
+/// 0.
 fn stopped(cost: &Cost) -> Option<f64> {
     let stopped = cost.stopped();
     (stopped > 0).then(|| stopped as f64 / cost.draws.len() as f64)
@@ -147,7 +148,7 @@ fn table(program: &Program, symbols: &Symbols, cost: &Cost, is_guess: bool, most
     "\n".to_owned() + &indented.collect::<String>()
 }
 
-/// A column of the table: its heading and its value.
+/// Column of the table: its heading, and the function that returns its value.
 type Figure = (&'static str, fn(&Times) -> Option<f64>);
 
 fn by_phase(program: &Program, cost: &Cost) -> TextTable {
@@ -224,7 +225,7 @@ const SERIAL_AND_PARALLEL: &str = "serial: the longest chain of captures; parall
 const SHARES: &str = "share: the part of the completion time spent waiting for this capture only; waiting time: mean \
     number of ticks from when its face is switched on.";
 
-/// Returns the reason why times are missing, and what to do.
+/// Returns the reason why times are missing, and a suggestion.
 fn no_times(program: &Program, cost: &Cost) -> String {
     let unsupported = program.scene.as_ref().and_then(RateWorld::unsupported);
     match (unsupported, cost.has_rates) {

@@ -9,7 +9,7 @@ use crate::exit::{Exit, Failure};
 use crate::fix::{FixedFile, fix};
 use crate::operations::programs::verdict;
 
-/// Applies the safe fixes of a file and shows them as a diff. Returns the exit status if `check`
+/// Applies the safe fixes of a file and prints them as a diff. Returns the exit status if `check`
 /// has nothing more to do.
 ///
 /// Standard input cannot be changed. Its fixed source is printed, and also returned in `text`.
@@ -19,7 +19,7 @@ pub fn run(
     exit: &mut Exit,
     text: &mut Option<Vec<u8>>,
 ) -> Result<Option<Exit>, Failure> {
-    // The following check reports files that cannot be read.
+    // The check that follows reports files that cannot be read.
     let Ok(fixed) = fix(file, &options.levels.levels, &options.imports.folders) else {
         return Ok(None);
     };
@@ -35,11 +35,11 @@ pub fn run(
         return Ok(None);
     }
     let diff = fixed.diff();
-    // A program that reads JSON ignores the diff.
+    // In this case, standard output has no other content.
     if alone {
         print(&diff)?;
     } else {
-        // The diff is not input for `patch` here, so line ends are irrelevant.
+        // This diff is not meant for `patch`, so line ends do not matter.
         warn(&diff.replace("\r\n", "\n"));
     }
     let changes = counted(fixed.changes, "change");

@@ -21,7 +21,7 @@ use crate::operations::rates::{UnusedRates, of_files};
 use crate::operations::summary::{status_lines, warnings};
 use crate::reader::DiskReader;
 
-/// Checks each file and prints a summary of the correct ones.
+/// Checks each file and prints its diagnostics. Prints a summary of files without errors.
 pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     let is_written = options.fix && !options.dry_run && options.format() != Format::Graphical;
     if is_written && options.files.iter().any(|file| file == STDIN) {
@@ -51,7 +51,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
             exit = exit.or_worse(ended);
             continue;
         }
-        // If standard output has the fixed program, summaries go to standard error.
+        // If the fixed source goes to standard output, summaries go to standard error.
         let is_output_taken = text.is_some();
         let say = |said: &str| {
             if is_output_taken {
@@ -76,7 +76,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         };
         let shown = || show(&checked, options.format(), has_colour(), message_width());
         match options.format() {
-            // Programs read only the diagnostics; the summary is for people.
+            // In this format, standard output has only diagnostics, which other applications read.
             Format::Short => print(&shown())?,
             Format::Json => document.add(file, &checked, |program| {
                 let most = options.cost.filter(|_| !checked.has_errors())?;
@@ -121,8 +121,8 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// Returns the readable files of the command line. Reports the others, and returns whether there
-/// are any.
+/// Returns the arguments that are readable files. Reports the others. Also returns whether there
+/// are others.
 fn readable(arguments: &[String]) -> (Vec<String>, bool) {
     let opened = |file: String| {
         if file != STDIN_NAME {
@@ -146,7 +146,7 @@ fn readable(arguments: &[String]) -> (Vec<String>, bool) {
     (files, unread)
 }
 
-/// Checks a program. `text` replaces the content of the file.
+/// Checks a file. `text` replaces the content of the file.
 ///
 /// # Errors
 /// If the file cannot be read.
@@ -162,7 +162,7 @@ pub(super) fn check(
     Ok(check_with(file, &mut reader, Limits::default(), levels))
 }
 
-/// Returns the summary of a file without errors, with `name` before each status line.
+/// Returns the summary of a file without errors. Each line begins with `name`.
 fn summary(name: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) -> String {
     if checked.programs.is_empty() {
         let warnings = warnings(checked, |_| true);
@@ -187,7 +187,7 @@ fn summary(name: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) 
     out
 }
 
-/// Returns the longest serial chain of each phase, in lines.
+/// Returns the critical path of each phase as text, one per line.
 fn chains(program: &Program, checked: &Checked) -> String {
     let plan = &program.plan;
     let Some(order) = program.order.as_ref().filter(|_| plan.aggregate.is_none()) else {

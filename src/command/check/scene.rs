@@ -12,11 +12,11 @@ use stochc_runtime::{StepError, step_errors};
 use stochc_text::aligned;
 use stochc_text::visible;
 
-/// A scene of a file, with the data for its listing.
+/// Scene of a file, with the data that `--physics` lists.
 pub struct InForce<'a> {
     file: &'a str,
     scene: &'a Scene,
-    /// Names of the assemblies in this scene.
+    /// Names of the assemblies that use this scene.
     assemblies: Vec<&'a str>,
     terms: Vec<DescribedTerm>,
     absent: Vec<AbsentTerm>,
@@ -24,12 +24,13 @@ pub struct InForce<'a> {
     groups: Vec<DimensionlessGroup>,
     /// Default number of substeps of the scene.
     steps: Substeps,
-    /// Warnings about the scene with the default substeps.
+    /// Warnings about the scene, with its default substeps.
     warnings: Vec<SceneWarning>,
     step_errors: Vec<StepError>,
 }
 
-/// Returns the scenes of a file's assemblies without duplicates, in the order of the assemblies.
+/// Returns the scenes that the assemblies of a file use, without duplicates, in the order of the
+/// assemblies.
 pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
     let mut out: Vec<InForce> = Vec::new();
     for program in &checked.programs {
@@ -58,7 +59,7 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
 }
 
 impl<'a> InForce<'a> {
-    /// Adds an assembly, with warnings about the heights of its captures.
+    /// Adds an assembly that uses the scene. `warnings` are about the heights of its captures.
     fn add(&mut self, assembly: &'a str, warnings: &[SceneWarning]) {
         self.assemblies.push(assembly);
         for warning in warnings {
@@ -70,7 +71,7 @@ impl<'a> InForce<'a> {
         }
     }
 
-    /// Returns whether a dimensionless number exceeds its limit with the default substeps.
+    /// Returns whether a dimensionless number exceeds its limit, with the default substeps.
     fn is_exceeded(&self, group: &DimensionlessGroup) -> bool {
         group.is_exceeded(group.steps_of(self.steps)) || group.disappoints().is_some()
     }
@@ -174,7 +175,7 @@ impl<'a> InForce<'a> {
         out
     }
 
-    /// Returns whether the default substeps resolve the motion.
+    /// Returns whether the default substeps are short enough to resolve the motion.
     fn are_steps_short(&self) -> bool {
         let is_of_steps = |it: &SceneWarning| it.kind == SceneWarningKind::CoarseStep;
         !self.warnings.iter().any(is_of_steps)
@@ -302,8 +303,8 @@ impl<'a> InForce<'a> {
         )
     }
 
-    /// Returns the smallest number of substeps that resolves every effect that substeps can
-    /// resolve.
+    /// Returns the smallest number of substeps per tick that resolves the motion as far as substeps
+    /// can.
     fn needed(&self) -> u32 {
         let needed = self.groups.iter().filter_map(DimensionlessGroup::substeps);
         needed.max().unwrap_or(1)
@@ -314,7 +315,8 @@ impl<'a> InForce<'a> {
     }
 }
 
-/// Returns the limit of a dimensionless number with one substep. Returns `None` if it has no limit.
+/// Returns the limit of a dimensionless number at one substep per tick. Returns `None` if it has no
+/// limit.
 fn max_value(group: &DimensionlessGroup) -> Option<f64> {
     let expected = group.expected.map(|expected| expected.most);
     group.limit.map(|limit| limit.most).or(expected)

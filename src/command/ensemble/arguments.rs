@@ -1,4 +1,4 @@
-//! Options that commands with ensembles share.
+//! Options that commands for ensembles share.
 use std::path::PathBuf;
 
 use clap::Args;
@@ -13,13 +13,13 @@ use super::super::levels::LevelOptions;
 use super::super::run_options::{ResultsOptions, SeedOption, ThreadsOption};
 use crate::exit::Failure;
 
-/// Runs of each program by default.
+/// Default number of runs of each program.
 pub const RUNS: u64 = 50;
 
-/// Most runs of each program with `--until` by default.
+/// Default limit on the number of runs of each program with `--until`.
 pub const MAX_UNTIL: u64 = 10_000;
 
-/// Ticks after which a run is stopped by default.
+/// Default limit on the ticks of a run.
 pub const MAX_TICKS: u64 = 1_000_000;
 
 /// Programs, and how each of their runs is computed.
@@ -66,7 +66,7 @@ pub struct ModelOptions {
 }
 
 impl ModelOptions {
-    /// Returns the settings, without rates.
+    /// Returns the settings that the options choose, without rates.
     pub fn settings(&self) -> Settings {
         let usual = Settings::default();
         Settings {
@@ -79,7 +79,8 @@ impl ModelOptions {
         }
     }
 
-    /// Returns whether the command line also has the option of this sweep axis.
+    /// Returns whether the command line has an option for the setting with this name, which a sweep
+    /// also varies.
     pub fn gives(&self, axis: &str) -> bool {
         match axis {
             "model" => self.model.is_some(),
@@ -91,10 +92,10 @@ impl ModelOptions {
         }
     }
 
-    /// Rejects options that the model does not use.
+    /// Checks that the model uses all given options.
     pub fn are_used(&self, settings: &Settings) -> Result<(), Failure> {
         let model = settings.model;
-        // Default values are accepted for every model.
+        // Options with their default value are accepted for every model.
         let steps = self.substeps.map(|_| Setting::Steps);
         let rates = (!self.rates.is_empty()).then_some(Setting::Rates);
         let given = steps.into_iter().chain(settings.chosen()).chain(rates);
@@ -145,7 +146,7 @@ pub struct MakingOptions {
     pub shown: ResultsOptions,
 }
 
-/// Parses a value of a setting by its name.
+/// Returns a parser for the names of the values `all`. `meaning` returns the help text of a value.
 fn one_of<T: Copy + Send + Sync + 'static>(
     all: &'static [T],
     name: fn(T) -> &'static str,

@@ -1,4 +1,4 @@
-//! Reads programs, a manifest or a results folder as an ensemble that is ready to run.
+//! Sources of an ensemble: programs, a manifest or a results folder.
 use std::path::Path;
 
 use stochc_experiments::sweep::Axis;
@@ -15,7 +15,7 @@ use crate::operations::programs::programs;
 use crate::operations::runs::warn_of_build;
 use crate::operations::{rates, sweep};
 
-/// Returns the ensemble of programs, at all points of a sweep over `axes`.
+/// Returns the manifest of an ensemble of programs, at all points of a sweep over `axes`.
 pub fn from_programs(
     options: &ProgramOptions,
     axes: &[Axis],
@@ -56,7 +56,8 @@ pub fn from_programs(
     Ok(manifest)
 }
 
-/// Returns the ensemble of a results folder to resume. `runs` replaces its number of runs.
+/// Returns the manifest of a results folder whose runs are to be resumed. `runs` replaces the
+/// number of runs.
 pub fn from_folder(folder: &Path, runs: Option<u64>) -> Result<Manifest, Failure> {
     let stored = survey(folder).map_err(Failure::usage)?;
     let manifest = stored.ok_or_else(|| {
@@ -68,7 +69,7 @@ pub fn from_folder(folder: &Path, runs: Option<u64>) -> Result<Manifest, Failure
     by_this_build(manifest, runs)
 }
 
-/// Returns the ensemble of a manifest or a results folder. `runs` replaces its number of runs.
+/// Returns the manifest in a file or a results folder. `runs` replaces the number of runs.
 pub fn from_manifest(path: &Path, runs: Option<u64>, host: &dyn Host) -> Result<Manifest, Failure> {
     let in_folder = path.join(MANIFEST);
     let path = if path.is_dir() { &in_folder } else { path };
@@ -84,7 +85,8 @@ pub fn from_manifest(path: &Path, runs: Option<u64>, host: &dyn Host) -> Result<
     by_this_build(manifest, runs)
 }
 
-/// Returns the ensemble with this build as its author. `runs` replaces its number of runs.
+/// Returns the manifest with only this build in its list of builds. `runs` replaces the number of
+/// runs.
 fn by_this_build(mut manifest: Manifest, runs: Option<u64>) -> Result<Manifest, Failure> {
     manifest.runs = runs.unwrap_or(manifest.runs);
     manifest.builds = vec![this_build()];

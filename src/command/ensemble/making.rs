@@ -18,7 +18,7 @@ use crate::operations::precision::make_until;
 use crate::operations::runs::try_out_all;
 
 impl MakingOptions {
-    /// Returns the number of runs of each program of a new ensemble.
+    /// Returns the number of runs of each program in a new ensemble.
     pub fn new_runs(&self) -> u64 {
         let usual = if self.until.is_some() {
             MAX_UNTIL
@@ -28,28 +28,29 @@ impl MakingOptions {
         self.runs.unwrap_or(usual)
     }
 
-    /// Returns the number of runs per program. Returns `None` to keep that of the stored ensemble.
+    /// Returns the requested number of runs of each program. Returns `None` to keep the number of
+    /// the stored ensemble.
     pub fn more_runs(&self) -> Option<u64> {
         self.runs.or(self.until.map(|_| MAX_UNTIL))
     }
 }
 
-/// An ensemble and the place of its results.
+/// Ensemble to run, and where its results go.
 pub struct Ensemble<'a> {
     pub manifest: Manifest,
     /// Results folder. `None` if the results are not stored.
     pub out: Option<&'a Path>,
-    /// Whether and how to resume runs in the folder.
+    /// Rule for runs that the folder already contains.
     pub resume: Resume,
-    /// Whether a check with these settings has already reported warnings about the scenes.
+    /// Whether a check has already reported warnings about the scenes, with the same settings.
     pub is_checked: bool,
     /// Levels of warnings about scenes.
     pub levels: &'a LintLevels,
-    /// Figures of a sweep.
+    /// Size and format of the figures of a sweep.
     pub figures: Figures,
 }
 
-/// Rejects an ensemble that cannot be run. Warns about its model and scenes.
+/// Checks that an ensemble can be run. Warns about its model and scenes.
 pub fn judge(
     manifest: &Manifest,
     is_checked: bool,

@@ -1,4 +1,4 @@
-//! Ensembles: what `simulate`, `sweep`, `resume` and `repeat` have in common.
+//! Options and steps that `simulate`, `sweep`, `resume` and `repeat` share.
 mod arguments;
 pub mod input;
 mod making;

@@ -26,7 +26,7 @@ pub fn run(options: &MergeArguments) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-/// Returns the message about a folder with merged shards.
+/// Returns the message about a folder whose shards are already merged.
 pub(super) fn merged(folder: &Path, runs: u64) -> String {
     let folder = visible(&folder.to_string_lossy());
     let argument = shell_file(&folder);

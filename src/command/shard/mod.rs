@@ -1,4 +1,4 @@
-//! `stochc shard`: ensembles that are split among machines.
+//! `stochc shard`: ensembles that are split so that several machines can run them.
 mod merge;
 mod new;
 mod run;
@@ -31,7 +31,7 @@ enum ShardCommand {
     Submit(submit::SubmitArguments),
 }
 
-/// Runs a subcommand.
+/// Runs the chosen subcommand.
 pub fn run(options: &ShardArguments) -> Result<Exit, Failure> {
     match &options.command {
         ShardCommand::New(options) => new::run(options),

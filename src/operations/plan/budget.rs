@@ -1,24 +1,24 @@
-//! The budget of a search for plans: `--time` and `--tries`.
+//! Budget of a search for plans: the options `--time` and `--tries`.
 use std::time::Duration;
 
-/// Limit of the search for better plans.
+/// Limit on the search for better plans.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
-    /// A limit of time.
+    /// Limit on the time.
     Time(Duration),
-    /// A limit of the number of plans.
+    /// Limit on the number of plans.
     Tries(u64),
 }
 
 impl Budget {
-    /// Returns a budget of about one second for a shape with this number of cells.
+    /// Returns a budget that takes about one second for a shape with `cells` cells.
     pub fn for_cells(cells: usize) -> Budget {
-        /// Number of cells that the planner plans in a second.
+        /// Number of cells whose events the planner plans in a second.
         const IN_A_SECOND: usize = 300_000;
         Budget::Tries((IN_A_SECOND / cells.max(1)).clamp(1, 3000) as u64)
     }
 
-    /// Returns the largest number of plans to try.
+    /// Returns the largest number of plans that the budget allows.
     pub fn tries(self) -> u64 {
         match self {
             Budget::Time(_) => u64::MAX,
@@ -26,7 +26,7 @@ impl Budget {
         }
     }
 
-    /// Returns the share of the budget that is used.
+    /// Returns the fraction of the budget that has been used.
     pub fn share(self, tried: u64, elapsed: Duration) -> f64 {
         let share = match self {
             Budget::Time(time) => elapsed.as_secs_f64() / time.as_secs_f64(),

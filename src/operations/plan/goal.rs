@@ -1,4 +1,4 @@
-//! The shape to build.
+//! Shape that a plan builds.
 use stochc_planner::{Goal, listed_cells};
 use stochc_text::{counted, visible};
 
@@ -8,7 +8,7 @@ use super::{scene, target};
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Reads the shape to build.
+/// Reads the target of a plan and applies the options to it.
 ///
 /// # Errors
 /// If the target cannot be read or contains no shape.
@@ -25,7 +25,7 @@ pub(super) fn goal(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, F
 /// Applies the options for name, plate, offset and scene to a goal.
 ///
 /// # Errors
-/// If the scene does not exist, or the name is not a valid name.
+/// If the scene does not exist, or the name is invalid.
 pub(super) fn placed(
     mut goal: Goal,
     options: &PlanOptions<'_>,
@@ -57,7 +57,7 @@ fn assembly_name(name: &str, goal: &Goal) -> Result<String, Failure> {
     }
 }
 
-/// Treats loose parts as the options require, and reports them.
+/// Removes or supports loose parts, as the options require, and reports them.
 fn hold_loose(goal: &mut Goal, loose: LooseParts, host: &dyn Host) {
     match loose {
         LooseParts::Refuse => {}

@@ -1,4 +1,4 @@
-//! Plans a program that builds a shape.
+//! Planning of a program that builds a shape.
 mod budget;
 mod goal;
 mod not_planned;

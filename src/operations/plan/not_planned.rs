@@ -1,4 +1,4 @@
-//! Errors of planning, with the options that help.
+//! Errors of planning, with suggested options.
 use std::fmt::Display;
 
 use stochc_planner::{LoosePart, TargetError, Unplanned};
@@ -9,15 +9,15 @@ use crate::exit::{Exit, Failure};
 use crate::host::Host;
 use crate::operations::programs::verdict;
 
-/// Returns the error that a target cannot be planned for this reason.
+/// Returns the failure for a target that cannot be planned.
 pub(super) fn refused(target: &str, reason: impl Display) -> Failure {
     Failure::error(Exit::InvalidProgram, format!("`{target}`: {reason}"))
 }
 
-/// Returns the error that a target cannot be built, with the options that help.
+/// Returns the failure for a target that cannot be built, with suggested options.
 pub(super) fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Failure {
     let mut failure = refused(options.target, error);
-    // Blocks of an existing structure cannot be left out.
+    // Blocks of an existing structure cannot be left out of the plan.
     let stands =
         matches!(error, TargetError::Sealed(_)) && !matches!(options.extent, PlanScope::Whole);
     if let Some(help) = error.help().filter(|_| !stands) {
@@ -27,7 +27,7 @@ pub(super) fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Fail
     failure
 }
 
-/// Returns a hint with the options that help.
+/// Returns the suggested options for an error in the target.
 fn option_for(error: &TargetError, extent: PlanScope<'_>) -> &'static str {
     match (error, extent) {
         (TargetError::Loose(parts), PlanScope::Whole)
@@ -45,12 +45,12 @@ fn option_for(error: &TargetError, extent: PlanScope<'_>) -> &'static str {
     }
 }
 
-/// The reason why there is no plan.
+/// Reason why there is no plan.
 #[derive(Debug)]
 pub struct NotPlanned {
     /// Message and exit status of the command.
     pub failure: Failure,
-    /// The error in the target. `None` if something else failed.
+    /// Error in the target. `None` if something else failed.
     pub refused: Option<TargetError>,
 }
 
@@ -89,7 +89,7 @@ impl NotPlanned {
             }),
             Unplanned::Refused(error) => NotPlanned::impossible(options, error),
             Unplanned::Wrong(checked) => {
-                // A denied warning also prevents a program.
+                // A warning with level "deny" also prevents a program.
                 NotPlanned::from(Failure {
                     exit: Exit::InvalidProgram.or_worse(verdict(&checked)),
                     message: host.draw(&checked),

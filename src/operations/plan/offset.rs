@@ -1,4 +1,4 @@
-//! The option `--offset`.
+//! Option `--offset`.
 use stochc_ir::table::Plate;
 
 use super::pair::pair;
@@ -13,7 +13,7 @@ pub struct Offset {
 }
 
 impl Offset {
-    /// Parses `2, 1` or `(2, 1)`.
+    /// Parses an offset, such as `2, 1` or `(2, 1)`.
     pub fn parse(text: &str) -> Result<Offset, String> {
         let text = text.trim();
         let inside = text

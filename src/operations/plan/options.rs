@@ -1,4 +1,4 @@
-//! Options of a plan.
+//! Options of planning a program.
 use std::path::PathBuf;
 
 use stochc_planner::Objective;
@@ -7,60 +7,61 @@ use super::budget::Budget;
 use super::offset::Offset;
 use super::seed_plate::SeedPlate;
 
-/// Options of a plan.
+/// Options of planning a program.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanOptions<'a> {
-    /// A program with a shape, a voxel file, or a results folder.
+    /// Path of the target: a program with a shape, a voxel file, or a results folder.
     pub target: &'a str,
-    /// The part of the target to plan.
+    /// Part of the target to plan.
     pub extent: PlanScope<'a>,
-    /// Name of the shape in the program. `None` means the only shape, or the one claimed last.
+    /// Name of the shape in the target program. `None` means the only shape, or the shape of the
+    /// last claim.
     pub shape: Option<&'a str>,
-    /// Number of the model in a `.vox` file to build. `None` means all models, placed as in the
-    /// voxel scene.
+    /// Number of the model in a `.vox` file to build. `None` means all models, at their places in
+    /// the voxel scene.
     pub model: Option<u32>,
-    /// The plate to build on. `None` means that of the target.
+    /// Plate to build on. `None` means the plate of the target.
     pub seed_plate: Option<&'a SeedPlate>,
-    /// Displacement of the shape from its position in the target.
+    /// Displacement of the shape from its position in the target. `None` means no displacement.
     pub offset: Option<Offset>,
-    /// The scene to build in, also as `FILE.sa:NAME`. The default is that of the target.
+    /// Scene to build in, also as `FILE.sa:NAME`. `None` means the scene of the target.
     pub scene: Option<&'a str>,
-    /// Number of free blocks. The default is that of the scene.
+    /// Number of free blocks. `None` means the number of the scene.
     pub free: Option<u32>,
-    /// Name of the assembly. The default is the name of the shape.
+    /// Name of the assembly. `None` means the name of the shape.
     pub name: Option<&'a str>,
-    /// The treatment of loose parts.
+    /// Treatment of loose parts.
     pub loose: LooseParts,
-    /// Further folders for imports.
+    /// Additional folders that imports may come from.
     pub imports: &'a [PathBuf],
-    /// Budget of the search. `None` means about one second.
+    /// Budget of the search. `None` means a budget of about one second.
     pub budget: Option<Budget>,
-    /// The time to minimize.
+    /// Time that the plan minimizes.
     pub objective: Objective,
     /// Seed of the random numbers.
     pub seed: u64,
     /// Whether scaffolds remain in the structure.
     pub keeps_scaffolds: bool,
-    /// Number of runs of each plan in a race. `None` if there is no race.
+    /// Number of runs of each plan in a race. `None` means no race.
     pub race: Option<u64>,
-    /// Files of rates for scenes without built-in rates.
+    /// Files with calibrated rates, for scenes without built-in rates.
     pub rates: &'a [PathBuf],
 }
 
-/// Treatment of parts that are not attached to a block that can capture.
+/// Treatment of loose parts, which are not attached to a block that can capture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LooseParts {
-    /// Reject the target.
+    /// Loose parts are an error.
     #[default]
     Refuse,
-    /// Leave the parts out.
+    /// Loose parts are left out.
     Drop,
-    /// Add cells that support the parts.
+    /// Loose parts are supported by additional cells.
     Support,
 }
 
 impl LooseParts {
-    /// Combines the two options. At most one of them is given.
+    /// Returns the treatment that two options select. At most one of them may be set.
     pub fn new(are_dropped: bool, are_supported: bool) -> LooseParts {
         if are_dropped {
             LooseParts::Drop
@@ -72,21 +73,21 @@ impl LooseParts {
     }
 }
 
-/// The part of a target to plan.
+/// Part of a target to plan.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum PlanScope<'a> {
     /// The whole shape.
     #[default]
     Whole,
-    /// The captures that are missing in a program.
+    /// Captures that are missing in a program.
     Completion,
-    /// The blocks that are missing at the end of a run.
+    /// Blocks that are missing at the end of a run.
     Rest(RunEnd<'a>),
 }
 
 impl<'a> PlanScope<'a> {
-    /// Returns the part to plan: the rest of a run if given, else the completion of a program, else
-    /// the whole shape.
+    /// Returns the part to plan. This is the rest of a run if one is given. Otherwise it is the
+    /// completion of a program or the whole shape.
     pub fn new(rest: Option<RunEnd<'a>>, completes: bool) -> PlanScope<'a> {
         match rest {
             Some(end) => PlanScope::Rest(end),
@@ -96,13 +97,13 @@ impl<'a> PlanScope<'a> {
     }
 }
 
-/// The end of a run. The rest is planned from here.
+/// End of a run, where planning continues.
 #[derive(Clone, Copy, Debug)]
 pub struct RunEnd<'a> {
     /// Number of the run, from 0.
     pub run: u64,
-    /// Name of the program. `None` means the only one of the folder.
+    /// Name of the program. `None` means the only program of the folder.
     pub program: Option<&'a str>,
-    /// Names of blocks that are broken: they neither capture nor pass on messages.
+    /// Names of broken blocks, which neither capture nor forward messages.
     pub dead: &'a [String],
 }

@@ -1,7 +1,7 @@
-//! Parses options that are two numbers.
+//! Parsing of options that consist of two numbers.
 use std::str::FromStr;
 
-/// Parses `2, 1`. Returns `None` for any other text.
+/// Parses two numbers, such as `2, 1`. Returns `None` for any other text.
 pub fn pair<T: FromStr>(text: &str) -> Option<(T, T)> {
     let (one, other) = text.split_once(',')?;
     Some((one.trim().parse().ok()?, other.trim().parse().ok()?))

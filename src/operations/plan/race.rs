@@ -1,4 +1,4 @@
-//! Races between plans: physical simulations decide which plan is fastest.
+//! Races between plans: physical simulations determine the fastest plan.
 //!
 //! # Source
 //! O. Maron and A. W. Moore, *Hoeffding races*, Advances in Neural Information Processing Systems
@@ -20,20 +20,20 @@ use crate::host::Host;
 use crate::operations::in_memory::all_runs;
 use stochc_planner::Planned;
 
-/// Fewest runs of a plan in a race. The first round has as many.
+/// Smallest number of runs of a plan in a race. The first round has this number.
 pub const MIN_RACE: u64 = 8;
 
-/// Most runs of a plan in a race.
+/// Largest number of runs of a plan in a race.
 pub const MAX_RACE: u64 = 100_000;
 
-/// A rival leaves the race if it is slower by this number of confidence intervals. Above 1,
+/// Lead of another plan that removes a plan from the race, in confidence intervals. It is above 1,
 /// because plans are compared after each round.
 const MAX_BEHIND: f64 = 1.5;
 
-/// A run is stopped after this multiple of its plan's estimated time.
+/// Limit on the ticks of a run, as a multiple of its plan's estimated time.
 const MAX_ESTIMATES: f64 = 12.0;
 
-/// A plan in a race.
+/// Plan in a race, with its runs.
 struct Entrant {
     planned: Planned,
     program: EnsembleProgram,
@@ -41,10 +41,10 @@ struct Entrant {
     stopped: u64,
 }
 
-/// Returns the fastest of a plan and its rivals. A rival with a stopped run never wins.
+/// Returns the fastest plan: `planned` or one of its rivals. A rival with a stopped run never wins.
 ///
-/// The plan itself never leaves the race, because a few runs of a rival do not show rare, long
-/// jams. If the user interrupts the race, the plan wins.
+/// `planned` itself never leaves the race: a few runs of a rival may not show its rare, long jams.
+/// If the user interrupts the race, `planned` wins.
 ///
 /// # Errors
 /// If a program does not compile, or its scene cannot be set up.
@@ -62,7 +62,7 @@ pub fn winner(
     let own = planned.plan.baseline;
     let rivals = rivals.into_iter().filter(|it| it.plan.baseline != own);
     let rivals = rivals.map(Entrant::new).collect::<Result<Vec<_>, _>>()?;
-    // The planned program is the first entrant.
+    // `planned` is the first plan in the race.
     let mut running = vec![Entrant::new(planned)?];
     running.extend(rivals);
     let mut slow: Vec<RaceTimes> = Vec::new();
@@ -102,7 +102,8 @@ pub fn winner(
     })
 }
 
-/// Removes rivals that are clearly slower than another plan or have a stopped run. Returns their times.
+/// Removes rivals that are clearly slower than another plan or have a stopped run. Returns the
+/// times of removed plans.
 fn remove_slow(running: &mut Vec<Entrant>) -> Vec<RaceTimes> {
     let times: Vec<RaceTimes> = running.iter().map(Entrant::race_times).collect();
     let best = times.iter().min_by(|a, b| a.mean.total_cmp(&b.mean));
@@ -121,8 +122,8 @@ fn remove_slow(running: &mut Vec<Entrant>) -> Vec<RaceTimes> {
     slow.map(|(times, _)| times).collect()
 }
 
-/// Returns the fastest plan, or the first one if several are equally fast. Messages about the first
-/// plan hold for all.
+/// Returns the fastest plan, or the first of several equally fast ones. It receives the messages of
+/// the first plan, which are valid for all.
 fn fastest(mut running: Vec<Entrant>, objective: Objective) -> Planned {
     let first = running.remove(0);
     let mut best = first.value(objective);

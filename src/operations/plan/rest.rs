@@ -1,4 +1,4 @@
-//! Plans the rest: of an incomplete run, or of a partial program.
+//! Planning of a rest: of an incomplete run, or of a partial program.
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use crate::exit::Failure;
 use crate::host::Host;
 use stochc_planner::{Completion, ExistingStructure, Goal, NotCompleted};
 
-/// Returns the part that is missing in a program.
+/// Returns the captures that are missing in a program.
 ///
 /// # Errors
 /// If the program cannot be read, has errors, or is complete.

@@ -1,5 +1,5 @@
-//! Chooses the scene of a plan: the named one, the only one of a file, or the default. Adds free
-//! blocks if needed.
+//! Scene of a plan: the scene that an option names, the only scene of a file, or the default. Adds
+//! free blocks if needed.
 use std::path::Path;
 
 use stochc_compiler::scene::{DEFAULT, built_in_names};
@@ -33,9 +33,10 @@ pub fn choose(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Host) -> Re
     Ok(())
 }
 
-/// Uses the only scene of a program whose shape no assembly builds, and reports it.
+/// Selects the only scene that a program declares if no assembly builds the shape. Reports the
+/// selection.
 pub fn choose_declared(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Host) {
-    // A plate comes from an assembly, which has a scene.
+    // A plate comes from an assembly, whose scene is already selected.
     if options.scene.is_some() || goal.plate.is_some() {
         return;
     }
@@ -56,15 +57,15 @@ pub fn choose_declared(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Ho
     }
 }
 
-/// A value of `--scene`.
+/// Value of the option `--scene`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SceneName<'a> {
-    /// A scene of a file: `lab.sa:tank`, or `lab.sa` if it has only one.
+    /// Scene of a file: `lab.sa:tank`, or `lab.sa` if the file has only one scene.
     InFile {
         file: &'a str,
         name: Option<&'a str>,
     },
-    /// A built-in scene, or one that is declared in the file of the shape.
+    /// Built-in scene, or scene that the file of the shape declares.
     Known(&'a str),
 }
 
@@ -95,7 +96,7 @@ fn known(goal: &Goal, name: &str) -> Result<String, Failure> {
     )))
 }
 
-/// Uses a scene from another file.
+/// Sets the scene of a goal to a scene of another file.
 fn take(
     goal: &mut Goal,
     file: &str,

@@ -1,4 +1,4 @@
-//! Reads and plans a target.
+//! Search for a plan of a target.
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -25,7 +25,7 @@ use crate::reader::DiskReader;
 /// Checks that a completed program is also correct at another path, because imports are relative.
 ///
 /// # Errors
-/// If the program has errors at that path. Claims that the plan does not fulfil yet are ignored.
+/// If the program has errors at that path. Ignores claims that the plan does not fulfil yet.
 pub fn is_right_at(path: &Path, planned: &Planned, imports: &[PathBuf]) -> Result<(), Failure> {
     let text = &planned.text;
     let path = path.to_string_lossy();
@@ -46,19 +46,19 @@ pub fn is_right_at(path: &Path, planned: &Planned, imports: &[PathBuf]) -> Resul
     }
 }
 
-/// A target that has been read.
+/// Target of a plan, after reading it.
 #[derive(Debug)]
 pub enum PlanTarget {
-    /// A shape, or the rest of a run.
+    /// Shape, or the rest of a run.
     Goal(Goal),
-    /// A partial program.
+    /// Partial program to complete.
     Completion(Completion),
 }
 
-/// Reads the target.
+/// Reads the target of a plan.
 ///
 /// # Errors
-/// If it cannot be read, or contains nothing to plan.
+/// If the target cannot be read, or contains nothing to plan.
 pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<PlanTarget, NotPlanned> {
     match options.extent {
         PlanScope::Whole => Ok(PlanTarget::Goal(goal(options, host)?)),
@@ -76,7 +76,7 @@ pub fn plan(
     options: &PlanOptions<'_>,
     host: &dyn Host,
 ) -> Result<Planned, NotPlanned> {
-    // The plan reports errors of a scene.
+    // Planning itself reports errors of the scene.
     let (missing, scene) = match read {
         PlanTarget::Goal(goal) => (goal.cells.len(), goal.scene().ok()),
         PlanTarget::Completion(completion) => {
@@ -98,7 +98,7 @@ pub fn plan(
     }
 }
 
-/// Searches for a plan of this number of cells within the budget.
+/// Searches for a plan within the budget. `cells` is the number of cells in the shape.
 pub(super) fn search(
     cells: usize,
     options: &PlanOptions<'_>,
@@ -137,7 +137,7 @@ pub(super) fn search(
         let tried = tried.load(Ordering::Relaxed);
         WorkProgress {
             share: budget.share(tried, elapsed),
-            // If the target cannot be planned, the error is sufficient.
+            // If the target cannot be planned, show only the error.
             done: if is_refused.load(Ordering::Relaxed) {
                 String::new()
             } else {

@@ -1,9 +1,9 @@
-//! The option `--plate`.
+//! Option `--plate`.
 use stochc_ir::table::Plate;
 
 use super::pair::pair;
 
-/// A plate, and its blocks that may capture.
+/// Plate, with the blocks of it that may capture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SeedPlate {
     /// Size and position of the plate.
@@ -13,7 +13,7 @@ pub struct SeedPlate {
 }
 
 impl SeedPlate {
-    /// Parses `3 x 3`, `3x3` or `3 x 3 at (1, 1) (2, 0)`.
+    /// Parses a plate, such as `3 x 3`, `3x3` or `3 x 3 at (1, 1) (2, 0)`.
     pub fn parse(text: &str) -> Result<SeedPlate, String> {
         let malformed = || {
             "give its size, and seeds if not all may capture: `3 x 3`, `3 x 3 at (1, 1) (2, 0)`"

@@ -1,4 +1,4 @@
-//! Reads the target of a plan.
+//! Reading of a plan's target.
 use std::path::{Path, PathBuf};
 
 use stochc_compiler::Checked;
@@ -20,7 +20,7 @@ use stochc_planner::Goal;
 /// Reads the target that the options name.
 ///
 /// # Errors
-/// If it cannot be read or contains no shape.
+/// If the target cannot be read or contains no shape.
 pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure> {
     let target = options.target;
     let kind = kind(target);
@@ -36,7 +36,7 @@ pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure>
             Ok(cells)
         }),
         Some("txt") => voxels(options, |bytes| {
-            // Invalid characters are harmless in comments. Elsewhere the parser reports them with
+            // Invalid characters are harmless in comments. Elsewhere, the parser reports them with
             // their line.
             let text = String::from_utf8_lossy(bytes);
             layers(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&text))
@@ -45,9 +45,9 @@ pub fn read(options: &PlanOptions<'_>, host: &dyn Host) -> Result<Goal, Failure>
     }
 }
 
-/// Reports hidden models of a voxel scene, which are not built.
+/// Warns about hidden models of a voxel scene, which are not built.
 fn report_hidden(target: &str, hidden: &[u32], host: &dyn Host) {
-    /// Largest number of models in the message.
+    /// Largest number of models that the message lists.
     const LISTED: usize = 8;
     if !hidden.is_empty() {
         let numbers: Vec<String> = hidden.iter().take(LISTED).map(u32::to_string).collect();
@@ -65,7 +65,7 @@ pub fn is_of_voxels(target: &str) -> bool {
     matches!(kind(target).as_deref(), Some("vox" | "txt"))
 }
 
-/// Returns the extension of a file name in lower case.
+/// Returns the extension of a file name in lower case. Returns `None` if there is none.
 fn kind(target: &str) -> Option<String> {
     let kind = Path::new(target).extension()?.to_str()?;
     Some(kind.to_ascii_lowercase())
@@ -117,7 +117,7 @@ pub fn is_named_as_program(target: &str) -> bool {
         .is_some_and(|kind| kind == "sa")
 }
 
-/// Compiles the target program. It may have errors.
+/// Compiles the target program. The result may contain errors.
 pub fn checked(options: &PlanOptions<'_>) -> Result<Checked, Failure> {
     if Path::new(options.target).is_dir() {
         return Err(Failure::usage(format!(
@@ -128,7 +128,7 @@ pub fn checked(options: &PlanOptions<'_>) -> Result<Checked, Failure> {
     checked_file(options.target, options.imports)
 }
 
-/// Compiles a file. It may have errors.
+/// Compiles a file. The result may contain errors.
 pub fn checked_file(file: &str, imports: &[PathBuf]) -> Result<Checked, Failure> {
     is_readable(file)?;
     Ok(crate::check_within(file, &Default::default(), imports))
@@ -136,7 +136,7 @@ pub fn checked_file(file: &str, imports: &[PathBuf]) -> Result<Checked, Failure>
 
 /// Returns whether a text is a valid name in a program.
 pub fn is_name(name: &str) -> bool {
-    // Keywords are tested with the tokens of the language, so that new ones are included.
+    // Test keywords with the lexer of the language, so that new keywords are included.
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let begins_well = !name.starts_with(|first: char| first.is_ascii_digit());
     !name.is_empty()
@@ -145,7 +145,7 @@ pub fn is_name(name: &str) -> bool {
         && Symbols::new().get(name).is_none()
 }
 
-/// Returns a valid name for the shape of a file, made from the file name.
+/// Returns a valid name for the shape in a file, derived from the file name.
 fn name(target: &str) -> String {
     let stem = Path::new(target)
         .file_stem()

@@ -120,7 +120,8 @@ impl<'a> TradeTally<'a> {
 impl Trade {
     /// Compares the settings of a sweep. Returns `None` if the manifest varies no settings.
     ///
-    /// # Errors If the runs cannot be read again.
+    /// # Errors
+    /// If the runs cannot be read again.
     pub fn from_runs(
         manifest: &Manifest,
         finished: &Records,

@@ -35,7 +35,8 @@ pub struct SubmitArguments {
     pub dry_run: bool,
 }
 
-/// Rejects options that `submit` sets itself, or that make `submit` lose track of the job.
+/// Checks an option for `sbatch`. Rejects options that `submit` sets itself, or that prevent it
+/// from finding the job.
 fn sbatch_option(option: &str) -> Result<String, String> {
     const RESERVED: [(&str, &str); 12] = [
         ("--array", "-a"),
@@ -56,7 +57,7 @@ fn sbatch_option(option: &str) -> Result<String, String> {
         return Err(hint.to_owned());
     }
     let name = option.split('=').next().unwrap_or_default();
-    // Slurm accepts abbreviated long options.
+    // Slurm also accepts abbreviations of long options.
     let is_long = |long: &str| name.len() > 2 && long.starts_with(name);
     let is_short = |short: &str| !short.is_empty() && name.starts_with(short);
     match RESERVED

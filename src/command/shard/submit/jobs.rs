@@ -1,4 +1,4 @@
-//! Scripts and `sbatch` commands of an ensemble.
+//! Scripts and `sbatch` commands that run the shards of an ensemble.
 use std::path::PathBuf;
 
 use stochc_results::slurm::{
@@ -9,7 +9,7 @@ use super::arguments::SubmitArguments;
 use super::slurm;
 use crate::exit::Failure;
 
-/// Scripts and `sbatch` commands of an ensemble.
+/// Scripts and `sbatch` commands that run the shards of an ensemble.
 pub struct Jobs<'a> {
     options: &'a SubmitArguments,
     ensemble: &'a SlurmEnsemble,
@@ -18,7 +18,7 @@ pub struct Jobs<'a> {
 }
 
 impl<'a> Jobs<'a> {
-    /// Returns the jobs of an ensemble.
+    /// Returns the scripts and commands for an ensemble.
     pub fn new(
         options: &'a SubmitArguments,
         ensemble: &'a SlurmEnsemble,
@@ -33,7 +33,10 @@ impl<'a> Jobs<'a> {
         })
     }
 
-    /// Returns the number of shards per task.
+    /// Returns the number of shards that each task runs.
+    ///
+    /// # Errors
+    /// If the cluster has no job arrays.
     pub fn per_task(&self, limits: SlurmLimits) -> Result<u64, Failure> {
         let per_task = limits.per_task(self.ensemble.shards, self.options.per_task);
         per_task.ok_or_else(|| {
@@ -52,13 +55,13 @@ impl<'a> Jobs<'a> {
         ]
     }
 
-    /// Returns the arguments of `sbatch` for an array of these tasks.
+    /// Returns the arguments of `sbatch` for a job array with these tasks.
     pub fn array(&self, tasks: &[u64], script: &str) -> Vec<String> {
         let indices = indices(tasks, self.options.at_most);
         self.arguments(&self.ensemble.name, format!("--array={indices}"), script)
     }
 
-    /// Returns the arguments of `sbatch` for a merge job after these arrays.
+    /// Returns the arguments of `sbatch` for a merge job that waits for these job arrays.
     pub fn merge(&self, arrays: &[String], script: &str) -> Vec<String> {
         let dependency = format!("--dependency=afterany:{}", arrays.join(":"));
         self.arguments(&self.ensemble.merge_name(), dependency, script)
@@ -84,9 +87,9 @@ impl<'a> Jobs<'a> {
         arguments
     }
 
-    /// Returns the scripts and commands for the missing shards, as text.
+    /// Returns the scripts and commands that would run the missing shards, as text.
     pub fn preview(&self, missing: &[u64]) -> Result<String, Failure> {
-        // The preview also works without Slurm.
+        // The preview also works without Slurm, with default limits.
         let per_task = self.per_task(slurm::limits().unwrap_or_default())?;
         let [shards, merge] = self.scripts(per_task);
         let script = |name: &str| format!("{}/slurm/{name}.sh", self.folder);

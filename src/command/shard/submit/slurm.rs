@@ -1,4 +1,4 @@
-//! Runs the commands of Slurm.
+//! Calls of Slurm commands.
 use std::ffi::OsStr;
 use std::io::ErrorKind;
 use std::process::{Command, Stdio};
@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use stochc_files::shell::visible;
 use stochc_results::slurm::{FORMAT, Queue, SlurmEnsemble, SlurmLimits};
 
-/// A command of Slurm failed or is not installed. Has its message.
+/// Error of a Slurm command that failed or is not installed. Contains its message.
 #[derive(Debug)]
 pub struct SlurmError(String);
 
@@ -17,7 +17,7 @@ impl std::fmt::Display for SlurmError {
 }
 
 impl SlurmError {
-    /// Returns whether the controller may have accepted the job although its answer was lost.
+    /// Returns whether Slurm may have accepted the job although its answer was lost.
     pub fn is_lost_answer(&self) -> bool {
         const LOST: [&str; 5] = [
             "timed out",
@@ -29,7 +29,7 @@ impl SlurmError {
         LOST.iter().any(|part| self.0.contains(part))
     }
 
-    /// Returns whether a limit on the number of jobs or tasks was exceeded.
+    /// Returns whether Slurm refused the job because of a limit on jobs or tasks.
     pub fn is_limit(&self) -> bool {
         const LIMITS: [&str; 4] = ["QOS", "Assoc", "submit limit", "job array"];
         LIMITS.iter().any(|part| self.0.contains(part))
@@ -44,7 +44,7 @@ pub fn queue(ensemble: &SlurmEnsemble) -> Result<Queue, SlurmError> {
     Ok(ensemble.queue(&output))
 }
 
-/// Returns the limits of the Slurm site.
+/// Returns the limits of the cluster on jobs.
 pub fn limits() -> Result<SlurmLimits, SlurmError> {
     let limits = SlurmLimits::from_config(&run("scontrol", ["show", "config"])?);
     let user = format!("user={}", std::env::var("USER").unwrap_or_default());
@@ -56,14 +56,14 @@ pub fn limits() -> Result<SlurmLimits, SlurmError> {
         &user,
         "format=MaxSubmitJobs",
     ];
-    // Many sites have no accounting.
+    // Many clusters have no accounting.
     Ok(match run("sacctmgr", associations) {
         Ok(output) => limits.with_associations(&output),
         Err(_) => limits,
     })
 }
 
-/// Returns a command quoted for a shell.
+/// Returns a command line with its arguments quoted for a shell.
 pub fn line(program: &str, arguments: &[String]) -> String {
     let words = std::iter::once(program).chain(arguments.iter().map(String::as_str));
     words.map(visible).collect::<Vec<_>>().join(" ")
@@ -81,7 +81,7 @@ pub fn run(
             command.env_remove(name);
         }
     }
-    // Prevents squeue from shortening long lists of tasks.
+    // Without this variable, squeue shortens long lists of tasks.
     command.env("SLURM_BITSTR_LEN", "0");
     let failed = |message: String| SlurmError(format!("`{program}` failed: {message}"));
     let output = command.output().map_err(|error| match error.kind() {
@@ -99,7 +99,7 @@ pub fn run(
     }))
 }
 
-/// Returns whether to remove an environment variable that would change jobs or output.
+/// Returns whether an environment variable must be removed because it would change jobs or output.
 fn is_unset(name: &OsStr) -> bool {
     let name = name.to_string_lossy();
     name.starts_with("SQUEUE_") || name == "SBATCH_WAIT" || name == "SBATCH_ARRAY_INX"

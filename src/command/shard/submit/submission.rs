@@ -1,4 +1,4 @@
-//! Submits the shards of an ensemble and a merge job.
+//! Submission of the shards of an ensemble and of a merge job.
 use std::collections::BTreeSet;
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ use crate::command::terminal::{is_quiet, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::sweep::files_for_screens;
 
-/// Submits the missing shards of an ensemble, or reports why no job is needed.
+/// Submits the missing shards of an ensemble. If no job is needed, reports the reason.
 pub fn run(options: &SubmitArguments) -> Result<Exit, Failure> {
     if std::env::var_os("SBATCH_CLUSTERS").is_some() {
         return Err(Failure::usage(
@@ -44,7 +44,7 @@ pub fn run(options: &SubmitArguments) -> Result<Exit, Failure> {
         jobs,
         folder: shell_file(&visible(&shown)),
     };
-    // Checks that Slurm answers before files are written.
+    // Check that Slurm answers before writing files.
     submission.queue()?;
     let Some(_lock) = ensemble.lock().map_err(Failure::usage)? else {
         let folder = visible(&shown);
@@ -56,7 +56,7 @@ pub fn run(options: &SubmitArguments) -> Result<Exit, Failure> {
 }
 
 impl SubmitArguments {
-    /// Prints a text, unless `--quiet` is given.
+    /// Prints a text. Prints nothing with `--quiet`.
     fn print(&self, text: &str) -> Result<Exit, Failure> {
         if !is_quiet() {
             print(text)?;
@@ -65,24 +65,24 @@ impl SubmitArguments {
     }
 }
 
-/// One call of `submit`. It holds the lock of the folder.
+/// One call of `submit`, which holds the lock of the folder.
 struct Submission<'a> {
     pub(super) options: &'a SubmitArguments,
     pub(super) ensemble: &'a SlurmEnsemble,
     pub(super) jobs: Jobs<'a>,
-    /// The folder, quoted for a command.
+    /// Path of the results folder, quoted for a shell.
     pub(super) folder: String,
 }
 
-/// A snapshot of jobs and shards.
+/// Jobs and shards of an ensemble at one moment.
 struct State {
     pub(super) queue: Queue,
-    /// Shards that exist. `None` while a job array is active.
+    /// Existing shards. `None` while a job array is active.
     found: Option<FoundShards>,
 }
 
 impl State {
-    /// Returns whether no job is needed now or later.
+    /// Returns whether no further job is needed.
     fn is_settled(&self) -> bool {
         !self.queue.active_merges().is_empty() || matches!(self.found, Some(FoundShards::Merged(_)))
     }
@@ -100,7 +100,7 @@ impl Submission<'_> {
         match state.found {
             None => self.submit_merge(&state.queue, &state.queue.active_arrays()),
             Some(FoundShards::Merged(runs)) => {
-                // Locking may have created the folder.
+                // Locking may have created the folder for Slurm.
                 self.ensemble.clear().map_err(Failure::usage)?;
                 self.options.print(&merged(&self.options.folder, runs))
             }
@@ -109,8 +109,8 @@ impl Submission<'_> {
         }
     }
 
-    /// Returns the current state. After an earlier submission, waits for jobs and files that are
-    /// not visible yet.
+    /// Returns the current jobs and shards. After an earlier submission, waits for jobs and files
+    /// that may not be visible yet.
     fn settle(&self) -> Result<State, Failure> {
         let state = self.state()?;
         if state.is_settled() || !self.ensemble.was_submitted() {
@@ -189,9 +189,10 @@ impl Submission<'_> {
         Ok(scripts.map(|path| path.to_string_lossy().into_owned()))
     }
 
-    /// Runs `sbatch` and returns the job number. `listed` are the jobs that Slurm listed before.
+    /// Runs `sbatch` and returns the number of the job. `listed` are the jobs that Slurm listed
+    /// before.
     ///
-    /// If the answer is lost or lacks the number, finds the job by its name.
+    /// If the answer is lost or lacks the number, finds the new job by its name.
     pub(super) fn submit(
         &self,
         arguments: &[String],
@@ -241,7 +242,7 @@ impl Submission<'_> {
         self.options.print(&text)
     }
 
-    /// Returns the failure that a command of Slurm gave no answer.
+    /// Returns the failure for a Slurm command that gave no answer.
     fn unanswered(&self, error: &SlurmError) -> Failure {
         let folder = &self.folder;
         several_lines(&format!(
@@ -250,7 +251,7 @@ impl Submission<'_> {
         ))
     }
 
-    /// Returns the failure that a job was not submitted.
+    /// Returns the failure for a job that was not submitted.
     fn refused(&self, what: &str, refusal: &Refusal) -> Failure {
         let folder = &self.folder;
         let answer = match &refusal.error {
@@ -274,11 +275,11 @@ impl Submission<'_> {
     }
 }
 
-/// A submission without a job number.
+/// Result of a submission that gave no job number.
 struct Refusal {
     /// Whether Slurm may have accepted the job.
     may_be_accepted: bool,
-    /// Error of `sbatch`. `None` if it succeeded.
+    /// Error of `sbatch`. `None` if `sbatch` succeeded.
     pub(super) error: Option<SlurmError>,
 }
 
@@ -289,7 +290,8 @@ fn several_lines(message: &str) -> Failure {
     }
 }
 
-/// Calls `look` until its value is final or the time is over. Returns the last value.
+/// Calls `look` repeatedly until `is_final` accepts its value or `time` has passed. Returns the
+/// last value.
 fn poll<T, E>(
     time: Duration,
     look: impl Fn() -> Result<T, E>,
@@ -304,7 +306,7 @@ fn poll<T, E>(
         if is_final(&value) || left.is_zero() {
             return Ok(value);
         }
-        // Pauses so that looking takes at most a tenth of the time.
+        // Pause so that calls of `look` take at most a tenth of the time.
         let pause = SHORTEST_PAUSE.max(9 * looked.elapsed());
         std::thread::sleep(pause.min(left));
     }
