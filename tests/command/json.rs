@@ -258,7 +258,7 @@ fn every_key_is_documented() {
     for name in &documents {
         page += &section(&schemas, "##", schemas.definition(name));
     }
-    page += "\n## Parts\n\nDocuments consist of these parts.\n";
+    page += "\n## Parts\n\nThe documents contain these objects.\n";
     let parts = schemas.0["$defs"].as_object().unwrap();
     let shown: BTreeSet<&str> = documents.into_iter().collect();
     for (_, part) in parts.iter().filter(|(name, _)| !shown.contains(&***name)) {
@@ -270,14 +270,14 @@ fn every_key_is_documented() {
 const HEAD: &str = "\
 # JSON
 
-Commands print JSON with `--json`. Each document is an object with a version, `format`. It is 1.
-Machine-readable results go to standard output; notes, warnings and errors go to standard error.
+Commands print JSON with `--json`. Each document is an object with a key `format`, the version of the document. It is 1.
+Results go to standard output. Notes, warnings and errors go to standard error.
 
-[json.schema.json](json.schema.json) is a [JSON Schema](https://json-schema.org) of all documents below.
-A key that is not optional is always there; its value may be null.
+[json.schema.json](json.schema.json) is a [JSON Schema](https://json-schema.org) of all documents on this page.
+A key is always present unless it is optional. Its value may be null.
 
-Other files have pages of their own: [executable programs](executable.md), [tables](results.md#tables), [recordings](recordings.md).
-`manifest.json`, `checksums.json`, `shards.json` and the journals are for `stochc` itself. They may change between versions.
+Other files have their own pages: [executable programs](executable.md), [tables](results.md#tables), [recordings](recordings.md).
+`manifest.json`, `checksums.json`, `shards.json` and the journals are internal files of stochc. They may change between versions.
 ";
 
 fn section(schemas: &Schemas, level: &str, schema: &Value) -> String {
@@ -304,7 +304,7 @@ fn section(schemas: &Schemas, level: &str, schema: &Value) -> String {
         );
     }
     if schema.get("additionalProperties").is_none() {
-        text += "\nFurther keys may be there.\n";
+        text += "\nIt may have further keys.\n";
     }
     text
 }
