@@ -1,5 +1,5 @@
-//! Reads arbitrary bytes as compiled programs. Valid ones must survive writing and reading, and
-//! must run.
+//! Reads arbitrary bytes as compiled programs. Valid programs must be equal after writing and
+//! reading, and must run.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

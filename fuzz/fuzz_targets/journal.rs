@@ -1,5 +1,5 @@
-//! Reads arbitrary bytes as a journal. Valid runs must belong to the manifest, each once;
-//! everything else must be reported.
+//! Reads arbitrary bytes as a journal. Valid runs must belong to the manifest, and each must occur
+//! only once. All other content must be reported.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

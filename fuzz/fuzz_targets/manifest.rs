@@ -1,4 +1,4 @@
-//! Reads arbitrary text as a manifest. A valid one must survive writing and reading.
+//! Reads arbitrary text as a manifest. A valid manifest must be equal after writing and reading.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

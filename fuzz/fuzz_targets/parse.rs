@@ -1,5 +1,5 @@
-//! Parses arbitrary text to its end. The verdict must equal that of the whole grammar, and valid
-//! text must survive printing and parsing.
+//! Parses arbitrary text to its end. The verdict must equal the verdict of the whole grammar. Valid
+//! text must be equal after printing and parsing.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

@@ -1,4 +1,4 @@
-//! Reads arbitrary bytes as a recording.
+//! Reads arbitrary bytes as a recording. The reader must return an error or a valid recording.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

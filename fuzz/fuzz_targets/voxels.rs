@@ -1,4 +1,4 @@
-//! Reads arbitrary bytes as voxels.
+//! Reads arbitrary bytes as a voxel file. The cells of a valid file must rest on the plate.
 #![no_main]
 use libfuzzer_sys::fuzz_target;
 

@@ -1,10 +1,10 @@
 //! Checks arbitrary bytes. The check must end with valid diagnostics. A program without errors must
-//! have tables, and cost estimates must not fail for any.
+//! have tables, and its cost estimate must not fail.
 use stochc_compiler::diagnostic::Renderer;
 use stochc_compiler::{Limits, check};
 use stochc_estimate::Rates;
 
-/// Small limits, for short executions.
+/// Small limits on the size of programs, for short executions.
 const LIMITS: Limits = Limits {
     events: 500,
     steps: 5_000,
@@ -12,7 +12,7 @@ const LIMITS: Limits = Limits {
     further: None,
 };
 
-/// Reads an input, and panics if the result is wrong.
+/// Checks an input. Panics if the result is wrong.
 pub fn read(bytes: &[u8]) {
     let mut reader = |path: &str| match path {
         "fuzz.sa" => Ok(bytes.to_vec()),

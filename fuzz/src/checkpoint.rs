@@ -1,7 +1,7 @@
-//! Resumes a run from arbitrary bytes, which must succeed for some ticks or be rejected.
+//! Resumes a run from arbitrary bytes. The run must either continue for some ticks or be rejected.
 //!
-//! The first byte selects the model and the kind of input: a file, a state, or values. Each value
-//! has a length of two bytes, which becomes the eight bytes of a state.
+//! The first byte selects the model and the kind of input: a file, a state, or values. A value has
+//! a length of two bytes in the input, and of eight bytes in the state.
 use std::io::{Cursor, Read};
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -15,7 +15,7 @@ use stochc_results::CHECKPOINTS;
 use stochc_results::integrity::verify;
 use stochc_runtime::{Model, Settings, Watch};
 
-/// Number of ticks of a resumed run.
+/// Number of ticks that a resumed run continues for.
 const TICKS: u32 = 20;
 
 static PROGRAM: LazyLock<Executable> = LazyLock::new(super::program);
@@ -27,7 +27,7 @@ static PLACE: LazyLock<(tempfile::TempDir, PathBuf)> = LazyLock::new(|| {
     (folder, file)
 });
 
-/// Watch of a resumed run.
+/// Watch that supplies the state to resume from.
 struct Resumed {
     state: Option<Vec<u8>>,
     left: u32,
@@ -50,7 +50,7 @@ impl Watch for Resumed {
     }
 }
 
-/// Returns a file with a state after a line, both with their checksums.
+/// Returns a checkpoint file: a header line and the state, with their checksums.
 fn whole(bytes: &[u8]) -> Vec<u8> {
     let mut parts = bytes.splitn(2, |byte| *byte == b'\n');
     let line = String::from_utf8_lossy(parts.next().unwrap_or_default()).into_owned();
@@ -63,7 +63,7 @@ fn whole(bytes: &[u8]) -> Vec<u8> {
     [&file[..], &crc32(&file).to_le_bytes()].concat()
 }
 
-/// Returns values, each after its length.
+/// Returns a state with the values in the input, each after its length.
 fn values(mut bytes: &[u8]) -> Vec<u8> {
     let mut state = Vec::new();
     while let [low, high, rest @ ..] = bytes {
@@ -76,7 +76,7 @@ fn values(mut bytes: &[u8]) -> Vec<u8> {
     state
 }
 
-/// Reads an input, and panics if the result is wrong.
+/// Resumes a run from an input. Panics if the result is wrong.
 pub fn read(bytes: &[u8]) {
     let Some((how, bytes)) = bytes.split_first() else {
         return;
@@ -105,7 +105,7 @@ pub fn read(bytes: &[u8]) {
         state: Some(state),
         left: TICKS,
     };
-    // In production such a run is restarted, as after an error.
+    // In production, such a run is restarted, as after an error.
     let run = || stochc_runtime::run(&PROGRAM.tables, &PROGRAM.scene, &settings, 1, 0, &mut watch);
     let _ = catch_unwind(AssertUnwindSafe(run));
 }

@@ -1,11 +1,11 @@
-//! Reads arbitrary bytes as compiled programs. Valid ones must survive writing and reading, and
-//! must run.
+//! Reads arbitrary bytes as compiled programs. Valid programs must be equal after writing and
+//! reading, and must run.
 use std::ops::ControlFlow;
 
 use stochc_ir::Executable;
 use stochc_runtime::{Model, Settings};
 
-/// Reads an input, and panics if the result is wrong.
+/// Reads an input as compiled programs. Panics if the result is wrong.
 pub fn read(bytes: &[u8]) {
     let Ok(programs) = Executable::read_all(bytes) else {
         return;
@@ -17,7 +17,7 @@ pub fn read(bytes: &[u8]) {
         assert_eq!(program.identity(), again.identity());
     }
     for Executable { tables, scene, .. } in programs.iter().take(2) {
-        // Small programs only, for short executions.
+        // Run only small programs, for short executions.
         if scene.free.count > 50 || tables.roles.len() > 50 {
             continue;
         }

@@ -1,8 +1,8 @@
-//! Reads arbitrary bytes as a journal. Valid runs must belong to the manifest, each once;
-//! everything else must be reported.
+//! Reads arbitrary bytes as a journal. Valid runs must belong to the manifest, and each must occur
+//! only once. All other content must be reported.
 //!
-//! If the first byte is even, the rest is a whole file, otherwise lines without checksums, which
-//! are added.
+//! If the first byte is even, the rest is a whole file. Otherwise it consists of lines without
+//! checksums, which are added.
 use std::sync::LazyLock;
 
 use stochc_files::checksum::sealed;
@@ -10,7 +10,7 @@ use stochc_results::Folder;
 
 static PLACE: LazyLock<(tempfile::TempDir, String)> = LazyLock::new(super::folder);
 
-/// Reads an input, and panics if the result is wrong.
+/// Reads an input as a journal. Panics if the result is wrong.
 pub fn read(bytes: &[u8]) {
     let Some((how, bytes)) = bytes.split_first() else {
         return;

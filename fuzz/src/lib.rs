@@ -1,4 +1,5 @@
-//! Fuzz targets, and the program of their files. A normal test runs them on the corpus.
+//! Fuzz targets, and the program that their input files belong to. An ordinary test runs the
+//! targets on the corpus.
 pub mod check;
 pub mod checkpoint;
 pub mod executable;
@@ -15,7 +16,7 @@ use stochc_ir::Executable;
 use stochc_results::Manifest;
 use stochc_runtime::Settings;
 
-/// Program with two phases, a release, and few blocks.
+/// Source of a program with two phases, a release, and few blocks.
 const PROGRAM: &str = "scene s from hemisphere { free 4 uniform }
 assembly a in s { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } phase q { release A } }";
 
@@ -38,7 +39,7 @@ fn ensemble() -> Manifest {
     Manifest::new(settings.resolved(), 1, 3, vec![program])
 }
 
-/// Returns a folder of that ensemble, in memory if possible, and its identity.
+/// Returns an empty folder for results, in memory if possible, and the identity of the ensemble.
 fn folder() -> (tempfile::TempDir, String) {
     let memory = PathBuf::from("/dev/shm");
     let above = if memory.is_dir() {

@@ -1,11 +1,11 @@
-//! Reads arbitrary text as a manifest. A valid one must survive writing and reading.
+//! Reads arbitrary text as a manifest. A valid manifest must be equal after writing and reading.
 use std::sync::LazyLock;
 
 use stochc_results::Manifest;
 
 static OTHER: LazyLock<Manifest> = LazyLock::new(super::ensemble);
 
-/// Reads an input, and panics if the result is wrong.
+/// Reads an input as a manifest. Panics if the result is wrong.
 pub fn read(text: &str) {
     let Ok(manifest) = Manifest::from_json(text) else {
         return;

@@ -1,13 +1,13 @@
-//! Parses arbitrary text to its end. The verdict must equal that of the whole grammar, and valid
-//! text must survive printing and parsing.
+//! Parses arbitrary text to its end. The verdict must equal the verdict of the whole grammar. Valid
+//! text must be equal after printing and parsing.
 use stochc_grammar::{Symbols, accepts, parse, print};
 
-/// Reads an input, and panics if the result is wrong.
+/// Parses an input. Panics if the result is wrong.
 pub fn read(text: &str) {
     let mut symbols = Symbols::default();
     let parsed = parse(text, &mut symbols);
     let is_wrong = (parsed.errors.iter()).any(|error| error.kind.is_of_grammar());
-    // Not compared after a hundred errors.
+    // The verdicts are not compared after a hundred errors.
     if parsed.errors.len() < 100 {
         assert_eq!(
             !is_wrong,

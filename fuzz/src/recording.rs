@@ -1,7 +1,7 @@
 //! Reads arbitrary bytes as a recording.
 //!
-//! The first byte selects a whole file, or uncompressed parts without checksums: kind, length and
-//! content of each.
+//! The first byte selects the form of the rest. The form is a whole file, or uncompressed parts
+//! without checksums. A part has a kind, a length and a content.
 use std::io::Write as _;
 use std::sync::LazyLock;
 
@@ -16,7 +16,7 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| super::program().tables);
 const HEADER: &str =
     "{\"stochc\":\"\",\"ensemble\":\"\",\"program\":0,\"run\":0,\"every\":1,\"bodies\":4}";
 
-/// Uncompressed size of a part of positions \[bytes\], without four per tick.
+/// Uncompressed size of a part with positions, excluding four bytes per tick \[bytes\].
 const FIXED: usize = 48;
 
 fn sealed(part: &[u8]) -> Vec<u8> {
@@ -63,7 +63,7 @@ fn whole(mut bytes: &[u8]) -> Vec<u8> {
     file
 }
 
-/// Reads an input, and panics if the result is wrong.
+/// Reads an input as a recording. Panics if the result is wrong.
 pub fn read(bytes: &[u8]) {
     let Some((how, bytes)) = bytes.split_first() else {
         return;
@@ -79,7 +79,7 @@ pub fn read(bytes: &[u8]) {
         return;
     };
     let end = recording.record().ticks;
-    // Displaying it must not panic.
+    // Displaying the recording must not panic.
     if recording.header().bodies <= 1000 {
         for frame in recording.frames().take(1000) {
             assert!(frame.tick <= end && frame.places.len() == recording.header().bodies as usize);

@@ -1,7 +1,7 @@
-//! Reads arbitrary bytes as voxels. Cells of a valid input must rest on the plate.
+//! Reads arbitrary bytes as a voxel file. The cells of a valid file must rest on the plate.
 use stochc_planner::{layers, magica_voxel};
 
-/// Reads an input, and panics if its cells do not rest on the plate.
+/// Reads an input as a voxel file. Panics if its cells do not rest on the plate.
 pub fn read(bytes: &[u8]) {
     let scenes = [None, Some(0), Some(1)].map(|model| magica_voxel(bytes, model));
     let scenes = scenes.into_iter().flatten().map(|scene| scene.cells);

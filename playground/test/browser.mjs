@@ -1,5 +1,5 @@
-// The page in Chromium, used as a newcomer uses it.
-// usage: node playground/test/browser.mjs [FOLDER]; writes screenshots to the folder
+// Tests the page in Chromium, used as a newcomer uses it. usage: node playground/test/browser.mjs
+// [FOLDER]; writes screenshots to the folder
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -37,7 +37,7 @@ const picture = name => pictures && page.screenshot({ path: `${pictures}/${name}
 const data = name => page.evaluate(name => document.body.dataset[name], name);
 const text = () => page.evaluate(() => document.querySelector('.cm-content').cmTile.view.state.doc.toString());
 
-/** Waits until a program that was changed or opened has been checked. */
+/** Performs an action, and waits until the changed program has been checked. */
 async function checked(act) {
   const before = await data('checked');
   await act();
@@ -50,7 +50,7 @@ async function go(fragment) {
   await page.waitForSelector('body[data-ready][data-checked]', { timeout: 60000 });
 }
 
-/** Replaces the program, as if typed. */
+/** Replaces the program, as if the user typed it. */
 async function type(program) {
   await page.click('.cm-content');
   await page.keyboard.press('Control+a');
@@ -76,7 +76,7 @@ await test('a run is computed and equals that of the engine outside of the brows
   const program = readFileSync(here('../../examples/gate.sa'), 'utf8');
   const [record] = call({ call: 'simulate', text: program, program: 0, model: 'rigid', seed: 1, first: 0, runs: 1 }).records;
   assert.deepEqual(made, { ticks: record.ticks, outcome: 'completed' });
-  // It plays; the slider rewinds.
+  // The replay plays, and the slider rewinds it.
   await page.waitForFunction(() => Number(document.getElementById('tick').value) > 20);
   await picture('run');
   await page.focus('#tick');
@@ -125,7 +125,7 @@ await test('the lessons can be finished, from the first to the last', async () =
     if (lesson === 3) await picture('lesson');
     await page.click('#next-lesson');
   }
-  // A diagnostic, and its fix.
+  // The page shows a diagnostic and its fix.
   await page.waitForSelector('.problem.error .fix');
   assert.match(await page.textContent('.problem.error'), /can become unreachable/);
   assert.ok(await page.$('.cm-lintRange-error'));
@@ -135,7 +135,7 @@ await test('the lessons can be finished, from the first to the last', async () =
   await isDone();
   assert.notEqual(await text(), before);
   assert.equal(await page.$('.problem.error'), null);
-  // The fix can be undone and done again.
+  // The fix can be undone and redone.
   await checked(() => page.keyboard.press('Control+z'));
   assert.equal(await text(), before);
   await checked(() => page.keyboard.press('Control+y'));
@@ -230,7 +230,7 @@ await test('nothing is asked of the network after loading', async () => {
   await page.click('#run');
   await page.waitForSelector('body[data-record]', { timeout: 60000 });
   assert.deepEqual(server.requests.slice(before), []);
-  // The first page has made four requests: the page, the script, the style and the engine.
+  // Opening the page makes four requests: for the page, the script, the style and the engine.
   assert.ok(requests <= 4, `${requests} requests`);
 });
 

@@ -1,7 +1,7 @@
-// The engine in Node.js, as the page's workers use it.
+// The engine in Node.js, used as the page's workers use it.
 import { readFileSync } from 'node:fs';
 
-/** Returns `call(request, frames)` of the engine in a file. */
+/** Returns a function `call(request, frames)` of the engine in a file. */
 export async function engine(path) {
   const text = new TextDecoder();
   let exports;

@@ -1,5 +1,5 @@
-// Runs in WebAssembly equal those of the command, bit for bit, and every example is correct.
-// usage: node playground/test/records.mjs STOCHC
+// Checks that runs in WebAssembly equal runs of the command, bit for bit, and that every example is
+// correct. usage: node playground/test/records.mjs STOCHC
 import { spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -14,7 +14,7 @@ const call = await engine(`${root}/playground/target/stochc_playground.wasm`);
 const away = mkdtempSync(join(tmpdir(), 'playground-'));
 let [records, failures] = [0, 0];
 
-/** Programs by model: magnets in air, oil and water, suction, free groups, and scenes of their own. */
+/** Tested programs by model: magnets in air, oil and water, suction, free groups, and scenes of their own. */
 const CASES = [
   ['rigid', 'gate.sa', 1],
   ['rigid', 'five_tower_reconfigured.sa', 1],
@@ -30,14 +30,14 @@ const CASES = [
   ['shuffle', 'closed_platform.sa', 20],
 ];
 
-/** Longest run [ticks]: some programs have an order that jams. */
+/** Limit on a run [ticks]. Some programs can jam. */
 const MAX_TICKS = 5000;
 
 for (const [model, file, runs] of CASES) {
   const path = `${root}/examples/${file}`;
   const out = join(away, `${model}-${file.replaceAll('/', '-')}`);
   const { status } = spawnSync(command, ['simulate', path, '--model', model, '--runs', String(runs), '--seed', '7', '--max-ticks', String(MAX_TICKS), '--out', out, '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
-  // 3: some runs were not completed.
+  // Exit status 3: some runs did not complete.
   if (status !== 0 && status !== 3) throw new Error(`${command} ends with status ${status}`);
   const lines = readFileSync(join(out, 'journal.jsonl'), 'utf8').trim().split('\n').map(line => JSON.parse(line));
   const native = lines.filter(({ record }) => record);
@@ -54,7 +54,7 @@ for (const [model, file, runs] of CASES) {
       console.error(`${model} ${file}, program ${program}, run ${record.run}: the records differ`);
     }
     if (model !== 'rigid') continue;
-    // The run that is watched is the same run.
+    // Watching a run must not change its record.
     let frames = 0;
     const { record } = call({ call: 'watch', ...request, first: 0 }, ({ ticks }) => (frames += ticks.length));
     if (frames && isDeepStrictEqual(record, made[0])) continue;

@@ -1,4 +1,4 @@
-// A file server of playground/dist, as any other.
+// Server for the files in playground/dist.
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
 import { extname } from 'node:path';
@@ -6,7 +6,7 @@ import { fileURLToPath } from 'node:url';
 
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm' };
 
-/** Returns `{ url, requests, close }`. `requests` lists the paths asked for. */
+/** Starts a server and returns `{ url, requests, close }`. `requests` lists the requested paths. */
 export async function serve() {
   const root = fileURLToPath(new URL('../dist', import.meta.url));
   const requests = [];

@@ -10,7 +10,9 @@ const PARTS = [
 ];
 const EXPORTS = ['Camera', 'History', 'Labels', 'Painter', 'Player', 'Recording', 'Scene', 'SPEEDS', 'Timeline', 'Unreadable', 'phaseColour', 'steer'];
 
-/** Makes the viewer of `stochc replay` a module: a function of the palette, which the engine has. */
+/**
+ * Makes a module from the viewer of `stochc replay`. It exports a function of the palette, which the engine supplies.
+ */
 function viewer() {
   const folder = path('../../crates/report/src/replay/page');
   return {
@@ -24,7 +26,7 @@ function viewer() {
   };
 }
 
-/** Pictures of the examples, as text: the page needs no further requests. */
+/** Includes the pictures of the examples as text, so that the page needs no further requests. */
 function pictures() {
   const folder = path('../../docs/pictures/examples');
   return {

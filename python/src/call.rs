@@ -1,5 +1,5 @@
-//! Work in a separate thread: without the interpreter's lock, stopped by Ctrl-C, and with panics
-//! converted to exceptions.
+//! Execution of work in a separate thread, without the interpreter's lock. Ctrl-C stops the work,
+//! and panics become exceptions.
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -14,15 +14,15 @@ use stochc::host::Host as _;
 use super::exceptions::{defect, exception, warn};
 use super::host::Caller;
 
-/// Interval of signal checks and progress reports.
+/// Interval between two checks for signals and reports of progress.
 const PERIOD: Duration = Duration::from_millis(50);
 
 /// Runs `work`, reports its progress and returns its result.
 ///
 /// # Errors
 ///
-/// The error of the work as an exception of `stochc`. An exception of a signal or of `progress`
-/// stops the work at its next tick.
+/// Converts the failure of the work to an exception of `stochc`. An exception from a signal or from
+/// `progress` stops the work at its next tick.
 pub fn call<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -31,10 +31,10 @@ pub fn call<T: Send + 'static>(
     let caller = Arc::new(Caller::default());
     let (sender, receiver) = channel::<()>();
     let theirs = caller.clone();
-    // As large as the stack of a main thread.
+    // The stack is as large as that of a main thread.
     let thread = (std::thread::Builder::new().name("stochc".into())).stack_size(8 << 20);
     let thread = thread.spawn(move || {
-        // Dropped at the end, also by a panic.
+        // The sender is dropped at the end of the work, even by a panic.
         let _sender = sender;
         catch_unwind(AssertUnwindSafe(|| work(&theirs)))
     });

@@ -1,4 +1,4 @@
-//! Ensembles: simulation, shards and results.
+//! Ensembles in Python: simulation, shards and results.
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -28,7 +28,7 @@ use super::table::PythonTable;
 
 mod derived;
 
-/// Arguments that determine an ensemble.
+/// Python arguments that determine an ensemble.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct EnsembleRequest {
@@ -41,7 +41,7 @@ pub struct EnsembleRequest {
     threads: Option<u16>,
 }
 
-/// Number of runs to make, and storage.
+/// Python arguments for the number of runs and their storage.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct StorageOptions {
@@ -52,7 +52,7 @@ pub struct StorageOptions {
     record_every: u32,
 }
 
-/// The arguments without interpreter objects.
+/// Arguments that do not contain objects of the interpreter.
 struct Detached {
     asked: EnsembleRequest,
     programs: Vec<EnsembleProgram>,
@@ -70,7 +70,7 @@ impl EnsembleRequest {
 }
 
 impl Detached {
-    /// Returns the validated manifest.
+    /// Returns the manifest that the arguments determine, after validation.
     fn manifest(self, record: Option<&Selection>, host: &dyn Host) -> Result<Manifest, Failure> {
         let Detached {
             asked,
@@ -103,7 +103,7 @@ impl Detached {
     }
 }
 
-/// Simulates an ensemble.
+/// Simulates an ensemble and returns its results.
 #[pyfunction]
 pub fn simulate(
     py: Python<'_>,
@@ -146,7 +146,7 @@ pub fn simulate(
     })
 }
 
-/// Returns the failure of interrupted work.
+/// Returns the failure of work that was interrupted.
 fn interrupted() -> Failure {
     Failure {
         exit: Exit::Interrupted,
@@ -155,7 +155,7 @@ fn interrupted() -> Failure {
     }
 }
 
-/// Prepares the shards of an ensemble. Returns its number of runs.
+/// Splits an ensemble into shards in the folder `out`. Returns the number of runs.
 #[pyfunction]
 pub fn prepare(py: Python<'_>, asked: EnsembleRequest, out: PathBuf, shards: u64) -> PyResult<u64> {
     let detached = asked.detached();
@@ -166,7 +166,7 @@ pub fn prepare(py: Python<'_>, asked: EnsembleRequest, out: PathBuf, shards: u64
     })
 }
 
-/// Runs a shard. Returns its number of runs.
+/// Makes the missing runs of a shard. Returns the number of its runs.
 #[pyfunction]
 pub fn shard(
     py: Python<'_>,
@@ -181,7 +181,7 @@ pub fn shard(
     })
 }
 
-/// Returns the state of the shards as JSON.
+/// Returns the status of all shards of a folder as JSON.
 #[pyfunction]
 pub fn status(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
     call(py, None, move |_| {
@@ -192,7 +192,7 @@ pub fn status(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
     })
 }
 
-/// Merges the shards of an ensemble.
+/// Merges the shards of an ensemble and returns its results.
 #[pyfunction]
 pub fn merge(py: Python<'_>, folder: PathBuf) -> PyResult<PythonEnsemble> {
     call(py, None, move |host| {
@@ -207,7 +207,7 @@ pub fn open(py: Python<'_>, folder: PathBuf) -> PyResult<PythonEnsemble> {
     call(py, None, move |host| PythonEnsemble::read(folder, host))
 }
 
-/// Writes the report on folders. Returns its path.
+/// Writes a report on results folders. Returns the path of its page.
 #[pyfunction]
 pub fn report(
     py: Python<'_>,
@@ -228,15 +228,15 @@ pub fn report(
     })
 }
 
-/// Runs of an ensemble.
+/// Ensemble with its runs.
 #[pyclass(frozen, name = "Ensemble", module = "stochc._native")]
 pub struct PythonEnsemble(Arc<Inner>);
 
 struct Inner {
     folder: Option<PathBuf>,
     manifest: Manifest,
-    /// Records with the process that opened them. After a fork, another process would share the
-    /// open files.
+    /// Records of the runs, with the identifier of the process that opened their files. After a
+    /// fork, both processes would share the open files.
     finished: Mutex<(u32, Records)>,
 }
 
@@ -254,7 +254,7 @@ impl PythonEnsemble {
         Ok(PythonEnsemble::new(Some(folder), manifest, finished))
     }
 
-    /// Evaluates a query without the interpreter's lock.
+    /// Runs a query without the interpreter's lock.
     fn ask<T: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -294,7 +294,7 @@ impl Inner {
     }
 }
 
-/// Error of making a table.
+/// Error of making a table from records.
 enum RecordsError {
     Journal(JournalError),
     Table(String),
@@ -308,7 +308,7 @@ impl From<JournalError> for RecordsError {
 
 #[pymethods]
 impl PythonEnsemble {
-    /// Returns the folder that it was read from or is stored in.
+    /// Returns the results folder. Returns `None` if the ensemble is only in memory.
     #[getter]
     fn folder(&self) -> Option<&Path> {
         self.0.folder.as_deref()
@@ -320,7 +320,7 @@ impl PythonEnsemble {
         self.0.manifest.runs
     }
 
-    /// Returns the seed.
+    /// Returns the seed of the ensemble.
     #[getter]
     fn seed(&self) -> u64 {
         self.0.manifest.seed
@@ -332,27 +332,27 @@ impl PythonEnsemble {
         self.0.manifest.settings.model.name()
     }
 
-    /// Returns the programs.
+    /// Returns the programs of the ensemble.
     #[getter]
     fn programs(&self) -> Vec<PythonProgram> {
         let programs = self.0.manifest.programs.iter();
         programs.map(|program| program.clone().into()).collect()
     }
 
-    /// Returns the SHA-256 of everything that determines a run.
+    /// Returns the identity of the ensemble: the SHA-256 of everything that determines a run.
     #[getter]
     fn identity(&self, py: Python<'_>) -> PyResult<String> {
         self.ask(py, |inner, _, _| Ok(inner.manifest.identity()))
     }
 
-    /// Returns the number of finished runs, and the total.
+    /// Returns the number of finished runs, and the number of requested runs.
     fn counts(&self, py: Python<'_>) -> PyResult<(u64, u64)> {
         self.ask(py, |inner, finished, _| {
             Ok((finished.len() as u64, inner.manifest.total()))
         })
     }
 
-    /// Returns a table of its folder by name.
+    /// Returns the table of the results folder with this name.
     fn table(&self, py: Python<'_>, name: String) -> PyResult<PythonTable> {
         self.ask(py, move |inner, finished, _| {
             let manifest = &inner.manifest;
@@ -379,14 +379,15 @@ impl PythonEnsemble {
         })
     }
 
-    /// Returns the Kaplan-Meier curves.
+    /// Returns the Kaplan-Meier curves of all programs as a table.
     fn survival(&self, py: Python<'_>) -> PyResult<PythonTable> {
         self.ask(py, |inner, finished, _| {
             derived::survival(&inner.manifest, finished)
         })
     }
 
-    /// Returns the output of `stochc show`: tables with a line width, or JSON.
+    /// Returns the output of `stochc show`. `width` is the width of its tables; without it, the
+    /// output is JSON.
     fn results(&self, py: Python<'_>, captures: bool, width: Option<usize>) -> PyResult<String> {
         self.ask(py, move |inner, finished, _| {
             let told = ensemble_results(&inner.manifest, finished, captures.then_some(usize::MAX))?;
@@ -397,7 +398,8 @@ impl PythonEnsemble {
         })
     }
 
-    /// Returns figures, the completion curves or those of a sweep: name, title and SVG of each.
+    /// Returns the figures of the ensemble: the completion curves, or the figures of a sweep. Each
+    /// has a name, a title and an SVG.
     fn pictures(&self, py: Python<'_>) -> PyResult<Vec<(String, String, String)>> {
         self.ask(py, |inner, finished, _| {
             let drawings = match ensemble_results(&inner.manifest, finished, None)?.sweep {
@@ -414,8 +416,8 @@ impl PythonEnsemble {
         })
     }
 
-    /// Returns a run in the form of `show DIR --run N --json`. Makes the run if it is
-    /// missing.
+    /// Returns the record of a run, in the form of `show DIR --run N --json`. Makes the run if it
+    /// is missing.
     fn record(&self, py: Python<'_>, program: Option<String>, run: u64) -> PyResult<String> {
         self.chosen(py, program, run, |chosen, host| {
             let record = match chosen.known() {
@@ -434,14 +436,14 @@ impl PythonEnsemble {
         })
     }
 
-    /// Returns the replay page of a run.
+    /// Returns the replay page of a run as HTML.
     fn replay(&self, py: Python<'_>, program: Option<String>, run: u64) -> PyResult<String> {
         self.chosen(py, program, run, |chosen, host| {
             replay::page(chosen, &replay::View::default(), host)
         })
     }
 
-    /// Writes the replay page of a run. Returns its path.
+    /// Writes the replay page of a run to a file.
     fn write_replay(
         &self,
         py: Python<'_>,
@@ -454,7 +456,7 @@ impl PythonEnsemble {
         })
     }
 
-    /// Repeats a run and writes its trajectories: `parquet` or `gltf`.
+    /// Repeats a run and writes its trajectories, as a Parquet table or as glTF.
     fn export(
         &self,
         py: Python<'_>,

@@ -1,13 +1,13 @@
-//! Failures as exceptions of `stochc`.
+//! Conversion of failures to exceptions of `stochc`.
 use pyo3::prelude::*;
 use stochc::exit::{Exit, Failure};
 
 use super::host::HostLog;
 
-/// Module that declares the exceptions.
+/// Name of the Python module that declares the exceptions.
 const MODULE: &str = "stochc._errors";
 
-/// Returns the exception for a failure, including reasons reported before.
+/// Returns the exception for a failure, including the failures that were reported before.
 pub fn exception(py: Python<'_>, failure: &Failure, log: &HostLog) -> PyErr {
     let message = log.failures.clone() + &failure.message;
     let diagnostics = serde_json::Value::from(log.diagnostics.clone()).to_string();
@@ -20,7 +20,7 @@ pub fn exception(py: Python<'_>, failure: &Failure, log: &HostLog) -> PyErr {
     raised(py, kind, &message, &diagnostics)
 }
 
-/// Returns the exception for a defect of `stochc` itself.
+/// Returns the exception for a panic, which is a defect of `stochc` itself.
 pub fn defect(py: Python<'_>, panic: &(dyn std::any::Any + Send)) -> PyErr {
     let text = (panic.downcast_ref::<&str>().copied())
         .or_else(|| panic.downcast_ref::<String>().map(String::as_str));
@@ -38,7 +38,7 @@ fn raised(py: Python<'_>, kind: &str, message: &str, diagnostics: &str) -> PyErr
 ///
 /// # Errors
 ///
-/// The warning, if the caller turns warnings into errors.
+/// The warning as an exception, if the caller turns warnings into errors.
 pub fn warn(py: Python<'_>, log: &HostLog) -> PyResult<()> {
     let all = log.doubts.iter().map(|text| ("diagnostics", text));
     let all = all.chain(log.warnings.iter().map(|text| ("note", text)));

@@ -1,5 +1,5 @@
-//! The Python caller as host of the work: collects messages until the work ends, and progress until
-//! it is read.
+//! Host for work that Python calls. Stores messages until the work ends, and progress until it is
+//! read.
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -11,10 +11,10 @@ use stochc::host::Host;
 use stochc::progress::WorkProgress;
 use stochc::results::now;
 
-/// Width of drawings \[columns\].
+/// Width of drawn diagnostics \[columns\].
 pub const WIDTH: usize = 80;
 
-/// Messages and progress for a caller.
+/// Host that stores the messages and progress of work.
 #[derive(Debug, Default)]
 pub struct Caller {
     stop: AtomicBool,
@@ -22,31 +22,31 @@ pub struct Caller {
     state: Mutex<WorkProgress>,
 }
 
-/// Messages so far.
+/// Messages that the work has reported so far.
 #[derive(Debug, Default)]
 pub struct HostLog {
     /// Notes and warnings.
     pub warnings: Vec<String>,
-    /// Rendered diagnostics of files with warnings only.
+    /// Rendered diagnostics of files that have only warnings.
     pub doubts: Vec<String>,
-    /// Reasons of partial failures.
+    /// Messages about failures of parts of the work.
     pub failures: String,
     /// Diagnostics of files with errors.
     pub diagnostics: Vec<serde_json::Value>,
 }
 
-/// Locks a mutex. Data left by a panic of another thread are still valid.
+/// Locks a mutex. Data are valid even if another thread has panicked.
 fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Caller {
-    /// Returns and removes all messages so far.
+    /// Returns the messages since the last call and removes them.
     pub fn log(&self) -> HostLog {
         std::mem::take(&mut *lock(&self.log))
     }
 
-    /// Returns the progress of the work.
+    /// Returns the current progress of the work.
     pub fn state(&self) -> WorkProgress {
         lock(&self.state).clone()
     }

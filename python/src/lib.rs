@@ -1,7 +1,7 @@
 //! `stochc._native`: the Rust part of the Python package `stochc`.
 //!
-//! The package (`python/stochc/`) validates arguments. Results are simple: JSON texts, handles, and
-//! tables. [`stochc::operations`] does the work, in a [separate thread](call).
+//! The package (`python/stochc/`) validates arguments. Functions of this crate return JSON texts,
+//! handles, and tables. [`stochc::operations`] does the work, in a [separate thread](call).
 mod call;
 mod ensemble;
 mod exceptions;
@@ -13,7 +13,7 @@ mod table;
 
 use pyo3::prelude::*;
 
-/// Native part of `stochc`.
+/// Native part of the Python package `stochc`.
 #[pymodule]
 mod _native {
     #[pymodule_export]

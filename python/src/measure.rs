@@ -1,4 +1,4 @@
-//! Estimates, plans and trades.
+//! Estimates, plans and trades in Python.
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -19,7 +19,7 @@ use super::host::WIDTH;
 use super::program::PythonProgram;
 use super::settings::folders;
 
-/// Arguments of an estimate.
+/// Python arguments of an estimate.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct EstimateRequest {
@@ -31,14 +31,14 @@ pub struct EstimateRequest {
     threads: Option<u16>,
 }
 
-/// Returns estimates as JSON and as text.
+/// Returns estimates of completion times, as JSON and as text.
 #[pyfunction]
 pub fn estimate(
     py: Python<'_>,
     asked: EstimateRequest,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(String, String)> {
-    /// Number of captures listed.
+    /// Number of captures that the text lists.
     const SHOWN: usize = 5;
     call(py, progress.as_ref(), move |host| {
         let programs = asked.programs.iter().map(|it| (*it.get().0).clone());
@@ -57,7 +57,7 @@ pub fn estimate(
     })
 }
 
-/// Arguments of a plan.
+/// Python arguments of a plan.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct PlanRequest {
@@ -85,10 +85,11 @@ pub struct PlanRequest {
     rates: Vec<PathBuf>,
 }
 
-/// Sources by path, the program's own first; assembly name; plan as JSON; plan as text.
+/// Result of a plan: sources by path, the program's own first; assembly name; plan as JSON; plan as
+/// text.
 type PlanOutput = (Vec<(String, String)>, String, String, String);
 
-/// Plans a program.
+/// Plans a program and returns it.
 #[pyfunction]
 pub fn plan(
     py: Python<'_>,
@@ -143,7 +144,7 @@ pub fn plan(
     })
 }
 
-/// Arguments of a trade.
+/// Python arguments of a trade.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct TradeRequest {
@@ -159,7 +160,7 @@ pub struct TradeRequest {
     resume: bool,
 }
 
-/// Returns a trade as JSON, as text and as a figure.
+/// Measures a trade. Returns it as JSON, as text and as a figure.
 #[pyfunction]
 pub fn trade(
     py: Python<'_>,

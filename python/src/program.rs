@@ -1,4 +1,4 @@
-//! Programs: diagnostics and compilation.
+//! Programs in Python: diagnostics and compilation.
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ use super::call::call;
 use super::host::WIDTH;
 use super::settings::{LevelSetting, folders, levels};
 
-/// Compiled program.
+/// Compiled program, ready to run.
 #[pyclass(frozen, name = "Program", module = "stochc._native")]
 #[derive(Clone)]
 pub struct PythonProgram(pub Arc<EnsembleProgram>);
@@ -33,10 +33,10 @@ impl From<EnsembleProgram> for PythonProgram {
     }
 }
 
-/// JSON and text of `check`, whether there are errors, and the programs if not.
+/// Result of a check: JSON, text, whether there are errors, and the programs if there are none.
 type CheckOutput = (String, String, bool, Vec<PythonProgram>);
 
-/// Checks a file, or a source with a name.
+/// Checks a file. If `name` is given, `source` is source text with this name.
 #[pyfunction]
 pub fn check(
     py: Python<'_>,
@@ -67,15 +67,15 @@ pub fn check(
     })
 }
 
-/// Returns the programs of a file without errors.
+/// Returns the programs of a file without errors, ready to run.
 fn entries(checked: Checked) -> Vec<PythonProgram> {
-    // Its messages have already been reported.
+    // The messages have already been reported.
     let silent = super::host::Caller::default();
     let found = accept("", checked, &silent).unwrap_or_default();
     found.into_iter().map(PythonProgram::from).collect()
 }
 
-/// Returns the programs of a file, or of a source with a name.
+/// Returns the programs of a file. If `name` is given, `source` is source text with this name.
 #[pyfunction]
 pub fn load(
     py: Python<'_>,
@@ -97,7 +97,7 @@ pub fn load(
     })
 }
 
-/// Returns the programs of sources by path. The first one may import the others.
+/// Returns the programs of source texts, each with its path. The first may import the others.
 #[pyfunction]
 pub fn load_texts(py: Python<'_>, texts: Vec<(String, String)>) -> PyResult<Vec<PythonProgram>> {
     call(py, None, move |host| {
@@ -110,7 +110,7 @@ pub fn load_texts(py: Python<'_>, texts: Vec<(String, String)>) -> PyResult<Vec<
     })
 }
 
-/// Returns the page of a diagnostic.
+/// Returns the page about a diagnostic code.
 #[pyfunction]
 pub fn explain(py: Python<'_>, code: String) -> PyResult<&'static str> {
     call(py, None, move |_| {
@@ -120,50 +120,50 @@ pub fn explain(py: Python<'_>, code: String) -> PyResult<&'static str> {
 
 #[pymethods]
 impl PythonProgram {
-    /// Returns the name in tables.
+    /// Returns the name of the program in tables.
     #[getter]
     fn name(&self) -> &str {
         &self.0.name
     }
 
-    /// Returns the name of its assembly or aggregate.
+    /// Returns the name of the program's assembly or aggregate.
     #[getter]
     fn assembly(&self) -> &str {
         self.0.assembly()
     }
 
-    /// Returns the name of its scene.
+    /// Returns the name of the program's scene.
     #[getter]
     fn scene(&self) -> &str {
         &self.0.scene.name
     }
 
-    /// Returns the length of a tick [s].
+    /// Returns the length of a tick \[s\].
     #[getter]
     fn tick(&self) -> f64 {
         self.0.scene.tick
     }
 
-    /// Returns the number of captures, or of blocks of an aggregate.
+    /// Returns the number of captures. For an aggregate, returns the number of blocks.
     #[getter]
     fn captures(&self) -> u64 {
         self.0.captures()
     }
 
-    /// Returns the names of its phases.
+    /// Returns the names of the program's phases.
     #[getter]
     fn phases(&self) -> Vec<String> {
         let phases = self.0.phases().iter();
         phases.map(|phase| phase.name.clone()).collect()
     }
 
-    /// Returns the SHA-256 of its source, all imports, and its scene.
+    /// Returns the SHA-256 of the program's source, all imports, and its scene.
     #[getter]
     fn digest(&self) -> String {
         self.0.hash()
     }
 
-    /// Returns its files: path and text of each.
+    /// Returns the path and text of each source file.
     #[getter]
     fn sources(&self) -> Vec<(String, String)> {
         let sources = self.0.sources.iter();
@@ -172,12 +172,13 @@ impl PythonProgram {
             .collect()
     }
 
-    /// Returns the scene as JSON, in the form of a manifest.
+    /// Returns the scene as JSON, in the form that a manifest uses.
     fn scene_json(&self) -> String {
         serde_json::json!(self.0.scene).to_string()
     }
 
-    /// Returns a drawing of its structure, if its source is known and it has one.
+    /// Returns a drawing of the structure as SVG. Returns `None` if the source is not available or
+    /// there is no structure.
     fn structure_svg(&self, py: Python<'_>) -> PyResult<Option<String>> {
         self.of_text(py, |program, checked| {
             let built = built_structure(&program.plan, &program.layout, &checked.symbols)?;
@@ -185,14 +186,14 @@ impl PythonProgram {
         })
     }
 
-    /// Returns its structure as text, if its source is known.
+    /// Returns the structure as text. Returns `None` if the source is not available.
     fn structure_text(&self, py: Python<'_>) -> PyResult<Option<String>> {
         self.of_text(py, |program, _| {
             Some(structure_text(&program.plan, &program.layout).to_string())
         })
     }
 
-    /// Returns its dependency graph as text.
+    /// Returns the dependency graph as text.
     fn graph_text(&self, py: Python<'_>) -> PyResult<String> {
         let entry = self.0.clone();
         call(py, None, move |_| {
@@ -200,7 +201,7 @@ impl PythonProgram {
         })
     }
 
-    /// Returns its event tables as text.
+    /// Returns the event tables as text.
     fn table_text(&self, py: Python<'_>) -> PyResult<String> {
         let entry = self.0.clone();
         call(
@@ -210,7 +211,7 @@ impl PythonProgram {
         )
     }
 
-    /// Returns it as a file of compiled programs, for `stochc simulate`.
+    /// Returns the program as the content of an executable file, for `stochc simulate`.
     fn executable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let entry = self.0.clone();
         let bytes = call(py, None, move |_| {
@@ -227,7 +228,7 @@ impl PythonProgram {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Returns the complete program as text, for [`from_json`](Program::from_json).
+    /// Returns the complete program as JSON text, for [`from_json`](Program::from_json).
     fn to_json(&self, py: Python<'_>) -> PyResult<String> {
         let entry = self.0.clone();
         call(py, None, move |_| {
@@ -235,7 +236,7 @@ impl PythonProgram {
         })
     }
 
-    /// Returns the program of such a text.
+    /// Returns the program in the output of [`to_json`](Program::to_json).
     #[staticmethod]
     fn from_json(py: Python<'_>, json: String) -> PyResult<PythonProgram> {
         call(py, None, move |_| {
@@ -250,7 +251,8 @@ impl PythonProgram {
 }
 
 impl PythonProgram {
-    /// Evaluates a function of the checked source. Returns `None` if the source is not available.
+    /// Calls `say` with the compiled source and returns its result. Returns `None` if the source is
+    /// not available.
     fn of_text(
         &self,
         py: Python<'_>,

@@ -12,10 +12,10 @@ use stochc::results::EnsembleProgram;
 use stochc::runtime::rates::Rates;
 use stochc::runtime::{Model, Precision, Reduction, Setting, Settings, Substeps};
 
-/// Warning and level: `allow`, `warn` or `deny`.
+/// Name of a warning, and its level: `allow`, `warn` or `deny`.
 pub type LevelSetting = (String, String);
 
-/// Settings of the computation as Python arguments.
+/// Python arguments for the settings of runs.
 #[derive(Clone, Debug, FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Computed {
@@ -28,11 +28,11 @@ pub struct Computed {
     rates: Vec<PathBuf>,
 }
 
-/// Returns the levels of warnings. The last level of a code counts.
+/// Returns the levels of warnings. The last level of a code takes precedence.
 ///
 /// # Errors
 ///
-/// If there is no such warning.
+/// If no warning has this code.
 pub fn levels(said: &[LevelSetting]) -> Result<LintLevels, Failure> {
     let mut levels = LintLevels::default();
     for (code, level) in said {
@@ -47,11 +47,11 @@ pub fn levels(said: &[LevelSetting]) -> Result<LintLevels, Failure> {
 }
 
 impl Computed {
-    /// Returns the settings without rates.
+    /// Returns the settings that the arguments determine, without rates.
     ///
     /// # Errors
     ///
-    /// If a value is unknown.
+    /// If the name of a value is unknown.
     pub fn given(&self) -> Result<Settings, Failure> {
         let steps: Substeps = parsed("substeps", &self.substeps)?;
         Ok(Settings {
@@ -71,7 +71,7 @@ impl Computed {
         })
     }
 
-    /// Returns the rates in the caller's files. Warns of rates for other scenes.
+    /// Reads the caller's files of rates. Warns about rates for other scenes.
     ///
     /// # Errors
     ///
@@ -85,11 +85,11 @@ impl Computed {
         rates::of_files_for(&self.rates, scenes, host)
     }
 
-    /// Returns the settings with the rates that the programs need.
+    /// Returns the settings, with the rates that the programs need.
     ///
     /// # Errors
     ///
-    /// If a value is unknown, or rates are missing and cannot be calibrated.
+    /// If the name of a value is unknown, or rates are missing and cannot be calibrated.
     pub fn settings(
         &self,
         programs: &[EnsembleProgram],
@@ -106,7 +106,7 @@ impl Computed {
         Ok(settings)
     }
 
-    /// Rejects settings that the model does not use.
+    /// Checks that the model uses all settings that are given.
     fn are_used(&self, settings: &Settings) -> Result<(), Failure> {
         let model = settings.model;
         let rates = (!self.rates.is_empty()).then_some(Setting::Rates);
@@ -125,11 +125,11 @@ impl Computed {
     }
 }
 
-/// Returns import folders with all links resolved.
+/// Returns the folders for imports, with all links resolved.
 ///
 /// # Errors
 ///
-/// If one is not a folder.
+/// If a path is not a folder.
 pub fn folders(imports: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
     let resolved = imports.iter().map(|path| {
         let found = folder(path);
@@ -139,7 +139,7 @@ pub fn folders(imports: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
     resolved.collect()
 }
 
-/// Parses a value.
+/// Parses the value of an argument.
 ///
 /// # Errors
 ///
@@ -151,7 +151,8 @@ pub fn parsed<T: std::str::FromStr<Err: std::fmt::Display>>(
     (text.parse()).map_err(|reason| Failure::usage(format!("{what}: {reason}")))
 }
 
-/// Returns a value by its name.
+/// Returns the element of `all` with this name. `what` is the name of the argument in error
+/// messages.
 fn named<T: Copy>(
     what: &str,
     name: &str,

@@ -1,4 +1,4 @@
-//! Arrow tables, exported through the C stream interface.
+//! Tables in Arrow's memory format, exported through the C stream interface.
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -25,11 +25,11 @@ pub struct PythonTable {
     batches: Vec<RecordBatch>,
 }
 
-/// Name of list elements, also in Parquet files.
+/// Name of the elements of lists, as in Parquet files.
 const ELEMENT: &str = "element";
 
 impl PythonTable {
-    /// Returns an empty table with metadata.
+    /// Returns a table with metadata and without rows.
     pub fn new(shape: TableShape, about: &[(&str, String)]) -> PythonTable {
         let own = [
             ("stochc.table", shape.name.clone()),
@@ -48,11 +48,11 @@ impl PythonTable {
         }
     }
 
-    /// Adds rows.
+    /// Adds rows, given column by column.
     ///
     /// # Errors
     ///
-    /// If they do not match the columns.
+    /// If the rows do not match the columns of the table.
     pub fn add(&mut self, columns: Vec<ColumnValues<'_>>) -> Result<(), String> {
         let arrays = columns.into_iter().map(array).collect();
         let batch = RecordBatch::try_new(self.schema.clone(), arrays);
@@ -114,7 +114,7 @@ fn array(values: ColumnValues<'_>) -> ArrayRef {
     }
 }
 
-/// Returns a value of a column.
+/// Returns the value of a column in a row as JSON.
 fn value(array: &dyn Array, row: usize) -> Value {
     macro_rules! value {
         ($($kind:ty),*) => {
@@ -140,7 +140,8 @@ fn value(array: &dyn Array, row: usize) -> Value {
 
 #[pymethods]
 impl PythonTable {
-    /// Returns the description of the table as JSON: name, meaning of a row, and columns.
+    /// Returns the description of the table as JSON: its name, the meaning of a row, and the
+    /// columns.
     fn shape_json(&self) -> String {
         json!(self.shape).to_string()
     }
@@ -149,7 +150,7 @@ impl PythonTable {
         self.batches.iter().map(RecordBatch::num_rows).sum()
     }
 
-    /// Returns at most `most` rows from `first` on as JSON, a list for each.
+    /// Returns up to `most` rows as JSON, starting at row `first`. Each row is a list.
     fn rows_json(&self, first: usize, most: usize) -> String {
         let mut left_out = first;
         let mut rows: Vec<Value> = Vec::new();
@@ -172,8 +173,8 @@ impl PythonTable {
         PyCapsule::new_with_value(py, schema, c"arrow_schema")
     }
 
-    /// Returns all batches as a stream of Arrow's C interface without copying. Ignores a requested
-    /// schema.
+    /// Returns all batches as a stream of Arrow's C interface, without copying. Ignores
+    /// `requested_schema`.
     #[pyo3(signature = (requested_schema=None))]
     fn __arrow_c_stream__<'py>(
         &self,

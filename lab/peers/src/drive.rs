@@ -1,9 +1,10 @@
 //! Protocol between `run.py` and a driver. `c/scene.h` implements the same in C.
 //!
-//! `DRIVER ENGINE BLOCKS KICK` starts a driver. It prints `ready`, the digests of its start and of
-//! its kicks (`nan` for its own kicks), and its version. Then it reads commands:
+//! `DRIVER ENGINE BLOCKS KICK` starts a driver. It prints `ready` and its version. It also prints
+//! the digests of its initial state and of its random impulses (`nan` for impulses of its own).
+//! Then it reads commands:
 //!
-//! - `run TICKS` advances the scene. It prints four numbers: the CPU time of the thread \[ns\], the
+//! - `run TICKS` advances the scene and prints four numbers: the CPU time of the thread \[ns\], the
 //!   mean square speed, the contact points per block, and the number of complaints of the engine.
 //!   Speeds are in block lengths per tick. The contact points are `nan` if the engine does not
 //!   report them. Engines in Rust stop instead of complaining.
@@ -17,18 +18,18 @@ use rustix::time::{ClockId, clock_gettime};
 
 use crate::scene;
 
-/// Ticks between two readings of speeds and contacts.
+/// Number of ticks between two readings of speeds and contacts.
 const STRIDE: u64 = 10;
 
-/// A scene in an engine.
+/// Scene in a physics engine.
 pub trait Gas {
-    /// Advances one tick. The whole call is measured.
+    /// Advances the scene by one tick. The whole call is measured.
     fn tick(&mut self) -> Result<(), Box<dyn Error>>;
     /// Returns all blocks, in block units.
     fn states(&self) -> Vec<State>;
-    /// Returns the number of contact points, if the engine reports it.
+    /// Returns the number of contact points. Returns `None` if the engine does not report it.
     fn contacts(&self) -> Option<usize>;
-    /// Returns the digest of the kicks, if they are the common ones.
+    /// Returns the digest of the random impulses. Returns `None` if the engine draws its own.
     fn kicks(&self) -> Option<f64>;
 }
 
@@ -36,11 +37,11 @@ pub trait Gas {
 pub struct State {
     pub position: [f64; 3],
     pub velocity: [f64; 3],
-    /// Quaternion x, y, z, w.
+    /// Rotation as a quaternion x, y, z, w.
     pub rotation: [f64; 4],
 }
 
-/// Returns the arguments of a driver: engine, blocks and kick.
+/// Returns the arguments of a driver: engine, number of blocks, and largest random impulse.
 pub fn arguments() -> Result<(String, u32, f64), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let [engine, blocks, kick] = words.as_slice() else {
@@ -49,7 +50,7 @@ pub fn arguments() -> Result<(String, u32, f64), Box<dyn Error>> {
     Ok((engine.clone(), blocks.parse()?, kick.parse()?))
 }
 
-/// Executes commands until the input ends.
+/// Reads commands from standard input and executes them until the input ends.
 pub fn serve(gas: &mut dyn Gas, version: &str) -> Result<(), Box<dyn Error>> {
     let start = scene::digest(gas.states().iter().map(|state| state.position));
     println!(

@@ -1,4 +1,4 @@
-//! The scene, the clock and Rapier's driver, shared by the programs that `run.py` runs.
+//! Scene, clock and Rapier driver that the programs of `run.py` share.
 pub mod drive;
 pub mod rapier;
 pub mod scene;

@@ -1,4 +1,4 @@
-//! Rapier with two sets of settings, without any code of the project.
+//! Rapier with two sets of settings, without code of the project.
 use std::error::Error;
 
 use rapier3d::dynamics::{
@@ -11,7 +11,7 @@ use rapier3d::pipeline::PhysicsWorld;
 use crate::drive::{Gas, State};
 use crate::scene::{FRICTION, Push, radius, start};
 
-/// Thickness of the ground, in block lengths.
+/// Thickness of the ground \[block lengths\].
 const GROUND: f32 = 20.0;
 
 pub struct Rapier {
@@ -19,16 +19,17 @@ pub struct Rapier {
     push: Push,
     engine: PhysicsWorld,
     handles: Vec<RigidBodyHandle>,
-    /// Units of the engine's world: a block length, and a block length per tick.
+    /// Length of a block in the unit of the engine.
     side: f32,
+    /// One block length per tick in the unit of the engine.
     speed: f32,
-    /// Whether blocks may fall asleep.
+    /// Whether the engine may deactivate resting blocks.
     sleep: bool,
 }
 
 impl Rapier {
-    /// Uses the engine's defaults in their intended units, metres and seconds. A block has 0.2 m, a
-    /// tick 0.02 s.
+    /// Returns Rapier with its default settings in the units they are meant for, metres and
+    /// seconds. A block has 0.2 m, a tick 0.02 s.
     pub fn defaults(blocks: u32, kick: f64) -> Rapier {
         let parameters = IntegrationParameters {
             dt: 0.02,
@@ -37,8 +38,9 @@ impl Rapier {
         Rapier::new(blocks, kick, parameters, 0.2, true)
     }
 
-    /// Uses the settings of `runtime/src/world/rapier/engine.rs` in block units. The contacts are
-    /// the same. There is no continuous collision detection, no limit of speed, and no sleep.
+    /// Returns Rapier with the settings of `runtime/src/world/rapier/engine.rs`, in block units.
+    /// The contacts are the same. There is no continuous collision detection, no speed limit, and
+    /// no deactivation of resting blocks.
     pub fn as_the_project(blocks: u32, kick: f64) -> Rapier {
         let softness = |natural_frequency| SpringCoefficients {
             natural_frequency,
@@ -74,7 +76,8 @@ impl Rapier {
             ..PhysicsWorld::default()
         };
         let surface = |collider: ColliderBuilder| collider.friction(FRICTION).restitution(0.0);
-        // A slab: an infinite plane would meet every block in every step.
+        // The ground is a slab, because an infinite plane would be tested against every block in
+        // every step.
         let half = side * (2.0 * radius(blocks) as f32 + 10.0);
         let below = side * GROUND / 2.0;
         engine.insert(

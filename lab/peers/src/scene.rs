@@ -1,34 +1,35 @@
 //! The common scene of all engines. `c/scene.h` defines the same in C.
 //!
-//! Everything is in block units: block length 1, mass 1, tick 1.
+//! All quantities are in block units: block length 1, mass 1, tick 1.
 use rapier3d::glamx::Vec3;
 
-/// Acceleration of the wall per depth \[1 / tick^2\]: 25 N/m on 1 kg at 20 ms a tick.
+/// Acceleration by the wall per depth \[1 / tick^2\]. It corresponds to 25 N/m on 1 kg, with ticks
+/// of 20 ms.
 pub const WALL: f32 = 0.01;
-/// Rate of the linear drag \[1 / tick\]: 0.5/s at 20 ms a tick.
+/// Rate of the linear drag \[1 / tick\]. It corresponds to 0.5/s, with ticks of 20 ms.
 pub const DRAG: f64 = 0.01;
-/// Restitution is 0.
+/// Coefficient of friction. The restitution is 0.
 pub const FRICTION: f32 = 0.2;
 
 const SEED: u64 = 1;
-/// Least distance of a centre from the ground and from the wall at the start, in block lengths.
+/// Smallest initial distance of a centre from the ground and the wall \[block lengths\].
 const MARGIN: f64 = 1.0;
 /// Block length in `hemisphere` \[m\].
 const SIDE: f64 = 0.2;
 
-/// Least spacing of the lattice, in block lengths.
+/// Smallest spacing of the initial lattice \[block lengths\].
 const MIN_SPACING: f64 = 1.1;
 
-/// Returns the radius of the hemisphere in block lengths: that of `hemisphere` for 300 blocks, at
-/// the same density.
+/// Returns the radius of the hemisphere \[block lengths\]. The density is that of `hemisphere`,
+/// which has 300 blocks.
 pub fn radius(blocks: u32) -> f64 {
     25.0 * (f64::from(blocks) / 300.0).cbrt()
 }
 
-/// Change of the velocities once per tick, in addition to contacts.
+/// Velocity changes once per tick, in addition to contacts.
 pub struct Push {
     blocks: u32,
-    /// Greatest change of speed, in block lengths per tick.
+    /// Largest change of speed by a random impulse \[block lengths / tick\].
     kick: f64,
     radius: f32,
     keep: f32,
@@ -44,7 +45,8 @@ impl Push {
         }
     }
 
-    /// Returns the velocity of a block, in block lengths per tick, after wall, kick and drag.
+    /// Returns the velocity of a block after wall, random impulse and drag \[block lengths /
+    /// tick\].
     pub fn apply(&self, tick: u64, block: u32, position: Vec3, mut velocity: Vec3) -> Vec3 {
         let distance = position.length();
         if distance > self.radius {
@@ -53,7 +55,7 @@ impl Push {
         (velocity + self.kick(tick, block)) * self.keep
     }
 
-    /// Returns a kick with a uniform speed up to the greatest and an isotropic direction.
+    /// Returns a random impulse with a uniform speed up to the largest, in an isotropic direction.
     fn kick(&self, tick: u64, block: u32) -> Vec3 {
         let place = 2 * (tick * u64::from(self.blocks) + u64::from(block));
         let (a, b) = (draw(place), draw(place + 1));
@@ -64,7 +66,8 @@ impl Push {
         speed * Vec3::new(across * cos, across * sin, z as f32)
     }
 
-    /// Returns a sum that differs if drivers do not draw the same kicks.
+    /// Returns a digest of the random impulses. Drivers with different impulses have different
+    /// digests.
     pub fn digest(&self) -> f64 {
         let unit = Push::new(self.blocks, 1.0);
         let kicks = (0..self.blocks).map(|block| unit.kick(7, block));
@@ -72,7 +75,8 @@ impl Push {
     }
 }
 
-/// Returns a sum that differs if drivers do not have the same vectors in the same order.
+/// Returns a digest of vectors. Drivers with other vectors, or another order, have different
+/// digests.
 pub fn digest(vectors: impl Iterator<Item = [f64; 3]>) -> f64 {
     let parts = vectors.enumerate().map(|(i, [x, y, z])| {
         let weight = 1.0 + (i % 7) as f64;
@@ -81,7 +85,7 @@ pub fn digest(vectors: impl Iterator<Item = [f64; 3]>) -> f64 {
     parts.sum()
 }
 
-/// Returns word number `place` of the sequence SplitMix64.
+/// Returns the word with index `place` in the sequence of SplitMix64.
 fn draw(place: u64) -> u64 {
     let mut z = SEED.wrapping_add(place.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -89,17 +93,16 @@ fn draw(place: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Returns 32 bits as a number in (0, 1).
+/// Returns a number in (0, 1) from 32 bits.
 fn unit(bits: u64) -> f64 {
     (bits as f64 + 0.5) / 4_294_967_296.0
 }
 
-/// Returns the initial positions: the widest cubic lattice with room for all blocks, as in
-/// `hemisphere`.
+/// Returns the initial positions of the blocks: on the widest cubic lattice with room for all, as
+/// in `hemisphere`.
 pub fn start(blocks: u32) -> Vec<[f64; 3]> {
     let count = blocks as usize;
-    // Rounded by way of metres, as in the project. The bisection would end elsewhere for another
-    // radius.
+    // Round in metres, as the project does. Otherwise, the bisection would end at another spacing.
     let radius = SIDE * radius(blocks) / SIDE - MARGIN;
     let (mut fits, mut fails) = (MIN_SPACING, 2.0 * radius + 2.0);
     for _ in 0..60 {

@@ -1,4 +1,4 @@
-//! Checks of programs, and what the preview shows.
+//! Checks of programs, with the data of the preview.
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::{diagnostics_json, program_json};
 use stochc_compiler::plan::EventKind;
@@ -11,18 +11,18 @@ use crate::examples::EXAMPLES;
 /// Name of the program in diagnostics.
 pub const NAME: &str = "program.sa";
 
-/// Captures that an estimate lists.
+/// Largest number of captures that an estimate lists.
 const MAX_CAPTURES: usize = 5;
 
-/// Checks a text, which can import the examples.
+/// Returns the result of checking a text. The text may import the examples.
 pub fn checked(text: &str) -> Checked {
     let mut texts = vec![(NAME, text)];
     texts.extend(EXAMPLES);
     check_texts(&texts, &LintLevels::default(), "", &[])
 }
 
-/// Returns `{ diagnostics, programs }` as `stochc check --format json`, with the `structure` of each
-/// program.
+/// Returns `{ diagnostics, programs }` as `stochc check --format json` does, with the `structure`
+/// of each program.
 pub fn check(text: &str) -> Value {
     let checked = checked(text);
     let programs = checked
@@ -46,9 +46,9 @@ pub fn check(text: &str) -> Value {
     })
 }
 
-/// Returns what the viewer needs, and the events by phase in a possible order.
+/// Returns the data of a program for the viewer, and its events in a possible order.
 ///
-/// Null if the program has errors, except errors that let a run get stuck.
+/// Returns null if the program has errors, except for errors that let a run get stuck.
 fn structure(checked: &Checked, program: &Program) -> Value {
     let tables = program.tables.as_ref().or(program.stuck.as_ref());
     let (Some(tables), Some(scene), Some(order)) = (tables, &program.scene, &program.order) else {
@@ -56,7 +56,7 @@ fn structure(checked: &Checked, program: &Program) -> Value {
     };
     let plan = &program.plan;
     let mut events = order.events.clone();
-    // Stable: within a phase, the order stays.
+    // The sort is stable: within a phase, the order does not change.
     events.sort_by_key(|&id| plan.phase_of(id));
     let events = events.into_iter().map(|id| {
         let event = plan.event(id);
@@ -95,8 +95,8 @@ fn structure(checked: &Checked, program: &Program) -> Value {
     })
 }
 
-/// Returns `{ total, phases, captures, is_guess, tick }` of a program by the rate model. Null if there
-/// is no estimate.
+/// Returns `{ total, phases, captures, is_guess, tick }`, the estimate for a program by the rate
+/// model. Returns null if there is no estimate.
 pub fn estimate(text: &str, number: usize) -> Result<Value, String> {
     let checked = checked(text);
     let program = checked

@@ -1,8 +1,8 @@
-//! The examples, which programs can import.
+//! Examples, which programs may import.
 
 macro_rules! examples {
     ($($name:literal)*) => {
-        /// Paths below `examples/`, and texts.
+        /// Path of each example below `examples/`, and its text.
         pub const EXAMPLES: &[(&str, &str)] = &[
             $(($name, include_str!(concat!("../../../examples/", $name)))),*
         ];

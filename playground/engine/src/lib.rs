@@ -1,7 +1,8 @@
-//! The engine of the playground: the compiler and the simulator, exported to WebAssembly as two functions.
+//! Engine of the playground: compiler and simulator as a WebAssembly module.
 //!
-//! A page writes a request of JSON into the memory that [`input`] returns, and calls [`answer`]. The
-//! reply is JSON in the memory that [`output`] returns. `playground/web/src/engine.js` is the other side.
+//! A page writes a request of JSON into the memory that [`input`] returns, and calls [`answer`].
+//! The reply is JSON in the memory that [`output`] returns. `playground/web/src/engine.js` makes
+//! these calls.
 mod check;
 mod examples;
 mod host;
@@ -15,7 +16,7 @@ thread_local! {
     static OUTPUT: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Returns memory for a request of this length \[bytes\].
+/// Returns a pointer to memory for a request of this length \[bytes\].
 #[unsafe(no_mangle)]
 pub extern "C" fn input(length: usize) -> *mut u8 {
     INPUT.with_borrow_mut(|input| {
@@ -25,7 +26,7 @@ pub extern "C" fn input(length: usize) -> *mut u8 {
     })
 }
 
-/// Answers the request in the memory of [`input`]. Returns the length of the reply \[bytes\].
+/// Answers the request in the memory from [`input`]. Returns the length of the reply \[bytes\].
 #[unsafe(no_mangle)]
 pub extern "C" fn answer() -> usize {
     host::report_panics();
@@ -37,7 +38,7 @@ pub extern "C" fn answer() -> usize {
     })
 }
 
-/// Returns the memory of the last reply.
+/// Returns a pointer to the last reply.
 #[unsafe(no_mangle)]
 pub extern "C" fn output() -> *const u8 {
     OUTPUT.with_borrow(|output| output.as_ptr())

@@ -1,4 +1,4 @@
-//! Requests of the page, and the reply to each.
+//! Requests of the page, and their replies.
 use serde::Deserialize;
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::Code;
@@ -9,27 +9,27 @@ use crate::check;
 use crate::examples::EXAMPLES;
 use crate::run::{self, RunRequest};
 
-/// Request of the page.
+/// Request that the page sends.
 #[derive(Deserialize)]
 #[serde(tag = "call", rename_all = "snake_case")]
 enum Request {
-    /// Examples, palette, version and models.
+    /// Requests the examples, palette, version and models.
     About,
-    /// Diagnostics of a program, and its structure.
+    /// Requests the diagnostics of a program, and its structure.
     Check { text: String },
-    /// Completion times by the rate model.
+    /// Requests the completion times by the rate model.
     Estimate { text: String, program: usize },
-    /// The text in the standard layout.
+    /// Requests the formatted source.
     Format { text: String },
-    /// The page of a diagnostic.
+    /// Requests the page about a diagnostic code.
     Explain { code: String },
-    /// The record of each run in a range.
+    /// Requests the records of a range of runs.
     Simulate {
         #[serde(flatten)]
         run: RunRequest,
         runs: u64,
     },
-    /// The record of one run. Its frames go to the host.
+    /// Requests the record of one run. The host receives its frames during the run.
     Watch {
         #[serde(flatten)]
         run: RunRequest,

@@ -1,4 +1,4 @@
-//! Runs of programs.
+//! Simulation of programs for the page.
 use std::ops::ControlFlow;
 
 use serde::Deserialize;
@@ -13,14 +13,14 @@ use stochc_runtime::{Model, Settings};
 use crate::check::checked;
 use crate::host;
 
-/// Numbers of a batch of frames, about 256 KiB.
+/// Size of a batch of frames in numbers, about 256 KiB.
 const BATCH: usize = 1 << 16;
-/// Ticks of a batch of frames, at most.
+/// Largest number of ticks in a batch of frames.
 const BATCH_TICKS: u64 = 256;
-/// Ticks between two frames at first.
+/// Initial number of ticks between two frames.
 const EVERY: u64 = 4;
 
-/// Program, model and seed of runs.
+/// Program, model and seed of requested runs.
 #[derive(Deserialize)]
 pub struct RunRequest {
     text: String,
@@ -46,7 +46,7 @@ impl RunRequest {
             .ok_or_else(|| "The program has errors.".to_owned())
     }
 
-    /// Returns the settings that the command has with `--model`.
+    /// Returns the settings that the command uses for the same `--model`.
     fn settings(&self) -> Settings {
         let settings = match self.model {
             Model::Rigid | Model::Rapier => Settings::default(),
@@ -60,7 +60,7 @@ impl RunRequest {
     }
 }
 
-/// Returns `{ records }` of a range of runs.
+/// Returns the records of a range of runs as `{ records }`.
 pub fn simulate(request: &RunRequest, runs: u64) -> Result<Value, String> {
     let (executable, settings) = (request.executable()?, request.settings());
     let runs = request.first..request.first.saturating_add(runs);
@@ -73,7 +73,7 @@ pub fn simulate(request: &RunRequest, runs: u64) -> Result<Value, String> {
     Ok(json!({ "records": records.collect::<Result<Vec<_>, _>>()? }))
 }
 
-/// Sends the frames of a run to the page. Returns its `{ record }`.
+/// Simulates a run and sends its frames to the page. Returns its record as `{ record }`.
 pub fn watch(request: &RunRequest) -> Result<Value, String> {
     let (executable, settings) = (request.executable()?, request.settings());
     let (tables, scene) = (&executable.tables, &executable.scene);
@@ -95,14 +95,14 @@ pub fn watch(request: &RunRequest) -> Result<Value, String> {
     Ok(json!({ "record": record }))
 }
 
-/// Observer that sends frames to the page in batches.
+/// Observer that sends the frames of a run to the page in batches.
 struct FrameStream {
     rows: EventRows,
-    /// Ticks between two frames.
+    /// Number of ticks between two frames.
     every: u64,
     /// First tick of the batch.
     first: u64,
-    /// The last tick.
+    /// Last tick that was observed.
     tick: u64,
     ticks: Vec<u64>,
     events: Vec<Value>,
@@ -126,7 +126,7 @@ impl Observer for FrameStream {
         self.tick = arena.tick();
         let rows = events.iter().map(|event| self.rows.row(self.tick, event));
         self.events.extend(rows);
-        // Pages interpolate between frames, so each change of the structure needs one.
+        // Pages interpolate between frames, so each change of the structure needs a frame.
         let changes = |event: &ObservedEvent| {
             !matches!(
                 event,

@@ -1,4 +1,4 @@
-// The editor of the program.
+// Editor for programs.
 import { autocompletion, closeBrackets, closeBracketsKeymap, completionKeymap } from '@codemirror/autocomplete';
 import { defaultKeymap, history, historyKeymap, indentWithTab } from '@codemirror/commands';
 import { bracketMatching, HighlightStyle, indentOnInput, indentUnit, syntaxHighlighting } from '@codemirror/language';
@@ -9,7 +9,7 @@ import { drawSelection, EditorView, highlightActiveLine, highlightActiveLineGutt
 import { tags } from '@lezer/highlight';
 import { completion, stochc } from './language.js';
 
-// Colours are custom properties, so that both themes have one style.
+// Colours are custom properties of CSS, so that both themes share one style.
 const colours = HighlightStyle.define([
   { tag: tags.keyword, color: 'var(--code-keyword)', fontWeight: '600' },
   { tag: [tags.modifier, tags.controlOperator], color: 'var(--code-keyword)' },
@@ -19,7 +19,7 @@ const colours = HighlightStyle.define([
   { tag: [tags.lineComment, tags.docComment], color: 'var(--soft)', fontStyle: 'italic' },
 ]);
 
-/** Offsets of the engine count bytes, those of the editor UTF-16 units. */
+/** Returns a function that converts byte offsets of the engine to UTF-16 offsets of the editor. */
 export function units(text) {
   if (/^[\0-\x7f]*$/.test(text)) return offset => Math.min(offset, text.length);
   const at = [];
@@ -34,7 +34,10 @@ export function units(text) {
 }
 
 export class Editor {
-  /** `changed` is called after edits, `moved` with the offset of the cursor; `names` are completed, `hover` describes an offset. */
+  /**
+   * Calls `changed` after edits, and `moved` with the offset of the cursor. `names` are offered for completion.
+   * `hover` returns the description of an offset.
+   */
   constructor(parent, { changed, moved, names, hover, run, format }) {
     const command = act => () => {
       act();
@@ -58,7 +61,7 @@ export class Editor {
           },
         };
       }),
-      // Escape, then Tab, leaves the editor.
+      // Escape followed by Tab leaves the editor.
       keymap.of([
         { key: 'Mod-Enter', run: command(run) },
         { key: 'Shift-Alt-f', run: command(format) },
@@ -81,16 +84,16 @@ export class Editor {
     return this.view.state.doc.toString();
   }
 
-  /** Opens another program, with a history of its own. */
+  /** Opens another program, with a new edit history. */
   open(text) {
     this.view.setState(this.state(text));
   }
 
-  /** Replaces all of the text as one step that can be undone. */
+  /** Replaces the whole text as one step that can be undone. */
   replace(text) {
     const { view } = this;
     const old = this.text;
-    // Only what differs, so that the cursor stays.
+    // Replace only the part that differs, so that the cursor stays in place.
     let from = 0;
     while (from < Math.min(old.length, text.length) && old[from] === text[from]) from++;
     let [end, newEnd] = [old.length, text.length];
@@ -100,7 +103,7 @@ export class Editor {
     return true;
   }
 
-  /** Applies the edits of a fix as one step. */
+  /** Applies the edits of a fix as one step that can be undone. */
   edit(edits) {
     this.view.dispatch({ changes: edits.map(({ from, to, text }) => ({ from, to, insert: text })), userEvent: 'input.fix', scrollIntoView: true });
     this.view.focus();
@@ -112,7 +115,7 @@ export class Editor {
     view.dispatch({ selection: { anchor: Math.min(from, end), head: Math.min(to, end) }, effects: EditorView.scrollIntoView(Math.min(from, end), { y: 'center' }) });
   }
 
-  /** Marks diagnostics in place: `{ from, to, severity, message, actions }`. */
+  /** Marks diagnostics in the text. Each is `{ from, to, severity, message, actions }`. */
   mark(diagnostics) {
     const end = this.view.state.doc.length;
     const fitting = diagnostics.map(it => ({ ...it, from: Math.min(it.from, end), to: Math.min(it.to, end) }));

@@ -1,17 +1,18 @@
-// Calls of the engine (playground/engine) in workers.
+// Calls of the engine (playground/engine), which runs in workers.
 import EngineWorker from './worker.js?worker&inline';
 
 let module;
 
-/** Loads the engine, once. */
+/** Loads the engine. Later calls reuse it. */
 export async function load(url) {
   const response = await fetch(url);
   if (!response.ok) throw new Error(`the engine cannot be loaded: ${response.status}`);
-  // Servers without the type of WebAssembly refuse to stream.
+  // Streaming requires that the server sends the media type of WebAssembly. Otherwise, compile the
+  // whole file.
   module = await WebAssembly.compile(await response.arrayBuffer());
 }
 
-/** An engine in a worker. It answers one request after the other. */
+/** Engine in a worker. It answers one request at a time. */
 export class Engine {
   constructor() {
     this.jobs = new Map();
@@ -33,7 +34,7 @@ export class Engine {
     };
   }
 
-  /** Resolves with the reply. `batch` receives frames. */
+  /** Sends a request and resolves with the reply. `batch` receives frames. */
   call(request, batch) {
     const job = this.next++;
     return new Promise((resolve, reject) => {
@@ -42,7 +43,7 @@ export class Engine {
     });
   }
 
-  /** Ends whatever is running. The next call works again. */
+  /** Stops a running request. The next call starts a new worker. */
   stop() {
     this.worker.terminate();
     for (const { reject } of this.jobs.values()) reject(new Stopped());
@@ -57,7 +58,7 @@ export class Engine {
   }
 }
 
-/** A request was stopped. */
+/** Error of a request that was stopped. */
 export class Stopped extends Error {
   constructor() {
     super('stopped');

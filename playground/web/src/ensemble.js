@@ -1,12 +1,12 @@
 // Simulates many runs of a program in workers, and shows the results so far.
 import { Engine, Stopped } from './engine.js';
 
-/** Workers, at most. */
+/** Largest number of workers. */
 const WORKERS = Math.max(1, Math.min(8, (navigator.hardwareConcurrency || 2) - 1));
-/** Runs of a request, by model: runs with physics take about a second each. */
+/** Number of runs per request, by model. Runs with physics take about a second each. */
 const BATCH = { rigid: 1, rate: 25, shuffle: 25 };
 
-/** Makes runs. `changed` is called with all records so far, in the order of the runs. */
+/** Simulation of many runs. Calls `changed` with all records so far, in the order of the runs. */
 export class Ensemble {
   constructor(request, runs, changed) {
     Object.assign(this, { request, runs, changed, records: [], next: 0, isRunning: true });
@@ -42,16 +42,16 @@ export class Ensemble {
   }
 }
 
-/** Completion times in rising order [tick], and the last tick of each run. */
+/** Returns the completion times in ascending order [ticks], and the last tick of each run. */
 export function times(records) {
   const completed = records.filter(({ outcome }) => outcome.kind === 'completed');
   return { completed: completed.map(({ ticks }) => ticks).sort((a, b) => a - b), total: records.length };
 }
 
-/** A quantile of sorted numbers. */
+/** Returns a quantile of sorted numbers. */
 export const quantile = (sorted, q) => sorted[Math.min(sorted.length - 1, Math.floor(q * sorted.length))];
 
-/** Mean waits of captures, the longest first: `{ text, wait, count, role }`. */
+/** Returns the mean waiting times of captures, the longest first, as `{ text, wait, count, role }`. */
 export function waits(records, blocks) {
   const all = new Map();
   for (const { bonds } of records) {
@@ -66,7 +66,7 @@ export function waits(records, blocks) {
   return [...all.values()].map(it => ({ ...it, wait: it.sum / it.count })).sort((a, b) => b.wait - a.wait);
 }
 
-/** The share of completed runs over time, as SVG. */
+/** Returns the curve of the share of completed runs over time, as SVG. */
 export function curve({ completed, total }, tick, runs) {
   const [width, height, left, bottom, top, right] = [560, 240, 44, 34, 10, 14];
   const end = (completed.at(-1) ?? 1) * 1.05;
@@ -82,7 +82,7 @@ export function curve({ completed, total }, tick, runs) {
   return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" role="img" aria-label="share of ${total} of ${runs} runs that are complete, over time"><g class="grid">${lines.join('')}${marks.join('')}<text x="${(left + width - right) / 2}" y="${height - 3}" text-anchor="middle">time of the robots [s]</text></g><path class="curve" d="${path}"/></svg>`;
 }
 
-/** The curve as a file of its own: without the style of the page. */
+/** Returns the curve as the content of a file, with its own style. */
 export const standalone = svg => svg.replace('<g class="grid">', '<style>line{stroke:#d4d9df}text{fill:#56606d;font:11px sans-serif}path{fill:none;stroke:#9c4700;stroke-width:2}</style><rect width="100%" height="100%" fill="#fff"/><g>');
 
 function niceStep(rough) {
@@ -90,7 +90,7 @@ function niceStep(rough) {
   return [1, 2, 5, 10].map(it => it * power).find(it => it >= rough) ?? rough;
 }
 
-/** The runs as comma-separated values. */
+/** Returns the runs as comma-separated values. */
 export function csv(records, tick) {
   const rows = records.map(({ run, outcome, ticks }) => [run, outcome.kind, ticks, ticks * tick].join());
   return ['run,outcome,ticks,seconds', ...rows].join('\n') + '\n';

@@ -1,7 +1,7 @@
 // Highlighting and completion of programs.
 import { LanguageSupport, StreamLanguage } from '@codemirror/language';
 
-/** Words that begin statements and declarations, and words within them. */
+/** Keywords that begin statements and declarations. */
 const HEADS = ['assembly', 'aggregate', 'pattern', 'scene', 'shape', 'phase', 'seed', 'plate', 'layer', 'import', 'for', 'let'];
 const WORDS = ['after', 'allow', 'as', 'at', 'deny', 'from', 'in', 'release', 'timeout', 'to', 'warn', 'yields'];
 const FACES = ['up', 'down', 'north', 'south', 'east', 'west'];
@@ -45,7 +45,7 @@ const language = StreamLanguage.define({
 
 export const stochc = () => new LanguageSupport(language);
 
-/** Completes faces after a dot; otherwise keywords and the names of the program. */
+/** Returns a completion source. It offers faces after a dot, otherwise keywords and the names of the program. */
 export const completion = names => context => {
   const face = context.matchBefore(/\.\w*/);
   if (face) return { from: face.from + 1, options: FACES.map(label => ({ label, type: 'property' })), validFor: /^\w*$/ };

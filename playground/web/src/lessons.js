@@ -1,6 +1,6 @@
-// The lessons. Each has a text, a program to start from, and a task that the page checks.
+// Lessons. Each has a text, an initial program, and a task that the page checks.
 
-/** Captures of the first program, in an order that is possible; none if it has errors. */
+/** Returns the captures of the first program in a possible order. Returns none if the program has errors. */
 const captures = ({ programs }) => (programs[0]?.structure?.events ?? []).filter(({ cell }) => cell);
 const releases = ({ programs }) => (programs[0]?.structure?.events ?? []).filter(({ cell }) => !cell);
 const isProved = ({ programs, diagnostics }) => Boolean(programs[0]?.structure) && !diagnostics.some(({ severity }) => severity === 'error');

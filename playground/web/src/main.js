@@ -1,4 +1,4 @@
-// Puts the playground together.
+// Assembly of the playground page.
 import './style.css';
 import engineUrl from '../../target/stochc_playground.wasm?url';
 import pictures from 'virtual:pictures';
@@ -12,19 +12,19 @@ import { Stage } from './stage.js';
 
 const element = id => document.getElementById(id);
 
-/** Longest check before it is stopped [ms]. */
+/** Time after which a check is stopped [ms]. */
 const PATIENCE = 15000;
-/** Longest run [ticks], as of the command. */
+/** Limit on a run [ticks], as in the command. */
 const MAX_TICKS = 1_000_000;
 
-/** What the models cost, in words. */
+/** Description of the cost of each model. */
 const COSTS = {
   rigid: 'Physics: collisions, drag, agitation, attraction. A fraction of a second of computing per run, more for long runs.',
   rate: 'No motion: waiting times are drawn from rates that were calibrated with physics. Thousands of runs per second.',
   shuffle: 'No physics: captures in random order, one per tick. Its times mean nothing.',
 };
 
-/** A sentence for each example, and its picture. */
+/** Description of each example, and its picture. */
 const EXAMPLES = {
   'gate.sa': ['A gate', 'Two posts and a lintel: the smallest complete program.', 'gate'],
   'line.sa': ['Tower', 'Thirteen blocks in a row, open on every side.', 'line'],
@@ -44,11 +44,11 @@ const EXAMPLES = {
 };
 
 const state = {
-  /** Name of the program, and the lesson that is open. */
+  /** Name of the program, and the open lesson. */
   name: '', lesson: null,
-  /** Result of the last check, and of the last correct one. */
+  /** Result of the last check, and of the last check without errors. */
   check: null, good: null,
-  /** Index of the assembly. */
+  /** Index of the shown assembly in the program. */
   program: 0,
   tab: 'structure', run: null, record: null, ensemble: null, estimate: null,
 };
@@ -63,7 +63,7 @@ function node(tag, attributes = {}, ...children) {
 
 const number = value => Math.round(value).toLocaleString('en');
 
-/** Seconds in words. */
+/** Returns seconds as text. */
 function duration(seconds) {
   if (seconds < 100) return `${Number(seconds.toPrecision(3))} s`;
   if (seconds < 6000) return `${Number((seconds / 60).toPrecision(3))} min`;
@@ -110,7 +110,7 @@ function openLesson(index) {
 
 const finished = () => new Set(JSON.parse(read('finished') ?? '[]'));
 
-/** Storage may be switched off. */
+/** Reads a stored value. The browser may not allow storage. */
 function read(key) {
   try {
     return localStorage.getItem(`stochc-${key}`);
@@ -123,7 +123,7 @@ function write(key, value) {
   try {
     localStorage.setItem(`stochc-${key}`, value);
   } catch {
-    // Nothing is kept.
+    // Without storage, nothing is saved.
   }
 }
 
@@ -154,7 +154,7 @@ function drawLesson() {
       node('button', { onclick: () => editor.replace(lesson.program) }, 'Start over')));
 }
 
-/** Looks whether the task of the lesson is done. */
+/** Checks whether the task of the lesson is solved. */
 function judge() {
   if (state.lesson === null || state.isDone || !state.check) return;
   const lesson = LESSONS[state.lesson];
@@ -210,7 +210,7 @@ async function check() {
 const errors = () => state.check.diagnostics.filter(({ severity }) => severity === 'error');
 const current = () => state.check?.programs[state.program];
 
-/** Names of the files of examples in diagnostics stay as they are. */
+/** Returns whether a diagnostic is in the program itself, not in an imported example. */
 const isOwn = ({ file }) => file === 'program.sa';
 
 function drawProblems() {
@@ -255,12 +255,12 @@ function drawProblems() {
   element('problems').replaceChildren(...list);
 }
 
-/** A text of the compiler, with what is between backticks as code. */
+/** Returns a text of the compiler as elements. Text between backticks becomes code. */
 function spans(text) {
   return text.split(/(`[^`]+`)/).filter(Boolean).map(part => (part.startsWith('`') && part.length > 2 ? node('code', {}, part.slice(1, -1)) : part));
 }
 
-/** What has been proved, in a sentence. */
+/** Returns a sentence that states what was proved. */
 function proof(program) {
   const plural = (n, one) => `${n} ${one}${n === 1 ? '' : 's'}`;
   const counts = [program.captures && plural(program.captures, 'capture'), program.releases && plural(program.releases, 'release')].filter(Boolean).join(' and ');
@@ -331,7 +331,7 @@ function drawFacts() {
     slowest.length ? node('p', {}, 'Waits longest for: ', ...slowest) : null ?? '');
 }
 
-/** Selects the statement of an event, and its block. */
+/** Selects the statement of an event in the editor, and its block in the view. */
 function reveal(id) {
   const event = state.good?.program.structure.events.find(event => event.id === id);
   if (!event?.is_own) return;
@@ -365,7 +365,7 @@ function show(tab) {
   stage.wake();
 }
 
-/** The controls below the picture. */
+/** Updates the controls below the view. */
 function told({ kind, player, history, scene, growing, recording }) {
   const tick = Math.floor(scene.tick);
   element('tick').value = String(tick);
@@ -391,7 +391,7 @@ async function run() {
   const { about } = program.structure;
   const bodies = about.scene.free?.count ?? 0;
   const expected = state.estimate?.total?.median;
-  // The expected run takes about 20 s.
+  // The speed is chosen so that the expected run takes about 20 s.
   const speed = nearest(((expected ?? 2000) * about.scene.tick) / 20);
   const stream = stage.live(about, bodies, speed);
   const mine = (state.run = { stream, about, isRunning: true, kind: state.program });
@@ -400,7 +400,7 @@ async function run() {
   show('run');
   empty('The run begins …');
   element('stop').hidden = false;
-  // On narrow screens the picture is below the program.
+  // On narrow screens, the view is below the program.
   element('right').scrollIntoView({ block: 'nearest' });
   try {
     const { record } = await runner.call(
@@ -414,7 +414,7 @@ async function run() {
     mine.isRunning = false;
     state.record = record;
     stream.finish();
-    // Without an estimate, the speed was a guess.
+    // If there was no estimate, the speed was a guess and is corrected now.
     if (!expected && stage.shown?.recording === stream.recording) stage.shown.player.setSpeed((record.ticks * about.scene.tick) / 20);
     const seconds = duration(record.ticks * about.scene.tick);
     toast(record.outcome.kind === 'completed' ? `Complete after ${number(record.ticks)} ticks (${seconds} of the robots)` : `The run is ${record.outcome.kind.replace('_', ' ')} after ${number(record.ticks)} ticks`);
@@ -570,7 +570,7 @@ async function share() {
   }
 }
 
-/** Opens what the address asks for. */
+/** Opens the program that the address contains. */
 async function recall() {
   const { hash } = location;
   try {
@@ -596,7 +596,7 @@ async function recall() {
   welcome();
 }
 
-/** The first thing that a newcomer sees. */
+/** Opens the page that a newcomer sees first. */
 function welcome() {
   openProgram(about.examples.find(({ name }) => name === 'gate.sa').text, 'gate.sa');
   const place = element('lesson');
@@ -735,7 +735,7 @@ async function start() {
   document.body.dataset.ready = 'yes';
 }
 
-/** Stops the run that is computed, and keeps what is there. */
+/** Stops the running simulation, and keeps the part that was computed. */
 function stopKeeping() {
   if (!state.run?.isRunning) return;
   const { stream } = state.run;

@@ -1,9 +1,10 @@
-// The pages of `stochc explain` as HTML. They use headings, paragraphs, lists, code and emphasis.
+// Conversion of pages of `stochc explain` to HTML. They use headings, paragraphs, lists, code and
+// emphasis.
 
 const escaped = text => text.replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;');
 
 function inline(text) {
-  // Code first: nothing in it is emphasis.
+  // Convert code first, because it contains no emphasis.
   return text.split(/(`[^`]+`)/).map(part => (part.startsWith('`') && part.length > 1 ? `<code>${escaped(part.slice(1, -1))}</code>` : escaped(part).replace(/\*\*([^*]+)\*\*/g, '<b>$1</b>').replace(/\*([^*]+)\*/g, '<em>$1</em>').replace(/\[([^\]]+)\]\([^)]*\)/g, '$1'))).join('');
 }
 

@@ -1,13 +1,14 @@
-// What the viewer of `stochc replay` shows here: a structure event by event, or a run that is still being computed.
+// Recordings for the viewer of `stochc replay`: a structure event by event, or a run that is still
+// being computed.
 
-/** Where a block is before it is captured. Such blocks are not drawn. */
+/** Position of a block before its capture, outside of the view. */
 const AWAY = [0, 0, -1e4, 0, 0, 0, 1];
-/** Largest memory of the frames of a run [bytes]. */
+/** Largest size of a run's frames in memory [bytes]. */
 const MEMORY = 64 << 20;
 
-/** Classes of recordings, by those of the viewer. */
+/** Returns classes of recordings that extend those of the viewer. */
 export function recordings({ Recording }) {
-  /** Frames in memory. */
+  /** Recording whose frames are in memory. */
   class Frames extends Recording {
     constructor(bodies) {
       super();
@@ -28,7 +29,7 @@ export function recordings({ Recording }) {
     }
   }
 
-  /** A structure: tick k is the state after k events. */
+  /** Recording of a structure: tick k is the state after k events. */
   class Steps extends Frames {
     constructor({ about, events }) {
       super(events.filter(({ cell }) => cell).length || 1);
@@ -39,7 +40,7 @@ export function recordings({ Recording }) {
       const holder = role => holders.get(role) ?? (seeds.has(role) ? -1 - role : 0);
       const places = new Float32Array(7 * this.bodies);
       for (let body = 0; body < this.bodies; body++) places.set(AWAY, 7 * body);
-      /** By block: the event that captures it. */
+      /** For each block, the event that captures it. */
       this.origin = [];
       let phase = null;
       const keep = tick => {
@@ -68,14 +69,14 @@ export function recordings({ Recording }) {
     }
   }
 
-  /** A run that grows while it is computed. */
+  /** Recording of a run that grows while the run is computed. */
   class Live extends Frames {
     constructor(bodies) {
       super(bodies);
       this.every = 4;
     }
 
-    /** Adds a batch of the engine. */
+    /** Adds a batch of frames from the engine. */
     push({ tick, ticks, events }, numbers) {
       ticks.forEach((at, i) => {
         this.ticks.push(at);

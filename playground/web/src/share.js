@@ -1,6 +1,6 @@
 // Programs and settings in the address. The part after `#` never leaves the browser.
 
-/** Largest program of a link, unpacked [bytes]. */
+/** Largest size of a program in a link, unpacked [bytes]. */
 const MAX = 1 << 20;
 
 async function through(bytes, stream) {
@@ -20,7 +20,7 @@ async function through(bytes, stream) {
   return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
 
-/** The fragment of a link to a state. */
+/** Returns the fragment of a link to a state of the page. */
 export async function pack(state) {
   const bytes = new TextEncoder().encode(JSON.stringify(state));
   const packed = await through(bytes, new CompressionStream('deflate-raw'));
@@ -29,7 +29,7 @@ export async function pack(state) {
   return `#p=${btoa(text).replaceAll('+', '-').replaceAll('/', '_').replace(/=+$/, '')}`;
 }
 
-/** The state of a fragment; `null`: it has none. Throws if the link is damaged. */
+/** Returns the state in the fragment of a link, or `null` if there is none. Throws an error if the link is damaged. */
 export async function unpack(fragment) {
   const packed = /^#p=([\w-]+)$/.exec(fragment)?.[1];
   if (!packed) return null;

@@ -1,14 +1,14 @@
-// The stage on the right: a structure or a run, drawn by the viewer of `stochc replay`.
+// View on the right side of the page: a structure or a run, drawn by the viewer of `stochc replay`.
 import { viewer } from 'virtual:viewer';
 import { recordings } from './recordings.js';
 
-/** Names that a picture has room for. */
+/** Largest number of names in the picture. */
 const MANY_NAMES = 40;
 
 const element = id => document.getElementById(id);
 
 export class Stage {
-  /** `selected` receives the event of a block that the reader clicks; `told` is called when the tick changes. */
+  /** Calls `selected` with the event of a block that the reader clicks, and `told` when the tick changes. */
   constructor(palette, { selected, told }) {
     this.parts = viewer(palette);
     Object.assign(this, recordings(this.parts), { selected, told });
@@ -16,7 +16,7 @@ export class Stage {
     this.canvas = element('arena');
     this.painter = new Painter(this.canvas, () => this.wake());
     this.labels = new Labels(element('labels'));
-    /** What is shown: `{ kind, about, recording, history, scene, player }`. */
+    /** Shown structure or run: `{ kind, about, recording, history, scene, player }`. */
     this.shown = null;
     this.camera = null;
     const camera = new Proxy({}, { get: (_, name) => this.camera[name]?.bind?.(this.camera) ?? this.camera[name] });
@@ -30,7 +30,7 @@ export class Stage {
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.wake());
   }
 
-  /** Shows a structure at its last event, or where the reader was. */
+  /** Shows a structure at its last event, or at the tick where the reader was. */
   structure(structure) {
     const { about } = structure;
     const recording = new this.Steps(structure);
@@ -46,7 +46,7 @@ export class Stage {
     this.wake();
   }
 
-  /** Shows a run that grows. Returns the function that receives batches. */
+  /** Shows a run that is still being computed. Returns the function that receives its batches. */
   live(about, bodies, speed) {
     const recording = new this.Live(bodies);
     let drawn = 0;
@@ -55,7 +55,7 @@ export class Stage {
       push: (batch, numbers) => {
         recording.push(batch, numbers);
         if (this.shown?.recording === recording) {
-          // A history is made again at most four times a second.
+          // The history is rebuilt at most four times a second.
           const now = performance.now();
           if (now - drawn > 250) {
             drawn = now;
@@ -82,14 +82,14 @@ export class Stage {
     const { Camera, History, Player, Scene, Timeline } = this.parts;
     const history = new History(about, recording);
     this.place(new Camera(about, history));
-    // Fixed sketches belong to one scene.
+    // Stored sketches belong to one scene.
     for (const { buffer } of this.painter.fixed.values()) this.painter.gl.deleteBuffer(buffer);
     this.painter.fixed.clear();
     this.labels.forget();
     const scene = new Scene(about, recording, history, this.painter, this.labels, this.camera);
     const perTick = kind === 'structure' ? 0.6 : about.scene.tick;
     const player = new Player(history, perTick, () => this.wake());
-    // A new canvas: listeners of the last timeline go with the old one.
+    // A new canvas has no listeners of the previous timeline.
     if (kind === 'run') element('timeline').replaceWith(element('timeline').cloneNode());
     const timeline = kind === 'run' ? new Timeline(element('timeline'), history, tick => player.jump(tick)) : null;
     this.shown = { kind, about, recording, history, scene, player, timeline, growing: false };
@@ -97,7 +97,7 @@ export class Stage {
     this.wake();
   }
 
-  /** Takes in what has been computed since the last time. */
+  /** Adds the ticks that were computed since the last call. */
   grow() {
     const { shown } = this;
     shown.history = shown.scene.history = shown.player.history = new this.parts.History(shown.about, shown.recording);
@@ -109,7 +109,7 @@ export class Stage {
     this.wake();
   }
 
-  /** Keeps the reader's view if there is one. */
+  /** Sets the camera, but keeps a view that the reader chose. */
   place(camera) {
     const old = this.camera;
     if (old && !old.isFirst && old.middle.join() === camera.middle.join()) camera.view = old.view;
@@ -126,7 +126,7 @@ export class Stage {
     this.selected(role ?? null);
   }
 
-  /** Marks the block of an event of the structure. */
+  /** Marks the block of an event in the structure. */
   mark(id) {
     if (this.shown?.kind !== 'structure') return;
     const body = this.shown.recording.origin.findIndex(event => event.id === id);

@@ -1,9 +1,9 @@
-// One instance of the engine in a thread of its own.
+// Instance of the engine in its own thread.
 
 let exports;
 /** Message of the last panic. */
 let panic = '';
-/** Ticks between two frames of a run that is watched. */
+/** Number of ticks between two frames of a watched run. */
 let every = 4;
 let job = null;
 

@@ -1,4 +1,4 @@
-//! Tables derived from runs.
+//! Tables that are computed from runs.
 use stochc::exit::Failure;
 use stochc::experiments::statistics::{KaplanMeier, TimeSample};
 use stochc::experiments::{Comparison, completion_time, summary_table};
@@ -6,10 +6,10 @@ use stochc::results::{ColumnShape, ColumnValues, FilledTable, Manifest, Records,
 
 use super::super::table::PythonTable;
 
-/// Column with its values: name, unit, meaning.
+/// Column with its name, unit, meaning and values.
 struct DerivedColumn<'a>(&'a str, &'a str, &'a str, ColumnValues<'a>);
 
-/// Returns a table whose columns are all nullable.
+/// Returns a table. All its columns may contain null values.
 fn table(name: &str, row: &str, columns: Vec<DerivedColumn<'_>>) -> Result<PythonTable, String> {
     let (mut shapes, mut values) = (Vec::new(), Vec::new());
     for DerivedColumn(name, unit, meaning, column) in columns {
@@ -36,7 +36,7 @@ fn table(name: &str, row: &str, columns: Vec<DerivedColumn<'_>>) -> Result<Pytho
     Ok(table)
 }
 
-/// Returns the results of each program, and the scene parameters of a sweep.
+/// Returns a table with the results of each program. A sweep adds its scene parameters.
 pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<PythonTable, String> {
     let FilledTable { shape, values } = summary_table(manifest, comparison);
     let mut table = PythonTable::new(shape, &[]);
@@ -44,7 +44,7 @@ pub(super) fn summary(manifest: &Manifest, comparison: &Comparison) -> Result<Py
     Ok(table)
 }
 
-/// Returns the fraction of incomplete runs after each completion time.
+/// Returns a table with the fraction of incomplete runs after each completion time.
 pub(super) fn survival(manifest: &Manifest, finished: &Records) -> Result<PythonTable, Failure> {
     let mut times = vec![TimeSample::default(); manifest.programs.len()];
     let read = finished.each(|done| {

@@ -1,10 +1,10 @@
 //! Measures the cost of checking a large program. Arguments: `[CAPTURES [REPEATS]]`.
 //!
 //! Two programs with the same structure, towers of four on a square plate, are read, checked and
-//! lowered. One is flat, the other uses nested patterns and loops. Times are medians of several
-//! runs. They are divided by the time of pest's bare parse of the same text with the grammar's
-//! `program` rule. Memory is the memory in use at the end of each stage, without the text itself.
-//! Without arguments the sizes are 10^3 to 10^6 captures.
+//! lowered. One program is flat, the other uses nested patterns and loops. Times are medians of
+//! several runs. They are divided by the time that pest alone takes to parse the same text with the
+//! grammar's `program` rule. Memory is the memory in use at the end of each stage, without the text
+//! itself. Without arguments the sizes are 10^3 to 10^6 captures.
 #![allow(missing_docs, reason = "a command, not a library")]
 #![expect(clippy::disallowed_methods, reason = "a benchmark needs a clock")]
 
@@ -97,7 +97,7 @@ fn report(captures: usize, text: &str, own: Duration, bare: Duration, repeats: u
 }
 
 struct Measured {
-    /// Time of each stage, and the bytes in use at its end.
+    /// Time of each stage, and the memory in use at its end \[bytes\].
     stages: Vec<(Duration, usize)>,
     total: Duration,
     held: usize,
@@ -139,7 +139,7 @@ fn measure(text: &str) -> Measured {
     }
 }
 
-/// Checks that the program has no errors, because its timing would be meaningless.
+/// Checks that the program has no errors. Otherwise, its timing would be meaningless.
 fn right(checked: &Checked) {
     assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
     assert!(checked.programs[0].tables.is_some());
@@ -162,7 +162,7 @@ fn scene(out: &mut String, edge: usize) {
     );
 }
 
-/// Returns a program with a separate line for every seed and every tower.
+/// Returns the source of a program with a separate line for every seed and every tower.
 fn flat(edge: usize) -> String {
     let mut out = String::new();
     scene(&mut out, edge);
@@ -188,7 +188,7 @@ fn flat(edge: usize) -> String {
     out
 }
 
-/// Returns a program with a pattern of towers in a pattern of rows in a loop.
+/// Returns the source of a program with a pattern of towers in a pattern of rows in a loop.
 fn nested(edge: usize) -> String {
     let mut out = String::new();
     scene(&mut out, edge);

@@ -1,11 +1,11 @@
 //! Measures the number of events per second of tables without physics. Arguments: `[CAPTURES
 //! [REPEATS]]`.
 //!
-//! The programs are towers of ten on a square plate. One program only builds them. The other one
-//! also releases them, which sends a message for each release. Events are those of a replay. A face
-//! is switched on, or a block is captured or released. A message makes a hop, the plate counts a
-//! report, or a phase begins. Times are the shortest of several runs, from the tables to the
-//! record. Without arguments the sizes are 10^3 to 10^6 captures.
+//! The programs are towers of ten on a square plate. One program only builds the towers. The other
+//! one also releases them, which sends a message for each release. Events are counted as in a
+//! replay. They are faces switched on, captures, releases, hops of messages, reports counted by the
+//! plate, and phases. Times are the shortest of several runs, from the tables to the record.
+//! Without arguments the sizes are 10^3 to 10^6 captures.
 #![allow(missing_docs, reason = "a command, not a library")]
 #![expect(clippy::disallowed_methods, reason = "a benchmark needs a clock")]
 
@@ -20,7 +20,7 @@ use stochc_runtime::{Model, Settings, run};
 /// Number of captures in each tower.
 const HEIGHT: usize = 10;
 
-/// Total time after which the measurement of a size stops. At least one run is made.
+/// Total time after which the measurement of a size stops. At least one run is measured.
 const ENOUGH: Duration = Duration::from_secs(2);
 
 fn main() {
@@ -60,8 +60,8 @@ fn main() {
     }
 }
 
-/// Returns the number of events that a replay would list for a complete run. Every open face has
-/// captured.
+/// Returns the number of events that a replay of a complete run would list. Every open face has
+/// captured a block.
 fn events(checked: &Checked, record: &RunRecord) -> u64 {
     let tables = checked.programs[0].tables.as_ref();
     let phases = &tables.expect("the program is valid").phases;
@@ -95,8 +95,8 @@ fn measure(checked: &Checked, repeats: usize) -> (Duration, RunRecord) {
     best.expect("it is measured once at least")
 }
 
-/// Returns a checked program with about `captures` captures in towers, followed by the statements
-/// `down`.
+/// Returns a checked program that builds about `captures` captures in towers. The statements `down`
+/// follow.
 fn towers(captures: usize, down: &str) -> Checked {
     let edge = ((captures / HEIGHT) as f64).sqrt().round().max(1.0) as usize;
     let (last, blocks, radius) = (edge - 1, edge * edge * HEIGHT, edge + 20);

@@ -10,12 +10,12 @@ use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::{Arena as _, World as _};
 use stochc_runtime::{Model, Settings};
 
-/// Ticks until blocks that began at rest have reached their speed.
+/// Number of ticks until blocks that start at rest have reached their speed.
 const WARM_UP: usize = 3_000;
-/// Observed ticks of each of [`RUNS`] runs.
+/// Number of observed ticks in each of [`RUNS`] runs.
 const TICKS: usize = 3_000;
 const RUNS: u64 = 4;
-/// Distance from the ground and the shell beyond which a block meets only blocks, in block lengths.
+/// Distance from ground and shell beyond which a block collides only with blocks \[block lengths\].
 const APART: f64 = 2.0;
 
 fn main() {
@@ -82,9 +82,10 @@ fn scenes() -> Vec<(&'static str, Scene, u32)> {
 }
 
 struct Seen {
-    /// Root mean square speed, in block lengths per tick.
+    /// Root mean square speed \[block lengths / tick\].
     rms: f64,
-    /// Collisions per block and tick, for blocks that are [`APART`] from the ground and the shell.
+    /// Number of collisions per block and tick, for blocks farther than [`APART`] from ground and
+    /// shell.
     meetings: f64,
 }
 
@@ -128,7 +129,8 @@ fn observe(scene: &Scene, substeps: u32) -> Seen {
             for ((old, new), meeting) in before.iter().zip(&now).zip(&mut meeting) {
                 square += new.velocity.norm_squared();
                 count += 1.0;
-                // The velocity has changed by more than a kick, for the first tick in a row.
+                // The velocity has changed by more than a random impulse, and did not in the tick
+                // before.
                 let drag = units.rate(scene.drag.as_ref().map_or(0.0, |drag| drag.rate));
                 let change = (new.velocity - old.velocity * (-drag).exp()).norm();
                 let was = std::mem::replace(meeting, change > most);

@@ -14,14 +14,14 @@ use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::{Arena as _, World as _};
 use stochc_runtime::{Model, Settings};
 
-/// Number of directions and orientations that are drawn for an area.
+/// Number of random directions and orientations for estimating an area.
 const SAMPLES: usize = 400_000;
-/// Ticks until blocks that began at rest have reached their speed.
+/// Number of ticks until blocks that start at rest have reached their speed.
 const WARM_UP: usize = 2_000;
-/// Observed ticks of each of [`RUNS`] runs.
+/// Number of observed ticks in each of [`RUNS`] runs.
 const TICKS: usize = 4_000;
 const RUNS: u64 = 4;
-/// Height above the ground that counts as near it, in block lengths.
+/// Height below which a block counts as near the ground \[block lengths\].
 const NEAR: f64 = 1.5;
 
 fn main() {
@@ -64,15 +64,15 @@ fn main() {
 }
 
 struct Gas {
-    /// Mean speed, in block lengths per tick.
+    /// Mean speed \[block lengths / tick\].
     speed: f64,
-    /// Mean speed of the blocks whose centre is lower than [`NEAR`].
+    /// Mean speed of the blocks whose centre is lower than [`NEAR`] \[block lengths / tick\].
     speed_near: f64,
-    /// Mean number of these blocks.
+    /// Mean number of the blocks whose centre is lower than [`NEAR`].
     near: f64,
 }
 
-/// Observes the free blocks of the scene, with no face magnetized.
+/// Observes the free blocks of the scene while no face is magnetized.
 fn observe(scene: &Scene) -> Gas {
     let plate = Plate { width: 3, depth: 3 };
     let (mut sum, mut count) = (0.0, 0.0);
@@ -109,16 +109,17 @@ fn observe(scene: &Scene) -> Gas {
     }
 }
 
-/// Returns an area, averaged over orientations. It consists of all positions of a cube whose
-/// nearest face is just within `reach` of the origin. The face at the origin looks up. Positions
-/// with `barred` are left out. The unit is square block lengths.
+/// Returns the area of all positions of a cube whose nearest face is just within `reach` of the
+/// origin \[square block lengths\]. The area is averaged over orientations. The face at the origin
+/// points up. Positions that `barred` accepts are left out.
 fn area(reach: f64, barred: impl Fn(Vector3<f64>, &UnitQuaternion<f64>) -> bool) -> f64 {
     let mut dice = ChaCha8Rng::seed_from_u64(1);
     let mut open = 0usize;
     for _ in 0..SAMPLES {
         let rotation = orientation(&mut dice);
         let outward = direction(&mut dice);
-        // The centre is on one of six balls. The centre of each ball has that face at the origin.
+        // The centre is on one of six spheres, one for each face of the cube. If the cube were at a
+        // sphere's centre, the face of this sphere would be at the origin.
         let face = rotation * Vector3::z() * 0.5;
         let centre = outward.into_inner() * reach - face;
         let nearest = [Vector3::x(), Vector3::y(), Vector3::z()]
@@ -140,7 +141,7 @@ fn direction(dice: &mut ChaCha8Rng) -> UnitVector3<f64> {
     }
 }
 
-/// Returns a rotation, uniformly distributed (Shoemake's method).
+/// Returns a random rotation, uniformly distributed (Shoemake's method).
 fn orientation(dice: &mut ChaCha8Rng) -> UnitQuaternion<f64> {
     let (u, v, w): (f64, f64, f64) = (dice.random(), dice.random(), dice.random());
     let turn = std::f64::consts::TAU;
@@ -159,7 +160,7 @@ fn lowest(centre: Vector3<f64>, rotation: &UnitQuaternion<f64>) -> f64 {
     centre.z - 0.5 * axes.row(2).abs().sum()
 }
 
-/// Returns whether a unit cube overlaps the square column below the origin, using separating axes.
+/// Returns whether a unit cube overlaps the square column below the origin, by separating axes.
 fn overlaps_column(centre: Vector3<f64>, rotation: &UnitQuaternion<f64>) -> bool {
     const DEPTH: f64 = 20.0;
     let half = Vector3::new(0.5, 0.5, DEPTH / 2.0);

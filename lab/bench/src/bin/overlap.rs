@@ -3,9 +3,9 @@
 //! Arguments: `[SCENE [SUBSTEPS [TICKS [NAME=FACTOR...]]]]`.
 //!
 //! No face is magnetized. An encounter begins when the centres of two free blocks are closer than
-//! 1.2 block lengths. At smaller distances most cubes touch. It ends at a distance of 1.8. If the
-//! centres come closer than half a block length, the blocks have passed through each other. Rigid
-//! cubes stay a whole block length apart.
+//! 1.2 block lengths. At smaller distances, most cubes touch. The encounter ends at a distance of
+//! 1.8. If the centres come closer than half a block length, the blocks have passed through each
+//! other. Rigid cubes stay a whole block length apart.
 use std::collections::HashMap;
 
 use nalgebra::Vector3;
@@ -17,12 +17,13 @@ use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena as _, World as _};
 use stochc_runtime::{Settings, Substeps};
 
-/// Ticks until blocks that began at rest have reached their speed.
+/// Number of ticks until blocks that start at rest have reached their speed.
 const WARM_UP: usize = 1_000;
-/// Distances between centres, in block lengths: start of an encounter, its end, and passage through
-/// each other.
+/// Distance of two centres at the start of an encounter \[block lengths\].
 const NEAR: f64 = 1.2;
+/// Distance of two centres at the end of an encounter \[block lengths\].
 const APART: f64 = 1.8;
+/// Distance of two centres below which the blocks pass through each other \[block lengths\].
 const PASSED: f64 = 0.5;
 
 #[derive(Default)]
@@ -83,13 +84,13 @@ fn main() {
     );
 }
 
-/// Multiplies a scene parameter.
+/// Multiplies a scene parameter by a factor.
 fn scale(scene: &mut Scene, number: &str, factor: f64) {
     let contact = scene.contact.as_mut().expect("blocks touch");
     match (number, &mut contact.law) {
         ("stiffness", ContactLaw::Compliant { stiffness, damping }) => {
             *stiffness *= factor;
-            // The damping ratio, and with it the restitution, stays the same.
+            // The damping ratio stays the same, and therefore the restitution.
             *damping *= factor.sqrt();
         }
         ("friction", _) => contact.friction *= factor,
@@ -116,7 +117,7 @@ fn observe(scene: &Scene, settings: &Settings, ticks: usize) -> Counts {
     let mut world = RigidWorld::new(scene, &plate, settings, 1, 0).expect("the scene can be");
     let mut none = Vec::new();
     let mut counts = Counts::default();
-    // The smallest distance of each pair during its encounter.
+    // Smallest distance of each pair during its encounter.
     let mut encounters: HashMap<(u32, u32), f64> = HashMap::new();
     for tick in 0..WARM_UP + ticks {
         world.step(&mut none).expect("the scene can be computed");

@@ -1,7 +1,7 @@
 //! Measures how the cost of a tick grows with blocks, magnetized faces and structure.
 //!
-//! Uses the default scene with the model `rigid`, one step per tick, at its density. Memory is the
-//! additional resident memory of the process (Linux).
+//! Uses the default scene at its density, with the model `rigid` and one step per tick. Memory is
+//! the additional resident memory of the process (Linux).
 use std::time::Instant;
 
 use nalgebra::Vector3;
@@ -15,13 +15,14 @@ use stochc_runtime::{Model, Settings};
 
 const SIZES: [u32; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
 
-/// Number of free blocks when many faces or a large structure are measured. It isolates their cost.
+/// Number of free blocks when many faces or a large structure are measured. So few blocks cost
+/// almost nothing.
 const FEW: u32 = 1;
 
-/// Number of blocks that dock at once while a structure is set up.
+/// Number of blocks that are captured at the same time while a structure is set up.
 const AT_ONCE: usize = 1000;
 
-/// Ticks until the motion of the blocks is stationary.
+/// Number of ticks until the motion of the blocks is stationary.
 const WARM_UP: u64 = 300;
 
 fn main() {
@@ -52,7 +53,7 @@ fn main() {
     });
 }
 
-/// Prints a table with the cost of each size, and the exponent of its growth from the previous
+/// Prints a table with the cost at each size, and the exponent of its growth from the previous
 /// size.
 #[expect(clippy::disallowed_methods, reason = "it measures time")]
 fn report(what: &str, make: &dyn Fn(u32) -> Option<RigidWorld>) {
@@ -92,7 +93,8 @@ fn report(what: &str, make: &dyn Fn(u32) -> Option<RigidWorld>) {
     }
 }
 
-/// Returns a world with `count` blocks above a square plate with `side` seeds along each edge.
+/// Returns the number of blocks and a world with `count` blocks above a square plate. The plate has
+/// `side` seeds along each edge.
 fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
     let mut scene: Scene = built_in("hemisphere_soft").expect("a built-in scene");
     scene.free.count = count;
@@ -100,7 +102,8 @@ fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
         let plate = f64::from(side) * scene.block.side;
         *radius = (*radius * (f64::from(count) / 300.0).cbrt()).max(plate);
     }
-    // The larger tolerance makes a block dock at its position in spite of the kicks.
+    // The larger tolerance ensures that a block is captured at its position in spite of random
+    // impulses.
     if let Some(Bond::Attract { anchor, .. }) = &mut scene.bond {
         anchor.within = 0.1 * scene.block.side;
     }
@@ -112,10 +115,10 @@ fn setting(count: u32, side: u32) -> (u32, RigidWorld) {
     (side, world.expect("a valid scene"))
 }
 
-/// Returns upper faces of the plate, and the positions of the blocks that they capture.
+/// Returns upper faces of the plate, each with the position of the block that it captures.
 fn seats(side: u32, count: u32) -> impl Iterator<Item = (BlockFace, Vector3<f64>)> {
     (0..count).map(move |i| {
-        // The world stores faces in this order of sites.
+        // The world stores faces in this order.
         let (x, y) = (i / side, i % side);
         let at = |x: u32| f64::from(x) - f64::from(side - 1) / 2.0;
         let body = Body::Seed(Cell::new(x as i32, y as i32, 0));
@@ -127,7 +130,7 @@ fn seats(side: u32, count: u32) -> impl Iterator<Item = (BlockFace, Vector3<f64>
     })
 }
 
-/// Returns the resident memory of the process in bytes.
+/// Returns the resident memory of the process \[bytes\].
 #[expect(clippy::disallowed_methods, reason = "it measures memory")]
 fn resident() -> Option<usize> {
     let pages = std::fs::read_to_string("/proc/self/statm").ok()?;

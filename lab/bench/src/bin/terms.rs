@@ -1,7 +1,7 @@
-//! Measures the cost of each term of a scene: see `lab/terms/run.py`.
+//! Measures the cost of each term of a scene. See `lab/terms/run.py`.
 //!
-//! Arguments: `WITHOUT TICKS`. Moves 300 blocks with all terms except one, or with one term that
-//! has almost no effect (`idle-drag`). Prints a digest of the final states.
+//! Arguments: `WITHOUT TICKS`. Moves 300 blocks with all terms except one, or with a term that has
+//! almost no effect (`idle-drag`). Prints a digest of the final states.
 use stochc_compiler::scene::built_in;
 use stochc_ir::scene::{Agitation, Arrangement, Bond, Drag, Flow, Fluid, Scene, Stir};
 use stochc_ir::table::Plate;
@@ -39,7 +39,7 @@ fn main() {
     println!("{:016x}", numbers.map(f64::to_bits).fold(0, mix));
 }
 
-/// Returns a scene with all terms except one.
+/// Returns a scene with all terms except `without`.
 fn scene(without: &str) -> Scene {
     let mut scene = built_in("hemisphere_soft").expect("a built-in scene");
     scene.free.arrangement = Arrangement::Uniform;
@@ -95,7 +95,7 @@ fn scene(without: &str) -> Scene {
     scene
 }
 
-/// Returns 300 blocks above the plate with different motions.
+/// Returns 300 blocks above the plate, with different motions.
 fn lattice() -> Vec<BodyState> {
     let at = |i: u32| f64::from(i) * 2.5 - 8.0;
     (0..300)

@@ -1,9 +1,9 @@
-//! Measures the cost of a capture in the rate model: towers on a square lattice that grow without
-//! end.
+//! Measures the cost of a capture in the rate model, with towers on a square lattice that grow
+//! without end.
 //!
 //! `captures TOWERS SPACING CAPTURES ROUNDS` prints the CPU time per capture \[ns\] of each round
-//! on a separate line. At a spacing of 6 towers do not affect each other. At 1 each open face has
-//! open faces next to it.
+//! on a separate line. At a spacing of 6, towers do not affect each other. At a spacing of 1, each
+//! open face has open faces next to it.
 use std::error::Error;
 
 use rustix::time::{ClockId, clock_gettime};
@@ -14,7 +14,7 @@ use stochc_ir::{Cell, Face};
 use stochc_runtime::world::World;
 use stochc_runtime::world::rate::RateWorld;
 
-/// Captures before the measurement.
+/// Number of captures before the measurement.
 const WARM_UP: usize = 20_000;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Towers whose top faces are on.
+/// Growing towers, each with its top face switched on.
 struct Growth {
     world: RateWorld<'static>,
     /// Orientation of each block of the structure.
@@ -63,7 +63,8 @@ impl Growth {
             tables.roles.push(role);
         }
         let mut rates = Rates::built_in(&scene).ok_or("no rates")?.clone();
-        // Twice as many blocks as captures: the number of free blocks hardly affects the draws.
+        // With twice as many blocks as captures, the number of free blocks hardly affects the
+        // draws.
         scene.free.count = u32::try_from(2 * captures)?;
         rates.scene = scene.clone();
         rates.free = scene.free.count;
@@ -82,7 +83,7 @@ impl Growth {
         })
     }
 
-    /// Captures at least this number of blocks.
+    /// Continues until at least `captures` more blocks are captured.
     fn grow(&mut self, captures: usize) -> Result<(), Box<dyn Error>> {
         let mut done = 0;
         while done < captures {

@@ -1,4 +1,5 @@
-//! The project's own worlds through their public interface, and Rapier with the same settings.
+//! The project's own worlds through their public interface, compared with Rapier at the same
+//! settings.
 use std::error::Error;
 
 use stochc_compiler::scene::built_in;

@@ -1,5 +1,5 @@
-//! Measures the cost of an event in stochastic chemistry: independent reactions that each consume a
-//! molecule of their own kind.
+//! Measures the cost of an event in stochastic chemistry. The reactions are independent: each
+//! consumes molecules of its own kind.
 //!
 //! `reactions dense|sparse REACTIONS EVENTS ROUNDS` prints the CPU time per event \[ns\] of each
 //! round on a separate line.
@@ -8,7 +8,7 @@ use std::error::Error;
 use rebop::gillespie::{Gillespie, Rate};
 use rustix::time::{ClockId, clock_gettime};
 
-/// Molecules of each kind. No kind runs out.
+/// Number of molecules of each kind. No kind runs out.
 const MOLECULES: isize = 1_000_000_000;
 const SEED: u64 = 1;
 

@@ -16,18 +16,18 @@ use stochc_runtime::{Model, Settings, drive};
 
 use super::samples::Sample;
 
-/// Numbers of substeps per tick.
+/// Simulated numbers of substeps per tick.
 pub const SUBSTEPS: [u32; 5] = [1, 2, 4, 8, 16];
 
-/// A scene and a program.
+/// Simulated case: a scene and a program.
 pub struct Case {
     pub name: &'static str,
     pub what: &'static str,
     /// Number of free blocks.
     pub count: u32,
-    /// Radius of the enclosure, in block lengths.
+    /// Radius of the enclosure \[block lengths\].
     pub radius: f64,
-    /// Captures in order.
+    /// Captures of the program in order, as source text.
     pub captures: &'static str,
 }
 
@@ -55,18 +55,19 @@ pub const CASES: [Case; 3] = [
     },
 ];
 
-/// A case with the settings of its computation.
+/// Case with settings of the computation, a cell of the result tables.
 pub struct Cell {
     pub case: &'static Case,
     pub model: Model,
     pub substeps: u32,
-    /// Number of solver iterations. `None` uses the model's own number.
+    /// Number of solver iterations. `None` means the default of the model.
     pub iterations: Option<u32>,
-    /// Friction. `None` uses that of `hemisphere_2005`.
+    /// Friction coefficient. `None` means the value of `hemisphere_2005`.
     pub friction: Option<f64>,
 }
 
-/// Returns all cells in the order of their runs, the cheapest first.
+/// Returns all cells, the cheapest first. `iterations` adds cells with other numbers of solver
+/// iterations.
 pub fn cells(iterations: bool) -> impl Iterator<Item = Cell> {
     let cell = |case, model, substeps, iterations| Cell {
         case,
@@ -90,7 +91,7 @@ pub fn cells(iterations: bool) -> impl Iterator<Item = Cell> {
 }
 
 impl Cell {
-    /// Makes one run.
+    /// Returns the sample of one run.
     pub fn sample(&self, seed: u64, run: u64) -> Sample {
         let settings = Settings {
             model: self.model,
@@ -152,8 +153,8 @@ impl Case {
     }
 }
 
-/// Returns a block at a random place in the shell above the ground, with random orientation and a
-/// typical speed.
+/// Returns a block at a random position in the shell above the ground, with random orientation and
+/// a typical speed.
 fn anywhere(radius: f64, seed: u64, run: u64) -> BodyState {
     let mut dice = ChaCha8Rng::seed_from_u64(seed << 32 | run);
     let mut point = |half: f64| loop {
@@ -170,7 +171,7 @@ fn anywhere(radius: f64, seed: u64, run: u64) -> BodyState {
         }
     };
     let (velocity, spin) = (point(0.3), point(0.3));
-    // A random point in a four-dimensional ball is projected to its surface.
+    // Project a random point in a four-dimensional ball onto the surface of the ball.
     let orientation = loop {
         let q = Quaternion::from_vector(nalgebra::Vector4::from_fn(|_, _| {
             dice.random_range(-1.0..1.0)

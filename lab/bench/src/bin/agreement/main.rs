@@ -2,9 +2,9 @@
 //!
 //! `--out FILE` runs the worlds `rigid` and `rapier` with 1 to 16 substeps on three small scenes.
 //! It writes every sample to FILE and prints tables in Markdown. `--from FILE` prints the tables
-//! again. `--runs N` is the number of runs per cell (default 200). `--only CASE` selects one scene.
-//! `--iterations` adds cells that differ only in Rapier's solver iterations. `--substeps K` selects
-//! one number of substeps. `--friction MU` changes the friction of `hemisphere_2005`.
+//! again. `--runs N` sets the number of runs per cell (default 200). `--only CASE` selects one
+//! scene. `--iterations` adds cells that differ only in Rapier's solver iterations. `--substeps K`
+//! selects one number of substeps. `--friction MU` changes the friction of `hemisphere_2005`.
 //!
 //! Every cell has its own seed, so all samples are independent. Leaving out cells does not change
 //! the others.
@@ -47,8 +47,8 @@ fn main() -> std::io::Result<()> {
             .map(|(number, cell)| (number, Cell { friction, ..cell }))
             .collect();
         let mut all = Vec::new();
-        // Each round makes one run of every cell, so an interrupted study has equally many runs per
-        // cell.
+        // Each round makes one run of every cell. Cells of an interrupted study then have equal
+        // numbers of runs.
         for run in 0..runs {
             for (number, cell) in &cells {
                 let sample = cell.sample(*number as u64, run);

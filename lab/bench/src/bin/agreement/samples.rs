@@ -16,17 +16,17 @@ pub struct Sample {
     pub substeps: u32,
     pub iterations: u32,
     pub run: u64,
-    /// Whether the run completed without censoring or a failure.
+    /// Whether the run completed, without censoring or failure.
     pub completed: bool,
     /// Ticks until the last capture.
     pub ticks: f64,
-    /// Waiting time of the first capture, by a face of the plate.
+    /// Waiting time of the first capture, at a face of the plate \[ticks\].
     pub first_wait: f64,
-    /// Waiting time of the last capture, by the top of the tower.
+    /// Waiting time of the last capture, at the top of the tower \[ticks\].
     pub last_wait: f64,
-    /// Number of entries into the reach per capture.
+    /// Mean number of entries into the reach of a face per capture.
     pub entries: f64,
-    /// Ticks from the last entry to the docking, averaged over the captures.
+    /// Mean number of ticks from the last entry to the capture.
     pub docking: f64,
 }
 

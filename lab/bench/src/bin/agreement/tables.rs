@@ -9,7 +9,8 @@ use super::statistics::{kolmogorov_smirnov, mann_whitney, mean};
 
 type Measure = (&'static str, fn(&Sample) -> f64);
 
-/// Compared quantities: completion time, waits for the first and the last bond, and their parts.
+/// Compared quantities: completion time, waiting times of the first and last capture, and their
+/// parts.
 const MEASURES: [Measure; 5] = [
     ("time to completion", |s| s.ticks),
     ("wait for the first bond", |s| s.first_wait),
@@ -18,7 +19,7 @@ const MEASURES: [Measure; 5] = [
     ("docking time", |s| s.docking),
 ];
 
-/// Returns the tables of one case.
+/// Returns the tables of one case as Markdown.
 pub fn page(case: &Case, samples: &[Sample]) -> String {
     let mut page = format!("### `{}`: {}\n\n", case.name, case.what);
     if samples.is_empty() {
@@ -107,7 +108,7 @@ fn interval((mean, half): (f64, f64)) -> String {
     format!("{mean:.digits$} ± {half:.digits$}")
 }
 
-/// Returns the ratio of two means with its interval: relative errors add in squares.
+/// Returns the ratio of two means with its interval. The squares of the relative errors add.
 fn ratio((a, da): (f64, f64), (b, db): (f64, f64)) -> String {
     let ratio = b / a;
     let half = ratio * ((da / a).powi(2) + (db / b).powi(2)).sqrt();
