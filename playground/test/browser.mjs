@@ -2,20 +2,16 @@
 // [FOLDER]; writes screenshots to the folder
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
+import { launch } from './chromium.mjs';
 import { engine } from './engine.mjs';
 import { serve } from './server.mjs';
 
 const here = path => fileURLToPath(new URL(path, import.meta.url));
-const { chromium } = createRequire(here('../web/package.json'))('playwright-core');
 const [pictures] = process.argv.slice(2);
 
 const server = await serve();
-const browser = await chromium.launch({
-  executablePath: process.env.STOCHC_CHROMIUM ?? '/usr/bin/chromium',
-  args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--enable-unsafe-swiftshader'],
-});
+const browser = await launch();
 const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
 const page = await context.newPage();
 const complaints = [];

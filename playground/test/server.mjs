@@ -1,4 +1,4 @@
-// Server for the files in playground/dist.
+// A file server of a folder, as any other.
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
 import { extname } from 'node:path';
@@ -6,9 +6,9 @@ import { fileURLToPath } from 'node:url';
 
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm' };
 
-/** Starts a server and returns `{ url, requests, close }`. `requests` lists the requested paths. */
-export async function serve() {
-  const root = fileURLToPath(new URL('../dist', import.meta.url));
+/** Serves a folder, relative to this one. Returns `{ url, requests, close }`. `requests` lists the paths asked for. */
+export async function serve(folder = '../dist') {
+  const root = fileURLToPath(new URL(folder, import.meta.url));
   const requests = [];
   const server = createServer(async ({ url }, reply) => {
     const path = new URL(url, 'http://localhost').pathname;
