@@ -3,7 +3,7 @@
 
 `run.py STOCHC FOLDER gaps|faces [RUNS]` makes RUNS runs (200 for gaps, 1000 for faces) of each program below with the model
 `rigid` in the default scene, and a fifth or a tenth of that in other scenes. A row of the table lists the duration of the
-captures of the last phase, from the first open face to the last docked block, and the prediction of the rate model (2000 runs).
+captures of the last phase, from the first open face to the last capture, and the prediction of the rate model (2000 runs).
 Runs are stopped after 20,000 ticks and count with that time. Existing runs of the folder are not repeated.
 """
 import json
@@ -97,7 +97,7 @@ def waits(stochc, path, folder, captures, *options):
 
 
 def told(found, stopped):
-    """Formats a row: runs, mean ± half interval, 90 % quantile, slow runs, longest. Omits statistics if many runs were stopped."""
+    """Returns a row: runs, mean ± half-width, 90 % quantile, slow runs, longest. Omits statistics of stopped runs."""
     count = len(found)
     over = sum(wait > LONG for wait in found)
     if stopped > count // 20:
@@ -132,7 +132,7 @@ def main():
 
 
 def warned(stochc, path):
-    """Returns the codes that `check` reports for the last phase."""
+    """Returns the diagnostic codes that `check` reports for the last phase."""
     check = subprocess.run([stochc, "check", path, "--format", "short"], capture_output=True, text=True)
     last = [line for line in (check.stdout + check.stderr).splitlines() if "`into`" in line or "`X`" in line]
     codes = [f"`{code}`" for code in ("tight-approach", "crowded-captures") if any(code in line for line in last)]

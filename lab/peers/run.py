@@ -13,7 +13,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 TARGET = HERE.parent.parent / "target" / "peers"
 
-# Name, program, and the program's name for the engine. All others are compared with the first.
+# Name, driver, and the driver's name for the engine. The other engines are compared with the first.
 ENGINES = [
     ("Rapier, as the project sets it up", "own", "as-the-project"),
     ("`RapierWorld`, the project's world", "own", "rapier-world"),
@@ -25,7 +25,7 @@ ENGINES = [
     ("MuJoCo, Newton", "mujoco", "newton"),
 ]
 
-# Greatest change of speed of the first engine, in block lengths per tick. Blocks move 0.05 block lengths per step.
+# Largest random impulse of the first engine [block lengths / tick]. Blocks move 0.05 block lengths per step.
 KICK = 0.0128
 DRAG = 0.01  # [1 / tick]
 WARM_UP = 300  # ticks; the memory of speeds is 100 ticks
@@ -69,7 +69,7 @@ def build():
 
 
 class Driver:
-    """One engine with one scene: a process that waits for commands."""
+    """Process of one engine with one scene, which waits for commands."""
 
     def __init__(self, program, engine, blocks, kick):
         command = [program, engine, str(blocks), repr(kick)]
@@ -90,7 +90,7 @@ class Driver:
         self.process.stdin.flush()
 
     def run(self, ticks):
-        """Returns ns per block-step, mean square speed, contact points per block, and complaints."""
+        """Returns ns per block and step, mean square speed, contact points per block, and number of complaints."""
         self.order(f"run {ticks}")
         time, square, contacts, complaints = map(float, self.line().split())
         return time / ticks / self.blocks, square, contacts, complaints
@@ -109,7 +109,7 @@ def radius(blocks):
 
 
 def rms_without_collisions(kick):
-    """Returns the rms speed of v' = (v + kick) exp(-drag). The mean square of a kick is kick^2 / 3."""
+    """Returns the rms speed for v' = (v + kick) exp(-drag). The mean square of a random impulse is kick^2 / 3."""
     keep = math.exp(-2 * DRAG)
     return math.sqrt(kick**2 / 3 * keep / (1 - keep))
 
@@ -135,7 +135,7 @@ def lowest_corner(state):
 
 
 def same_start(drivers):
-    """Exits if drivers differ in their start or in their kicks."""
+    """Exits if drivers differ in their initial states or in their random impulses."""
     for what, tolerance in (("start", 1e-5), ("kicks", 1e-5)):
         values = [getattr(driver, what) for driver in drivers]
         values = [value for value in values if not math.isnan(value)]
@@ -144,7 +144,7 @@ def same_start(drivers):
 
 
 def calibrate(engines, programs, most):
-    """Returns the kick of each engine for equal rms speeds at 300 blocks. Kicks are scaled once."""
+    """Returns the largest random impulse of each engine that gives equal rms speeds at 300 blocks. Scales only once."""
     speeds = []
     for name, program, engine in engines:
         driver = Driver(programs[program], engine, 300, most)
@@ -156,7 +156,7 @@ def calibrate(engines, programs, most):
 
 
 def measure(engines, programs, kicks, blocks, rounds):
-    """Returns the rounds of `run` of each engine, its deep overlaps, and all errors."""
+    """Returns the results of `run` in each round and the deep overlaps of each engine. Also returns all errors."""
     drivers = []
     for (name, program, engine), kick in zip(engines, kicks):
         say(f"{blocks} blocks, setting up: {name}")
@@ -199,7 +199,7 @@ def versions(programs, drivers):
 
 
 def table(engines, sizes, kicks, results, caption):
-    """Prints the table. Returns the errors."""
+    """Prints the table of all engines. Returns the errors."""
     wrong = [text for result in results for text in result[3]]
     heads = [f"{blocks:,}" for blocks in sizes]
     of_sizes = " / ".join(heads)

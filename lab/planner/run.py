@@ -59,7 +59,7 @@ def name(cell):
 
 
 def grown(cells, key):
-    """Returns each cell with its parent and face: a tree from the plate that visits cells with a small key first."""
+    """Returns each cell with its parent and face, as a tree from the plate. Cells with a small key come first."""
     feet = [cell for cell in cells if cell[2] == 1]
     heap = [(key(foot, None), foot, (foot[0], foot[1], 0), "up") for foot in feet]
     heapq.heapify(heap)
@@ -76,7 +76,7 @@ def grown(cells, key):
 
 
 def walk(cells):
-    """Returns such a tree along a walk that continues with a neighbour as long as there is one."""
+    """Returns such a tree along a walk. The walk continues to a neighbour as long as one is left."""
     done = {}
     for foot in sorted(cell for cell in cells if cell[2] == 1):
         stack = [(foot, (foot[0], foot[1], 0), "up")]
@@ -133,7 +133,7 @@ def simulate(arguments, program, folder, runs):
 
 
 def runs_of(folder):
-    """Returns the times of completed runs, and those of the other runs."""
+    """Returns the times of completed runs, and the times of the other runs."""
     times, stuck = [], []
     journal = folder / "journal.jsonl"
     for line in journal.read_text().splitlines() if journal.exists() else []:
@@ -145,7 +145,7 @@ def runs_of(folder):
 
 
 def moments(found):
-    """Returns the mean of min(time, end) and half of its interval."""
+    """Returns the mean of min(time, end), and the half-width of its 95 % interval."""
     times = found[0] + found[1]
     mean = sum(times) / len(times)
     deviation = math.sqrt(sum((t - mean) ** 2 for t in times) / max(len(times) - 1, 1))
@@ -153,7 +153,7 @@ def moments(found):
 
 
 def quantile(found):
-    """Returns the 90 % quantile of the times and half of its interval (order statistics)."""
+    """Returns the 90 % quantile of the times, and the half-width of its interval by order statistics."""
     times = sorted(found[0] + found[1])
     at = lambda place: times[min(max(math.ceil(place) - 1, 0), len(times) - 1)]
     spread = 1.96 * math.sqrt(0.09 * len(times))
@@ -161,7 +161,7 @@ def quantile(found):
 
 
 def told(found):
-    """Formats a cell of the table."""
+    """Returns a cell of the table as text."""
     if found is None:
         return "rejected"
     if not found[0]:
@@ -181,7 +181,7 @@ def is_beyond_doubt(found, other):
 
 
 def keep(program, text):
-    """Writes a program. Deletes the runs of a different earlier program."""
+    """Writes a program to a file. If it differs from the earlier one, deletes the runs of the earlier one."""
     if program.exists() and program.read_text() == text:
         return
     program.with_suffix(".checked").unlink(missing_ok=True)
@@ -191,7 +191,7 @@ def keep(program, text):
 
 
 def planned(arguments, path, folder):
-    """Returns the planned program."""
+    """Plans a program for a shape and returns it."""
     shape, cells, program = path.stem, read(path), folder / "planned.sa"
     command = [arguments.stochc, "plan", path]
     if 2 * len(cells) > FREE:

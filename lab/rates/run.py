@@ -81,7 +81,7 @@ def rank_correlation(some, others):
 
 
 def reachable(runs, size):
-    """Returns the agreement of `size` runs of a model with its other runs. No prediction can be expected to agree better."""
+    """Returns the agreement of `size` runs of a model with its other runs, an upper limit for any prediction."""
     pieces = [slice(start, start + size) for start in range(0, len(runs) - size + 1, size)]
     found = [rank_correlation(waits(runs[piece]), waits(runs[: piece.start] + runs[piece.stop :])) for piece in pieces]
     return sum(found) / len(found)

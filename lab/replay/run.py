@@ -11,7 +11,7 @@ import statistics
 
 from browser import Browser
 
-# Resolves with the number of frames in some seconds, and the ratio of the pixels of the last frame to those of the canvas on the page.
+# Resolves with the number of frames in some seconds, and the fraction of the canvas's pixels that the last frame has.
 PLAY = """(async () => {
     const canvas = document.getElementById('arena');
     const next = () => new Promise(requestAnimationFrame);
@@ -36,7 +36,7 @@ PLAY = """(async () => {
 
 
 def measure(page, options):
-    """Returns frames per second, CPU time per frame [ms], and the share of drawn pixels while the clock runs."""
+    """Returns frames per second, CPU time per frame [ms], and the fraction of drawn pixels while the replay plays."""
     browser = Browser(options.width, options.height)
     try:
         browser.open(page)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 STOCHC = sys.argv[1] if len(sys.argv) > 1 else "target/release/stochc"
 
-# The magnets are too weak to hold blocks: only the scene moves them.
+# The magnets are too weak to hold blocks, so only the other terms of the scene move them.
 SCENE = """scene s {{ {scene}
     contact {{ restitution 0  friction 0.3 }}
     bond attract {{ pull {pull}  anchor centres {within} tilt 5 deg }}
@@ -72,7 +72,7 @@ def stochc(*arguments):
 
 
 def heights(animation):
-    """Returns the heights of all blocks in the last two thirds of a run, in block lengths."""
+    """Returns the heights of all blocks in the last two thirds of a run [block lengths]."""
     data = Path(animation).read_bytes()
     length = struct.unpack_from("<I", data, 12)[0]
     document, numbers = json.loads(data[20 : 20 + length]), data[28 + length :]
@@ -84,7 +84,7 @@ def heights(animation):
         view = document["bufferViews"][accessor["bufferView"]]
         start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
         places = struct.unpack_from(f"<{3 * accessor['count']}f", numbers, start)
-        # The z axis of a block is up. The root of the document turns it.
+        # The z axis of a block points up. The root node of the document rotates it.
         yield from places[2::3][accessor["count"] // 3 :]
 
 

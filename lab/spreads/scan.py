@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Looks for scenes whose times have the means and spreads of the paper's Table II: the search of docs/validation/paper.md.
+"""Searches for scenes whose times have the means and spreads of the paper's Table II, for docs/validation/paper.md.
 
-`scan.py STOCHC FOLDER` runs all stages and prints a table. It needs some 40 minutes of one core.
+`scan.py STOCHC FOLDER` runs all stages and prints a table. It takes about 40 minutes on one core.
 `scan.py STOCHC FOLDER RUNS` only compares the candidates below with `hemisphere`.
-FOLDER keeps every measurement in `rows.jsonl`; the same command resumes there.
+FOLDER stores every measurement in `rows.jsonl`. The same command resumes an interrupted scan.
 
 1. `line`: scenes of four families, spread evenly over the ranges below (Latin hypercube), on the program `line`.
 2. `clock`: the best of each family, slowed down or sped up to the paper's mean, on the three programs of Table II.
@@ -69,7 +69,7 @@ def scene_text(family, numbers):
 
 
 def simulate(stochc, scene, programs, runs, seed, max_ticks):
-    """Returns the records of each program in a scene. `None` is `hemisphere`."""
+    """Returns the records of each program in a scene. The scene `None` is `hemisphere`."""
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         for name in programs:
@@ -187,7 +187,7 @@ def stage_line(scan):
 
 
 def stage_clock(scan, family):
-    """Changes the clock of the best lines until their mean is the paper's."""
+    """Changes the clock of the best scenes of stage `line` until their mean equals the paper's."""
     starts = [CANDIDATES[family]] if family in CANDIDATES else []
     for row in sorted(scan.of("line", family), key=relative_spread)[:3]:
         starts.append(slower(row["numbers"], PAPER["line"][0] / row["times"]["line"]["mean"]))
@@ -201,7 +201,7 @@ def stage_clock(scan, family):
 
 
 def stage_near(scan, family):
-    """Makes two rounds of random changes of the best four, by a fifth and by a tenth."""
+    """Makes two rounds of random changes of the best four scenes, by a fifth and by a tenth."""
     for generation, width in enumerate((0.2, 0.1)):
         found = scan.of("clock", family) + [r for g in range(generation) for r in scan.of(f"near{g}", family)]
         parents = sorted(found, key=misfit)[:4]
@@ -214,14 +214,14 @@ def stage_near(scan, family):
 
 
 def stage_again(scan, family):
-    """Measures the best two again, with new seeds."""
+    """Measures the best two scenes again, with new seeds."""
     found = scan.of("clock", family) + scan.of("near0", family) + scan.of("near1", family)
     for i, row in enumerate(sorted(found, key=misfit)[:2]):
         scan.measure(f"again/{family}/{i}", family, row["numbers"], TABLE_II, 24, 4000 + i, probe=False)
 
 
 def stage_fresh(scan):
-    """Measures the best of all families, the best sampled one and `hemisphere` on all programs, with the same fresh seeds."""
+    """Measures the best scene, the best sampled scene and `hemisphere` on all programs, with the same new seeds."""
     best = {family: min(rows, key=misfit) for family in FAMILIES if (rows := scan.of("again", family))}
     first = min(best.values(), key=misfit)
     sampled = min((row for family, row in best.items() if "sampled" in family), key=misfit)
@@ -230,7 +230,7 @@ def stage_fresh(scan):
 
 
 def print_table(rows):
-    """Prints means and spreads next to the paper's, and the probability of a larger chi-square."""
+    """Prints means and spreads next to the values of the paper, and the probability of a larger chi-square."""
     for row in rows:
         print(f"\n{row['family']}")
         if row["numbers"]:

@@ -17,13 +17,13 @@ PAPER = [f"examples/{name}.sa"
          for name in ["line", "open_platform", "closed_platform", "five_tower", "five_tower_reconfigured"]]
 OTHERS = ["lab/rates/comb.sa", "lab/rates/ring_of_posts.sa", "lab/rates/sixteen.sa", "lab/rates/twins.sa",
           "examples/planned/five_towers.sa"]
-# Steps per tick, and the runs of a round. Seeds depend on the position in this list.
+# Steps per tick, and the number of runs in a round. Seeds depend on the position in this list.
 SETTINGS = [("32", 50), ("1/8", 150), ("2/8", 150), ("1", 30), ("2", 30), ("4", 30), ("2/4", 150)]
 REFERENCE = SETTINGS[0][0]
 
 
 class Sample:
-    """Completion times: number, mean, and variance of the mean."""
+    """Summary of completion times: their number and mean, and the variance of the mean."""
 
     def __init__(self, parts):
         self.runs = sum(n for n, *_ in parts)
@@ -35,14 +35,14 @@ class Sample:
         return 1.96 * math.sqrt(self.variance)
 
     def bias(self, reference):
-        """Returns the ratio of the means minus one, and half of its 95 % interval."""
+        """Returns the ratio of the means minus one, and the half-width of its 95 % interval."""
         ratio = self.mean / reference.mean
         width = ratio * math.hypot(self.half_width() / self.mean, reference.half_width() / reference.mean)
         return ratio - 1, width
 
 
 def read(options):
-    """Returns the existing samples: (program, steps, seed) to runs, mean and standard deviation."""
+    """Returns the existing samples by (program, steps, seed): runs, mean and standard deviation."""
     if not options.samples.exists():
         return {}
     with options.samples.open() as rows:

@@ -23,7 +23,7 @@ def build():
 
 
 def run(program, without, ticks):
-    """Returns the number of instructions."""
+    """Returns the number of instructions that a simulation executes."""
     command = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", program, without, str(ticks)]
     found = subprocess.run(command, capture_output=True, text=True, check=True)
     counted = re.search(r"refs:\s*([\d,]+)", found.stderr)

@@ -1,6 +1,6 @@
 """Compiler, verifier and simulator for stochastic modular robots.
 
-The functions correspond to the commands of `stochc` with the same names. They make the same checks, the same runs bit
+Each function corresponds to the command of `stochc` with the same name. It makes the same checks, the same runs bit
 for bit, and the same files byte for byte. `docs/guides/python.md` is an introduction.
 
 >>> import stochc
@@ -47,7 +47,7 @@ assembly pair {
     phase grow { M.up -> A }
 }
 """
-"""A small example program."""
+"""Source of a small example program."""
 
 __all__ = [
     "EXAMPLE",

@@ -1,4 +1,4 @@
-"""Validation of arguments."""
+"""Validation of Python arguments."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TypeAlias
 from ._errors import UsageError
 
 Path: TypeAlias = str | os.PathLike[str]
-"""Path of a file or a folder."""
+"""Path of a file or a folder, as an argument."""
 
 MOST_RUNS = 10_000_000
 MOST_TICKS = 2**64 - 1
@@ -18,7 +18,7 @@ MOST_SEED = 2**64 - 1
 
 
 def whole(name: str, value: object, least: int, most: int) -> int:
-    """Returns an integer within bounds."""
+    """Checks that a value is an integer within bounds, and returns it."""
     if isinstance(value, bool):
         raise TypeError(f"{name}: give a whole number, not {told(value)}")
     try:
@@ -31,7 +31,7 @@ def whole(name: str, value: object, least: int, most: int) -> int:
 
 
 def told(value: object) -> str:
-    """Returns a value for a message, for any type."""
+    """Returns a value of any type as text for a message."""
     try:
         text = repr(value)
     except Exception:
@@ -40,24 +40,24 @@ def told(value: object) -> str:
 
 
 def maybe(name: str, value: object, least: int, most: int) -> int | None:
-    """Returns an integer within bounds, or `None`."""
+    """Checks that a value is an integer within bounds or `None`, and returns it."""
     return None if value is None else whole(name, value, least, most)
 
 
 def threads(value: object) -> int | None:
-    """Returns the number of threads."""
+    """Checks the argument `threads`, and returns it."""
     return maybe("threads", value, 1, 1024)
 
 
 def yes(name: str, value: object) -> bool:
-    """Returns a bool."""
+    """Checks that a value is a bool, and returns it."""
     if not isinstance(value, bool):
         raise TypeError(f"{name}: give True or False, not {told(value)}")
     return value
 
 
 def word(name: str, value: object) -> str:
-    """Returns a string."""
+    """Checks that a value is a string, and returns it."""
     if not isinstance(value, str):
         raise TypeError(f"{name}: give a text, not {told(value)}")
     try:
@@ -68,7 +68,7 @@ def word(name: str, value: object) -> str:
 
 
 def path(name: str, value: object) -> str:
-    """Returns a path as a string."""
+    """Checks that a value is a path, and returns it as a string."""
     if not isinstance(value, (str, os.PathLike)):
         raise TypeError(f"{name}: give a path, not {told(value)}")
     text = word(name, os.fspath(value))  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
@@ -80,19 +80,19 @@ def path(name: str, value: object) -> str:
 
 
 def maybe_path(name: str, value: object) -> str | None:
-    """Returns a path as a string, or `None`."""
+    """Checks that a value is a path or `None`, and returns the path as a string."""
     return None if value is None else path(name, value)
 
 
 def paths(name: str, values: Path | Iterable[Path]) -> list[str]:
-    """Returns one or more paths as a list."""
+    """Checks that a value is a path or several, and returns a list of strings."""
     if isinstance(values, (str, os.PathLike)):
         return [path(name, values)]
     return [path(name, value) for value in _listed(name, values)]
 
 
 def words(name: str, values: str | Iterable[str]) -> list[str]:
-    """Returns one or more strings as a list."""
+    """Checks that a value is a string or several, and returns a list."""
     if isinstance(values, str):
         return [word(name, values)]
     return [word(name, value) for value in _listed(name, values)]
@@ -107,20 +107,20 @@ def _listed(name: str, values: object) -> list[object]:
 def levels(
     allow: str | Iterable[str], warn: str | Iterable[str], deny: str | Iterable[str]
 ) -> list[tuple[str, str]]:
-    """Returns the levels of warnings. `deny` overrides `warn`, which overrides `allow`."""
+    """Returns the levels of warnings. `deny` has precedence over `warn`, and `warn` over `allow`."""
     said = [("allow", allow), ("warn", warn), ("deny", deny)]
     return [(code, level) for level, codes in said for code in words(level, codes)]
 
 
 def substeps(value: int | str) -> str:
-    """Returns the steps per tick: `4`, or `"1/8"`."""
+    """Returns the steps per tick as text. The value may be `4` or `"1/8"`."""
     if isinstance(value, str):
         return word("substeps", value)
     return str(whole("substeps", value, 1, 2**32 - 1))
 
 
 def selection(value: None | int | str | Iterable[int]) -> str | None:
-    """Returns a selection of runs: `17`, `"0..4"`, `"all"`, or several numbers."""
+    """Returns a selection of runs as text. The value may be `17`, `"0..4"`, `"all"`, or several numbers."""
     if value is None:
         return None
     if isinstance(value, str):
@@ -134,7 +134,7 @@ def selection(value: None | int | str | Iterable[int]) -> str | None:
 
 
 def axes(values: Mapping[str, str | float | Sequence[float]]) -> list[str]:
-    """Returns the axes of a sweep in the syntax of the command line: `free=50..600/6`."""
+    """Returns the axes of a sweep in the syntax of the command line, such as `free=50..600/6`."""
     if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"vary: give a dictionary of names and values, not {told(values)}")
     for name in values:

@@ -1,4 +1,4 @@
-"""Diagnostics of a program."""
+"""Diagnostics of a program, and the types of their parts."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Position:
-    """Position in a source."""
+    """Position in a source text."""
 
     offset: int
-    """Offset in bytes of UTF-8, from 0."""
+    """Offset from the start of the text, in bytes of UTF-8."""
     line: int
-    """Line from 1."""
+    """Line number, from 1."""
     column: int
-    """Column in characters, from 1."""
+    """Column number in characters, from 1."""
 
 
 @dataclass(frozen=True)
 class Span:
-    """Range of a file, as part of a diagnostic or edit."""
+    """Range of a file that a diagnostic or an edit refers to."""
 
     file: str
     start: Position
     end: Position
     """Position after the last character."""
     text: str
-    """Label of the range; for an edit, the new text."""
+    """Label of the range. For an edit, the new text."""
 
 
 @dataclass(frozen=True)
@@ -36,27 +36,27 @@ class Fix:
 
     title: str
     safe: bool
-    """Whether the meaning certainly stays the same, or only one fix is possible."""
+    """Whether the fix keeps the meaning of the program, or is the only possible one."""
     edits: tuple[Span, ...]
-    """Edits, which do not overlap. Each text replaces its range."""
+    """Edits that do not overlap. The text of each replaces its range."""
 
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """Diagnostic: an error or a warning."""
+    """Error or warning about a program."""
 
     code: str
-    """Code, for `stochc.explain`."""
+    """Code of the diagnostic, for `stochc.explain`."""
     severity: str
     """`"error"` or `"warning"`."""
     title: str
-    """Title in one line."""
+    """Title, one line of text."""
     count: int
     """Number of occurrences of the same diagnostic at one statement, for example in a loop."""
     help: str | None
-    """Help."""
+    """Suggestion for the user. `None` if there is none."""
     spans: tuple[Span, ...]
-    """Labelled ranges, the primary one first."""
+    """Labelled ranges of the source, the primary one first."""
     fix: Fix | None
 
     def __str__(self) -> str:
@@ -69,7 +69,7 @@ class Diagnostic:
 
 @dataclass(frozen=True)
 class Proof:
-    """Proved properties of a program in every order of its captures and releases."""
+    """Properties of a program that are proved for every order of its captures and releases."""
 
     completes: bool
     """Whether every order completes, if no timeout ends the run."""
@@ -78,11 +78,11 @@ class Proof:
     no_cell_used_twice: bool
     """Whether no two blocks share a cell."""
     shapes: list[str]
-    """Shapes that phases claim and build, in program order."""
+    """Names of the shapes that phases claim and build, in program order."""
     has_timeout: bool
     """Whether a phase has a timeout."""
     unproved: list[str]
-    """Reasons why one of the above has not been proved."""
+    """Reasons why one of these properties is not proved."""
 
 
 def _span(value: dict[str, Any]) -> Span:
@@ -91,7 +91,7 @@ def _span(value: dict[str, Any]) -> Span:
 
 
 def diagnostic(value: dict[str, Any]) -> Diagnostic:
-    """Returns a diagnostic from its JSON."""
+    """Returns the diagnostic that a JSON value describes."""
     fix = value["fix"]
     return Diagnostic(
         code=value["code"],

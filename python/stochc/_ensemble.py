@@ -19,7 +19,7 @@ Programs: TypeAlias = Source | Program | Iterable[Source | Program]
 """One or several programs, sources or files."""
 
 Axes: TypeAlias = Mapping[str, str | float | Sequence[float]]
-"""Scene parameters and their values: `{"free": [50, 100], "bond.pull": "2..12 N/5 log"}`."""
+"""Scene parameters with their values, such as `{"free": [50, 100], "bond.pull": "2..12 N/5 log"}`."""
 
 
 def _listed(
@@ -85,22 +85,22 @@ def _asked(
 
 
 class Run:
-    """One run of an ensemble."""
+    """Run of an ensemble."""
 
     __slots__ = ("ensemble", "number", "program")
 
     ensemble: Ensemble
     program: str | None
-    """Name of its program. `None` if there is only one."""
+    """Name of the run's program. `None` if the ensemble has only one."""
     number: int
-    """Number from 0."""
+    """Number of the run, from 0."""
 
     def __init__(self, ensemble: Ensemble, number: int, program: str | None) -> None:
         self.ensemble, self.number, self.program = ensemble, number, program
 
     @property
     def record(self) -> dict[str, Any]:
-        """Its record, in the form of `stochc show DIR --run N --json`. Times are in ticks.
+        """Record of the run, in the form of `stochc show DIR --run N --json`. Times are in ticks.
 
         A missing run is made.
         """
@@ -110,17 +110,17 @@ class Run:
 
     @property
     def ticks(self) -> int:
-        """Its duration [ticks]."""
+        """Duration of the run [ticks]."""
         ticks: int = self.record["ticks"]
         return ticks
 
     def replay(self) -> Replay:
-        """Returns its replay page. Uses the recording in the folder, or repeats the run."""
+        """Returns the replay page of the run. Uses the recording in the folder, or repeats the run."""
         native = self.ensemble._native  # pyright: ignore[reportPrivateUsage]
         return Replay(native.replay(self.program, self.number), str(self))
 
     def save_replay(self, path: Path) -> None:
-        """Writes its replay page."""
+        """Writes the replay page of the run to a file."""
         native = self.ensemble._native  # pyright: ignore[reportPrivateUsage]
         native.write_replay(self.program, self.number, _arguments.path("path", path))
 
@@ -130,8 +130,8 @@ class Run:
         """Repeats the run and writes the positions of all blocks.
 
         Args:
-            path: the file to write.
-            format: a table (`parquet`), or an animation for 3D programs (`gltf`, a `.glb` file).
+            path: file to write.
+            format: `parquet` is a table. `gltf` is an animation for 3D applications (a `.glb` file).
             every: ticks between two records. Default: 1 for a table, 8 for an animation.
         """
         if format not in ("parquet", "gltf"):
@@ -178,7 +178,7 @@ class Replay:
 
 
 class Ensemble:
-    """Runs of one or more programs, with their results. Prints like `stochc show`.
+    """Runs of one or more programs, with their results. Printing an ensemble shows the output of `stochc show`.
 
     >>> import stochc
     >>> ensemble = stochc.simulate(stochc.EXAMPLE, runs=5, model="shuffle")
@@ -195,13 +195,13 @@ class Ensemble:
 
     @property
     def folder(self) -> str | None:
-        """Its folder. `None` if it is in memory."""
+        """Results folder of the ensemble. `None` if the ensemble is in memory."""
         folder = self._native.folder
         return None if folder is None else str(folder)
 
     @property
     def programs(self) -> tuple[Program, ...]:
-        """Its programs in order."""
+        """Programs of the ensemble, in order."""
         return tuple(Program(it) for it in self._native.programs)
 
     @property
@@ -231,37 +231,37 @@ class Ensemble:
 
     @property
     def runs(self) -> Table:
-        """A row for each run: outcome and times [ticks]. The same as `runs.parquet`."""
+        """Table with a row for each run: outcome and times [ticks]. The same as `runs.parquet`."""
         return Table(self._native.table("runs"))
 
     @property
     def phases(self) -> Table:
-        """A row for each phase reached by a run, with its times [ticks]."""
+        """Table with a row for each phase that a run has reached, with its times [ticks]."""
         return Table(self._native.table("phases"))
 
     @property
     def bonds(self) -> Table:
-        """A row for each capture, and each face still open at the end of a run: times [ticks], cells [block lengths]."""
+        """Table with a row for each capture, and for each face still open at the end of a run. Times are in ticks."""
         return Table(self._native.table("bonds"))
 
     @property
     def releases(self) -> Table:
-        """A row for each release, with times [ticks]."""
+        """Table with a row for each release, with its times [ticks]."""
         return Table(self._native.table("releases"))
 
     @property
     def unplanned(self) -> Table:
-        """A row for each unplanned capture, with times [ticks]."""
+        """Table with a row for each unplanned capture, with its times [ticks]."""
         return Table(self._native.table("unplanned"))
 
     @property
     def summary(self) -> Table:
-        """A row for each program or point of a sweep: outcomes and completion times [ticks]."""
+        """Table with a row for each program or point of a sweep: outcomes and completion times [ticks]."""
         return Table(self._native.summary())
 
     @property
     def survival(self) -> Table:
-        """The Kaplan-Meier estimate of the fraction of incomplete runs at each completion time [ticks]."""
+        """Table with the fraction of incomplete runs after each completion time [ticks], by Kaplan-Meier."""
         return Table(self._native.survival())
 
     def results(self, *, captures: bool = False) -> Any:
@@ -274,11 +274,11 @@ class Ensemble:
         return self._native.results(_arguments.yes("captures", captures), columns)
 
     def pictures(self) -> dict[str, str]:
-        """Returns its figures (SVG) by title: the completion curves, or those of a sweep."""
+        """Returns the figures (SVG) by title: the completion curves, or the figures of a sweep."""
         return {title: svg for _, title, svg in self._native.pictures()}
 
     def run(self, number: int | None = None, program: str | None = None) -> Run:
-        """Returns a run by its number from 0. Without a number, returns the run with the median completion time.
+        """Returns the run with a number, from 0. Without a number, returns the run with the median completion time.
 
         If there are several programs, `program` is required.
         """
@@ -349,29 +349,29 @@ def simulate(
 ) -> Ensemble:
     """Simulates programs many times. The runs equal those of `stochc simulate` with the same options, bit for bit.
 
-    The interpreter's lock is released. Ctrl-C stops within a tick; finished runs remain in `out`.
+    The interpreter's lock is released. Ctrl-C stops the runs within a tick. Finished runs remain in `out`.
 
     Args:
         programs: programs, sources or files. Several are compared.
         runs: number of runs of each program.
         seed: seed of the random numbers.
-        model: `rigid`: rigid bodies. `rapier`: the same by a general engine. `rate`: no motion, waiting times drawn from
-            calibrated rates. `shuffle`: no physics, for testing event tables.
-        vary: scene parameters or settings and their values; every combination is simulated.
-        rates: files of rates for `rate`. Scenes without rates are calibrated first.
-        substeps: steps of the model per tick. `"2/8"`: two, and eight for blocks near magnetized faces.
+        model: physical model. `rigid`: rigid bodies. `rapier`: rigid bodies by a general engine. `rate`: no motion,
+            waiting times drawn from calibrated rates. `shuffle`: no physics, for testing event tables.
+        vary: scene parameters or settings, with their values. Every combination is simulated.
+        rates: files with rates for the model `rate`. Scenes without rates are calibrated first.
+        substeps: steps of the model per tick. `"2/8"` means two, and eight for blocks near magnetized faces.
         solver_iterations: iterations of the contact solver per step.
         precision: floating-point precision. `double` requires `rigid`.
         without: physical term to leave out, with `rigid`.
-        max_ticks: tick limit of a run. Its time is then right-censored.
+        max_ticks: tick limit of a run. The time of a run that reaches it is right-censored.
         threads: number of simultaneous runs. Default: the number of cores.
         out: new or empty results folder. Default: results stay in memory.
-        resume: continue the same ensemble in `out`.
-        mixed_builds: continue even if another build of stochc has made some runs.
+        resume: resume the same ensemble in `out`.
+        mixed_builds: resume even if another build of stochc has made some runs.
         record: runs whose trajectories are recorded in `out`: `17`, `"0..4"`, `[0, 5]` or `"all"`.
         record_every: ticks between two frames of a recording.
         allow, warn, deny, allow_import: as in `check`.
-        progress: whether and how to show progress. Default: in a terminal and in Jupyter.
+        progress: whether to show progress, or a function that receives it. Default: only in a terminal and in Jupyter.
 
     Raises:
         ProgramError: a program has errors, or cannot be simulated.
@@ -430,7 +430,7 @@ def open(folder: Path) -> Ensemble:
 
 
 def replay(run: Run | Ensemble | Path, number: int | None = None, program: str | None = None) -> Replay:
-    """Returns the replay of a run of an ensemble or folder. Without a number, of the median run."""
+    """Returns the replay of a run of an ensemble or folder. Without a number, returns the replay of the median run."""
     if isinstance(run, Run):
         return run.replay()
     ensemble = run if isinstance(run, Ensemble) else open(run)
@@ -438,7 +438,7 @@ def replay(run: Run | Ensemble | Path, number: int | None = None, program: str |
 
 
 def prepare(programs: Programs, out: Path, shards: int, **options: Any) -> int:
-    """Prepares an ensemble in `out` with this number of shards, for `shard` and `merge`.
+    """Splits an ensemble into shards in the folder `out`, for `shard` and `merge`.
 
     The options are those of `simulate` that determine the runs. Returns the total number of runs.
     """
@@ -457,7 +457,7 @@ def prepare(programs: Programs, out: Path, shards: int, **options: Any) -> int:
 def shard(
     folder: Path, number: int, *, threads: int | None = None, progress: Progress = None
 ) -> int:
-    """Runs a shard of an ensemble, or its missing runs. Returns its number of runs.
+    """Makes the missing runs of a shard of an ensemble. Returns the number of runs in the shard.
 
     Any process may run any shard, in any order and repeatedly. Shards are written atomically.
 
@@ -474,7 +474,7 @@ def shard(
 
 
 def status(folder: Path) -> dict[str, Any]:
-    """Returns the state of the shards, in the form of `stochc shard status --json`. `missing` lists the missing ones."""
+    """Returns the state of all shards, in the form of `stochc shard status --json`. `missing` lists missing shards."""
     status: dict[str, Any] = json.loads(_native.status(_arguments.path("folder", folder)))
     return status
 
@@ -497,7 +497,7 @@ def report(
 ) -> str:
     """Writes the HTML report on one or more results folders. Returns its path.
 
-    The default is `report.html`, in a single folder, or in the current one for several folders.
+    The default path is `report.html`: in the results folder if there is only one, otherwise in the current folder.
 
     Args:
         folders: results folders, or ensembles made with `out=`.

@@ -1,4 +1,4 @@
-"""Exceptions with the messages of the command."""
+"""Exceptions of stochc. Their messages are those of the `stochc` command."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class StochcError(Exception):
-    """Failure, with its reason and a remedy.
+    """Failure with its reason and a suggestion.
 
     `text` is the message of the `stochc` command.
     """
@@ -75,7 +75,7 @@ _OPTIONS = ("max-ticks", "out", "record", "runs", "substeps", "threads", "vary")
 
 
 def _in_python(text: str) -> str:
-    """Returns a message of the command with options in Python syntax."""
+    """Returns a message of the `stochc` command with its options in Python syntax."""
 
     def written(found: re.Match[str]) -> str:
         name = found[1]
@@ -104,7 +104,7 @@ def made(kind: str, text: str, diagnostics: str) -> StochcError:
 
 
 def warn(kind: str, text: str) -> None:
-    """Issues a warning of the native part at the first caller outside of this package."""
+    """Issues a warning of the native part. Its location is the first caller outside of this package."""
     category = DiagnosticWarning if kind == "diagnostics" else StochcWarning
     text = text.removeprefix("warning: ")
     level = 1

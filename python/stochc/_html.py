@@ -8,18 +8,18 @@ from html import escape
 
 
 def picture(svg: str, title: str) -> str:
-    """Returns an image with isolated styles."""
+    """Returns an SVG as an image, which isolates its styles from the notebook."""
     data = base64.b64encode(svg.encode()).decode()
     return f'<img alt="{escape(title)}" style="max-width:100%" src="data:image/svg+xml;base64,{data}"/>'
 
 
 def text(lines: str) -> str:
-    """Returns preformatted text."""
+    """Returns text as preformatted HTML."""
     return f"<pre>{escape(lines)}</pre>"
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[object]], titles: Sequence[str] = ()) -> str:
-    """Returns a table with right-aligned numbers."""
+    """Returns a table as HTML, with right-aligned numbers."""
     hints = list(titles) + [""] * (len(header) - len(titles))
     head = "".join(
         f'<th scope="col" title="{escape(hint)}">{escape(name)}</th>'
@@ -37,7 +37,7 @@ def _cell(value: object) -> str:
 
 
 def page(html: str, title: str, height: int = 640) -> str:
-    """Returns an embedded page without network requests."""
+    """Returns a page as an embedded frame that cannot make network requests."""
     return (
         f'<iframe title="{escape(title)}" srcdoc="{escape(html)}" sandbox="allow-scripts" '
         f'style="width:100%;height:{height}px;border:0"></iframe>'

@@ -18,12 +18,12 @@ from ._requests import Estimated, Planned, Traded
 
 @dataclass(frozen=True)
 class Estimates:
-    """Estimated completion times of programs, and their critical captures."""
+    """Estimated completion times of programs, and the captures that dominate them."""
 
     programs: tuple[dict[str, Any], ...]
-    """One estimate each, in the form of `stochc estimate --json`. Times in ticks, fractions from 0 to 1."""
+    """Estimate of each program, in the form of `stochc estimate --json`. Times are in ticks, fractions from 0 to 1."""
     text: str
-    """Output of `stochc estimate`."""
+    """Estimates as text, as `stochc estimate` prints them."""
 
     def __str__(self) -> str:
         return self.text.rstrip()
@@ -39,14 +39,14 @@ class Estimates:
 
 @dataclass(frozen=True)
 class Plan:
-    """Planned program that builds a shape."""
+    """Planned program that builds a shape, as source text."""
 
     text: str
-    """Source of the program."""
+    """Source text of the program."""
     plan: dict[str, Any]
     """Order of captures, in the form of `stochc plan --json`."""
     explanation: str
-    """Explanation in words."""
+    """Explanation of the plan as text."""
     assembly: str
     """Name of the assembly that builds the shape."""
     sources: dict[str, str]
@@ -56,7 +56,7 @@ class Plan:
         """Compiles the program that builds the shape.
 
         Raises:
-            ProgramError: it claims other shapes that are not built yet.
+            ProgramError: the program claims other shapes that are not built yet.
         """
         found = _native.load_texts(list(self.sources.items()))
         return chosen([Program(it) for it in found], self.assembly)
@@ -78,9 +78,9 @@ class Trade:
     data: dict[str, Any]
     """All results, in the form of `trade.json`."""
     text: str
-    """Output of `stochc trade`."""
+    """Results as text, as `stochc trade` prints them."""
     svg: str
-    """Figure."""
+    """Figure of the trade, as SVG."""
 
     def __str__(self) -> str:
         return self.text.rstrip()
@@ -100,14 +100,14 @@ def estimate(
     allow_import: Source | Iterable[Source] = (),
     progress: Progress = None,
 ) -> Estimates:
-    """Estimates the completion times of programs with the rate model, and the captures that decide them.
+    """Estimates the completion times of programs with the rate model, and the captures that dominate them.
 
     Waiting times are summed along the dependency graph. With `runs`, programs are run with the rate model instead.
 
     Args:
         programs: programs, sources or files.
         rates: files of rates. Scenes without rates are calibrated first.
-        runs: number of runs of each program. Default: sums along its graph, without runs.
+        runs: number of runs of each program. Default: sum waiting times along the dependency graph, without runs.
         max_ticks: tick limit of a run.
         seed: seed of the runs.
         threads: number of simultaneous runs.
@@ -169,14 +169,14 @@ def plan(
         shape: name of the shape.
         model: build only this model of a `.vox` file, counted from 0.
         plate: seed plate, such as `"3 x 3 at (1, 1)"`.
-        offset: shift of the shape to the east and to the north [cells], such as `"2, 1"`.
+        offset: displacement of the shape to the east and to the north [cells], such as `"2, 1"`.
         scene: name of the scene, possibly in a file: `"lab.sa:tank"`.
         free: number of free blocks. The scene is scaled to keep their density.
         name: name of the assembly.
         drop_loose: whether to omit parts that are not attached to a capturing block of the plate.
         supports: whether to add the smallest number of cells that support such parts.
         time: duration of the search [s].
-        tries: number of tries of the search.
+        tries: number of plans that the search tries.
         minimize: the mean completion time, or its 90th percentile.
         seed: seed of the random numbers.
         keep_scaffolds: whether scaffolds remain instead of being removed.
@@ -237,7 +237,7 @@ def plan(
 
 
 def _alone(name: str, /, **others: object) -> None:
-    """Checks that no argument excluded by another one is given."""
+    """Checks that an argument is not combined with arguments that it excludes."""
     given = [other for other, value in others.items() if value is not None]
     if given:
         raise UsageError(f"{given[0]}: cannot be combined with `{name}`")

@@ -1,4 +1,4 @@
-"""Native part in Rust. Its arguments must be valid."""
+"""Native part of the package in Rust. Callers must validate its arguments."""
 
 from collections.abc import Callable
 from pathlib import Path

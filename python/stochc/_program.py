@@ -12,14 +12,14 @@ from ._diagnostics import Diagnostic, Proof, diagnostic
 from ._errors import ProgramError, UsageError
 
 Source: TypeAlias = str | os.PathLike[str]
-"""Source of a program, or the path of its file. A string with a `{` or several lines is a source."""
+"""Source text of a program, or the path of its file. A string with a `{` or several lines is a source text."""
 
 _TEXT = "text.sa"
-"""File name of a source in diagnostics."""
+"""File name of a source text in diagnostics."""
 
 
 def _source(source: Source) -> tuple[str, str | None]:
-    """Returns a path, or a source and its name."""
+    """Returns the path of a file, or a source text and its name."""
     if isinstance(source, str):
         text = _arguments.word("source", source)
         if "{" in text or "\n" in text.strip("\n"):
@@ -28,7 +28,7 @@ def _source(source: Source) -> tuple[str, str | None]:
 
 
 class Checked:
-    """Result of checking a program. Prints like `stochc check`.
+    """Result of checking a program. Printing it shows the output of `stochc check`.
 
     >>> import stochc
     >>> checked = stochc.check("assembly pair { }")
@@ -45,9 +45,9 @@ class Checked:
     ok: bool
     """Whether there are no errors."""
     programs: tuple[Program, ...]
-    """Its assemblies and aggregates, if there are no errors."""
+    """Assemblies and aggregates of the source. Empty if there are errors."""
     proofs: dict[str, Proof]
-    """Proof of each assembly by name, if there are no errors."""
+    """Proof of each assembly, by name. Empty if there are errors."""
 
     def __init__(self, found: tuple[str, str, bool, list[_native.Program]]) -> None:
         text, self._drawn, is_wrong, programs = found
@@ -97,47 +97,47 @@ class Program:
 
     @property
     def name(self) -> str:
-        """Name in tables: its assembly or aggregate, and the values of a sweep."""
+        """Name of the program in tables: its assembly or aggregate, and the values of a sweep."""
         return self._native.name
 
     @property
     def assembly(self) -> str:
-        """Name of its assembly or aggregate."""
+        """Name of the program's assembly or aggregate."""
         return self._native.assembly
 
     @property
     def phases(self) -> tuple[str, ...]:
-        """Names of its phases in order. Pre-attached blocks form the first one."""
+        """Names of the program's phases in order. Pre-attached blocks form the first phase."""
         return tuple(self._native.phases)
 
     @property
     def captures(self) -> int:
-        """Number of captures, or of blocks of an aggregate: the paper's "total units involved"."""
+        """Number of captures. For an aggregate, number of blocks. Papers call it "total units involved"."""
         return self._native.captures
 
     @property
     def tick(self) -> float:
-        """Length of a tick of its scene [s]."""
+        """Length of a tick in the program's scene [s]."""
         return self._native.tick
 
     @property
     def scene(self) -> dict[str, Any]:
-        """Its scene in the form of a manifest, in SI units."""
+        """Scene of the program in the form that a manifest uses, in SI units."""
         scene: dict[str, Any] = json.loads(self._native.scene_json())
         return scene
 
     @property
     def digest(self) -> str:
-        """SHA-256 of its source, all imports, and its scene."""
+        """SHA-256 of the program's source, all imports, and its scene."""
         return self._native.digest
 
     @property
     def sources(self) -> dict[str, str]:
-        """Its sources by path, its own first. Empty if it was read as a compiled program."""
+        """Sources of the program by path, its own first. Empty if it was read as a compiled program."""
         return dict(self._native.sources)
 
     def structure(self) -> str:
-        """Returns the structure at the end of each phase as text. Empty without its source."""
+        """Returns the structure at the end of each phase as text. The text is empty without the source."""
         return self._native.structure_text() or ""
 
     def svg(self) -> str | None:
@@ -145,7 +145,7 @@ class Program:
         return self._native.structure_svg()
 
     def graph(self) -> str:
-        """Returns its dependency graph as text."""
+        """Returns the dependency graph as text."""
         return self._native.graph_text()
 
     def table(self) -> str:
@@ -153,7 +153,7 @@ class Program:
         return self._native.table_text()
 
     def executable(self) -> bytes:
-        """Returns it as a file of compiled programs, which `stochc` and `stochc.compile` read."""
+        """Returns the program as the content of an executable file, which `stochc` and `stochc.compile` read."""
         return self._native.executable()
 
     def __eq__(self, other: object) -> bool:
@@ -202,7 +202,7 @@ def check(
     Args:
         source: source text, or the path of a file.
         allow: codes of warnings to suppress; `"warnings"` for all of them.
-        warn: codes of warnings to report, the default.
+        warn: codes of warnings to report, which is the default.
         deny: codes of warnings to report as errors.
         allow_import: additional folders that the program may import from.
 
@@ -226,8 +226,8 @@ def compile_all(
     """Compiles all programs of a source or a file. The arguments are those of `check`.
 
     Raises:
-        ProgramError: it has errors.
-        UsageError: it cannot be read, or contains no program.
+        ProgramError: a program has errors.
+        UsageError: the file cannot be read, or contains no program.
     """
     text, name = _source(source)
     levels = _arguments.levels(allow, warn, deny)
@@ -270,7 +270,7 @@ def chosen(found: list[Program], assembly: str | None) -> Program:
 
 
 def explain(code: str) -> str:
-    """Returns the page of a diagnostic by its code.
+    """Returns the page that explains a diagnostic, as Markdown.
 
     >>> import stochc
     >>> stochc.explain("cycle").splitlines()[0]

@@ -13,15 +13,15 @@ from typing import Any, TypeAlias
 from ._arguments import told
 
 Show: TypeAlias = Callable[[float, str], object]
-"""Function that receives the completed fraction, 0 to 1, and a line of text, in the calling thread."""
+"""Function that receives the completed fraction, from 0 to 1, and a line of text. It runs in the calling thread."""
 
 Progress: TypeAlias = bool | None | Show
-"""Whether and how to show progress. `None` shows it in a terminal and in Jupyter."""
+"""Whether to show progress, or a function that receives it. `None` shows it in a terminal and in Jupyter."""
 
 
 @contextmanager
 def shown(progress: Progress) -> Generator[Show | None, None, None]:
-    """Yields the function that shows progress, or `None` if progress is not shown."""
+    """Yields the function that shows progress. Yields `None` if progress is not shown."""
     if progress is not None and not isinstance(progress, bool):
         if not callable(progress):
             raise TypeError(f"progress: give True, False or a function, not {told(progress)}")
@@ -51,7 +51,7 @@ def _in_jupyter() -> bool:
 
 
 class _Line:
-    """Progress line that is overwritten."""
+    """Progress line that is overwritten in place."""
 
     def __init__(self) -> None:
         self._length = 0
@@ -86,7 +86,7 @@ class _Widget:
 
 
 def _widget() -> _Widget | None:
-    """Returns a bar for a notebook, unless tqdm provides one."""
+    """Returns a progress bar for a notebook, unless tqdm provides one."""
     if not _in_jupyter() or find_spec("tqdm") and find_spec("ipywidgets"):
         return None
     shown_by: Any = import_module("IPython.display")
@@ -111,7 +111,7 @@ class _Bar:
 
 
 def _tqdm() -> _Bar | None:
-    """Returns a progress bar of tqdm, if that is installed."""
+    """Returns a progress bar of tqdm. Returns `None` if tqdm is not installed."""
     import warnings
 
     try:

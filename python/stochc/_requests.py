@@ -1,4 +1,4 @@
-"""Validated arguments of the native part."""
+"""Validated arguments for the native part."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 class Computed(TypedDict):
-    """Settings of the computation."""
+    """Settings of runs."""
 
     model: str
     substeps: str
@@ -33,7 +33,7 @@ class Asked(TypedDict):
 
 
 class Kept(TypedDict):
-    """Storage of an ensemble."""
+    """Number of runs of an ensemble, and their storage."""
 
     out: str | None
     resume: bool

@@ -22,18 +22,18 @@ class Column:
     type: str
     """`int32`, `int64`, `uint64`, `float64`, `bool`, `text`, or `list of` one of these."""
     unit: str
-    """Unit of its values. Empty if they have none."""
+    """Unit of the values. Empty if they have no unit."""
     meaning: str
     null: str | None
-    """Condition of null values. `None` if there are none."""
+    """Condition for null values. `None` if values are never null."""
 
 
 class Table:
-    """Rows and columns in Arrow's memory.
+    """Table with rows and columns in Arrow's memory format.
 
     It supports the Arrow PyCapsule interface: `polars.DataFrame(table)`, `pyarrow.table(table)`,
-    `pandas.DataFrame.from_arrow(table)`, and the name of its variable in a query of DuckDB. The unit and the meaning of each
-    column are metadata of its field.
+    `pandas.DataFrame.from_arrow(table)`, and queries of DuckDB that name the variable of the table. The unit and
+    the meaning of each column are metadata of its field.
 
     >>> import stochc
     >>> runs = stochc.simulate(stochc.EXAMPLE, runs=3, model="shuffle").runs
@@ -56,17 +56,17 @@ class Table:
 
     @property
     def name(self) -> str:
-        """Name of the table: `NAME.parquet` in a results folder."""
+        """Name of the table. Its file in a results folder is `NAME.parquet`."""
         return self._name
 
     @property
     def row(self) -> str:
-        """Meaning of a row."""
+        """Description of a row."""
         return self._row
 
     @property
     def columns(self) -> tuple[Column, ...]:
-        """Its columns in order."""
+        """Columns of the table in order."""
         return self._columns
 
     def column(self, name: str) -> Column:
@@ -81,7 +81,7 @@ class Table:
         return len(self._native)
 
     def rows(self, first: int = 0, most: int = 1_000_000) -> list[dict[str, Any]]:
-        """Returns rows as dictionaries, from number `first` on. For small tables without another library."""
+        """Returns rows as dictionaries, starting at row `first`. For small tables without another library."""
         first = whole("first", first, 0, 2**62)
         most = whole("most", most, 0, 2**62)
         names = [column.name for column in self._columns]

@@ -15,19 +15,19 @@ EXAMPLES = ROOT / "examples"
 
 @pytest.fixture
 def tower() -> str:
-    """Returns the path of a program with phases, captures and releases, as the command gets it."""
+    """Returns the path of a program with phases, captures and releases, relative to the root."""
     return "examples/five_tower_reconfigured.sa"
 
 
 @pytest.fixture(autouse=True)
 def at_root(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs tests in a fixed folder, because manifests contain paths as they were given."""
+    """Runs tests in a fixed folder, because manifests contain paths as the caller gives them."""
     monkeypatch.chdir(ROOT)
 
 
 @pytest.fixture
 def command() -> Callable[..., subprocess.CompletedProcess[str]]:
-    """Runs the `stochc` command, which `STOCHC` names."""
+    """Returns a function that runs the `stochc` command. The variable `STOCHC` contains its path."""
     program = os.environ.get("STOCHC", str(ROOT / "target" / "debug" / "stochc"))
 
     def run(*arguments: str | Path, status: int = 0) -> subprocess.CompletedProcess[str]:

@@ -28,7 +28,7 @@ pub struct Trade {
 pub struct TradedProgram {
     /// Name of the program, without settings.
     pub name: String,
-    /// Length of a tick of its scene \[s\].
+    /// Length of a tick in the program's scene \[s\].
     pub tick: f64,
 }
 
