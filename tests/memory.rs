@@ -1,4 +1,4 @@
-//! Measures the memory of programs beyond the limits, and of output of large programs.
+//! Tests the memory for programs beyond the limits, and for output of large programs.
 use std::fmt::{Display, Write as _};
 use std::io::{Write as _, sink};
 use std::num::NonZeroUsize;
@@ -23,7 +23,7 @@ static MEMORY: PeakAlloc = PeakAlloc;
 
 const MIB: usize = 1 << 20;
 
-/// Returns the result of `work`, and its peak of additional memory in bytes.
+/// Returns the result of `work`, and the peak of its additional memory \[bytes\].
 fn peak<T>(work: impl FnOnce() -> T) -> (T, usize) {
     let before = MEMORY.current_usage();
     MEMORY.reset_peak_usage();
@@ -31,7 +31,8 @@ fn peak<T>(work: impl FnOnce() -> T) -> (T, usize) {
     (result, MEMORY.peak_usage().saturating_sub(before))
 }
 
-/// The counter is shared by the whole process, so only one test runs at a time.
+/// Lock that makes tests run one after the other. The counter of memory is shared by the whole
+/// process.
 static TURN: Mutex<()> = Mutex::new(());
 
 fn checked(text: &str) -> Checked {
@@ -39,8 +40,8 @@ fn checked(text: &str) -> Checked {
     check("large.sa", &mut reader, Limits::default())
 }
 
-/// Returns `towers` towers of four in a square on a plate as separate statements. With `in_one`,
-/// returns one tower of `4 * towers` blocks in one statement.
+/// Returns the source of `towers` towers of four blocks on a square plate. With `in_one`, it is one
+/// tower of `4 * towers` blocks in one statement.
 fn program(towers: usize, in_one: bool) -> String {
     let edge = (towers as f64).sqrt().ceil() as usize;
     let mut text = format!(
@@ -79,7 +80,7 @@ fn showing_a_program_takes_no_more_memory_than_compiling_it_has() {
         let (plan, layout, graph) = (&program.plan, &program.layout, &program.event_graph());
         let tables = program.tables.as_ref().unwrap();
         assert_eq!(plan.events.len(), 4 * towers);
-        // The structure is sorted by cell.
+        // The structure is sorted by cell, which needs a copy.
         let sorted = 64 * plan.events.len();
         for (what, more, taken) in [
             ("table as JSON", 0, json(table_json(tables))),
@@ -139,12 +140,13 @@ fn a_program_beyond_the_limits_takes_little_memory() {
     }
 }
 
-/// Ensembles are stored in files. While runs are made, summarized and reported, each additional run
-/// takes only a few bytes. A record of this program has 2 kB.
+/// Checks the memory of large ensembles. Their runs are stored in files. An additional run takes
+/// only a few bytes while runs are made, summarized and reported. A record of this program has 2
+/// kB.
 #[test]
 fn memory_hardly_grows_with_the_number_of_runs() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    // Both have more runs than a row group of a table.
+    // Both numbers of runs exceed a row group of a table.
     let few = of_ensemble(10_000);
     let many = of_ensemble(24_000);
     let grown = many.saturating_sub(few);
@@ -155,8 +157,8 @@ fn memory_hardly_grows_with_the_number_of_runs() {
     );
 }
 
-/// Returns the peak memory in bytes of simulating `runs` runs in a folder, summarizing and
-/// reporting them.
+/// Returns the peak of memory for simulating `runs` runs into a folder, summarizing and reporting
+/// them \[bytes\].
 fn of_ensemble(runs: u64) -> usize {
     let text =
         "assembly line { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up ->> T[1..13] } }";
@@ -204,7 +206,7 @@ fn of_ensemble(runs: u64) -> usize {
     bytes
 }
 
-/// Tests short texts at the limits of the language.
+/// Checks short programs at the limits of the language.
 #[test]
 fn no_short_text_takes_more_than_300_mib() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);

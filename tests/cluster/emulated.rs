@@ -14,20 +14,20 @@ use crate::skipped::skipped;
 /// Time limit that exceeds every wait on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(180);
 
-/// Command with physics, slow enough to stop the process during a run.
+/// Command line with physics. Its runs are slow enough to stop the process during a run.
 pub const SLOW: &str = "simulate examples/line.sa --max-ticks 2500 --seed 3 --runs 8";
-/// Command without physics that takes almost no time.
+/// Command line without physics. It takes almost no time.
 pub const FAST: &str = "simulate tests/fixtures/tower.sa --model shuffle --seed 3 --runs 12";
 
-/// Slurm cluster of two nodes, `n1` and `n2`, with one processor each and arrays of at most five
-/// tasks.
+/// Emulated Slurm cluster of two nodes, `n1` and `n2`. Each has one processor, and arrays have at
+/// most five tasks.
 pub struct Cluster {
     configuration: PathBuf,
-    /// Process that ends when its input pipe is closed.
+    /// Process of the cluster. It ends when its input pipe is closed.
     _run: Child,
 }
 
-/// Returns the cluster that all tests share, one after the other. Returns `None` if Slurm is not
+/// Returns the cluster, which tests use one after the other. Returns `None` if Slurm is not
 /// installed.
 pub fn cluster() -> Option<MutexGuard<'static, Cluster>> {
     static CLUSTER: OnceLock<Option<Mutex<Cluster>>> = OnceLock::new();
@@ -91,11 +91,11 @@ impl Cluster {
         self.configuration.parent().unwrap()
     }
 
-    /// Returns a command that uses the cluster, from the words of a line.
+    /// Returns a command with the words of a line, for use in the cluster.
     pub fn command(&self, line: &str) -> Command {
         let mut words = line.split_whitespace();
         let mut command = Command::new("env");
-        // The caller of the tests may ignore some signals.
+        // The process that runs the tests may ignore some signals.
         command.arg("--default-signal=INT,TERM,HUP");
         command.args(words.next().map(|program| match program {
             "stochc" => env!("CARGO_BIN_EXE_stochc"),
@@ -109,7 +109,7 @@ impl Cluster {
         command
     }
 
-    /// Returns the output of such a command.
+    /// Runs a command with the words of a line. Returns its output.
     pub fn ask(&self, line: &str) -> String {
         String::from_utf8(self.command(line).output().unwrap().stdout).unwrap()
     }
@@ -125,7 +125,7 @@ impl Cluster {
         end(self.start_submit(folder, options))
     }
 
-    /// Runs `stochc shard submit`, which must submit this number of shards.
+    /// Runs `stochc shard submit` on a folder. Checks that it submits this number of shards.
     #[track_caller]
     pub fn submits(&self, folder: &Path, shards: u64) {
         let (status, said) = self.submit(folder, "");
@@ -133,13 +133,13 @@ impl Cluster {
         assert!(said.contains(&format!("(shards: {shards}, ")), "{said}");
     }
 
-    /// Waits until no job of this name is active.
+    /// Waits until no job with this name is active.
     pub fn until_ended(&self, name: &str) {
         let line = format!("squeue --noheader --name={name},{name}-merge");
         until("end of all jobs", || self.ask(&line).is_empty());
     }
 
-    /// Returns the number of submitted job arrays of this name that Slurm still lists.
+    /// Returns the number of job arrays with this name that Slurm still lists.
     pub fn arrays(&self, name: &str) -> usize {
         let jobs = self.ask("squeue --noheader --states=all --format=%F|%j");
         let arrays = jobs.lines().filter_map(|line| line.split_once('|'));
@@ -147,7 +147,7 @@ impl Cluster {
         arrays.collect::<std::collections::BTreeSet<_>>().len()
     }
 
-    /// Returns the name of the job arrays of a folder that is not merged yet.
+    /// Returns the name of the job arrays for a folder. The folder must not be merged yet.
     pub fn name(&self, folder: &Path) -> String {
         let shown = self
             .command("stochc shard submit --dry-run")
@@ -161,17 +161,17 @@ impl Cluster {
     }
 }
 
-/// Sharded ensemble in a temporary folder.
+/// Ensemble that is split into shards, in a temporary folder.
 pub struct Ensemble {
-    /// Its folder.
+    /// Path of the results folder.
     pub path: PathBuf,
-    /// Files of the same ensemble made on one machine.
+    /// Files of the same ensemble when it is made on one machine.
     expected: BTreeMap<PathBuf, Vec<u8>>,
     _folder: TempDir,
 }
 
 impl Ensemble {
-    /// Splits the runs of a command into shards.
+    /// Splits the ensemble of a command line into shards.
     pub fn cut(line: &str, shards: u64) -> Ensemble {
         static MADE: Mutex<BTreeMap<String, BTreeMap<PathBuf, Vec<u8>>>> =
             Mutex::new(BTreeMap::new());
@@ -197,7 +197,8 @@ impl Ensemble {
         }
     }
 
-    /// Waits until it is merged. Then checks that it equals the folder of one machine.
+    /// Waits until the ensemble is merged. Then checks that its folder equals the folder made on
+    /// one machine.
     #[track_caller]
     pub fn is_made(&self) {
         until("merged ensemble", || {
@@ -207,7 +208,7 @@ impl Ensemble {
     }
 }
 
-/// Returns every file below a folder, except the lock.
+/// Returns the content of every file below a folder, except the lock.
 pub fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -227,7 +228,7 @@ pub fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     found
 }
 
-/// Waits for the end of a command. Returns its status and output.
+/// Waits until a process ends. Returns its status and output.
 pub fn end(child: Child) -> (i32, String) {
     let Output {
         status,
@@ -238,7 +239,7 @@ pub fn end(child: Child) -> (i32, String) {
     (status.code().unwrap(), text)
 }
 
-/// Returns the ids of processes with matching arguments and environment.
+/// Returns the ids of processes whose arguments and environment match.
 fn processes(is_meant: impl Fn(&[&[u8]], &[&[u8]]) -> bool) -> Vec<String> {
     let mut found = Vec::new();
     for entry in fs::read_dir("/proc").unwrap().flatten() {
@@ -254,11 +255,11 @@ fn processes(is_meant: impl Fn(&[&[u8]], &[&[u8]]) -> bool) -> Vec<String> {
     found
 }
 
-/// Stopped process that runs a shard and has finished some of its runs.
+/// Id of a stopped process. It runs a shard and has finished some of its runs.
 pub struct Held(pub String);
 
 impl Held {
-    /// Waits for the process of this shard and stops it.
+    /// Waits until a process runs the shard, and stops it.
     pub fn making(folder: &Path, piece: &str) -> Held {
         let path = folder.as_os_str().as_encoded_bytes();
         let find = || {
@@ -307,7 +308,7 @@ impl Held {
     }
 }
 
-/// Sends a signal to processes. Some of them may have ended.
+/// Sends a signal to processes. Ignores processes that have ended.
 pub fn signal(signal: &str, ids: &[String]) {
     let _ = Command::new("kill")
         .arg(signal)
@@ -316,7 +317,7 @@ pub fn signal(signal: &str, ids: &[String]) {
         .status();
 }
 
-/// Returns the processes of a cluster. With the name of a node, returns those on that node.
+/// Returns the ids of the cluster's processes, only those on `node` if it is given.
 pub fn members(cluster: &Cluster, node: Option<&str>) -> Vec<String> {
     let configuration = format!("SLURM_CONF={}", cluster.configuration.display());
     let node = node.map(|node| format!("SLURMD_NODENAME={node}"));
@@ -330,7 +331,7 @@ pub fn members(cluster: &Cluster, node: Option<&str>) -> Vec<String> {
     })
 }
 
-/// Returns the process id of a daemon.
+/// Returns the process id of a daemon of the cluster.
 pub fn daemon(cluster: &Cluster, name: &str) -> String {
     let id = fs::read_to_string(cluster.folder().join(format!("{name}.pid")));
     id.unwrap().trim().to_owned()

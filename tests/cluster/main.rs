@@ -1,6 +1,6 @@
-//! Tests ensembles on a real Slurm: `tests/cluster/run` starts it, with two emulated nodes on this
-//! machine. After a failure, a second `stochc shard submit` completes the ensemble. The result
-//! equals that of one machine, byte for byte.
+//! Tests ensembles with a real Slurm. `tests/cluster/run` starts it, with two emulated nodes on
+//! this machine. After a failure, a second `stochc shard submit` completes the ensemble. The result
+//! equals a result made on one machine, byte for byte.
 #![cfg(target_os = "linux")]
 #![allow(
     clippy::disallowed_methods,

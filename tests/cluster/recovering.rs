@@ -1,4 +1,4 @@
-//! Tests failures after which a second `stochc shard submit` completes the ensemble.
+//! Tests failures. After each, a second `stochc shard submit` completes the ensemble.
 use crate::emulated::{Ensemble, Held, SLOW, cluster, daemon, members, signal, until};
 
 #[test]
@@ -29,13 +29,13 @@ fn a_lost_node_is_done_without() {
     let shards = ["0", "1"].map(|shard| Held::making(&ensemble.path, shard));
     let lost = members(&cluster, Some("n2"));
     assert!(shards.iter().any(|shard| lost.contains(&shard.0)));
-    // All processes are stopped first, so that none reports the end of the others.
+    // All processes are stopped first, so that none can report that the others ended.
     signal("-STOP", &lost);
     signal("-9", &lost);
     // Without this update, Slurm would need half a minute to detect the loss.
     cluster.ask("scontrol update nodename=n2 state=down reason=lost");
     shards.into_iter().for_each(Held::goes_on);
-    // By default Slurm requeues the task of a lost node.
+    // By default, Slurm resubmits the task of a lost node.
     cluster.until_ended(&name);
     if ensemble.path.join("shards.json").exists() {
         cluster.submits(&ensemble.path, 1);

@@ -1,4 +1,4 @@
-//! Tests submissions without failures, and submissions that Slurm refuses.
+//! Tests submissions without failures, and submissions that Slurm rejects.
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -8,7 +8,7 @@ use crate::emulated::{Cluster, Ensemble, FAST, cluster, end, members, until};
 #[test]
 fn of_two_that_submit_one_does() {
     let Some(cluster) = cluster() else { return };
-    // The site allows five tasks.
+    // The cluster allows five tasks per array.
     let ensemble = Ensemble::cut(FAST, 12);
     let name = cluster.name(&ensemble.path);
     let both = [(); 2].map(|()| cluster.start_submit(&ensemble.path, "--at-most 1"));
@@ -27,7 +27,7 @@ fn of_two_that_submit_one_does() {
     assert!(said.contains("is complete: 12 runs"), "{said}");
 }
 
-/// The message of Slurm is printed.
+/// Checks that the message of Slurm is printed.
 #[test]
 fn a_refusal_is_reported() {
     let Some(cluster) = cluster() else { return };
@@ -42,7 +42,7 @@ fn a_refusal_is_reported() {
     assert_eq!(cluster.arrays(&cluster.name(&ensemble.path)), 0);
 }
 
-/// The document shows commands for a cluster, which other tests of documents leave out.
+/// Checks the commands for a cluster in the documents. Other tests of documents skip them.
 #[test]
 fn the_document_can_be_followed() {
     let Some(cluster) = cluster() else { return };

@@ -69,7 +69,7 @@ fn its_phases_are_the_sizes_that_it_reaches() {
     let arguments = [FILE, "--runs", "30", "--out", &out, "--captures"];
     let said = stochc_with("simulate --model shuffle --quiet", &arguments);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
-    // The three programs are columns of one table.
+    // The three programs are columns of the same table.
     assert_eq!(said.row("Captures"), ["2", "4", "1"]);
     let none = "\ntwo, an aggregate, has no captures: its blocks bond when they meet.\n";
     assert!(said.out.contains(none), "{}", said.out);
@@ -90,7 +90,7 @@ fn its_phases_are_the_sizes_that_it_reaches() {
         }
     }
     assert_eq!(largest.len(), 30);
-    // The union of two groups may exceed the requested size.
+    // When two groups bond, the result may exceed the requested size.
     assert!(
         largest.iter().all(|size| (4..=6).contains(size)),
         "{largest:?}"
@@ -100,7 +100,7 @@ fn its_phases_are_the_sizes_that_it_reaches() {
     let page = path(folder.path(), "page");
     let report = stochc_with("report", &[&out, "--out", &page]);
     assert_eq!(report.status, 0, "{}", report.err);
-    // A trace of the same run, in words.
+    // `trace` prints the same run as text.
     let told = stochc_with("trace --model shuffle --run 3", &[FILE]);
     assert!(
         told.out
@@ -126,7 +126,7 @@ fn a_size_that_is_not_reached_in_time_is_censored() {
         "every other tick two blocks are drawn: {late}"
     );
     assert_eq!(two["completed"], 40 - late);
-    // The limit of the command stops a run in a phase whose size was not reached.
+    // The limit of the command stops a run in a phase before the size of this phase is reached.
     let mut sizes = std::collections::BTreeSet::new();
     for run in 0..12 {
         let run = run.to_string();
@@ -161,7 +161,7 @@ fn it_goes_through_the_worlds_of_bodies() {
         ];
         let line = "simulate --quiet --runs 1 --max-ticks 20 --record all";
         let said = stochc_with(line, &arguments);
-        // No blocks meet within these few ticks.
+        // No blocks meet within this small number of ticks.
         assert_eq!(said.status, 3, "{model}: {}", said.err);
         let page = path(folder.path(), &format!("{model}.html"));
         let program = ["--program", "four", "--run", "0", "--out", &page];
@@ -218,7 +218,7 @@ fn what_cannot_be_one_is_told() {
         assert_eq!(said.status, 1, "{text}: {}", said.out);
         assert!(said.err.contains(code), "{text}: {}", said.err);
     }
-    // The keywords of aggregates are not reserved.
+    // The keywords of aggregates can be used as names.
     let text = "assembly a {\n    seed plate 1 x 1 { to at (0, 0) }\n    phase p { to.up -> aggregate }\n}\n";
     fs::write(&file, text).unwrap();
     assert_eq!(stochc_with("check", &[&file]).status, 0);

@@ -1,4 +1,5 @@
-//! Tests files that claim excessive sizes, read with little memory: docs/reference/limits.md.
+//! Tests files that claim excessive sizes. They are read with little memory:
+//! docs/reference/limits.md.
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -10,13 +11,13 @@ use stochc_files::checksum::crc32;
 
 use crate::stochc::{stochc_with, unfolded};
 
-/// Address space of a command \[KiB\].
+/// Limit on the address space of a command \[KiB\].
 const SPACE: u32 = 2 << 20;
 
 const TIB: u64 = 1 << 40;
 const MIB: usize = 1 << 20;
 
-/// Runs a command that must reject a file within its address space. Returns the messages.
+/// Runs a command that must reject a file within its limit of address space. Returns the messages.
 #[track_caller]
 fn refused(arguments: &[&str]) -> String {
     let program = format!("ulimit -v {SPACE}; exec \"$@\"");
@@ -53,7 +54,8 @@ impl Results {
         self.path.to_str().unwrap()
     }
 
-    /// Returns the messages of `show` and `fsck` for a file with this beginning and length.
+    /// Replaces a file by a sparse file with this beginning and length. Returns the messages of
+    /// `show` and `fsck`.
     #[track_caller]
     fn with(&self, name: &str, begins: &str, length: u64) -> [String; 2] {
         let file = self.path.join(name);
@@ -65,7 +67,7 @@ impl Results {
     }
 }
 
-/// Writes a sparse file with this beginning.
+/// Writes a sparse file with this beginning and length.
 fn sparse(path: &Path, begins: &str, length: u64) {
     let mut file = File::create(path).unwrap();
     file.write_all(begins.as_bytes()).unwrap();
@@ -87,7 +89,7 @@ fn a_journal_without_an_end_is_refused() {
             assert!(said.contains(told), "{said}");
         }
     }
-    // The line consists of characters that could be part of a record.
+    // The line consists of characters that can occur in a record.
     let line = format!(
         "{header}{{\"program\":0,\"record\":{{\"run\":0,\"phase_ticks\":[{}",
         "0,".repeat(40 * MIB)
@@ -167,7 +169,7 @@ fn other_files_of_more_than_there_can_be_are_refused() {
     }
 }
 
-/// Returns a part of a recording, with its checksum.
+/// Returns a section of a recording, with its checksum.
 fn part(tag: &[u8; 4], payload: &[u8]) -> Vec<u8> {
     let length = (payload.len() as u32).to_le_bytes();
     let part = [&tag[..], &length, payload].concat();
@@ -175,7 +177,7 @@ fn part(tag: &[u8; 4], payload: &[u8]) -> Vec<u8> {
     [&part[..], &crc].concat()
 }
 
-/// Compresses a repeated pattern.
+/// Returns compressed data that consist of a repeated pattern.
 fn packed(begins: &str, pattern: &[u8], times: usize) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
     encoder.write_all(begins.as_bytes()).unwrap();
@@ -206,7 +208,7 @@ fn a_recording_that_unpacks_to_gigabytes_is_refused() {
         let crc = crc32(&begin).to_le_bytes();
         [&begin[..], &crc].concat()
     };
-    // All blocks are at one position, for `ticks` ticks.
+    // Returns positions with all blocks at one place, for `ticks` ticks.
     let places = |bodies: usize, ticks: u32| {
         let mut payload = [&0u64.to_le_bytes()[..], &ticks.to_le_bytes(), &[0; 4]].concat();
         payload.extend(
@@ -262,7 +264,7 @@ fn a_recording_that_unpacks_to_gigabytes_is_refused() {
             );
         }
     }
-    // The header and a part claim lengths that are holes in the file.
+    // The header and a section claim lengths that are holes in the sparse file.
     let mut claims = whole[..16].to_vec();
     claims[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
     let part = [header(1), b"DONE".to_vec(), u32::MAX.to_le_bytes().to_vec()].concat();

@@ -12,7 +12,7 @@ tower: 3 captures in 2 phases
   estimate: 1,857 ticks on average, 983 to 2,914 in 80 % of the runs; details: `--cost`
 ";
 
-/// Returns the same line with the file name, as printed for several files.
+/// Returns the line about the tower with the file name, as printed for several files.
 fn tower_of_several() -> String {
     format!("tests/fixtures/tower.sa: {TOWER}")
 }
@@ -43,7 +43,7 @@ fn what_takes_the_time_is_told() {
     let number = |word: &str| word.replace(',', "").parse::<f64>().unwrap();
     assert_eq!(phases[0][..3], ["corners", "2", "4"]);
     assert_eq!(phases[1][..3], ["centre", "2", "1"]);
-    // Mean, 10 %, median, 90 %, and the total of both phases.
+    // The numbers are mean, 10 %, median and 90 %, and the total of both phases.
     for times in [&phases[0][3..], &phases[1][3..], &phases[2][1..]] {
         let [mean, low, median, high] = [0, 1, 2, 3].map(|i| number(&times[i]));
         assert!(
@@ -85,7 +85,7 @@ fn a_timeout_that_some_runs_come_to_is_told() {
         assert!(short.out.contains("of the runs"), "{}", short.out);
         let never = "% never complete)";
         assert_eq!(short.out.contains(never), is_stopped, "{}", short.out);
-        // The message is one line, whatever the width of the terminal.
+        // The message is one line at any width of the terminal.
         let long = stochc_with("check --cost=5", &[&file])
             .out
             .replace("\n  ", " ");
@@ -94,7 +94,7 @@ fn a_timeout_that_some_runs_come_to_is_told() {
             is_stopped,
             "{long}"
         );
-        // In JSON it is part of the document.
+        // In JSON, the costs are part of the document.
         let json = stochc_with("check --cost=5 --json", &[&file]);
         assert_eq!(json.json()["diagnostics"], serde_json::json!([]));
         let phases = &json.json()["programs"][0]["cost"]["phases"];
@@ -138,7 +138,7 @@ fn times_need_the_rates_of_the_scene() {
         said.out
     );
     assert!(!said.out.contains("in ticks"), "{}", said.out);
-    // Rates of another scene are not used. The same rates are used if the scene is this one.
+    // Rates of another scene are not used. The same rates are used for their own scene.
     let shipped = fs::read_to_string("crates/estimate/src/data/hemisphere.rates").unwrap();
     let mut rates: serde_json::Value = serde_json::from_str(&shipped).unwrap();
     let file = path(folder.path(), "x.rates");
@@ -256,7 +256,7 @@ fn files_that_cannot_be_read_are_errors_of_the_command_line() {
         let all = (said.status, said.out.as_str(), said.err.as_str());
         assert_eq!(all, (2, "", told.as_str()), "{command}");
     }
-    // They come before all diagnostics, whatever the position of the file.
+    // The messages come before all diagnostics, independent of the order of the files.
     let other = path(folder.path(), "other.sa");
     for command in ["check", "simulate"] {
         let said = stochc_with(command, &["tests/fixtures/careless.sa", &missing, &other]);
@@ -308,8 +308,8 @@ scene s from hemisphere { tick 1 m }
     );
 }
 
-/// `check` draws warnings. Other commands print one line each, after the command line has been
-/// validated.
+/// Checks that `check` draws warnings, and that other commands print one line for each. They print
+/// it after the command line has been validated.
 #[test]
 fn warnings_are_one_line_for_other_commands() {
     let line = "tests/fixtures/careless.sa:4:37: warning[unused-seed]: seed `N` is never used\n";
@@ -340,7 +340,7 @@ fn the_option_with_two_letters_swapped_is_suggested() {
     assert!(!said.err.contains("'--run'"), "{}", said.err);
 }
 
-/// Tests links to programs and folders, and names that are not UTF-8.
+/// Tests links to programs and folders, and file names that are not UTF-8.
 #[test]
 #[cfg(target_os = "linux")]
 fn nothing_of_a_folder_is_skipped_in_silence() {
@@ -364,7 +364,7 @@ fn nothing_of_a_folder_is_skipped_in_silence() {
     let said = stochc_with("check --format short", &[&own]);
     assert_eq!((said.status, said.err.as_str()), (1, ""));
     assert_eq!(files(&said.out), ["/link"]);
-    // Each file is checked once, although a link leads back.
+    // Each file is checked once, although a link leads back to it.
     symlink("../elsewhere/deep", at("in/linked")).unwrap();
     symlink("../../in", at("elsewhere/deep/back")).unwrap();
     let said = stochc_with("check --format short", &[&own]);
@@ -398,7 +398,7 @@ fn the_standard_input_is_for_check_and_fmt() {
     }
 }
 
-/// A folder stands for its programs if a command takes several.
+/// Checks that a folder stands for its programs if a command takes several.
 #[test]
 fn the_programs_of_a_folder_are_simulated() {
     let folder = tempfile::tempdir().unwrap();
@@ -448,7 +448,7 @@ fn a_folder_is_the_programs_in_it() {
         "{}",
         said.err
     );
-    // Files of a folder are fixed one by one.
+    // With `--fix`, the files of a folder are fixed one by one.
     let said = stochc_with("check --fix", &[own]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert_eq!(stochc_with("check --deny warnings", &[own]).status, 0);
@@ -478,7 +478,7 @@ fn the_standard_input_is_a_program() {
         "{}",
         said.out
     );
-    // With `--fix` the output is the fixed program, and the messages go to standard error.
+    // With `--fix`, the output is the fixed source, and messages go to standard error.
     let said = stochc_reading("check --fix -", wrong);
     assert_eq!((said.status, said.out.as_str()), (0, right));
     assert!(
@@ -503,7 +503,7 @@ fn the_standard_input_is_a_program() {
         "{}",
         said.err
     );
-    // Imports are relative to the working directory.
+    // Imports of standard input are relative to the working directory.
     let said = stochc_reading("check -", "import \"tests/fixtures/importing_tower.sa\"\n");
     assert_eq!((said.status, said.err.as_str()), (0, ""));
 }
@@ -538,7 +538,7 @@ fn a_file_that_may_not_be_read_is_told_of() {
     std::fs::write(&file, "").unwrap();
     std::fs::set_permissions(&file, Permissions::from_mode(0o000)).unwrap();
     if std::fs::File::open(&file).is_ok() {
-        return; // Permissions do not stop root.
+        return; // Root ignores permissions.
     }
     let said = stochc_with("check", &[&file]);
     assert_eq!(said.status, 2);
@@ -659,7 +659,7 @@ fn event_tables_are_run_in_every_order() {
 1 program verified; every order of events explored: 1
 ";
     assert_eq!(said.out, format!("{status}{explored}"));
-    // An invalid program has no tables.
+    // An invalid program has no tables to verify.
     let said = stochc("verify tests/fixtures/wrong.sa");
     assert_eq!(said.status, 1);
     assert!(said.out.starts_with("0 programs verified"), "{}", said.out);
@@ -676,7 +676,8 @@ fn too_many_orders_are_told_of_and_some_are_tried() {
     assert!(said.out.ends_with(tried), "{}", said.out);
 }
 
-/// Output of `stochc` is not a program. It causes one diagnostic, not one for each line.
+/// Checks that output of `stochc` in place of a program causes one diagnostic, not one for each
+/// line.
 #[test]
 fn json_is_told_as_such() {
     let folder = tempfile::tempdir().unwrap();
@@ -697,7 +698,7 @@ fn json_is_told_as_such() {
     assert!(said.err.contains("\n1 error\n"), "{}", said.err);
 }
 
-/// Messages use words for users, not those of a parser.
+/// Checks that messages about numbers use words for users, not words of a parser.
 #[test]
 fn numbers_of_the_command_line_are_told_of_in_words() {
     for (number, words) in [
@@ -725,7 +726,7 @@ fn a_scene_that_is_not_built_in_is_told_with_those_that_are() {
     );
 }
 
-/// A byte order mark counts as in the file.
+/// Checks that offsets in a file include its byte order mark.
 #[test]
 fn offsets_are_those_of_the_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -738,7 +739,7 @@ fn offsets_are_those_of_the_file() {
     assert_eq!(text[start..end].trim(), "let z = 2", "{found:#}");
 }
 
-/// All formats report the same position, whatever precedes it on its line.
+/// Checks that all formats report the same column, whatever text precedes it on its line.
 #[test]
 fn columns_are_characters_in_every_form() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Tests `kill -9` in the middle of a run, and the resumption.
+//! Tests `kill -9` in the middle of a run, and resuming after it.
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -8,10 +8,10 @@ use crate::stochc::{path, said, stochc_with, tables};
 
 const TOWER: &str = "examples/five_tower.sa";
 
-/// Number of times that a command is killed.
+/// Number of times that a process is killed.
 const KILLS: usize = 3;
 
-/// Returns names and contents of all files in a folder.
+/// Returns the name and content of each file in a folder.
 fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();
@@ -33,15 +33,15 @@ fn command(arguments: &[&str]) -> Command {
     command
 }
 
-/// Kills a process when a checkpoint differs from `before`. Returns whether the process ended
-/// before.
+/// Kills a process as soon as the checkpoints differ from `before`. Returns whether the process
+/// ended first.
 fn kill(mut child: Child, folder: &Path, before: &[(String, Vec<u8>)]) -> bool {
     loop {
         if child.try_wait().unwrap().is_some() {
             return true;
         }
         let now = files(folder);
-        // A file with the final name is complete.
+        // A file with its final name is complete.
         let is_whole = |(name, _): &&(String, Vec<u8>)| name.ends_with(".state");
         if now
             .iter()
@@ -55,7 +55,7 @@ fn kill(mut child: Child, folder: &Path, before: &[(String, Vec<u8>)]) -> bool {
     }
 }
 
-/// Kills a command several times during runs, and then runs `later` to the end.
+/// Kills a command several times during its runs, and then runs the command `later` to the end.
 fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
     let folder = Path::new(out).join("checkpoints");
     let mut arguments_now = arguments.to_vec();
@@ -78,14 +78,14 @@ fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
         "{}",
         last.err
     );
-    // For shards, the folder and a draft left by a kill stay until the merge. Another process may
-    // be writing a checkpoint.
+    // For shards, the folder and a draft of a killed process remain until the merge. Another
+    // process may still be writing a checkpoint.
     let left: Vec<String> = files(&folder).into_iter().map(|(name, _)| name).collect();
     let may_stay = |name: &String| arguments[0] == "shard" && name.contains(".draft-");
     assert!(left.iter().all(may_stay), "{left:?}");
 }
 
-/// Returns a command with runs of some thousand ticks and a checkpoint every hundred ticks.
+/// Returns a command whose runs have some thousand ticks, with a checkpoint every hundred ticks.
 fn simulate<'a>(file: &'a str, more: &'a str, out: &'a str) -> Vec<&'a str> {
     let all = "--runs 2 --threads 1 --checkpoints 100ticks";
     let command = if more.contains("--vary") {
@@ -155,7 +155,7 @@ fn shards_go_on() {
     let [out, straight] = ["out", "straight"].map(|name| path(place.path(), name));
     let of = |out| simulate(TOWER, "--max-ticks 3000", out);
     let mut cut = of(&out);
-    // Each shard has its own checkpoint interval.
+    // Each shard has its own interval between checkpoints.
     let checkpoints = cut.iter().position(|word| *word == "--checkpoints");
     let checkpoints = checkpoints.expect("unfinished runs have waits");
     cut.drain(checkpoints..checkpoints + 2);

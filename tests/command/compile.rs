@@ -14,7 +14,7 @@ fn emit(stage: &str, form: &str) -> String {
 
 #[test]
 fn every_stage_has_a_text_and_a_json() {
-    // The snapshots of the stages check the contents.
+    // Snapshots check the contents of all stages.
     for (stage, text) in [
         ("graph", "longest serial chain, 2: A.up -> B, B.up -> C"),
         ("table", "magnetize up for A at (1, 1, 1)"),

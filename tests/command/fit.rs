@@ -7,7 +7,7 @@ use stochc::report::figures::Medium;
 use crate::layout;
 use crate::stochc::{path, stochc_with};
 
-/// Returns two programs in a small scene with this number of free blocks.
+/// Returns the source of two programs in a small scene. `free` is the number of free blocks.
 fn programs(free: u32) -> String {
     format!(
         "scene small from hemisphere {{ free {free} uniform  enclosure hemisphere {{ radius 1m  wall 25 N/m }} }}
@@ -21,7 +21,7 @@ phase grow {{ M.up -> A  A.up -> B }} }}
     )
 }
 
-/// Returns the times of a simulation with 20 blocks, as a table of measured times.
+/// Returns the times of a simulation with 20 free blocks, as a table of measured times.
 fn measured(folder: &std::path::Path) -> String {
     let truth = path(folder, "truth.sa");
     fs::write(&truth, programs(20)).unwrap();
@@ -49,7 +49,7 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
         path(folder.path(), "out"),
     );
     fs::write(&data, measured(folder.path())).unwrap();
-    // The fit starts from another value.
+    // The fit starts from another number of free blocks.
     fs::write(&file, programs(8)).unwrap();
     let options = [
         &file,
@@ -85,7 +85,7 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
     assert!(low < mean && mean < high, "{low} .. {high}, {mean}");
     let picture = fs::read_to_string(path(folder.path(), "out/fit.svg")).unwrap();
     layout::check("fit", &picture, Medium::Screen);
-    // A repetition prints the same text, but does not write to the same folder.
+    // Repeating the command prints the same text, but it does not write to the same folder.
     let again = stochc_with("fit --quiet --runs 16 --points 10", &options[..7]);
     assert_eq!((again.status, &again.out), (0, &said.out));
     assert_eq!(
@@ -236,8 +236,8 @@ fn a_scene_that_cannot_be_at_a_point_is_told_of() {
     assert!(said.err.contains("which holds 60"), "{}", said.err);
 }
 
-/// Times of two programs with 20 blocks. Runs were stopped at 350 ticks: a third of one program,
-/// and most of the other.
+/// Table of times of two programs with 20 free blocks. Runs were stopped at 350 ticks: a third of
+/// the runs of one program, and most of the other.
 const STOPPED: &str = "examples/fit/stopped.csv";
 
 fn fitted(said: &str) -> (f64, f64) {
@@ -268,7 +268,8 @@ fn a_number_is_found_again_although_runs_were_stopped() {
     let [low, high] = ["low", "high"].map(|end| two["incomplete"][end].as_f64().unwrap());
     assert!(low < share && share < high, "{low} .. {high}, {share}");
 
-    // Without the column they count as completed runs, and the interval misses the true value.
+    // Without the column `stopped`, these runs count as completed, and the interval misses the true
+    // value.
     let table = fs::read_to_string(STOPPED).unwrap();
     let rows = table.lines().map(|line| match line.rsplit_once(',') {
         Some((rest, _)) if !line.starts_with('#') => format!("{rest}\n"),
@@ -318,14 +319,14 @@ fn a_program_without_times_is_predicted_and_the_fitted_scene_is_a_program() {
     let fit: Value = serde_json::from_str(&fit).unwrap();
     let two = &fit["predictions"][1];
     assert_eq!((&two["n"], &two["observed"]), (&50.into(), &Value::Null));
-    // True value from 200 runs.
+    // The true value is from 200 runs.
     let [low, high] = ["low", "high"].map(|end| two["mean"][end].as_f64().unwrap());
     assert!(low < 580.0 && 580.0 < high, "{low} .. {high}");
     let picture = fs::read_to_string(path(folder.path(), "out/fit.svg")).unwrap();
     layout::check("fit", &picture, Medium::Screen);
 
     let scene = fs::read_to_string(path(folder.path(), "out/fitted.sa")).unwrap();
-    // The number of blocks is a whole number.
+    // The number of free blocks must be an integer.
     let median = fit["numbers"][0]["median"].as_f64().unwrap().round();
     assert!(
         scene.contains(&format!("    free {median} uniform\n")),

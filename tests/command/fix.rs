@@ -30,7 +30,7 @@ assembly a {
 }
 ";
 
-/// Returns a folder with one file.
+/// Returns a folder with one file, and the path of the file.
 fn file(text: &[u8]) -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "a.sa");
@@ -64,7 +64,7 @@ fn a_dry_run_writes_nothing() {
     assert!(said.out.ends_with(DIFF), "{}", said.out);
     assert!(said.err.ends_with("3 changes to make\n"), "{}", said.err);
     assert_eq!(fs::read_to_string(&file).unwrap(), WRONG);
-    // Only the diagnostics that remain are shown.
+    // Only the remaining diagnostics are shown.
     let rest = WRONG.replace(
         "phaze p { M.up => A }",
         "phase p { M.up -> A; }\n    phase q { Quux.up -> C }",
@@ -88,7 +88,7 @@ fn a_dry_run_writes_nothing() {
 fn the_mark_and_the_ends_of_lines_stay() {
     let windows = format!("\u{feff}{}", WRONG.replace('\n', "\r\n"));
     let (_folder, file) = file(windows.as_bytes());
-    // With `--json`, the diff is still printed for people.
+    // With `--json`, the diff is still printed to standard error.
     let shown = stochc_with("check --fix --dry-run --json", &[&file]);
     assert!(!shown.err.contains("U+000D"), "{}", shown.err);
     assert!(shown.err.contains("\n-    phaze p"), "{}", shown.err);

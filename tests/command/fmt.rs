@@ -99,7 +99,7 @@ fn the_mark_of_the_byte_order_goes() {
     assert_eq!(std::fs::read_to_string(&file).unwrap(), LAID_OUT);
 }
 
-/// Files that `check` rejects are not changed.
+/// Checks that `fmt` does not change files that `check` rejects.
 #[test]
 fn a_lone_carriage_return_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -67,7 +67,7 @@ fn damage_is_told_and_what_is_sound_is_saved() {
     let said = stochc_with("fsck --repair", &[&out]);
     assert_eq!(said.status, 0, "{}{}", said.out, said.err);
     assert!(said.out.contains("5 of 6 runs are kept"), "{}", said.out);
-    // The backup contains the damaged files, and all files that depend on the lost line of the
+    // The backup contains the corrupted files, and all files that depend on the lost line of the
     // journal.
     let others = ["checksums.json", "bonds.parquet", "phases.parquet"];
     for name in names.into_iter().chain(others) {

@@ -1,4 +1,5 @@
-//! Tests programs for faces that always attract, for suction, and with pre-attached blocks.
+//! Tests programs for special hardware: faces that always attract, suction, and pre-attached
+//! blocks.
 use std::fs;
 
 use crate::stochc::{path, stochc, stochc_with};
@@ -55,7 +56,7 @@ fn runs_count_what_docks_where_nobody_expects_it() {
         assert_eq!(record["phase_ticks"][0], 0);
         assert_eq!(record["bonds"][0]["body"], 5, "the last of six");
         let program = usize::try_from(value["program"].as_u64().unwrap()).unwrap();
-        // Zero is not written.
+        // A count of zero is not in the record.
         counted[program] += record.get("unplanned").map_or(0, |n| n.as_u64().unwrap());
         assert!(record["unplanned"] != 0);
     }

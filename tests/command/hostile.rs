@@ -1,4 +1,4 @@
-//! Tests names that contain control characters for terminals.
+//! Tests names that contain control characters of terminals.
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -8,7 +8,8 @@ use crate::stochc::{Said, path, stochc, stochc_with};
 /// Name that clears the screen, reverses the reading direction, and begins a new line.
 const NAME: &str = "a\u{1b}[2J\u{202e}b\nerror: forged\u{e0041}";
 
-/// Returns whether a text contains no active characters, and no name starts a line.
+/// Returns whether a text has no active control characters, and no line that starts with a part of
+/// the name.
 fn is_harmless(text: &str) -> bool {
     let acts = |c: char| stochc::text::is_invisible(c) && c != '\n';
     !text.contains(acts) && !text.lines().any(|line| line.starts_with("error: forged"))
@@ -65,7 +66,7 @@ fn names_of_files_are_shown_as_what_they_are() {
     ] {
         assert_harmless(&stochc_with(line, &[file]), false);
     }
-    // An argument that begins like an option.
+    // This argument begins like an option.
     assert_harmless(&stochc_with("check", &[&format!("--{NAME}")]), false);
     let import = format!("import \"{}\"\n", "x\u{1b}[2J\u{202e}b");
     fs::write(at("plain.sa"), import).unwrap();
@@ -77,7 +78,7 @@ fn names_of_files_are_shown_as_what_they_are() {
     }
 }
 
-/// Names in a file of compiled programs may be any text.
+/// Checks names in a file of compiled programs, which may be any text.
 #[test]
 fn names_in_files_are_shown_as_what_they_are() {
     let folder = tempfile::tempdir().unwrap();
@@ -91,7 +92,7 @@ fn names_in_files_are_shown_as_what_they_are() {
     let mut file: serde_json::Value = serde_json::from_str(&text).unwrap();
     let names = rename(&mut file, "");
     assert!(names >= 4, "{names}");
-    // A file of executables begins with its format.
+    // A file of executables begins with the version of its format.
     let programs = &file["programs"];
     let hostile =
         format!("{{\"kind\":\"stochc executable\",\"format\":1,\"programs\":{programs}}}\n");
@@ -118,8 +119,8 @@ fn names_in_files_are_shown_as_what_they_are() {
     assert_harmless(&stochc_with(trade, &[&tower]), false);
 }
 
-/// Replaces every `name` and every assembly in a document with a hostile name. Returns the number
-/// of replacements.
+/// Replaces every value of `key` and every assembly in a document with the hostile name. Returns
+/// the number of replacements.
 fn rename(value: &mut serde_json::Value, key: &str) -> usize {
     use serde_json::Value::{Array, Object, String};
     match value {
@@ -135,7 +136,7 @@ fn rename(value: &mut serde_json::Value, key: &str) -> usize {
     }
 }
 
-/// The output on a terminal is escaped, but files keep the original text.
+/// Checks that output on a terminal is escaped, and that files keep the original text.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_terminal_is_shown_what_a_pipe_gets_as_it_is() {
@@ -188,7 +189,7 @@ fn imports_stay_within_the_folder_of_the_program() {
     let checked = |more: &[&str]| {
         let words = [more, &[&*program]].concat();
         let said = stochc_with("check", &words);
-        // Every command that compiles reports the same.
+        // Every command that compiles the file prints the same message.
         for line in [
             "compile --emit structure",
             "trace --model shuffle --run 0 --quiet --max-ticks 100000",

@@ -23,8 +23,8 @@ fn until(child: &mut Child, what: &str, so: impl Fn() -> bool) {
     }
 }
 
-/// Returns a command for a program with default signal handling. Children inherit ignored signals
-/// from the process that runs the tests.
+/// Returns a command for another program, with default signal handling. Child processes would
+/// inherit ignored signals from the tests.
 fn with_signals(program: &str) -> Command {
     if !cfg!(target_os = "linux") {
         return Command::new(program);
@@ -41,7 +41,7 @@ fn start(arguments: &[&str]) -> Child {
     command.spawn().unwrap()
 }
 
-/// Sends a signal, and waits for the end.
+/// Sends a signal to a process, and waits until it ends.
 fn interrupt(child: Child, signal: &str) -> Said {
     let id = child.id().to_string();
     let sent = Command::new("kill").args([signal, &id]).status().unwrap();
@@ -59,7 +59,7 @@ fn what_is_finished_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let journal = path(out.as_ref(), "journal.jsonl");
-    // The first program completes at once, the second never.
+    // The first program completes at once, the second never completes.
     let simulate = [
         "simulate",
         "tests/fixtures/dense.sa",
@@ -87,7 +87,7 @@ fn what_is_finished_is_kept() {
     assert_eq!(results.status, 3);
     assert_eq!(results.err, "1 of 2 runs is still to do\n");
     assert_eq!(results.out, said.out);
-    // The table contains the finished run.
+    // The table contains the run that was finished.
     let tables = path(folder.path(), "tables");
     let written = stochc_with("show", &[&out, "--tables", &tables]);
     assert_eq!(written.status, 3, "{}", written.err);
@@ -96,7 +96,7 @@ fn what_is_finished_is_kept() {
     assert_eq!(refused.status, 2);
     assert!(refused.err.contains("1 of the 2 runs"), "{}", refused.err);
 
-    // The ensemble is resumed. SIGTERM interrupts it again.
+    // The ensemble is resumed and interrupted again, by SIGTERM.
     #[cfg(target_os = "linux")]
     {
         let mut child = start(&["resume", "--threads", "2", &out]);
@@ -173,7 +173,8 @@ fn a_trade_tells_what_it_has_measured() {
     assert!(runs > 0, "{runs}");
 }
 
-/// Signals that `nohup` ignores stay ignored, and other signals still end the process.
+/// Checks that signals that the caller ignores, as `nohup` does, stay ignored. Other signals still
+/// end the process.
 #[test]
 #[cfg(target_os = "linux")]
 fn an_ignored_signal_stays_ignored() {
@@ -194,7 +195,7 @@ fn an_ignored_signal_stays_ignored() {
     assert_eq!(said.err.matches("stopping").count(), 1, "{}", said.err);
 }
 
-/// Whenever the interruption occurs, the command prints the best plan so far, or none.
+/// Checks an interrupted search at any time: the command prints the best plan so far, or none.
 #[test]
 #[cfg(target_os = "linux")]
 fn the_best_plan_is_kept() {

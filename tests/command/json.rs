@@ -1,4 +1,5 @@
-//! Tests the schemas of all JSON documents. `docs/reference/json.md` is generated from them.
+//! Tests the schemas of all JSON documents. `docs/reference/json.md` is generated from these
+//! schemas.
 use std::collections::BTreeSet;
 use std::fs;
 
@@ -9,10 +10,10 @@ use crate::stochc::{Said, path, stochc, stochc_with};
 
 const SCHEMA: &str = include_str!("../../docs/reference/json.schema.json");
 
-/// Keywords of JSON Schema that do not constrain a value.
+/// Keywords of JSON Schema that do not restrict a value.
 const ANNOTATIONS: [&str; 4] = ["title", "description", "$schema", "$defs"];
 
-/// Schemas of all documents, with a validator of the keywords that they use.
+/// JSON schemas of all documents, with a validator for the keywords that they use.
 struct Schemas(Value);
 
 impl Schemas {
@@ -33,7 +34,7 @@ impl Schemas {
         }
     }
 
-    /// Returns the errors of a value, each with its path.
+    /// Returns the errors of a value against a schema, each with its path in the document.
     fn errors(&self, schema: &Value, value: &Value, at: &str) -> Vec<String> {
         let schema = self.resolve(schema);
         let keywords = schema.as_object().unwrap();
@@ -204,7 +205,7 @@ fn checks_have_schemas() {
     let cost = &said.json()["programs"][0]["cost"];
     assert_eq!(cost["captures"].as_array().unwrap().len(), 2);
     assert!(cost["total"]["median"].is_number(), "{cost}");
-    // Costs are only part of the document.
+    // Only the document contains the costs.
     assert!(!said.err.contains("depth"), "{}", said.err);
 }
 
@@ -216,7 +217,7 @@ fn stages_of_the_compiler_have_schemas() {
     }
 }
 
-/// Checks that the validator finds errors.
+/// Checks that the validator itself detects errors.
 #[test]
 fn a_document_that_differs_from_its_schema_is_refused() {
     let schemas = Schemas::new();
@@ -247,7 +248,7 @@ fn a_document_that_differs_from_its_schema_is_refused() {
 
 /// Checks that `docs/reference/json.md` lists every document and every key.
 ///
-/// `STOCHC_WRITE_DOCS=1 cargo test --test command json::every` writes the page.
+/// `STOCHC_WRITE_DOCS=1 cargo test --test command json::every` updates the page.
 #[test]
 fn every_key_is_documented() {
     let schemas = Schemas::new();
@@ -309,7 +310,7 @@ fn section(schemas: &Schemas, level: &str, schema: &Value) -> String {
     text
 }
 
-/// Returns the type of a value, in words.
+/// Returns the type that a rule of the schema describes, as text.
 fn kind(schemas: &Schemas, rule: &Value) -> String {
     if rule.get("$ref").is_some() {
         let title = schemas.resolve(rule)["title"].as_str().unwrap();

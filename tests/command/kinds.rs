@@ -1,5 +1,5 @@
-//! Tests pipes, sockets, devices and folders in the place of files. No command waits for them or
-//! reads them without end.
+//! Tests pipes, sockets, devices and folders in place of files. No command may wait for them or
+//! read them without end.
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::os::unix::net::UnixListener;
@@ -22,7 +22,7 @@ fn refused(said: &Said, status: i32, what: &str) {
     let told = told.iter().any(|reason| said.err.contains(reason));
     assert!(told, "{what}: {}{}", said.out, said.err);
     assert_eq!(said.status, status, "{what}: {}", said.err);
-    // `report` reads its name from its input.
+    // `report` takes its name from the input.
     assert!(said.out.is_empty(), "{what}: {}", said.out);
 }
 
@@ -40,7 +40,7 @@ fn only_ordinary_files_are_read() {
     for name in ["pipe", "socket", "device", "link", "folder"] {
         let file = here(name);
         for line in ["check", "check --fix", "compile", "simulate", "repeat"] {
-            // A results folder contains a manifest.
+            // A folder is valid input for `repeat`, because a results folder contains a manifest.
             if (line, name) != ("repeat", "folder") {
                 refused(&stochc_with(line, &[&file]), 2, &format!("{line} {name}"));
             }
@@ -59,7 +59,7 @@ fn only_ordinary_files_are_read() {
         let allowed = ["--allow-import", "/", &importing];
         refused(&stochc_with("check", &allowed), 1, name);
     }
-    // A link to a regular file counts as a regular file.
+    // A link to a regular file is accepted.
     let said = stochc_with("check", &[&here("tower.sa")]);
     assert_eq!(said.status, 0, "{}", said.err);
     for device in ["/dev/zero", "/dev/null", "/dev/tty"] {

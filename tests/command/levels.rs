@@ -1,4 +1,4 @@
-//! Tests warnings that are allowed or denied, in the file and on the command line.
+//! Tests warnings that are allowed or denied, in the source and on the command line.
 use crate::stochc::{path, stochc, stochc_with};
 
 const CARELESS: &str = "tests/fixtures/careless.sa";

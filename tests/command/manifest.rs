@@ -1,4 +1,5 @@
-//! Tests that a manifest repeats its ensemble, and that an interrupted ensemble is resumed.
+//! Tests that a manifest is enough to repeat its ensemble, and that an interrupted ensemble is
+//! resumed.
 use std::fs;
 
 use serde_json::{Value, json};
@@ -20,7 +21,7 @@ fn a_manifest_reruns_its_folder() {
         &[&program, "--runs", "6", "--seed", "9", "--out", &first],
     );
     assert_eq!(said.status, 0, "{}", said.err);
-    // The manifest needs no other file.
+    // The manifest contains everything, so no other file is needed.
     fs::remove_file(&program).unwrap();
     fs::remove_file(&imported).unwrap();
     let manifest = path(first.as_ref(), "manifest.json");
@@ -32,11 +33,11 @@ fn a_manifest_reruns_its_folder() {
     let manifests =
         [&first, &again].map(|of| fs::read(path(of.as_ref(), "manifest.json")).unwrap());
     assert!(manifests[0] == manifests[1]);
-    // A single run of the folder.
+    // `show` prints a single run of the folder.
     let said = stochc_with("show --run 3", &[&again]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.out.contains("importing, run 3"), "{}", said.out);
-    // A folder stands for its manifest.
+    // The results folder can be given in place of its manifest.
     let rerun = stochc_with("repeat --quiet", &[&first]);
     assert_eq!((rerun.status, rerun.out), (0, said_at_first));
 }
@@ -60,7 +61,7 @@ fn what_is_no_manifest_is_refused() {
     assert_eq!(said.status, 2, "the manifest contains the seed");
 }
 
-/// Manifests with excessive or with no work.
+/// Checks manifests that request too many runs, or none.
 #[test]
 fn a_manifest_beyond_all_bounds_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -77,7 +78,7 @@ fn a_manifest_beyond_all_bounds_is_refused() {
     let said = stochc_with("repeat", &[&file]);
     assert_eq!((said.status, said.out.as_str()), (2, ""));
     assert!(said.err.contains("its checksum differs"), "{}", said.err);
-    // In other places the manifest belongs to the user.
+    // Outside of a results folder, a file `manifest.json` belongs to the user.
     let file = path(folder.path(), "manifest.json");
     let program = &sound["programs"][0];
     for (manifest, reason) in [
@@ -137,7 +138,7 @@ fn what_a_kill_has_left_goes_on() {
     assert!(tables(&whole) == tables(&torn));
 }
 
-/// Returns a folder of three runs whose manifest names other builds.
+/// Returns the path of a results folder with three runs. Its manifest lists these builds.
 fn made_by(folder: &std::path::Path, builds: &[&str]) -> String {
     let out = path(folder, "out");
     let said = stochc_with(
@@ -165,7 +166,7 @@ fn runs_of_another_build_are_told_of_once() {
     let out = made_by(folder.path(), &[build]);
     let file = path(out.as_ref(), "manifest.json");
     let once = |err: &str| assert_eq!(err.matches(told).count(), 1, "{err}");
-    // `show` makes no runs and needs no warning.
+    // `show` makes no runs, so it prints no warning.
     assert!(!stochc_with("show", &[&out]).err.contains(told));
     let again = stochc_with("repeat --quiet", &[&file]);
     assert_eq!(again.status, 0, "it is a warning");
@@ -182,14 +183,15 @@ fn runs_of_another_build_are_told_of_once() {
     let resumed = stochc_with(line, &[&out, "--mixed-builds"]);
     assert_eq!(resumed.status, 0, "{}", resumed.err);
     once(&resumed.err);
-    // Then both builds have made runs.
+    // Afterwards, both builds have made runs.
     let manifest: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(&file).unwrap()).unwrap();
     let builds = manifest["builds"].as_array().unwrap();
     assert_eq!((builds.len(), &builds[0]), (2, &build.into()));
 }
 
-/// Runs with different physics are never mixed: one existing run is repeated first.
+/// Checks that runs with different physics are never mixed: before resuming, one existing run is
+/// repeated.
 #[test]
 fn a_run_that_comes_out_differently_ends_the_resuming() {
     let folder = tempfile::tempdir().unwrap();
@@ -198,7 +200,7 @@ fn a_run_that_comes_out_differently_ends_the_resuming() {
         let out = made_by(folder.path(), &[build]);
         let journal = path(out.as_ref(), "journal.jsonl");
         let text = fs::read_to_string(&journal).unwrap();
-        // Another build would have made these runs with other message routes.
+        // Another build would have sent the messages of these runs along other paths.
         let lines = text.lines().map(|line| {
             let (object, _) = line.rsplit_once(",\"crc\"").unwrap();
             let object = object.replace("\"hops\":", "\"hops\":1") + "}";
@@ -221,7 +223,7 @@ fn a_run_that_comes_out_differently_ends_the_resuming() {
     }
 }
 
-/// A mistyped folder is reported before the runs are made.
+/// Checks that a wrong folder name is reported before runs are made.
 #[test]
 fn a_folder_without_runs_to_resume_is_told_of() {
     let folder = tempfile::tempdir().unwrap();
@@ -233,7 +235,7 @@ fn a_folder_without_runs_to_resume_is_told_of() {
     assert!(!fs::exists(&out).unwrap());
 }
 
-/// A program is recognized, whatever its path.
+/// Checks that resuming recognizes a program, whatever its path.
 #[test]
 fn a_folder_goes_on_by_whatever_path_its_program_is_given() {
     let folder = tempfile::tempdir().unwrap();
@@ -281,11 +283,11 @@ fn a_folder_goes_on_without_its_program() {
     let said = stochc_with("resume --quiet --runs 6", &[&out]);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     assert!(tables(&out) == tables(&at_once));
-    // The number of runs cannot decrease.
+    // The number of runs is never reduced.
     assert_eq!(stochc_with("resume --quiet", &[&out]).status, 0);
     assert!(tables(&out) == tables(&at_once));
     assert_eq!(stochc_with("resume --quiet --runs 3", &[&out]).status, 2);
-    // The folder determines all other settings.
+    // The folder determines all other settings, so these options are rejected.
     for option in ["--seed 3", "--model rate", "--max-ticks 9", "--vary free=9"] {
         let line = format!("resume {option}");
         let said = stochc_with(&line, &[&out]);
@@ -294,7 +296,7 @@ fn a_folder_goes_on_without_its_program() {
     let said = stochc_with("resume", &[&other]);
     assert_eq!(said.status, 2);
     assert!(said.err.contains("nothing to resume"), "{}", said.err);
-    // A repetition may have another number of runs.
+    // Repeating an ensemble may use another number of runs.
     let manifest = path(at_once.as_ref(), "manifest.json");
     let line = "repeat --quiet --runs 2";
     let said = stochc_with(line, &[&manifest, "--out", &other]);

@@ -14,7 +14,7 @@ fn subcommands() -> Vec<String> {
     names.collect()
 }
 
-/// Returns the names of all pages of the manual, including nested subcommands.
+/// Returns the names of all pages of the manual, including pages of nested subcommands.
 fn pages() -> Vec<String> {
     let mut left = vec![("stochc".to_owned(), Cli::command())];
     let mut names = Vec::new();
@@ -26,8 +26,8 @@ fn pages() -> Vec<String> {
     names
 }
 
-/// Runs a program with a text as its input. Returns whether it succeeded, and its output. Returns
-/// `None` if the program is not installed.
+/// Runs another program with a text as its input. Returns whether it succeeded, with its output.
+/// Returns `None` if the program is not installed.
 fn tool(command: &str, input: &str) -> Option<(bool, String)> {
     let mut words = command.split(' ');
     let mut child = Command::new(words.next()?)
@@ -45,7 +45,7 @@ fn tool(command: &str, input: &str) -> Option<(bool, String)> {
     let input = input.to_owned();
     let writer = std::thread::spawn(move || to.write_all(input.as_bytes()));
     let output = child.wait_with_output().unwrap();
-    // A tool may exit before it has read everything.
+    // The program may exit before it has read the whole input.
     let _ = writer.join();
     let said = [output.stdout, output.stderr].concat();
     Some((
@@ -113,7 +113,7 @@ fn the_manual_has_a_page_for_every_subcommand() {
         let page = std::fs::read_to_string(pages.join(format!("{name}.1"))).unwrap();
         let title = page.lines().find(|line| line.starts_with(".TH")).unwrap();
         assert!(title.starts_with(&format!(".TH {name} 1")), "{title}");
-        // Enables all warnings of groff, and renders the text.
+        // groff renders the page with all its warnings enabled.
         if let Some((fine, text)) = tool("groff -man -Tascii -ww -z", &page) {
             assert!(fine && text.is_empty(), "{name}: {text}");
         }

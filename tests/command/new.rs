@@ -1,7 +1,8 @@
-//! Tests `stochc new`, and the commands that it proposes.
+//! Tests `stochc new`, and the commands that it suggests.
 use crate::stochc::{command, said};
 
-/// Each template is a formatted program, and the three proposed commands work in order.
+/// Checks that each template is a formatted program, and that its three suggested commands work in
+/// order.
 #[test]
 fn the_next_commands_work() {
     for template in ["structure", "scene", "plan"] {
@@ -21,11 +22,11 @@ fn the_next_commands_work() {
         assert_eq!(next.len(), 3, "{}", new.out);
         for line in next {
             let mut words: Vec<&str> = line.split(' ').skip(1).collect();
-            // Physics would take too long.
+            // Runs with physics would take too long.
             if words[0] == "simulate" {
                 words.extend(["--model", "shuffle"]);
             }
-            // Runs without positions cannot be replayed.
+            // Runs of models without positions cannot be replayed.
             if words[0] != "replay" {
                 let done = run(&words);
                 assert_eq!(done.status, 0, "{line}: {}", done.err);

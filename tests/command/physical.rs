@@ -1,4 +1,4 @@
-//! Tests a small ensemble of rigid bodies.
+//! Tests a small ensemble with physics.
 use std::fs;
 
 use crate::stochc::{contains, path, stochc, stochc_with, tables};
@@ -24,7 +24,7 @@ fn a_physical_run_depends_on_nothing_but_its_inputs() {
     let journal = fs::read_to_string(path(outs[0].as_ref(), "journal.jsonl")).unwrap();
     let last: serde_json::Value = serde_json::from_str(journal.lines().last().unwrap()).unwrap();
     assert_eq!(last["record"]["run"], 2, "one thread keeps the order");
-    // The same run, alone.
+    // A single run must equal the same run of the ensemble.
     let alone = "trace tests/fixtures/dense.sa --seed 5 --run 2";
     let said = stochc_with(alone, &["--json"]);
     assert!(

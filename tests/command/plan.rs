@@ -21,7 +21,7 @@ fn a_program_is_planned_and_passes_every_check() {
     let checked = stochc_with("check --deny warnings", &[&out]);
     assert_eq!(checked.status, 0, "{}", checked.err);
     assert_eq!(stochc_with("fmt --check", &[&out]).status, 0);
-    // Without `--out` the program goes to standard output, and the explanation to standard error.
+    // Without `--out`, the program goes to standard output, and the explanation to standard error.
     let said = stochc(&format!("{FIVE} --explain"));
     assert_eq!(said.out, fs::read_to_string(&out).unwrap());
     assert!(
@@ -47,8 +47,8 @@ fn a_plan_is_a_document_as_well() {
     );
 }
 
-/// The estimate of a plan equals that of `check --cost`, with the rates of the scene or with given
-/// rates.
+/// Checks that the estimate of a plan equals the estimate of `check --cost`, with built-in rates or
+/// with given rates.
 #[test]
 fn the_estimate_is_that_of_the_program() {
     let folder = tempfile::tempdir().unwrap();
@@ -73,7 +73,7 @@ fn the_estimate_is_that_of_the_program() {
     };
     let (built_in, cost) = planned("built_in.sa", &[]);
     assert!((built_in - cost).abs() <= 0.5, "{built_in} {cost}");
-    // Rates of the same scene with halved arrival rates.
+    // The rates are those of the same scene, with half of its arrival rates.
     let rates = fs::read_to_string("crates/estimate/src/data/hemisphere.rates").unwrap();
     let mut rates: serde_json::Value = serde_json::from_str(&rates).unwrap();
     let rate = rates["parameters"][0].as_f64().unwrap();
@@ -104,7 +104,7 @@ fn targets_are_files_of_several_kinds() {
     let text = file("up.txt", b"# #\n");
     let said = stochc_with("plan --quiet", &[&text]);
     assert_eq!(said.status, 0, "{}", said.err);
-    // `up` is a keyword.
+    // `up` is a keyword, so the shape gets another name.
     assert!(said.out.contains("assembly build_shape_up"), "{}", said.out);
     let vox = vox(&[&[[3, 3, 3, 1]]]);
     let said = stochc_with("plan --quiet", &[&file("cell.vox", &vox)]);
@@ -196,7 +196,7 @@ fn shapes_plates_and_scenes_are_chosen() {
     }
 }
 
-/// A shape in the air above the seed of another assembly's plate cannot be attached.
+/// Checks a shape in the air, above the seed of another assembly's plate. It cannot be attached.
 #[test]
 fn what_cannot_be_built_is_told_on_one_line_and_what_would_help_on_the_next() {
     let folder = tempfile::tempdir().unwrap();
@@ -219,7 +219,7 @@ fn what_cannot_be_built_is_told_on_one_line_and_what_would_help_on_the_next() {
     assert!(!said.err.contains("plans tried"), "{}", said.err);
 }
 
-/// An output file that cannot be written is reported before planning.
+/// Checks that an output file that cannot be written is reported before planning.
 #[test]
 fn where_the_program_goes_is_looked_at_first() {
     let folder = tempfile::tempdir().unwrap();
@@ -241,8 +241,8 @@ fn where_the_program_goes_is_looked_at_first() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
-/// A file that is not a program is reported in the user's words, not by diagnostics of generated
-/// source.
+/// Checks that the message about a file that is not a program is about the file, not about
+/// generated source.
 #[test]
 fn what_cannot_be_planned_is_told_with_a_way_out() {
     let folder = tempfile::tempdir().unwrap();
@@ -306,7 +306,7 @@ fn what_cannot_be_planned_is_told_with_a_way_out() {
     );
 }
 
-/// Comments of a scene are copied with it.
+/// Checks that the comments of a scene are copied with it.
 #[test]
 fn a_scene_is_copied_as_it_is_written() {
     let folder = tempfile::tempdir().unwrap();
@@ -327,7 +327,7 @@ assembly a in lab { seed plate 2 x 1 { A at (0, 0) } phase rest { A.up -> B.east
     assert!(said.out.contains(scene), "{}", said.out);
 }
 
-/// A text may begin with a byte order mark, as a program may.
+/// Checks that a text with layers may begin with a byte order mark, as a program may.
 #[test]
 fn layers_may_begin_with_a_mark() {
     let folder = tempfile::tempdir().unwrap();
@@ -365,7 +365,7 @@ fn a_program_is_completed() {
     let said = stochc_with("plan --complete --quiet", &[&part, "--out", &whole]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert_eq!(stochc_with("check --deny warnings", &[&whole]).status, 0);
-    // The program is not written to a folder without its imports.
+    // The program cannot be written to a folder that lacks its imports.
     let imported = "let length = 2\n";
     fs::write(path(folder.path(), "lengths.sa"), imported).unwrap();
     let importing = path(folder.path(), "importing.sa");
@@ -434,7 +434,7 @@ fn a_run_that_was_stopped_is_finished() {
     let nowhere = stochc_with("plan --run 1 --scene nowhere", &[&results]);
     assert_eq!(nowhere.status, 2, "{}", nowhere.err);
     assert!(nowhere.err.contains("no scene is called `nowhere`"));
-    // Options of other targets.
+    // These options belong to other targets.
     assert_eq!(stochc_with("plan --dead E", &[&results]).status, 2);
     assert_eq!(
         stochc_with("plan --run 1 --complete", &[&results]).status,
@@ -458,11 +458,12 @@ fn times_of_a_scene_that_nobody_has_measured_are_told_as_such() {
             .count()
     };
     assert_eq!(planned("hemisphere"), 0);
-    // The note is in the program and in its explanation.
+    // The note appears in the program and in the explanation.
     assert_eq!(planned("hemisphere_soft"), 2);
 }
 
-/// Scenes with warnings and scenes whose faces all attract give a program, or are rejected.
+/// Checks scenes with warnings, and scenes whose faces always attract. The result is a program or
+/// an error.
 #[test]
 fn a_warning_is_no_reason_for_no_program() {
     let folder = tempfile::tempdir().unwrap();
@@ -492,7 +493,8 @@ fn a_warning_is_no_reason_for_no_program() {
     }
 }
 
-/// A completed program may have other claims that are not yet true, and all kinds of comments.
+/// Checks the completion of a program that has other claims, which are not true yet, and all kinds
+/// of comments.
 #[test]
 fn a_completed_program_keeps_its_other_claims_and_its_comments() {
     let folder = tempfile::tempdir().unwrap();
@@ -538,7 +540,8 @@ assembly x {
     assert_eq!(checked.status, 0, "{}", checked.err);
 }
 
-/// A forged line with a valid checksum is left out if no run of the program can have made it.
+/// Checks a forged record with a valid checksum. It is ignored if no run of the program could have
+/// this record.
 #[test]
 fn a_forged_record_is_left_out() {
     let folder = tempfile::tempdir().unwrap();
@@ -585,7 +588,8 @@ fn a_forged_record_is_left_out() {
     assert_eq!(said.status, 0, "{}", said.err);
 }
 
-/// The fastest plan without a stopped run is written, and its program has no warnings.
+/// Checks that a race selects the fastest plan without a stopped run. The resulting program has no
+/// warnings.
 #[test]
 fn a_race_with_physics_chooses_the_fastest_plan() {
     let folder = tempfile::tempdir().unwrap();

@@ -40,8 +40,8 @@ fn a_scene_may_come_from_another_file() {
     );
 }
 
-/// Without an assembly, the only scene of a file is used. If a file has several scenes, none is
-/// used, and the command reports that.
+/// Checks that the only scene of a file is used. If there are several, none is used, and the
+/// command reports this.
 #[test]
 fn the_scene_that_is_used_is_reported() {
     let folder = tempfile::tempdir().unwrap();
@@ -107,7 +107,7 @@ fn output_is_replaced_if_that_is_asked_for() {
         (2, true),
         "{told}"
     );
-    // The target is not overwritten.
+    // The output must not replace the target.
     let (status, told) = wrong(PLAN, &[&out, "--out", &out, "--force"]);
     assert_eq!(
         (status, told.contains("is the target: write")),

@@ -1,4 +1,4 @@
-//! Tests `stochc plan` with `.vox` and `.txt` files.
+//! Tests `stochc plan` with voxel files (`.vox`) and text layers (`.txt`).
 use std::fs;
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::plan::wrong;
 use crate::stochc::{path, stochc_with};
 
-/// Returns a MagicaVoxel file with these models and no scene.
+/// Returns a MagicaVoxel file with these models and without a voxel scene.
 pub fn vox(models: &[&[[u8; 4]]]) -> Vec<u8> {
     let chunk = |name: &[u8], content: &[u8], children: &[u8]| {
         let lengths = [content, children].map(|part| (part.len() as u32).to_le_bytes());
@@ -69,8 +69,8 @@ fn copies_are_built_and_hidden_models_are_reported() {
     assert!(told.contains("left out 2 hidden models of"), "{told}");
 }
 
-/// The model has more cells than the default scene has blocks. The program contains a scene with
-/// enough blocks.
+/// Checks a model with more cells than the default scene has blocks. The program then contains a
+/// scene with enough blocks.
 #[test]
 fn a_large_model_gets_a_scene_with_enough_blocks() {
     let folder = tempfile::tempdir().unwrap();
@@ -94,7 +94,7 @@ fn a_large_model_gets_a_scene_with_enough_blocks() {
     assert_eq!(stochc_with("fmt --check", &[&out]).status, 0);
     let checked = stochc_with("check --deny warnings", &[&out]);
     assert_eq!(checked.status, 0, "{}", checked.err);
-    // A scene chosen by an option is not replaced.
+    // A scene that an option selects is not replaced.
     let (status, told) = wrong("plan --quiet --scene hemisphere", &[&solid]);
     assert_eq!(status, 1, "{told}");
     assert!(told.contains("(`--free`, `--scene`)"), "{told}");
@@ -102,7 +102,7 @@ fn a_large_model_gets_a_scene_with_enough_blocks() {
     assert_eq!(document["scene"], "hemisphere_400");
 }
 
-/// A tower of 40 cells does not fit into the default enclosure.
+/// Checks a tower of 40 cells, which does not fit into the default enclosure.
 #[test]
 fn a_high_model_gets_a_scene_with_enough_room() {
     let folder = tempfile::tempdir().unwrap();
@@ -150,7 +150,7 @@ fn loose_parts_are_all_reported_dropped_or_held() {
     assert!(said.out.contains("yields corners"), "{}", said.out);
 }
 
-/// Old systems end lines with a carriage return alone.
+/// Checks text layers whose lines end with a carriage return only, as on old systems.
 #[test]
 fn rows_may_end_with_carriage_returns() {
     let folder = tempfile::tempdir().unwrap();

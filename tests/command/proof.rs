@@ -1,17 +1,17 @@
-//! Tests the proof that `check` reports.
+//! Tests the proof that `check` prints.
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::{Level, Limits, LintLevels, check_with};
 
 use crate::stochc::{stochc, stochc_reading};
 
-/// Returns the program of a page of `stochc explain`.
+/// Returns the invalid program on the page of a diagnostic code.
 fn wrong_program(code: Code) -> &'static str {
     let (_, rest) = code.page().split_once("```sa\n").unwrap();
     rest.split_once("```").unwrap().0
 }
 
-/// Returns the status lines of a text's programs, and their JSON.
+/// Returns the status lines about the programs in a text, and the programs as JSON.
 fn checked(text: &str, option: &str) -> (Vec<String>, Vec<Value>) {
     let said = stochc_reading(&format!("check {option} -"), text);
     assert_eq!(said.status, 0, "{}", said.err);
@@ -86,10 +86,10 @@ fn nothing_is_proved_about_wrong_programs_and_aggregates() {
     assert_eq!(document["programs"][0]["proved"], Value::Null);
 }
 
-/// This holds whether the warning is reported or allowed.
+/// Checks a search that was given up, with its warning reported and with the warning allowed.
 #[test]
 fn a_search_that_gave_up_proves_no_access() {
-    // The core is within walls, so its access path requires a search.
+    // The core is within walls, so the proof of access requires a search.
     let text = "assembly tunnel {
         seed plate 3 x 3 {
             for y in 0..2 { W[y] at (0, y)  E[y] at (2, y) }
@@ -132,7 +132,8 @@ fn a_release_without_room_proves_no_access() {
     }
 }
 
-/// `Y` and `Z` may dock before `X` is released. Then no third block is free.
+/// Checks a program that may run out of free blocks. `Y` and `Z` may be captured before `X` is
+/// released. Then no third block is free.
 #[test]
 fn free_blocks_that_may_run_out_prove_no_completion() {
     let program = |free: u32, wait: &str| {

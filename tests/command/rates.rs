@@ -1,4 +1,4 @@
-//! Tests rates of scenes: calibration, storage, simulation and estimates.
+//! Tests rates of scenes: how they are calibrated, stored and used for simulations and estimates.
 use std::fs;
 
 use serde_json::Value;
@@ -6,7 +6,7 @@ use stochc_estimate::Interaction;
 
 use crate::stochc::{Said, path, stochc, stochc_with};
 
-/// Program in a small, crowded scene, whose blocks dock quickly.
+/// Source of a program in a small, crowded scene, whose captures are fast.
 const SMALL: &str = "scene small from hemisphere {
     free 60 uniform
     enclosure hemisphere { radius 2.4m  wall 250 N/m }
@@ -33,7 +33,7 @@ fn rates_are_measured_kept_and_used() {
         "{}",
         first.out
     );
-    // The rates do not depend on the number of threads.
+    // The calibrated rates do not depend on the number of threads.
     let second = stochc_with(
         &format!("{calibrate} --threads 2"),
         &[&here("small.sa"), "--out", &here("two.rates")],
@@ -61,10 +61,10 @@ fn rates_are_measured_kept_and_used() {
     // The manifest contains the rates.
     let repeated = stochc_with("repeat --quiet --json", &[&here("runs/manifest.json")]);
     assert_eq!((repeated.status, repeated.out), (0, ensemble.out));
-    // The folder contains the rates for resumed runs.
+    // The results folder also contains the rates, so resumed runs use them.
     let resumed = stochc_with("resume --runs 30 --quiet", &[&here("runs")]);
     assert_eq!((resumed.status, resumed.err.as_str()), (0, ""));
-    // Rates of another scene are not used, and the command reports that. That scene has an
+    // Rates of another scene are not used, and the command reports this. The scene then has an
     // uncalibrated estimate, so no calibration is needed.
     let line = "scene other from hemisphere { free 200 uniform }
         assembly line in other { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up ->> T[1..3] } }";
@@ -74,7 +74,7 @@ fn rates_are_measured_kept_and_used() {
         for (file, is_unused) in [("other.sa", true), ("small.sa", false)] {
             let said = stochc_with(command, &[&here(file), "--rates", &here("one.rates")]);
             assert_eq!(said.status, 0, "{}", said.err);
-            // The message appears once.
+            // The message is printed only once.
             let told = said.err.matches(&unused).count();
             assert_eq!(told, usize::from(is_unused), "{command}: {}", said.err);
         }
@@ -103,8 +103,8 @@ fn the_line_takes_by_rates_what_it_takes_with_physics() {
     assert_eq!(said.status, 0, "{}", said.err);
     let value: Value = serde_json::from_str(&said.out).unwrap();
     let mean = value["programs"][0]["time"]["mean"].as_f64().unwrap();
-    // Physics gives 8113 ± 190 (docs/validation/paper.md). docs/validation/rates.md documents the
-    // bias.
+    // Simulations give 8113 ± 190 (docs/validation/paper.md). docs/validation/rates.md describes
+    // the bias.
     assert!((7500.0..8800.0).contains(&mean), "{mean}");
     let text = stochc("simulate --model rate --runs 5 --quiet examples/line.sa");
     assert!(
@@ -140,7 +140,7 @@ fn estimates_say_when_and_why() {
             .sum();
         assert!(sum <= 1.0 + 1e-9 && sum > 0.98, "{sum}");
     }
-    // In a chain every capture decides the time.
+    // In a chain of captures, every capture is on the critical path.
     assert_eq!(
         value["estimates"][0]["shares"].as_array().unwrap().len(),
         13
@@ -195,7 +195,7 @@ fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
         (drawn / run - 1.0).abs() < 4.0 * 0.2 / 20.0,
         "{drawn} {run}"
     );
-    // A compiled file contains the graph of its program.
+    // A compiled file contains the dependency graph of its program.
     let of_compiled = mean(&stochc_with("estimate --json --quiet", &[&compiled]));
     assert_eq!(
         (of_compiled.0, &of_compiled.1["method"]["kind"]),
@@ -203,8 +203,8 @@ fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
     );
 }
 
-/// A third of all runs reach the timeout of the first phase: by the graph, by runs, and in
-/// `simulate`.
+/// Checks a program that times out in its first phase in a third of all runs. The graph, runs by
+/// rates, and `simulate` agree.
 #[test]
 fn what_comes_to_a_timeout_is_slower_than_all_others() {
     let folder = tempfile::tempdir().unwrap();
@@ -242,7 +242,7 @@ fn what_comes_to_a_timeout_is_slower_than_all_others() {
     assert!((graph / runs - 1.0).abs() < 0.15, "{graph} and {runs}");
     let text = stochc_with("estimate --quiet", &[&file]).out;
     assert!(text.contains("the slowest"), "{text}");
-    // Runs stop before the end of the second phase, so its quantiles are not known.
+    // Runs are stopped before the end of the second phase, so its quantiles are unknown.
     let cut = estimated("--runs 1000 --max-ticks 1500");
     assert!(cut["phases"][1]["times"].is_null(), "{cut}");
     assert!(cut["total"]["p10"].as_f64().is_some(), "{cut}");
@@ -264,7 +264,7 @@ fn scenes_that_nobody_has_measured_are_guessed_and_say_so() {
     }
 }
 
-/// Scenes outside of the rate model, with the name of their reason.
+/// Scenes that the rate model does not support, each with the name of its unsupported feature.
 const UNKNOWN: [(&str, &str); 5] = [
     (
         "examples/experiment_1.sa",
@@ -332,7 +332,7 @@ fn nothing_is_recorded_of_blocks_that_have_no_places() {
     assert!(tank.err.contains("suction"), "{}", tank.err);
 }
 
-/// For the same few runs both commands print the same mean and the same interval.
+/// Checks that both commands print the same mean and interval for the same few runs.
 #[test]
 fn an_estimate_by_runs_is_as_sure_as_an_ensemble() {
     let line = "--runs 5 --seed 3 --quiet --json";

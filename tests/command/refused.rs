@@ -1,4 +1,4 @@
-//! Tests commands that are rejected before any run.
+//! Tests commands that are rejected before the first run.
 use std::fs;
 
 use crate::stochc::{path, stochc, stochc_with, tables};
@@ -42,7 +42,7 @@ fn wrong_command_lines_are_told_of() {
             "{line}: {}",
             said.err
         );
-        // A negative number is not an option.
+        // A negative number is a value, so the message does not treat it as an option.
         assert!(!said.err.contains("as a value, use"), "{}", said.err);
     }
     assert!(
@@ -52,7 +52,8 @@ fn wrong_command_lines_are_told_of() {
     );
 }
 
-/// Options are rejected even if another option excludes the one that they need.
+/// Checks that an option without effect is rejected, even if another option excludes the option
+/// that it needs.
 #[test]
 fn an_option_without_effect_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -99,7 +100,7 @@ fn an_option_without_effect_is_refused() {
     }
 }
 
-/// Tests command names of other programs, and a file without a command.
+/// Checks suggestions for names of commands in other programs, and for a file without a command.
 #[test]
 fn the_command_that_is_meant_is_suggested() {
     for (line, meant) in [
@@ -118,7 +119,7 @@ fn the_command_that_is_meant_is_suggested() {
     }
 }
 
-/// Every command is in a group, and the help has a readable width.
+/// Checks that every command is in a group, and that the help has a readable width.
 #[test]
 fn help_is_grouped_and_wrapped() {
     let help = stochc("--help").out;
@@ -315,7 +316,7 @@ fn none_of_something_is_no_number_to_show_or_to_try() {
     }
 }
 
-/// Programs are named in text. If one of several names is not UTF-8, the message names it.
+/// Checks arguments that are not UTF-8. If one of several is invalid, the message names it.
 #[test]
 #[cfg(unix)]
 fn an_argument_that_is_no_text_is_named() {

@@ -1,4 +1,4 @@
-//! Tests commands with little memory and few threads: each ends with a documented status and a
+//! Tests commands with little memory and few threads. Each must end with a documented status and a
 //! reason.
 use std::fs;
 use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use crate::skipped::skipped;
 use crate::stochc::{Said, path, said, stochc_with};
 
-/// Program of a hundred thousand captures: towers of ten on a square plate.
+/// Source of a program with a hundred thousand captures: towers of ten on a square plate.
 const LARGE: &str = "scene vast from hemisphere {
     free 100000 uniform
     enclosure hemisphere { radius 120m  wall 25 N/m }
@@ -19,7 +19,7 @@ assembly towers in vast {
 }
 ";
 
-/// Runs a command with this address space \[kB\].
+/// Runs a command with this limit on its address space \[kB\].
 fn with_memory(kilobytes: u32, arguments: &[&str]) -> Said {
     let program = format!("ulimit -v {kilobytes}; \"$@\"; exit $?");
     let mut command = Command::new("sh");
@@ -27,7 +27,7 @@ fn with_memory(kilobytes: u32, arguments: &[&str]) -> Said {
     said(command.args(arguments).env_remove("RUST_BACKTRACE"))
 }
 
-/// Status that a shell reports for a process without memory (SIGABRT).
+/// Exit status that a shell reports for a process that ran out of memory (SIGABRT).
 const ABORTED: i32 = 128 + 6;
 
 #[track_caller]
@@ -59,7 +59,7 @@ fn without_memory_a_command_says_so_and_ends() {
         assert_eq!(stochc_with("shard run --quiet", &[&cut, piece]).status, 0);
     }
     let mut refused = 0;
-    // Slightly more than the least memory for any command.
+    // The limits start slightly above the smallest memory that any command needs.
     let mut limits = (20_000..).step_by(5_000);
     let begins = |&kilobytes: &u32| with_memory(kilobytes, &["--version"]).status == 0;
     let own = 15_000 + limits.find(begins).unwrap();
@@ -84,7 +84,7 @@ fn without_memory_a_command_says_so_and_ends() {
             &["shard", "merge", &cut],
         ] {
             let said = with_memory(kilobytes, arguments);
-            // For a folder that is already merged, `merge` reports that.
+            // For a folder that is already merged, `merge` reports this.
             ends_well(&said, &[0, 2, 3, ABORTED]);
             refused += usize::from(said.err.contains("memory allocation of "));
         }
@@ -113,7 +113,7 @@ fn without_memory_no_recording_is_called_damaged() {
     assert!(short > 0, "nothing was short of memory");
 }
 
-/// User without other processes: the limit counts all threads of a user, except those of root.
+/// User id without other processes. The limit on threads counts all threads of a user, except root.
 const NOBODY: u32 = 61_234;
 
 #[test]
@@ -124,7 +124,7 @@ fn without_threads_a_command_goes_on_or_says_so() {
     if !is_root || setpriv.is_err() {
         return skipped("util-linux", "setpriv as root");
     }
-    // The copy is in a folder that this user can access.
+    // The copy of `stochc` is in a folder that this user can access.
     let program = place.path().join("stochc");
     fs::copy(env!("CARGO_BIN_EXE_stochc"), &program).unwrap();
     let example = place.path().join("line.sa");

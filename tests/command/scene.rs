@@ -1,4 +1,4 @@
-//! Tests the physics listing and warnings about scenes.
+//! Tests the listing of `--physics`, and warnings about scenes.
 use std::ops::ControlFlow;
 
 use serde_json::Value;
@@ -109,13 +109,14 @@ fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
 
     let said = stochc("check --physics tests/fixtures/wrong.sa");
     assert_eq!((said.status, said.out.as_str()), (1, ""));
-    // With `--format short`, standard output contains only diagnostics.
+    // With `--format short`, standard output has only diagnostics.
     let said = stochc("check --physics --format short tests/fixtures/tower.sa");
     assert_eq!((said.status, said.out.as_str()), (0, ""));
     assert!(said.err.contains("scene hemisphere, of tower"));
 }
 
-/// `simulate` checks its time step, and a sweep checks all its points once.
+/// Checks that `simulate` warns about a long time step, and that a sweep checks each point only
+/// once.
 #[test]
 fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
     let line = "simulate --runs 1 --max-ticks 1 tests/fixtures/dense.sa --substeps";
@@ -124,7 +125,7 @@ fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
     let one = told("1");
     let title = "warning[coarse-step]: in scene `dense`, blocks overlap deeply";
     assert_eq!(one.matches(title).count(), 1, "{one}");
-    // It can be denied like other warnings.
+    // The warning can be denied like any other.
     let denied = stochc_with(line, &["1", "--deny", "warnings"]);
     assert_eq!(denied.status, 1, "{}", denied.err);
     for text in [
@@ -137,7 +138,8 @@ fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
     let allowed = stochc_with(line, &["1", "--allow", "coarse-step"]);
     assert_eq!(allowed.status, 3);
     assert!(!allowed.err.contains("coarse-step"), "{}", allowed.err);
-    // A sweep has many scenes, and one warning in addition to that of the text.
+    // A sweep has many scenes. It prints only one warning in addition to the warning about the
+    // source.
     let line = line.replace("simulate", "sweep");
     let swept = stochc_with(&line, &["1", "--vary", "free=5..9/3"]).err;
     assert_eq!(swept.matches("F τ² / (m d) is 6").count(), 1, "{swept}");
@@ -145,12 +147,12 @@ fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
         swept.contains("dense [free=5] and 2 other programs: "),
         "{swept}"
     );
-    // The model without physics has no time step.
+    // A model without physics has no time step.
     let line = "simulate --quiet --runs 1 --model shuffle tests/fixtures/dense.sa";
     assert_eq!(stochc(line).err, "");
 }
 
-/// The check includes drag: the steps of `microns.sa` suffice for the motion of its blocks.
+/// Checks that drag counts: the steps of `microns.sa` suffice for the motion of its blocks.
 #[test]
 fn a_scene_in_which_drag_rules_is_resolved() {
     let said = stochc("check --physics --json examples/microns.sa").json();
@@ -162,7 +164,7 @@ fn a_scene_in_which_drag_rules_is_resolved() {
         .find(|it| it["symbol"] == "φ F τ² / (m d)")
         .unwrap();
     assert_eq!(pull["substeps"], 1);
-    // The times are the same for all of these: docs/concepts/physical-model.md.
+    // The times are the same for these numbers of steps: docs/concepts/physical-model.md.
     for steps in [1, 4, 16] {
         let line = format!(
             "simulate --substeps {steps} --quiet --runs 1 --max-ticks 1 examples/microns.sa"
@@ -171,7 +173,8 @@ fn a_scene_in_which_drag_rules_is_resolved() {
     }
 }
 
-/// Blocks 1.8 % heavier than the stirred fluid lie on the floor.
+/// Checks a scene whose blocks are 1.8 % heavier than the stirred fluid, so that they lie on the
+/// floor.
 #[test]
 fn a_tank_whose_blocks_sink_is_told_of() {
     let folder = tempfile::tempdir().unwrap();
@@ -194,13 +197,13 @@ fn a_tank_whose_blocks_sink_is_told_of() {
         "{}",
         said.err
     );
-    // A structure along the floor is not affected.
+    // A structure along the floor can still be built.
     std::fs::write(&file, text.replace("A.up -> B", "A")).unwrap();
     let said = stochc_with("simulate --runs 1 --max-ticks 1", &[&file]);
     assert!(!said.err.contains("warning"), "{}", said.err);
 }
 
-/// Returns a scene without agitation whose blocks float, or sink without a floor.
+/// Returns a scene without agitation. Its blocks float, or sink without a floor.
 fn tank(wall: &str, density: &str, contact: &str) -> String {
     format!(
         "scene tank {{ tick 5 ms\n block cube {{ side 20 cm  mass 1 kg  faces 1 }}\n free 1 uniform\n \
@@ -211,8 +214,8 @@ fn tank(wall: &str, density: &str, contact: &str) -> String {
     )
 }
 
-/// The net force on a block is (8 kg - 1 kg) g, or -0.2 g times 1 kg. The wall balances it with its
-/// stiffness times 20 cm.
+/// Checks walls that hold floating or sinking blocks. The net force on a block is (8 kg - 1 kg) g,
+/// or -0.2 g times 1 kg. A wall balances it with its stiffness times 20 cm.
 #[test]
 fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
     let folder = tempfile::tempdir().unwrap();
@@ -246,7 +249,7 @@ fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
     }
 }
 
-/// Height of the last free block.
+/// Observer of the height of the last free block.
 #[derive(Default)]
 struct Last(Vec<f64>);
 
@@ -256,7 +259,7 @@ impl Observer for Last {
     }
 }
 
-/// The closed form gives the position of a block at rest.
+/// Checks the position of a block at rest against its closed form.
 #[test]
 fn a_block_at_rest_is_as_far_outside_of_the_shell_as_is_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -274,7 +277,7 @@ fn a_block_at_rest_is_as_far_outside_of_the_shell_as_is_told() {
         let mut last = Last::default();
         observe(&tables, &scene, &settings, 5, 0, &mut watch, &mut last).unwrap();
         let distance = last.0.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // The radius is 10 block lengths.
+        // The radius of the shell is 10 block lengths.
         assert!(
             (distance - 10.0 - depth).abs() < 1e-3,
             "{distance} and {depth}"
@@ -282,7 +285,8 @@ fn a_block_at_rest_is_as_far_outside_of_the_shell_as_is_told() {
     }
 }
 
-/// A compiled file has no source, but its scene is checked.
+/// Checks a compiled file with a scene without motion. It has no source, but the warning can be
+/// denied.
 #[test]
 fn a_scene_in_which_nothing_moves_is_refused_if_that_is_denied() {
     let folder = tempfile::tempdir().unwrap();
@@ -309,7 +313,7 @@ fn a_scene_in_which_nothing_moves_is_refused_if_that_is_denied() {
     }
 }
 
-/// A sweep that removes the agitation causes a warning, unless it is quiet.
+/// Checks a sweep that removes the agitation. It causes a warning, except with `--quiet`.
 #[test]
 fn warnings_of_the_points_of_a_sweep_are_left_out_if_quiet() {
     let folder = tempfile::tempdir().unwrap();
@@ -324,8 +328,8 @@ fn warnings_of_the_points_of_a_sweep_are_left_out_if_quiet() {
     }
 }
 
-/// A listing always states whether the time step is small enough, and marks values outside of their
-/// limit.
+/// Checks that a listing states whether the time step is small enough, and marks values beyond
+/// their limit.
 #[test]
 fn rows_outside_of_their_limit_are_marked() {
     let folder = tempfile::tempdir().unwrap();

@@ -11,7 +11,7 @@ use crate::stochc::{path, shard_new, stochc_with};
 const TOWER: &str = "simulate --model shuffle tests/fixtures/tower.sa --runs 10 --seed 3";
 const SWEEP: &str = "sweep --model shuffle examples/line.sa examples/five_tower.sa --runs 4 --vary free=50,60 --max-ticks 12";
 
-/// Returns every file below a folder, except the lock.
+/// Returns the content of every file below a folder, except the lock.
 fn files(folder: &str) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -34,7 +34,7 @@ fn shards_put_together_are_the_folder_of_one_machine() {
         let [plain, shards] =
             ["plain", "shards"].map(|it| path(folder.path(), &format!("{it}{number}")));
         stochc_with(command, &["--quiet", "--threads", "1", "--out", &plain]);
-        // The machines that run shards have no source of the program.
+        // The machines that run shards do not have the source of the program.
         let said = stochc_with(&shard_new(command), &["--shards", "3", "--out", &shards]);
         assert_eq!(said.status, 0, "{}", said.err);
         assert!(
@@ -98,7 +98,7 @@ fn a_shell_loop_makes_what_is_missing() {
     assert_eq!(stochc_with("shard merge --quiet", &[&out]).out, "");
 }
 
-/// Each rejection has a reason, advice, and its own exit status, and changes no file.
+/// Checks that each rejection has a reason, advice and an exit status, and changes no file.
 #[test]
 fn what_cannot_be_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -177,7 +177,7 @@ fn what_cannot_be_is_refused() {
     );
 }
 
-/// Changes a digit after the first line of a shard.
+/// Changes a digit after the first line of a shard's file.
 fn damage(out: &str, shard: &str) {
     let file = format!("{out}/shards/{shard}.jsonl");
     let text = fs::read_to_string(&file).unwrap();
@@ -192,7 +192,7 @@ fn damage(out: &str, shard: &str) {
     fs::write(&file, format!("{first}\n{rest}")).unwrap();
 }
 
-/// The first line of a shard is still valid, and `status` reads only that.
+/// Checks a shard whose first line is still valid, so that `status` does not detect the corruption.
 #[test]
 fn damaged_shards_are_made_again_by_what_is_proposed() {
     let folder = tempfile::tempdir().unwrap();

@@ -22,7 +22,8 @@ fn a_folder_tells_what_was_told_when_it_was_filled() {
     }
 }
 
-/// Kicks that break the physics: without a folder, the terminal is the only place for the reason.
+/// Checks random impulses that break the physics. Without a results folder, only the terminal can
+/// show the reason.
 #[test]
 fn the_first_reason_of_runs_that_fail_is_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -60,9 +61,9 @@ fn the_first_reason_of_runs_that_fail_is_told() {
     }
 }
 
-/// Compares a program with and without a timeout on its first phase, using the same runs. Runs that
-/// reach the timeout are the slow ones. They count as slower than all others, and not as if they
-/// had continued like the fast ones.
+/// Compares a program with and without a timeout of its first phase, for the same runs. Only slow
+/// runs reach the timeout. They count as slower than all others, not as if they had continued like
+/// fast runs.
 #[test]
 fn a_timeout_of_one_of_several_phases_makes_no_program_faster() {
     let folder = tempfile::tempdir().unwrap();
@@ -95,8 +96,8 @@ fn a_timeout_of_one_of_several_phases_makes_no_program_faster() {
     assert!(words.contains("These runs never complete."), "{}", said.out);
 }
 
-/// One program is stopped early in most runs, another one always completes later. The program that
-/// rarely completes takes longer.
+/// Compares a program that times out in most runs with a program that always completes later. The
+/// first one takes longer.
 #[test]
 fn a_program_that_mostly_times_out_is_not_the_faster_one() {
     let folder = tempfile::tempdir().unwrap();
@@ -114,10 +115,11 @@ fn a_program_that_mostly_times_out_is_not_the_faster_one() {
         said.out
     );
     let time = |program: usize, figure: &str| found["programs"][program]["time"][figure].as_f64();
-    // Both count up to the last time that was observed in either.
+    // Both means are restricted to the latest time that was observed in either program.
     assert_eq!(time(0, "horizon"), time(1, "max"));
     assert!(time(0, "mean") > time(1, "mean"), "{}", said.out);
-    // The same holds for a sweep. Five ticks of 10 ms fit into the timeout, but only one of 40 ms.
+    // A sweep gives the same result. Five ticks of 10 ms fit into the timeout, but only one of 40
+    // ms.
     let limited = "assembly limited { seed plate 1 x 1 { M at (0, 0) } phase a timeout 50 ms { M.up ->> T[1..5] } }";
     let slow = path(folder.path(), "limited.sa");
     fs::write(&slow, limited).unwrap();
@@ -268,7 +270,7 @@ fn a_corrupted_folder_ends_with_2_and_its_sound_runs_are_shown() {
     }
 }
 
-/// The third of five runs by time is the median.
+/// Checks that the median of five runs is the third in the order of times.
 #[test]
 fn a_replay_without_a_number_shows_the_median_run() {
     let folder = tempfile::tempdir().unwrap();
@@ -291,7 +293,7 @@ fn a_replay_without_a_number_shows_the_median_run() {
         .as_f64()
         .unwrap();
     assert_eq!(ticks, median);
-    // With several programs, the program must be named. It has its own runs.
+    // With several programs, the program must be named. It has its own median run.
     let failing = "simulate --quiet --model shuffle --runs 2 tests/fixtures/tower.sa tests/fixtures/late.sa --out";
     let two = path(folder.path(), "two");
     stochc_with(failing, &[&two]);
@@ -324,8 +326,8 @@ fn what_holds_no_results_is_told_of() {
     }
 }
 
-/// The terminal, `show` and the report print the same for one folder, with and without censored
-/// runs.
+/// Checks that the terminal, `show` and the report print the same about a folder, with and without
+/// censored runs.
 #[test]
 fn one_folder_has_one_test_and_one_wording() {
     let folder = tempfile::tempdir().unwrap();
@@ -357,7 +359,7 @@ fn one_folder_has_one_test_and_one_wording() {
         }
         let at = names.iter().position(|name| *name == "horizon").unwrap();
         assert_eq!(row[at].parse().ok(), pair["horizon"].as_f64());
-        // The sentence, word for word.
+        // The page contains the same sentence, word for word.
         let (_, sentence) = told.out.split_once("\ndense - taller: ").unwrap();
         let sentence = sentence.replace("\n  ", " ");
         let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
@@ -365,7 +367,7 @@ fn one_folder_has_one_test_and_one_wording() {
             .replace('\u{a0}', " ")
             .replace("&lt;", "<")
             .replace("&#39;", "'");
-        // On the page, names have markup.
+        // On the page, names are in markup.
         let (figures, conclusion) = sentence.trim().rsplit_once(": ").unwrap();
         assert!(page.contains(figures), "{sentence}");
         let known = ["takes longer.", "not significant."];

@@ -19,12 +19,12 @@ fn programs_are_compared() {
     let said = stochc_with(TOWER, &["tests/fixtures/importing.sa", "--runs", "3"]);
     assert_eq!(said.status, 0, "{}", said.err);
     insta::assert_snapshot!(said.out);
-    // The same program twice counts as two programs.
+    // If a program is given twice, it counts as two programs.
     let said = stochc_with(TOWER, &["tests/fixtures/tower.sa", "--runs", "3"]);
     assert!(said.out.contains("tower (2)"), "{}", said.out);
 }
 
-/// A dry run prints the number of runs and their expected CPU time, and writes nothing.
+/// Checks that a dry run prints the number of runs and their expected CPU time, and writes nothing.
 #[test]
 fn a_dry_run_forecasts_the_cpu_time() {
     let folder = tempfile::tempdir().unwrap();
@@ -78,7 +78,7 @@ fn a_timeout_is_told_and_a_status() {
     assert_eq!(said.row("  in seconds").join(" "), "≥ 40.0 ms");
     assert_eq!(said.row("SD (CV)"), ["-"], "unknown");
     assert!(said.out.contains("≥: some runs did not complete"));
-    // The limit of the command has the same exit status as a timeout of the program.
+    // The limit of the command has the same exit status as a timeout in the program.
     let said = stochc_with(TOWER, &["--runs", "3", "--max-ticks", "2"]);
     assert_eq!(said.status, 3);
     assert!(!said.out.contains("Timed out"), "{}", said.out);
@@ -106,7 +106,7 @@ fn a_run_that_is_stopped_tells_by_what_and_what_it_waited_for() {
     assert!(said.out.contains(wait), "{}", said.out);
 }
 
-/// The record of a run can be understood without another file.
+/// Checks that the record of a run can be understood without another file.
 #[test]
 fn a_run_in_json_has_names_beside_indices() {
     let said = stochc("trace --model shuffle --run 0 --json tests/fixtures/late.sa");
@@ -213,7 +213,7 @@ fn a_run_is_told_capture_by_capture() {
     insta::assert_snapshot!(told);
 }
 
-/// Returns the text with `N` for the random numbers of blocks.
+/// Returns the text with `N` in place of the random numbers of blocks.
 fn without_blocks(text: &str) -> String {
     let line = |line: &str| match line.split_once(": block ") {
         Some((before, _)) => format!("{before}: block N\n"),
@@ -222,7 +222,7 @@ fn without_blocks(text: &str) -> String {
     text.lines().map(line).collect()
 }
 
-/// The number of runs follows from the precision, and is reproducible.
+/// Checks that the required precision determines the number of runs, reproducibly.
 #[test]
 fn runs_are_made_until_means_are_known() {
     let folder = tempfile::tempdir().unwrap();
@@ -245,15 +245,15 @@ fn runs_are_made_until_means_are_known() {
     let runs = said["programs"][0]["runs"].as_u64().unwrap();
     assert!(relative(&said).iter().all(|&half| half <= 0.03), "{said}");
     assert!((60..400).contains(&runs) && err.is_empty(), "{runs}: {err}");
-    // The same runs as if their number had been given.
+    // The same runs result if their number is given directly.
     let at_once = path(folder.path(), "at_once");
     let asked = stochc_with(line, &["--runs", &runs.to_string(), "--out", &at_once]).json();
     assert_eq!(asked, said);
-    // A repetition finds the finished runs. A tighter target needs `resume`.
+    // Repeating the command finds the finished runs. A smaller interval requires `resume`.
     assert_eq!(until("3%").0, said);
     let unsaid = stochc_with(line, &["--until", "2%", "--out", &out]);
     assert_eq!(unsaid.status, 2, "{}", unsaid.err);
-    // More runs are made, up to the limit.
+    // Resuming makes more runs, up to the limit.
     let further = stochc_with("resume --quiet --json --until 2%", &[&out]).json();
     assert!(further["programs"][0]["runs"].as_u64().unwrap() > runs);
     let other = path(folder.path(), "other");

@@ -1,50 +1,51 @@
-//! The command and its outcome.
+//! Calls of the command `stochc`, and their results.
 use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-/// Outcome of a command.
+/// Result of a command: its status and output.
 pub struct Said {
-    /// Exit status.
+    /// Exit status of the command.
     pub status: i32,
-    /// Standard output.
+    /// Text on standard output.
     pub out: String,
-    /// Standard error.
+    /// Text on standard error.
     pub err: String,
 }
 
-/// Returns the command, not yet started, in the folder of the project.
+/// Returns the command with these arguments, in the folder of the project, without starting it.
 pub fn command<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stochc"));
     command.args(arguments).stdin(Stdio::null());
     command
 }
 
-/// Runs the command with the words of `line`, and then `more`, which may contain spaces.
+/// Runs `stochc` with the words of `line` as arguments, followed by `more`, which may contain
+/// spaces.
 pub fn stochc_with(line: &str, more: &[&str]) -> Said {
     let arguments = line.split_whitespace().chain(more.iter().copied());
     said(&mut command(arguments))
 }
 
-/// Runs the command with the words of `line`.
+/// Runs `stochc` with the words of `line` as arguments.
 pub fn stochc(line: &str) -> Said {
     stochc_with(line, &[])
 }
 
-/// Runs the command with the words of `line` and a text as standard input.
+/// Runs `stochc` with the words of `line` as arguments, and a text as standard input.
 pub fn stochc_reading(line: &str, text: &str) -> Said {
     let mut command = command(line.split_whitespace());
     command.stdin(Stdio::piped());
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
     let mut input = child.stdin.take().unwrap();
-    // A command that reads nothing may have exited.
+    // A command that does not read its input may have exited.
     let _ = input.write_all(text.as_bytes());
     drop(input);
     of(child.wait_with_output().unwrap())
 }
 
-/// Runs a command.
+/// Runs a command and returns its result.
 pub fn said(command: &mut Command) -> Said {
     of(command.output().unwrap())
 }
@@ -58,35 +59,35 @@ fn of(output: Output) -> Said {
 }
 
 impl Said {
-    /// Parses the standard output as JSON.
+    /// Returns the standard output, parsed as JSON.
     pub fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.out).unwrap()
     }
 
-    /// Returns the figures in the row of the comparison that begins with `label`.
+    /// Returns the values in the row of the comparison whose label is `label`.
     pub fn row(&self, label: &str) -> Vec<&str> {
         let row = self.out.lines().find_map(|line| line.strip_prefix(label));
         row.unwrap().split_whitespace().collect()
     }
 }
 
-/// Returns a message with the folded lines of its titles joined.
+/// Returns a message with the folded lines of titles joined.
 pub fn unfolded(message: &str) -> String {
     message.replace("\n  │ ", " ")
 }
 
-/// Returns the command that splits an ensemble into shards instead of simulating it.
+/// Returns the command line that splits an ensemble into shards instead of simulating it.
 pub fn shard_new(line: &str) -> String {
     let (_, options) = line.split_once(' ').unwrap();
     format!("shard new {options}")
 }
 
-/// Returns a file below a folder, as an argument.
+/// Returns the path of a file below a folder, as an argument.
 pub fn path(folder: &Path, name: &str) -> String {
     folder.join(name).to_str().unwrap().to_owned()
 }
 
-/// Returns whether a JSON value contains all of another one, and perhaps further fields.
+/// Returns whether a JSON value contains all fields of another one.
 pub fn contains(whole: &serde_json::Value, part: &serde_json::Value) -> bool {
     use serde_json::Value::{Array, Object};
     match (whole, part) {
@@ -102,7 +103,7 @@ pub fn contains(whole: &serde_json::Value, part: &serde_json::Value) -> bool {
     }
 }
 
-/// Returns the tables of a results folder.
+/// Returns the bytes of all tables in a results folder.
 pub fn tables(folder: &str) -> Vec<Vec<u8>> {
     let names = stochc::results::tables().into_iter();
     let files = names.map(|table| Path::new(folder).join(format!("{}.parquet", table.name)));

@@ -1,4 +1,4 @@
-//! Tests the output streams, including closed ones.
+//! Tests output streams, including closed ones.
 use std::process::Stdio;
 
 #[cfg(target_os = "linux")]
@@ -16,7 +16,7 @@ fn nothing_is_coloured_outside_a_terminal() {
     ] {
         for no_colour in [None, Some("1")] {
             let mut command = command(line.split_whitespace());
-            // The kind of terminal must not matter.
+            // The kind of terminal must not affect the output.
             command.env("TERM", "xterm-256color").env_remove("NO_COLOR");
             command.envs(no_colour.map(|value| ("NO_COLOR", value)));
             let said = said(&mut command);
@@ -28,7 +28,8 @@ fn nothing_is_coloured_outside_a_terminal() {
     }
 }
 
-/// Runs a command on a terminal, using `script`. Returns `None` if `script` is not installed.
+/// Runs a command on a terminal, by the program `script`. Returns `None` if `script` is not
+/// installed.
 #[cfg(target_os = "linux")]
 fn on_a_terminal(arguments: &str) -> Option<String> {
     on_a_terminal_called("xterm", arguments)
@@ -76,11 +77,11 @@ fn a_terminal_gets_the_next_command() {
         watched.contains(&format!("stochc report {out}")),
         "{watched}"
     );
-    // Without a folder there is nothing to report on.
+    // Without a results folder, `report` is not suggested.
     assert!(!on_a_terminal(simulate).unwrap().contains("stochc report"));
     let quiet = on_a_terminal(&format!("{simulate} --quiet --out {out}-0")).unwrap();
     assert!(!quiet.contains("stochc report"), "{quiet}");
-    // In a pipe, the next command is not part of the output.
+    // If output goes to a pipe, it does not suggest the next command.
     for json in ["", "--json"] {
         let piped = stochc(&format!("{simulate} {json} --out {out}-1{json}"));
         assert!(!piped.out.contains("stochc report"), "{}", piped.out);
@@ -92,7 +93,7 @@ fn a_terminal_gets_the_next_command() {
 fn a_reader_that_leaves_is_no_trouble() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "long.sa");
-    // Its table is larger than the buffer of a pipe.
+    // The output is larger than the buffer of a pipe.
     let program = "assembly long {\n\
                    seed plate 3 x 3 { M at (1, 1) }\n\
                    phase grow { M.up ->> T[1..20] }\n\
@@ -144,7 +145,8 @@ fn a_full_disk_is_told_of() {
     }
 }
 
-/// Files are written before messages. A closed output changes neither files nor the exit status.
+/// Checks that files are written before messages: a closed output changes neither files nor the
+/// exit status.
 #[test]
 fn a_reader_that_leaves_costs_no_file() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! Tests `submit` without Slurm, or with simulated Slurm programs. tests/cluster tests real Slurm.
+//! Tests `submit` without Slurm, or with simulated Slurm programs. The tests in tests/cluster use a
+//! real Slurm.
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
@@ -17,24 +18,25 @@ fn submit(arguments: &[&str]) -> Said {
     said(command(arguments).env("PATH", ""))
 }
 
-/// Simulated Slurm programs, and an ensemble of four shards.
+/// Simulated Slurm programs, with an ensemble of four shards.
 struct FakeSlurm {
     folder: TempDir,
     out: String,
 }
 
-/// Prints the job number, as Slurm does.
+/// Script of `sbatch` that accepts a job and prints its number, as Slurm does.
 const ACCEPTS: &str = "echo $number";
-/// Refuses a job, as Slurm does. The job is removed.
+/// Script of `sbatch` that rejects a job, as Slurm does, and removes it.
 const REFUSES: &str =
     "sed -i '$d' jobs; echo 'sbatch: error: Invalid partition specified' >&2; exit 1";
-/// Lists all jobs as running.
+/// Script of `squeue` that lists all jobs as running.
 const LISTS: &str = "while read n s name; do echo \"$n|0|$name|RUNNING|None\"; done <jobs";
-/// Lists no job.
+/// Script of `squeue` that lists no job.
 const LISTS_NOTHING: &str = ":";
 
 impl FakeSlurm {
-    /// `sbatch` adds a line `NUMBER SECONDS NAME` to `jobs`, and then runs its script.
+    /// Creates the simulated programs. `sbatch` adds a line `NUMBER SECONDS NAME` to `jobs`, and
+    /// then runs its script.
     fn new(sbatch: &str, squeue: &str) -> FakeSlurm {
         let folder = tempfile::tempdir().unwrap();
         let out = path(folder.path(), "out");
@@ -76,14 +78,14 @@ echo \"$* ${SBATCH_ARRAY_INX-}\" >>calls";
         said(&mut self.command(options))
     }
 
-    /// Runs all shards locally.
+    /// Runs all shards on this machine.
     fn run_shards(&self) {
         for shard in ["0", "1", "2", "3"] {
             stochc_with("shard run --quiet", &[&self.out, shard]);
         }
     }
 
-    /// Checks that only an array and a merge job were submitted.
+    /// Checks that exactly one job array and one merge job were submitted.
     #[track_caller]
     fn has_submitted_once(&self) {
         let jobs = fs::read_to_string(self.folder.path().join("jobs")).unwrap();
@@ -144,7 +146,7 @@ fn an_accepted_job_without_a_number_is_found_by_its_name() {
         assert_eq!((said.status, said.err.as_str()), (0, ""));
         assert!(said.out.contains("merge job 102\n"), "{}", said.out);
         slurm.has_submitted_once();
-        // It is not reported as refused either, if it is not found.
+        // If the job is not found, it is not reported as rejected.
         let slurm = FakeSlurm::new(sbatch, LISTS_NOTHING);
         let said = slurm.submit("--grace 1s");
         assert_eq!((said.status, said.out.as_str()), (2, ""));
@@ -245,7 +247,7 @@ fn missing_shards_are_submitted_again() {
 fn shards_are_merged_if_none_is_missing() {
     let slurm = FakeSlurm::new(ACCEPTS, LISTS_NOTHING);
     slurm.run_shards();
-    // Only a complete check detects this.
+    // Only a complete check of the shard detects this corruption.
     let shard = Path::new(&slurm.out).join("shards/1.jsonl");
     let text = fs::read_to_string(&shard).unwrap();
     let last = text.trim_end().rfind('\n').unwrap();
@@ -315,7 +317,7 @@ fn a_dry_run_shows_scripts_and_commands() {
     assert!(name.starts_with("stochc-"), "{name}");
     insta::assert_snapshot!(shown.replace(name, "NAME"));
     assert!(!Path::new(&out).join("slurm").exists());
-    // The ensemble has more shards than Slurm's default number of tasks.
+    // The ensemble has more shards than an array may have tasks by default.
     let many = path(folder.path(), "many");
     let line =
         "shard new --model shuffle tests/fixtures/tower.sa --runs 4000 --shards 4000 --quiet";
@@ -325,7 +327,7 @@ fn a_dry_run_shows_scripts_and_commands() {
     assert!(shown.contains("--array=0-999 "), "{shown}");
 }
 
-/// A shell runs the scripts instead of Slurm.
+/// Checks that a shell without Slurm can run the scripts.
 #[test]
 fn the_scripts_are_plain_shell() {
     let folder = tempfile::tempdir().unwrap();
@@ -358,7 +360,7 @@ fn the_scripts_are_plain_shell() {
         let said = run(shards, task);
         assert_eq!((said.status, said.err.as_str()), (0, ""));
     }
-    // One shard of the task has the file of another shard. The other shard of the task is run.
+    // One shard of the task has the file of another shard. The task still runs its other shard.
     let files = Path::new(&out).join("shards");
     fs::copy(files.join("0.jsonl"), files.join("3.jsonl")).unwrap();
     assert_eq!(run(shards, "1").status, 2);
@@ -420,14 +422,14 @@ fn what_cannot_be_submitted_is_refused() {
     refused(&[&out, "--at-most", "0"], "--at-most");
     refused(&[&out, "--per-task", "0"], "--per-task");
     refused(&[&out, "--grace", "1"], "number and its unit");
-    // Another build.
+    // The manifest names another build.
     let manifest = Path::new(&out).join("manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();
     let build = stochc::results::this_build();
     fs::write(&manifest, text.replace(&build, "0123456789abcdef")).unwrap();
     fs::remove_file(Path::new(&out).join("checksums.json")).unwrap();
     refused(&[&out], "0123456789abcdef");
-    // A folder that one process has begun to fill without shards.
+    // Another process has begun to write runs without shards into the folder.
     let begun = path(folder.path(), "begun");
     stochc_with(TOWER, &["--out", &begun]);
     let journal = Path::new(&begun).join("journal.jsonl");

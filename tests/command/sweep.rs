@@ -1,4 +1,4 @@
-//! Tests ensembles over scene parameters.
+//! Tests sweeps: ensembles over scene parameters.
 use std::fs;
 use std::path::Path;
 
@@ -24,13 +24,13 @@ fn a_number_is_swept_in_one_folder() {
     let said = stochc_with(TOWER, &sweep);
     assert_eq!((said.status, said.err.as_str()), (0, ""));
     insta::assert_snapshot!(said.out);
-    // Each point is a program with its own scene.
+    // Each point of the sweep is a program with its own scene.
     let manifest = json(&out, "manifest.json");
     let programs = manifest["programs"].as_array().unwrap();
     let of = |i: usize| (&programs[i]["name"], &programs[i]["scene"]["free"]["count"]);
     assert_eq!(of(0), (&"tower [free=50]".into(), &50.into()));
     assert_eq!(of(2), (&"tower [free=150]".into(), &150.into()));
-    // The results are written as text and as JSON.
+    // The results are printed and written as JSON.
     let data = json(&out, "sweep.json");
     let point = &data["points"][1];
     assert_eq!(data["axes"][0]["of"], "free");
@@ -57,7 +57,7 @@ fn a_number_is_swept_in_one_folder() {
         assert_eq!(marks, 3, "a mark for each point of {name}");
         roxmltree::Document::parse(&picture).unwrap();
     }
-    // The folder prints the same again, and its points can be replayed and reported.
+    // `show` prints the same for the folder. Its points can be replayed and reported.
     assert_eq!(stochc_with("show", &[&out]).out, said.out);
     let again = stochc_with(TOWER, &sweep);
     assert_eq!((again.status, again.out), (0, said.out), "finished already");
@@ -68,7 +68,8 @@ fn a_number_is_swept_in_one_folder() {
     assert!(text(&out, "report-figures/sweep-1.svg").contains("over free"));
 }
 
-/// Only one of the two blocks of a run is captured.
+/// Checks that a pre-attached block does not count as captured. Only one of the two blocks of a run
+/// is captured.
 #[test]
 fn what_is_attached_by_hand_is_no_capture() {
     let folder = tempfile::tempdir().unwrap();
@@ -104,7 +105,7 @@ fn two_numbers_meet_each_other() {
             said.out
         );
     }
-    // There is a curve for each value of the second parameter, over the first.
+    // There is a curve over the first parameter for each value of the second.
     let picture = text(&out, "sweep.svg");
     assert!(picture.contains("bond.pull [N]"));
     assert!(
@@ -114,7 +115,7 @@ fn two_numbers_meet_each_other() {
     let scene = &json(&out, "manifest.json")["programs"][4]["scene"];
     assert_eq!(scene["bond"]["attract"]["pull"]["force"], 12.0);
     assert_eq!(scene["free"]["count"], 50);
-    // Many values of the second parameter make a map.
+    // If the second parameter has many values, a map replaces the curves.
     let out = path(folder.path(), "map");
     let axes = ["--vary", "bond.pull=2..12 N/3", "--vary", "free=50..57/8"];
     let said = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
@@ -133,7 +134,7 @@ fn two_numbers_meet_each_other() {
     );
 }
 
-/// Each value of a third parameter has separate figures. Many values have none.
+/// Checks that each value of a third parameter has its own figures, and that many values have none.
 #[test]
 fn a_third_number_makes_more_figures() {
     let folder = tempfile::tempdir().unwrap();
@@ -165,14 +166,15 @@ fn a_third_number_makes_more_figures() {
     assert_eq!(names, expected.map(|name| format!("{name}.svg")));
     let second = text(&out, "sweep-2.svg");
     assert!(second.contains("over free at tick=20 ms</title>"));
-    // The picture contains the value for printed pages.
+    // The figure contains the value of the third parameter, for printed pages.
     assert!(second.contains(">tick=20 ms<"), "{second}");
     let (out, names) = figures("many", "tick=10..16 ms/7");
     assert!(names.is_empty(), "{names:?}");
     assert_eq!(text(&out, "sweep.csv").lines().count(), 1 + 2 * 2 * 7);
 }
 
-/// Two programs are compared at the same values, and a program is never compared with itself.
+/// Checks that two programs are compared at the same values, and that a program is never compared
+/// with itself.
 #[test]
 fn programs_are_compared_at_the_same_point() {
     let more = ["tests/fixtures/importing.sa", "--vary", "free=50,80"];
@@ -203,7 +205,7 @@ fn timeouts_follow_the_tick_and_are_shown_as_bounds() {
         "sweep --model shuffle --quiet --runs 3 --vary",
         &["tick=10,20 ms", &program, "--out", &out],
     );
-    // Four ticks suffice for the three captures, two do not.
+    // Four ticks suffice for the three captures, but two do not.
     assert_eq!(said.status, 3, "{}", said.err);
     let data = json(&out, "sweep.json");
     let (early, late) = (&data["points"][0], &data["points"][1]);
@@ -222,7 +224,7 @@ fn timeouts_follow_the_tick_and_are_shown_as_bounds() {
     );
     let never = |said: &Said| said.out.replace("\n  ", " ").contains("never complete");
     assert!(never(&said), "{}", said.out);
-    // The limit of ticks gives no information about later times.
+    // A run that reached the limit of ticks gives no information about later times.
     let cut = stochc_with(TOWER, &["--vary", "free=50,80", "--max-ticks", "1"]);
     assert!(
         cut.out.contains("0 of 3") && cut.out.contains("≥: "),
@@ -248,7 +250,7 @@ fn timeouts_follow_the_tick_and_are_shown_as_bounds() {
 fn a_swept_folder_is_made_again_and_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, torn, again] = ["whole", "torn", "again"].map(|name| path(folder.path(), name));
-    // A ratio of three gives numbers with many digits.
+    // Values with a ratio of three have many digits.
     let sweep = [
         "--vary",
         "agitation=0.1..0.3 m/s/4 log",
@@ -258,14 +260,14 @@ fn a_swept_folder_is_made_again_and_goes_on() {
     let with = |more: &[&str]| stochc_with(TOWER, &[&sweep[..], more].concat());
     let said = with(&["--out", &whole]);
     assert_eq!(said.status, 0, "{}", said.err);
-    // The manifest alone suffices.
+    // The manifest alone is enough to repeat the sweep.
     let manifest = path(whole.as_ref(), "manifest.json");
     let rerun = stochc_with("repeat --quiet", &[&manifest, "--out", &again]);
     assert_eq!((rerun.status, rerun.err.as_str()), (0, ""));
     assert_eq!(rerun.out, said.out);
     assert!(tables(&whole) == tables(&again));
     assert_eq!(text(&whole, "sweep.json"), text(&again, "sweep.json"));
-    // The folder after a kill.
+    // The folder is as a kill would leave it.
     fs::create_dir(&torn).unwrap();
     fs::copy(&manifest, path(torn.as_ref(), "manifest.json")).unwrap();
     let journal = text(&whole, "journal.jsonl");
@@ -289,7 +291,7 @@ fn a_swept_folder_is_made_again_and_goes_on() {
     assert_eq!((resumed.status, resumed.out), (0, said.out));
     assert!(tables(&whole) == tables(&torn));
     assert_eq!(text(&whole, "sweep.csv"), text(&torn, "sweep.csv"));
-    // Other values are another ensemble.
+    // A sweep over other values is another ensemble.
     let other = ["--vary", "agitation=0.1..0.3 m/s/4", "--vary", "free=50,60"];
     let said = stochc_with(TOWER, &[&other[..], &["--out", &torn]].concat());
     assert_eq!(said.status, 2);

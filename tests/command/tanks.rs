@@ -1,4 +1,4 @@
-//! Tests the physical experiments for a few seconds each.
+//! Tests the physical experiments. Each runs for a few seconds.
 use crate::stochc::{path, stochc_with};
 
 const EXAMPLES: [&str; 5] = [
@@ -56,8 +56,8 @@ fn a_tank_is_recorded_and_shown_with_its_shell() {
     let said = stochc_with("replay --run 0", &[&out, "--out", &page]);
     assert_eq!((said.status, &*said.err), (0, ""));
     let written = std::fs::read_to_string(page).unwrap();
-    // The radius is 33 cm in block lengths. The lift is the height of the sphere's centre above a
-    // plate of 3 x 3.
+    // The radius of 33 cm is 3.3 block lengths. The lift is the height of the sphere's centre above
+    // a plate of 3 x 3.
     assert!(written.contains(r#""radius":3.3"#), "no radius");
     let lift = (3.3f64 * 3.3 - 4.5).sqrt();
     assert!(

@@ -1,11 +1,11 @@
-//! Tests small trade-offs whose runs take milliseconds.
+//! Tests small trades whose runs take milliseconds.
 use std::fs;
 
 use serde_json::Value;
 
 use crate::stochc::{path, stochc, stochc_with};
 
-/// Command with three runs per setting, and almost no refinement.
+/// Command line with three runs for each combination of settings, and almost no refinement.
 const DENSE: &str = "trade tests/fixtures/dense.sa --runs 3 --finest 2 --quiet";
 
 fn candidates(trade: &Value) -> &Vec<Value> {
@@ -19,7 +19,7 @@ fn candidate<'a>(trade: &'a Value, name: &str) -> &'a Value {
     found.unwrap_or_else(|| panic!("no candidate `{name}`"))
 }
 
-/// Removes measured times from a trade-off.
+/// Removes the measured CPU times from the JSON of a trade.
 fn without_costs(value: &mut Value) {
     match value {
         Value::Object(fields) => {
@@ -52,7 +52,7 @@ fn every_setting_is_measured_and_kept() {
         "notes on settings left out are not for `--quiet`"
     );
     assert!(!said.out.contains(" rate "), "{}", said.out);
-    // The folder is that of a sweep.
+    // The folder can be read like the folder of a sweep.
     for command in ["show", "report", "fsck"] {
         let other = stochc_with(command, &[&out]);
         assert_eq!(other.status, 0, "{command}: {}", other.err);
@@ -98,14 +98,14 @@ fn every_setting_is_measured_and_kept() {
     );
     assert!(!said.out.contains('\u{1b}'), "no colours into a pipe");
 
-    // Its runs equal those of `simulate`.
+    // The runs equal the runs of `simulate` with the same options.
     let alone = stochc(
         "simulate tests/fixtures/dense.sa --model rigid --substeps 1 --runs 3 --quiet --json",
     );
     let mean = &candidate(&trade, "rigid 1")["programs"][0]["mean"];
     assert_eq!(&alone.json()["programs"][0]["time"]["mean"], mean);
 
-    // The folder is not overwritten.
+    // Another trade must not replace the folder.
     let other = stochc_with(DENSE, &["--out", &out, "--seed", "2"]);
     assert_eq!((other.status, other.out.as_str()), (2, ""));
     assert!(
@@ -213,7 +213,7 @@ fn more_runs_make_none_again() {
     assert_eq!(more, at_once);
 }
 
-/// No run is started after the time limit, and the trade-off of the finished runs is printed.
+/// Checks that no run is started after the time limit. The trade of the finished runs is printed.
 #[test]
 fn a_budget_is_kept() {
     let folder = tempfile::tempdir().unwrap();
@@ -229,7 +229,7 @@ fn a_budget_is_kept() {
     };
     let before = runs(&trade);
     assert!(before[0] > 0 && before[0] < 10_000, "{before:?}");
-    // All settings have about the same number of runs.
+    // All combinations of settings have about the same number of runs.
     assert!(
         before.iter().all(|&it| it.abs_diff(before[0]) < 20),
         "{before:?}"
@@ -246,7 +246,7 @@ fn a_budget_is_kept() {
     assert!(after.iter().sum::<u64>() > before.iter().sum());
 }
 
-/// Settings of a sweep are compared like those of a trade-off.
+/// Checks that the settings of a sweep are compared like the settings of a trade.
 #[test]
 fn a_sweep_over_settings_is_a_trade() {
     let folder = tempfile::tempdir().unwrap();
@@ -278,7 +278,7 @@ fn a_sweep_over_settings_is_a_trade() {
         .collect();
     assert_eq!(programs, ["dense [free=10]", "dense [free=12]"]);
     assert_eq!(trade["reference"]["candidate"], 2);
-    // A point equals an ensemble with these options, run by run.
+    // Each point equals an ensemble with the same options, run by run.
     let alone = "sweep tests/fixtures/dense.sa --runs 3 --quiet --json --substeps 1 --vary free=12";
     let mean = &candidate(&trade, "rigid 1")["programs"][1]["mean"];
     assert_eq!(&stochc(alone).json()["programs"][0]["time"]["mean"], mean);

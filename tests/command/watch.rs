@@ -1,4 +1,4 @@
-//! Tests `simulate --watch`: the report is rewritten while runs are simulated.
+//! Tests `simulate --watch`, which rewrites the report during the runs.
 use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::stochc::{command, path, stochc, stochc_with};
 /// Time limit that exceeds any step on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Element that makes a browser reload the page.
+/// HTML element that makes a browser reload the page.
 const RELOADS: &str = "<meta http-equiv=\"refresh\" content=\"5\"/>";
 
 #[test]

@@ -1,4 +1,4 @@
-//! Tests written files: only new files and stochc's own are replaced, and a formatted file keeps
+//! Tests output files. Only new files and files of stochc are replaced, and a formatted file keeps
 //! its attributes.
 use std::fs::{self, File};
 use std::os::unix::fs::{FileTypeExt as _, MetadataExt as _, PermissionsExt as _, symlink};
@@ -9,8 +9,8 @@ use crate::stochc::{path, stochc_with};
 
 const TOWER: &str = "tests/fixtures/tower.sa";
 
-/// Returns commands that write a file. Each has the words before and after its name, and whether it
-/// may replace its own file.
+/// Returns the command lines that write a file. Each has the words before and after the file name.
+/// It also states whether the command may replace its own file.
 fn writers(results: &str) -> Vec<(String, Vec<&str>, bool)> {
     let compile = |what: &str| format!("compile {TOWER} --emit {what} --out");
     let mut writers = vec![
@@ -60,7 +60,7 @@ fn nothing_but_a_file_of_our_own_is_replaced() {
         assert_eq!(fs::read_to_string(&document).unwrap(), text, "{line}");
         assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
         assert!(!Path::new(&here("nothing")).exists(), "{line}");
-        // A new file is written, and the command's own file is replaced.
+        // The command writes a new file, and replaces a file of its own.
         let new = here("new");
         let said = write(&new);
         assert_eq!(said.status, 0, "{line}: {}", said.err);
@@ -117,7 +117,7 @@ fn an_ensemble_goes_on_through_no_link() {
         assert!(fs::symlink_metadata(&place).unwrap().is_symlink(), "{name}");
         fs::remove_dir_all(&out).unwrap();
     }
-    // The same holds for a folder that is a link to another place.
+    // This also holds for a folder that is a link to another place.
     let (out, elsewhere) = (path(folder.path(), "out"), path(folder.path(), "elsewhere"));
     fs::create_dir(&elsewhere).unwrap();
     assert_eq!(stochc_with(simulate, &[&out, "--runs", "1"]).status, 0);
@@ -163,7 +163,7 @@ fn a_text_keeps_its_names_its_owner_and_its_mode() {
             (other.ino(), 0o640),
             "{line}"
         );
-        // Only root can test another owner.
+        // Files of another owner can only be tested by root.
         fs::write(&owned, text).unwrap();
         if std::os::unix::fs::chown(&owned, Some(1234), Some(1234)).is_ok() {
             assert_eq!(stochc_with(line, &[&owned]).status, 0, "{line}");

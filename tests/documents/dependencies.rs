@@ -1,5 +1,5 @@
-//! Tests the sources and licences of dependencies against `deny.toml`, without the tool that reads
-//! it.
+//! Tests the sources and licences of dependencies against `deny.toml`, without the program
+//! `cargo-deny`.
 use std::process::Command;
 
 use serde_json::Value;
@@ -15,7 +15,7 @@ fn allowed() -> Vec<String> {
     licences.map(str::to_owned).collect()
 }
 
-/// Returns whether a licence expression (SPDX) is satisfied by some of these licences.
+/// Returns whether a licence expression (SPDX) is satisfied by the allowed licences.
 fn is_allowed(expression: &str, allowed: &[String]) -> bool {
     let any = |text: &str| {
         let mut parts = text.split(" OR ").flat_map(|part| part.split('/'));
@@ -26,7 +26,7 @@ fn is_allowed(expression: &str, allowed: &[String]) -> bool {
         })
     };
     let parts: Vec<&str> = expression.split(" AND ").collect();
-    // No expression of our dependencies has more than one pair of brackets.
+    // No expression of our dependencies has more than one pair of parentheses.
     assert!(expression.matches('(').count() <= 1, "{expression}");
     parts.into_iter().all(any)
 }
@@ -58,7 +58,7 @@ fn dependencies_come_from_one_registry_under_licences_that_are_allowed() {
         .unwrap();
     let failed = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() && failed.contains("offline") {
-        // Crates for other platforms may not be downloaded.
+        // Crates for other platforms may be missing on this machine.
         return assert_sources();
     }
     assert!(output.status.success(), "{failed}");
@@ -76,7 +76,8 @@ fn dependencies_come_from_one_registry_under_licences_that_are_allowed() {
     assert_sources();
 }
 
-/// Checks that every package of the lock file is ours, or is from the registry and has a checksum.
+/// Checks every package in the lock file. It must be in this workspace, or be from the registry and
+/// have a checksum.
 fn assert_sources() {
     let lock = std::fs::read_to_string("Cargo.lock").unwrap();
     let mut packages = lock.split("\n[[package]]\n");

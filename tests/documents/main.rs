@@ -1,5 +1,5 @@
-//! Tests the documents. Runs every command in order, as a reader who has just cloned the project.
-//! Compares the output with the documents.
+//! Tests the documents. Runs every command in order, as a reader would after cloning the project.
+//! Compares the output with the output in the documents.
 #![allow(
     clippy::disallowed_methods,
     reason = "the tests read documents and prepare folders for the commands in them"
@@ -16,7 +16,7 @@ use std::process::{Command, Output, Stdio};
 
 use page::{Block, blocks, commands};
 
-/// Languages of blocks that are not commands (`sh`). `python/tests` runs blocks of `python`.
+/// Languages of blocks without commands. `python/tests` runs blocks of `python`.
 const NOT_COMMANDS: [&str; 8] = [
     "lua",
     "py",
@@ -50,7 +50,7 @@ fn markdown_files(folder: &Path, pages: &mut Vec<PathBuf>) {
     }
 }
 
-/// Folder as after a fresh clone, with a separate home. Its commands include the tested `stochc`,
+/// Folder as after cloning the project, with a separate home. Its commands are the tested `stochc`,
 /// and a `cargo` that runs it.
 struct Reader {
     folder: tempfile::TempDir,
@@ -93,7 +93,7 @@ fn executable(path: &Path, script: &str) {
     std::fs::set_permissions(path, PermissionsExt::from_mode(0o755)).unwrap();
 }
 
-/// Returns whether a shell accepts a text as complete, so that the next line is a new command.
+/// Returns whether a shell accepts a text as complete. The next line is then a new command.
 fn is_whole(text: &str) -> bool {
     let parsed = Command::new("bash").args(["-nc", text]).output().unwrap();
     parsed.status.success()
@@ -115,7 +115,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Follows a document as a reader would. Returns the failures.
+/// Runs the commands of a document in order. Returns the failures.
 fn follow(name: &str, page: &str) -> Vec<String> {
     let reader = Reader::new();
     let blocks = blocks(page);
@@ -150,8 +150,8 @@ fn follow(name: &str, page: &str) -> Vec<String> {
     wrong
 }
 
-/// Returns the block with the output of the previous commands: the next `text` block of the
-/// section.
+/// Returns the block with the output of the previous commands, which is the next `text` block of
+/// the section.
 fn shown_behind<'a>(blocks: &'a [Block<'a>]) -> Option<&'a Block<'a>> {
     let next = blocks.first()?;
     (next.language == "text" && !next.begins_section).then_some(next)
@@ -178,7 +178,7 @@ fn every_document_can_be_followed() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// `docs/build` also checks the anchors.
+/// Checks the files that links lead to. `docs/build` also checks the anchors.
 #[test]
 fn every_link_leads_to_a_file() {
     let mut missing = Vec::new();

@@ -1,14 +1,15 @@
-//! The fenced blocks of a document, and comments about them.
+//! Fenced blocks of a document, and the comments about them.
 
-/// A fenced block of a page.
+/// Fenced block of a page.
 pub struct Block<'a> {
-    /// Line number of its opening fence, from 1.
+    /// Line number of the opening fence, from 1.
     pub line: usize,
     /// Language after the opening fence.
     pub language: &'a str,
-    /// Text between the fences.
+    /// Text between the opening and the closing fence.
     pub text: &'a str,
-    /// Reason in an HTML comment `<!-- not run: REASON -->` on the line above.
+    /// Reason why the block is not run, from an HTML comment `<!-- not run: REASON -->` on the line
+    /// above. `None` if it is run.
     pub not_run: Option<&'a str>,
     /// Whether a heading separates this block from the previous one.
     pub begins_section: bool,
@@ -66,15 +67,15 @@ pub fn blocks(page: &str) -> Vec<Block<'_>> {
     blocks
 }
 
-/// A command of a block for a shell.
+/// Shell command in a block.
 pub struct Command<'a> {
-    /// One or more lines.
+    /// Text of the command, of one or more lines.
     pub text: &'a str,
-    /// Exit status in its comment, otherwise 0.
+    /// Expected exit status, from a comment after the command. The default is 0.
     pub status: i32,
 }
 
-/// Returns the commands of a block. Each consists of as many lines as the shell needs. `is_whole`
+/// Returns the commands of a block. A command has as many lines as the shell requires. `is_whole`
 /// returns whether the shell accepts a text as complete.
 pub fn commands(block: &str, is_whole: impl Fn(&str) -> bool) -> Vec<Command<'_>> {
     let mut commands = Vec::new();

@@ -1,7 +1,8 @@
-//! Counts phrases that are hard to read, and long sentences, in all text for people.
+//! Tests the style of all text that people read. Counts phrases that are hard to read, and long
+//! sentences.
 //!
-//! `limits.txt` lists the largest allowed number for each kind of text. Limits only decrease. Texts
-//! may improve without a change here, but a number far below its limit requires a lower limit.
+//! `limits.txt` lists the largest allowed number for each kind of text. Limits may only decrease.
+//! Small improvements need no change of limits, but a number far below its limit does.
 //! `STOCHC_WRITE_DOCS=1 cargo test --workspace --test documents prose` lowers the limits.
 //! `STOCHC_PROSE=PATH cargo test --workspace --test documents prose` lists all places in the files
 //! below `PATH`.
@@ -11,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 const LIMITS: &str = "tests/documents/limits.txt";
 
-/// Phrases that are always counted, one per line. `/` separates alternative words.
+/// Phrases that are hard to read, one per line. `/` separates alternative words.
 const PHRASES: &str = include_str!("phrases.txt");
 
 /// Words that must not start a sentence.
@@ -27,7 +28,7 @@ enum Kind {
 }
 
 impl Kind {
-    /// Returns the largest allowed number of words in a sentence.
+    /// Returns the largest allowed number of words per sentence.
     fn max_words(self) -> usize {
         match self {
             Kind::Comments => 20,
@@ -36,7 +37,7 @@ impl Kind {
     }
 }
 
-/// A paragraph. Sentences do not cross its end.
+/// Paragraph of text, with its location. Sentences do not continue after it.
 struct Paragraph {
     kind: Kind,
     path: PathBuf,
@@ -44,7 +45,7 @@ struct Paragraph {
     text: String,
 }
 
-/// Expands all alternatives of a phrase.
+/// Returns all forms of a phrase with alternative words.
 fn written_out(phrase: &str) -> Vec<String> {
     phrase.split(' ').fold(vec![String::new()], |begun, word| {
         let with = |begun: &String, word: &str| [begun, word].join(" ").trim().to_owned();
@@ -53,7 +54,7 @@ fn written_out(phrase: &str) -> Vec<String> {
     })
 }
 
-/// Returns the hard phrases and the long sentences of a paragraph.
+/// Returns the hard phrases and the long sentences in a paragraph.
 fn hits(paragraph: &Paragraph, phrases: &HashSet<String>) -> [Vec<String>; 2] {
     let [mut hard, mut long] = [Vec::new(), Vec::new()];
     let text = without_code(&paragraph.text);
@@ -84,7 +85,8 @@ fn hits(paragraph: &Paragraph, phrases: &HashSet<String>) -> [Vec<String>; 2] {
     [hard, long]
 }
 
-/// Joins a part of a text to the sentence before it if no space separates them, as in `0.5`.
+/// Adds a piece of text to the list of sentences. Joins it to the last sentence if no space
+/// separates them, as in `0.5`.
 fn join_within_words(mut sentences: Vec<String>, piece: &str) -> Vec<String> {
     match sentences.last_mut() {
         Some(last) if !piece.starts_with([' ', ')', '"']) => last.push_str(piece),
@@ -93,7 +95,7 @@ fn join_within_words(mut sentences: Vec<String>, piece: &str) -> Vec<String> {
     sentences
 }
 
-/// Replaces code by one word, and links by their text.
+/// Returns a text with code replaced by one word, and links replaced by their text.
 fn without_code(text: &str) -> String {
     let mut plain = String::new();
     for (number, part) in text.split('`').enumerate() {
@@ -107,7 +109,7 @@ fn without_code(text: &str) -> String {
     linked
 }
 
-/// Collects lines as paragraphs. Fenced blocks, tables and headings are left out.
+/// Returns the paragraphs in these lines. Leaves out fenced blocks, tables and headings.
 fn paragraphs(
     kind: Kind,
     path: &Path,
@@ -141,7 +143,7 @@ fn paragraphs(
     found
 }
 
-/// Returns the comments and the long strings of a file of Rust.
+/// Returns the comments and the long strings of a Rust file, as paragraphs.
 fn of_rust(path: &Path, source: &str) -> Vec<Paragraph> {
     let name = path.to_str().unwrap();
     let is_test = name.contains("tests");
@@ -200,7 +202,7 @@ fn of_rust(path: &Path, source: &str) -> Vec<Paragraph> {
     found
 }
 
-/// Returns the end of a string.
+/// Returns the position of the quote that ends a string. Returns `None` if there is none.
 fn unescaped_quote(text: &str) -> Option<usize> {
     let mut escaped = false;
     text.char_indices().find_map(|(at, character)| {
@@ -210,7 +212,7 @@ fn unescaped_quote(text: &str) -> Option<usize> {
     })
 }
 
-/// Returns all texts of the project below a folder.
+/// Collects the paragraphs of all files below a folder.
 fn texts(folder: &Path, found: &mut Vec<Paragraph>) {
     let mut paths: Vec<PathBuf> = std::fs::read_dir(folder)
         .unwrap()
@@ -242,7 +244,8 @@ fn texts(folder: &Path, found: &mut Vec<Paragraph>) {
     }
 }
 
-/// Returns the largest allowed numbers of hard phrases and of long sentences, by kind.
+/// Returns the largest allowed numbers of hard phrases and of long sentences, for each kind of
+/// text.
 fn limits() -> BTreeMap<String, [usize; 2]> {
     let text = std::fs::read_to_string(LIMITS).unwrap();
     let rows = text.lines().filter(|line| !line.starts_with('#'));

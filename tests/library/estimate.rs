@@ -1,13 +1,13 @@
-//! Compares the times of `check --cost` with runs of the rate model. Both use the same rates, but
-//! different code reads the program.
+//! Tests that the times of `check --cost` agree with runs of the rate model. Both use the same
+//! rates, but different code reads the program.
 use stochc_estimate::{Interaction, Rates};
 use stochc_ir::record::Outcome;
 use stochc_runtime::{Model, Settings};
 
 const RUNS: u64 = 400;
 
-/// Checks that the mean of an estimate differs from that of runs by at most its stated error,
-/// except for chance.
+/// Checks that the means of an estimate and of runs differ by at most the stated error, except for
+/// chance.
 fn agree(names: &[&str], interaction: Interaction) {
     for name in names {
         let checked = stochc::check(name);
@@ -82,7 +82,7 @@ fn messages_take_their_time() {
     );
 }
 
-/// If one face captures the block, all others lose it.
+/// Checks a released block that several faces could capture. Only one of them captures it.
 #[test]
 fn a_block_that_is_let_go_docks_once() {
     let checked = stochc::check("lab/rates/releases/turned.sa");

@@ -1,5 +1,5 @@
-//! Tests files of compiled programs: reading returns the written programs, and invalid files are
-//! not run.
+//! Tests files of compiled programs. Reading a file returns the same programs, and invalid files
+//! are rejected.
 use std::ops::ControlFlow;
 
 use proptest::prelude::*;
@@ -86,7 +86,7 @@ fn another_file_is_told_from_a_damaged_one() {
     }
 }
 
-/// Each part is valid by itself, but they are not consistent.
+/// Checks files whose parts are each valid, but inconsistent with each other.
 #[test]
 fn parts_that_do_not_go_together_are_refused_by_name() {
     type Edit<'a> = &'a dyn Fn(&mut Value);
@@ -117,7 +117,7 @@ fn parts_that_do_not_go_together_are_refused_by_name() {
             it["tables"]["roles"][captured]["name"] = it["tables"]["roles"][0]["name"].clone()
         }),
         (&format!("tables.roles[{captured}].seed"), &|it| {
-            // Seeds come first.
+            // Seeds must come first in the list of roles.
             let roles = it["tables"]["roles"].as_array_mut().unwrap();
             for role in &mut roles[..=captured] {
                 role["seed"] = json!([0, 0, 0]);
@@ -131,7 +131,7 @@ fn parts_that_do_not_go_together_are_refused_by_name() {
     }
 }
 
-/// Returns positions and lengths of all numbers in a JSON text.
+/// Returns the position and length of each number in a JSON text.
 fn numbers(text: &str) -> Vec<(usize, usize)> {
     let is_digit = |c: char| c.is_ascii_digit();
     let mut found = Vec::new();
@@ -148,7 +148,7 @@ fn numbers(text: &str) -> Vec<(usize, usize)> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// A file with arbitrary numbers is rejected, or can be run.
+    /// Checks that a file with changed numbers is rejected, or can be run.
     #[test]
     fn an_edited_file_is_refused_or_run(
         example in 0usize..6,
@@ -170,7 +170,7 @@ proptest! {
                 ..Settings::new(Model::Shuffle, 1)
             };
             let mut go_on = |_, _| ControlFlow::Continue(());
-            // A scene that cannot be set up, or another error, must not panic.
+            // An error is allowed here, but a panic is not.
             let _ = run(&program.tables, &program.scene, &settings, 1, 0, &mut go_on);
         }
     }

@@ -1,4 +1,4 @@
-//! Snapshots of the messages for invalid programs, with their sources.
+//! Snapshots of the messages about invalid programs, with the sources.
 use stochc::diagnostics::{Format, show};
 
 #[test]

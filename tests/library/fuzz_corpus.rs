@@ -1,4 +1,4 @@
-//! Checks that the inputs of the fuzzing corpus are still handled.
+//! Tests that all inputs of the fuzzing corpus are handled.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 #[path = "../../fuzz/src/lib.rs"]
 mod files;
 
-/// Returns the files of a folder of the corpus.
+/// Returns the files in a folder of the corpus.
 fn kept(folder: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(format!("fuzz/corpus/{folder}")).unwrap();
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
@@ -14,10 +14,10 @@ fn kept(folder: &str) -> Vec<PathBuf> {
     paths
 }
 
-/// Function that reads a file. It panics if the result is inconsistent.
+/// Function that reads an input. It panics if the result is inconsistent.
 type Reader = fn(&[u8]);
 
-/// Reader for the files of each folder.
+/// Function that reads the inputs in each folder of the corpus.
 const READERS: [(&str, Reader); 8] = [
     ("check", files::check::read),
     ("checkpoint", files::checkpoint::read),
@@ -33,12 +33,12 @@ const READERS: [(&str, Reader); 8] = [
     ("voxels", files::voxels::read),
 ];
 
-/// Returns whether a folder contains programs, which take long.
+/// Returns whether a folder contains programs, whose checks take long.
 fn is_of_programs(folder: &str) -> bool {
     ["check", "parse"].contains(&folder)
 }
 
-/// The readers share folders, so the tests of this file take turns.
+/// Lock that makes the tests of this file run one after the other. They share folders.
 static TURN: Mutex<()> = Mutex::new(());
 
 #[test]
@@ -53,7 +53,7 @@ fn every_kept_file_is_read_or_refused() {
     }
 }
 
-/// Reproducible numbers (Knuth's linear congruential generator).
+/// Generator of reproducible numbers (Knuth's linear congruential generator).
 struct Numbers(u64);
 
 impl Numbers {
@@ -65,8 +65,8 @@ impl Numbers {
     }
 }
 
-/// Returns a file with a few changes. Each flips a bit, replaces a byte or number, or removes,
-/// moves or doubles a part.
+/// Returns a file with a few random changes. A change flips a bit, replaces a byte or number, or
+/// removes, moves or doubles a part.
 fn changed(bytes: &[u8], numbers: &mut Numbers) -> Vec<u8> {
     const EXTREME: [&str; 6] = [
         "0",
@@ -117,8 +117,8 @@ fn changed(bytes: &[u8], numbers: &mut Numbers) -> Vec<u8> {
     bytes
 }
 
-/// `STOCHC_CHANGES` is the number of changes of each kind. docs/validation/stability.md reports a
-/// longer run.
+/// Checks inputs of the corpus after random changes. `STOCHC_CHANGES` is the number of changes of
+/// each kind. docs/validation/stability.md reports a longer run.
 #[test]
 fn changed_files_are_read_or_refused() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);

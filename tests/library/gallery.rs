@@ -1,5 +1,5 @@
-//! Generates docs/reference/diagnostics.md: every diagnostic, with a program that causes it and its
-//! message.
+//! Generator of docs/reference/diagnostics.md: every diagnostic, with its message and a program
+//! that causes it.
 use std::fmt::Write as _;
 
 use stochc::compiler::diagnostic::{Code, Diagnostic, Renderer, Severity};
@@ -23,19 +23,19 @@ of more than two million bytes and events are not checked again, so all their fi
 *This page is generated from the pages of `stochc explain` and from messages of the compiler.*
 ";
 
-/// Program that causes a diagnostic.
+/// Program that causes a diagnostic, with the conditions of its check.
 struct Sample {
-    /// Its files. The first one is checked.
+    /// Files of the program. The first file is checked.
     files: Vec<(&'static str, Vec<u8>)>,
-    /// Source that is shown, if it differs from the file.
+    /// Source to print on the page. `None` if it is the first file.
     shown: Option<&'static str>,
-    /// Limits of the check.
+    /// Limits on the size of the program.
     limits: Limits,
-    /// Whether its tables are corrupted before they are tested.
+    /// Whether the tables of the program are corrupted before the test.
     spoilt: bool,
 }
 
-/// Folder `/home/you/towers` with the files of a sample.
+/// Files of a sample, in the folder `/home/you/towers`.
 struct SampleFolder<'a>(&'a [(&'static str, Vec<u8>)]);
 
 impl Reader for SampleFolder<'_> {
@@ -92,7 +92,7 @@ impl Sample {
     }
 }
 
-/// Small hall. A hall that exceeds the default limits would fill the page.
+/// Source of a small hall. A hall that exceeds the default limits would fill the page.
 const TUNNEL: &str = "\
 // shown for a search of no cells at all: two million are allowed
 assembly tunnel {
@@ -113,7 +113,7 @@ assembly tunnel {
 }
 ";
 
-/// Returns tables without messages, as if the compiler had made a mistake.
+/// Returns tables without messages, as an error of the compiler could produce them.
 fn without_news(tables: &Tables) -> Tables {
     let duties = tables.duties().map(|duty| {
         let rules = duty.rules().map(|rule| (rule.when.to_vec(), rule.then));
@@ -130,7 +130,7 @@ fn without_news(tables: &Tables) -> Tables {
     )
 }
 
-/// Returns the program that shows a code. Returns `None` if no program can.
+/// Returns the sample program for a code. Returns `None` if no program can cause the diagnostic.
 fn sample(code: Code) -> Option<Sample> {
     if let Some((_, rest)) = code.page().split_once("\nWrong:\n\n```sa\n") {
         return Some(Sample::from_text(
@@ -209,7 +209,7 @@ fn sample(code: Code) -> Option<Sample> {
     })
 }
 
-/// Returns the rendered messages of a code.
+/// Returns the messages of the diagnostics with this code, as `check` draws them.
 fn messages(code: Code, diagnostics: &[Diagnostic], sources: &Sources) -> String {
     let renderer = Renderer::new(false, 80);
     let ours = diagnostics

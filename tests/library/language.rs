@@ -1,5 +1,5 @@
-//! Tests the language reference: its examples are valid programs, and its table of scenes is that
-//! of the schema.
+//! Tests the language reference. Its examples must be valid programs, and its tables must agree
+//! with the schema of scenes.
 use stochc::compiler::scene::BUILT_IN;
 use stochc::compiler::{Checked, Limits, check};
 use stochc::diagnostics::{Format, show};
@@ -38,7 +38,7 @@ fn the_reference_shows_the_built_in_scenes_as_they_are() {
     }
 }
 
-/// `STOCHC_WRITE_DOCS=1` writes the table instead of comparing it.
+/// Checks the table of scenes. `STOCHC_WRITE_DOCS=1` updates it instead.
 #[test]
 fn the_table_of_scenes_is_that_of_the_schema() {
     let mut table =
@@ -49,7 +49,7 @@ fn the_table_of_scenes_is_that_of_the_schema() {
     crate::pages::assert_table("docs/reference/scene-parameters.md", &table);
 }
 
-/// `STOCHC_WRITE_DOCS=1` writes the table instead of comparing it.
+/// Checks the table of scene parameters for sweeps. `STOCHC_WRITE_DOCS=1` updates it instead.
 #[test]
 fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
     let mut table = "| name | short | values |\n|---|---|---|\n".to_owned();
@@ -63,7 +63,7 @@ fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
     crate::pages::assert_table("docs/reference/scene-parameters.md", &table);
 }
 
-/// A clause of the schema without a row in the page would be physics without an equation.
+/// Checks that each clause of the schema has an equation on the page about the model.
 #[test]
 fn the_model_has_an_equation_for_every_number_of_a_scene() {
     let table = MODEL.split_once("| clause | equation").expect("the table");
@@ -76,13 +76,13 @@ fn the_model_has_an_equation_for_every_number_of_a_scene() {
                 .collect()
         })
         .collect();
-    // The clock, a limit of the hardware, a value that is only reported, and the other end of a
-    // range.
+    // These parameters have no equation: the tick, a property of the hardware, a value that is only
+    // reported, and the other end of a range.
     let others = ["tick", "block.faces", "flow.force", "agitation.speed.low"];
     let missing: Vec<_> = scalars::all()
         .map(|number| number.names[0])
         .filter(|name| {
-            // A clause of a bond may have a separate row.
+            // The page may have a separate row for a clause of a bond.
             let words = name.split_once('.').map_or(*name, |(_, rest)| rest);
             let has_all = |clause: &Vec<&str>| words.split('.').all(|word| clause.contains(&word));
             !clauses.iter().any(has_all)
@@ -114,7 +114,8 @@ fn every_example_is_laid_out() {
     }
 }
 
-/// Returns the programs between "```sa" and "```" with their first line numbers.
+/// Returns the programs on a page, each with the number of its first line. They are in fenced
+/// blocks of the language `sa`.
 fn programs(page: &str) -> Vec<(usize, &str)> {
     programs_behind("\n```sa\n", page)
 }
@@ -130,7 +131,7 @@ fn programs_behind<'a>(fence: &str, page: &'a str) -> Vec<(usize, &'a str)> {
         .collect()
 }
 
-/// Checks that a program has no diagnostics. Warnings count as well, because readers copy examples.
+/// Checks that a program has no diagnostics, not even warnings, because readers copy examples.
 fn no_diagnostics(name: &str, program: &str) {
     let mut reader = |_: &str| Ok(program.as_bytes().to_vec());
     let checked: Checked = check(name, &mut reader, Limits::default());

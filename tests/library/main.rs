@@ -1,4 +1,4 @@
-//! Tests that need several crates but not the command.
+//! Tests that need several crates, but not the command.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 mod estimate;
 mod executable;

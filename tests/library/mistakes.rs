@@ -1,11 +1,11 @@
-//! Checks that mistakes in event tables are reported before the tables are written.
+//! Tests that errors in event tables are detected before the tables are written.
 use stochc::compiler::diagnostic::Code;
 use stochc_control::explore::Property;
 
 use crate::mutations::{explore_twice, mutants};
 
-/// If an event is missing in all tables, the tables alone do not show it. So they are compared with
-/// the graph.
+/// Checks each possible error of the compiler. If an event is missing in all tables, only a
+/// comparison with the graph detects it.
 #[test]
 fn no_mistake_of_the_compiler_reaches_a_user() {
     let mut checked = stochc::check("examples/five_tower_reconfigured.sa");
@@ -17,7 +17,7 @@ fn no_mistake_of_the_compiler_reaches_a_user() {
         let Some(found) = report.violation() else {
             continue;
         };
-        // The tables determine which block reports, and the phase may still end correctly.
+        // The tables alone determine which block reports, so the phase may still end correctly.
         if found.property == Property::ReportsOnce {
             continue;
         }

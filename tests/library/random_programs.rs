@@ -1,5 +1,5 @@
-//! Checks that random valid programs compile, and that their tables build the declared structure,
-//! without physics and in random order.
+//! Tests random valid programs. They must compile, and their tables must build the declared
+//! structure in random order, without physics.
 use std::cell::Cell as Counter;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -22,7 +22,7 @@ use stochc::runtime::world::World;
 use stochc::runtime::world::rate::RateWorld;
 use stochc::runtime::world::shuffle::ShuffleWorld;
 
-/// Runs tables in a world without motion. Returns the final structure.
+/// Runs tables in a world without motion. Returns the cell of each block in the final structure.
 fn execute(
     tables: &Tables,
     mut world: impl World,
@@ -43,7 +43,7 @@ fn execute(
                 .collect());
         }
         dockings.clear();
-        // Messages may be late.
+        // Skipping ticks makes messages arrive late.
         world.skip(world.tick() + 100);
         world
             .step(&mut dockings)
@@ -99,8 +99,9 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 
-    /// Hops take a million ticks, so other waits are negligible and the hops decide the time. If a
-    /// name passes to another block meanwhile, its message may take a detour over the old block.
+    /// Checks the estimate of message times. A hop takes a million ticks, so other waits are
+    /// negligible. If a name passes to another block meanwhile, its message may take a detour over
+    /// the old block.
     #[test]
     fn messages_take_as_long_as_is_estimated(
         choices in prop::collection::vec(any::<u32>(), 0..160),
@@ -136,8 +137,8 @@ proptest! {
     }
 }
 
-/// Tests the same programs each time. `STOCHC_CASES` is their number, and a larger number adds
-/// programs at the end.
+/// Checks programs that reuse names, the same ones each time. `STOCHC_CASES` is their number. A
+/// larger number adds programs at the end.
 #[test]
 fn reuse_holds_in_every_order() {
     let cases = std::env::var("STOCHC_CASES").map_or(3_000, |cases| cases.parse().unwrap());
@@ -190,7 +191,7 @@ fn reuse_holds_in_every_order() {
     assert!(at_once > cases / 4, "{at_once} of {cases}");
 }
 
-/// Returns whether two blocks with the same name act one after the other in some phase.
+/// Returns whether two blocks with the same name act one after the other within a phase.
 fn has_two_holders(tables: &Tables) -> bool {
     let duties: Vec<_> = (tables.duties())
         .map(|duty| (duty.role, duty.phase))

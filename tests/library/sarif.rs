@@ -1,11 +1,11 @@
-//! Compares SARIF reports with the types that `serde-sarif` generates from the published schema.
+//! Tests SARIF reports against the types that `serde-sarif` generates from the published schema.
 use serde_json::{Value, json};
 use serde_sarif::sarif::Sarif;
 use stochc::compiler::diagnostic::Code;
 use stochc::compiler::{Checked, Level, Limits, LintLevels, check_with};
 use stochc::diagnostics::SarifLog;
 
-/// Returns the report on some files.
+/// Returns the SARIF report on several files.
 fn report<'a>(checks: impl IntoIterator<Item = (&'a str, Checked)>) -> Value {
     let mut log = SarifLog::new(Some("/projects/towers".as_ref()));
     for (path, checked) in checks {
@@ -26,11 +26,11 @@ fn checked(path: &str, text: &str, levels: &LintLevels) -> Checked {
 }
 
 /// Returns a deviation from the schema: a missing field, a wrong type or level, or an unknown
-/// field.
+/// field. Returns `None` if there is none.
 fn mistake(document: &Value) -> Option<String> {
     match serde_json::from_value::<Sarif>(document.clone()) {
         Err(error) => Some(error.to_string()),
-        // Unknown fields are lost when the document is written again.
+        // Unknown fields are lost when the parsed document is written again.
         Ok(log) => {
             let again = serde_json::to_value(&log).unwrap();
             (again != *document).then(|| "unknown field".to_owned())
@@ -66,7 +66,7 @@ fn a_document_that_differs_from_the_schema_has_a_mistake() {
     }
 }
 
-/// Tests the invalid programs of all pages and tests.
+/// Checks reports on the invalid programs of all pages and tests.
 #[test]
 fn every_report_follows_the_schema() {
     let mut programs: Vec<(String, String)> = Vec::new();
@@ -145,7 +145,7 @@ fn levels_fixes_and_reasons_are_in_the_report() {
     let missing = check_with("none.sa", &mut nothing, Limits::default(), &levels);
     let missing = ("none.sa", missing);
     let mut report = report([("a.sa", checked("a.sa", text, &levels)), missing]);
-    // The number of a rule changes with every new code. Another test compares it.
+    // The index of a rule changes with every new code. Another test checks it.
     for result in report["runs"][0]["results"].as_array_mut().unwrap() {
         result.as_object_mut().unwrap().remove("ruleIndex");
     }

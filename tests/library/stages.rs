@@ -1,4 +1,4 @@
-//! Snapshots of every stage of every example.
+//! Snapshots of all compiler stages of all examples.
 use stochc::ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text};
 
 #[test]
@@ -16,7 +16,7 @@ fn examples_compile_as_before() {
             for program in &checked.programs {
                 let tables = program.tables.as_ref().unwrap();
                 let graph = program.event_graph();
-                // If a file has several programs, each has its own snapshot.
+                // If a file has several programs, each has its own snapshots.
                 let name = |stage: &str| match &checked.programs[..] {
                     [_] => stage.to_owned(),
                     _ => format!("{stage}_{}", tables.assembly),
@@ -93,7 +93,7 @@ fn one_program_is_lowered_for_three_kinds_of_hardware() {
             let (text, json) = compiled(base);
             insta::assert_snapshot!(format!("kind_{kind}"), text);
             insta::assert_snapshot!(format!("kind_{kind}_json"), format!("{json:#}"));
-            // Default hardware has no such key.
+            // Programs for default hardware do not have this key.
             assert_eq!(json.get("bond").is_none(), kind == "attract");
             assert_eq!(json.get("otherwise").is_some(), kind == "reject");
         }

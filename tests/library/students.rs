@@ -1,9 +1,9 @@
-//! Snapshot of mistakes of beginners: each program with its message.
+//! Snapshot of the messages about mistakes that beginners make.
 use std::fmt::Write as _;
 
 use stochc::diagnostics::{Format, show};
 
-/// Mistakes with a program for each.
+/// Name of each mistake, with a program that makes it.
 const MISTAKES: [(&str, &str); 28] = [
     (
         "a value with a wrong unit",

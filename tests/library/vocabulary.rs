@@ -1,4 +1,4 @@
-//! Checks that docs/reference/executable.md lists every word of event tables, as each format writes
+//! Tests that docs/reference/executable.md lists every word in event tables, as each format writes
 //! it.
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -16,7 +16,8 @@ const A: RoleId = RoleId(1);
 const B: RoleId = RoleId(2);
 const CELL: Cell = Cell { x: 1, y: 1, z: 1 };
 
-/// Returns the words of an enumeration in a file. Serde lists them if it reads an unknown word.
+/// Returns the names of the variants of an enumeration in a file. Serde lists them when it reads an
+/// unknown name.
 fn words<T: DeserializeOwned>() -> Vec<String> {
     let error = serde_json::from_value::<T>(json!("no such word"));
     let error = error.err().expect("no such item").to_string();
@@ -25,7 +26,7 @@ fn words<T: DeserializeOwned>() -> Vec<String> {
     words.map(str::to_owned).collect()
 }
 
-/// Returns the word of a value: the value itself, or the key of its content.
+/// Returns the word of a value in JSON: the value itself, or its only key.
 fn word(value: &Value) -> &str {
     let key = value.as_object().and_then(|it| it.keys().next());
     key.map(String::as_str)
@@ -33,7 +34,7 @@ fn word(value: &Value) -> &str {
         .expect("a word, alone or with something")
 }
 
-/// Returns tables whose seed `M` captures `A` and has one rule to show.
+/// Returns tables with one rule to show. Its seed `M` captures `A`.
 fn tables(bond: BondKind, trigger: Trigger, when: Vec<Condition>, then: Action) -> Tables {
     let phase = Phase {
         name: "grow".to_owned(),
@@ -59,7 +60,7 @@ fn tables(bond: BondKind, trigger: Trigger, when: Vec<Condition>, then: Action) 
     tables
 }
 
-/// Returns the shown duty in `--json`, and its lines in the text.
+/// Returns the duty of these tables in the output of `--json`, and its lines in the text output.
 fn shown(tables: &Tables) -> (Value, Vec<String>) {
     let json = serde_json::to_value(table_json(tables)).expect("JSON");
     let text = table_text(tables).to_string();
@@ -131,9 +132,9 @@ fn action_rows() -> Vec<(Value, String)> {
     all.into_iter().map(row).collect()
 }
 
-/// Returns the first cells of a row of the page: the word in executables, in `--json`, and in text.
+/// Returns the first cells of a row on the page: the word in executables, in `--json`, and in text.
 fn row(word: &impl Serialize, json: &Value, text: &str) -> String {
-    // The file contains the fields in their order.
+    // The order of the fields in the file is their order here.
     let file = serde_json::to_string(word).expect("JSON");
     format!("| `{file}` | `{json}` | `{text}` | ")
 }

@@ -1,14 +1,14 @@
-//! Pages of the documentation, or parts of them, that are generated from the code.
+//! Pages or parts of pages in the documentation that are generated from code.
 #![allow(dead_code, reason = "each test uses only some of these functions")]
 #![allow(
     clippy::disallowed_methods,
     reason = "pages are compared with the expected text, or written"
 )]
 
-/// Variable that makes a test write its page instead of comparing it.
+/// Environment variable that makes a test update its page instead of comparing it.
 const SWITCH: &str = "STOCHC_WRITE_DOCS";
 
-/// Compares a page with the expected text, or writes it.
+/// Compares a page with the expected text. Updates it instead if requested.
 #[track_caller]
 pub fn assert_page(path: &str, expected: &str) {
     if std::env::var_os(SWITCH).is_some() {
@@ -26,7 +26,8 @@ pub fn assert_page(path: &str, expected: &str) {
     );
 }
 
-/// Compares or writes the part between two marks.
+/// Compares the part of a page between two marks with the expected text. Updates it instead if
+/// requested.
 #[track_caller]
 pub fn assert_part(path: &str, [begin, end]: [&str; 2], expected: &str) {
     let page = std::fs::read_to_string(path).expect("the page exists");
@@ -35,7 +36,7 @@ pub fn assert_part(path: &str, [begin, end]: [&str; 2], expected: &str) {
     assert_page(path, &format!("{before}{begin}{expected}{end}{after}"));
 }
 
-/// Compares or writes the table with the same header.
+/// Compares the table of a page that has the same header. Updates it instead if requested.
 #[track_caller]
 pub fn assert_table(path: &str, table: &str) {
     let page = std::fs::read_to_string(path).expect("the page exists");

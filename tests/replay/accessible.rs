@@ -1,4 +1,4 @@
-//! Tests the replay page against the rules of WCAG.
+//! Tests the replay page against the accessibility rules of WCAG.
 use std::path::PathBuf;
 
 use serde_json::json;
@@ -8,7 +8,7 @@ use crate::folder::{PROGRAM, Results, SWARM};
 use crate::page_under_test::Page;
 use crate::skipped::skipped;
 
-/// Returns the script of axe-core. Returns `None` with a note if it is missing and not required.
+/// Returns the source of axe-core. Returns `None` with a note if it is missing and not required.
 #[track_caller]
 pub fn axe() -> Option<String> {
     let path = std::env::var_os("STOCHC_AXE").map(PathBuf::from);
@@ -19,7 +19,7 @@ pub fn axe() -> Option<String> {
     script
 }
 
-/// Checks the open page against the rules.
+/// Checks that the open page breaks no rule. `how` describes the page in the message.
 #[track_caller]
 pub fn breaks_nothing(browser: &mut impl Page, axe: &str, how: &str) {
     browser.run(axe);
@@ -51,7 +51,7 @@ fn nothing_breaks_wcag_aa() {
     );
 }
 
-/// Checks the page of a run of a program, on a wide and on a narrow screen, in both themes.
+/// Checks the replay page of a program on a wide and on a narrow screen, in both themes.
 fn check(browser: &mut Browser, axe: &str, program: &str, [wide, narrow]: [&str; 2]) {
     let results = Results::from_records(program, "--record 0");
     let page = results.page(0);

@@ -1,4 +1,4 @@
-//! Headless browser, controlled through two pipes by the DevTools protocol.
+//! Headless Chromium, controlled through two pipes by the DevTools protocol.
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
@@ -14,21 +14,22 @@ use crate::skipped::skipped;
 /// Time limit that exceeds every step on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// A browser with one page.
+/// Browser with one page.
 pub struct Browser {
     child: Child,
     to: File,
     from: Receiver<Value>,
     session: String,
     calls: u64,
-    /// Requested addresses.
+    /// Addresses that the page has requested.
     pub requests: Vec<String>,
-    /// Uncaught exceptions and console messages.
+    /// Uncaught exceptions and console messages of the page.
     pub complaints: Vec<String>,
     folder: tempfile::TempDir,
 }
 
-/// Returns a browser. Returns `None` with a note if it is missing and not required.
+/// Starts a browser with additional options `more`. Returns `None` with a note if it is missing and
+/// not required.
 #[track_caller]
 pub fn browser(more: &[&str]) -> Option<Browser> {
     let name = ["chromium", "chromium-browser", "google-chrome"]
@@ -175,7 +176,7 @@ impl Browser {
         self.call("Emulation.setDeviceMetricsOverride", &size);
     }
 
-    /// Returns the value of an expression. Awaits promises.
+    /// Returns the value of a JavaScript expression. Awaits promises.
     pub fn value(&mut self, expression: &str) -> Value {
         let evaluate =
             json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
@@ -187,9 +188,9 @@ impl Browser {
         done["result"]["value"].clone()
     }
 
-    /// Opens a file with a suffix after its name. Waits until it shows a replay or a message.
+    /// Opens a file with `hash` after its name. Waits until the page shows a replay or a message.
     pub fn open(&mut self, file: &Path, hash: &str) {
-        // Opening another address first makes a mere change of the hash load the page.
+        // Load another address first: changing only the hash would not reload the page.
         self.call("Page.navigate", &json!({ "url": "about:blank" }));
         let file = file.to_str().unwrap().replace(' ', "%20");
         self.call(
@@ -213,7 +214,7 @@ impl Browser {
         }
     }
 
-    /// Performs an action with the left button.
+    /// Performs an action with the left mouse button at a point.
     pub fn mouse(&mut self, what: Mouse, x: f64, y: f64) {
         let (kind, buttons) = match what {
             Mouse::Press => ("mousePressed", 1),
@@ -244,7 +245,7 @@ impl Drop for Browser {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
-        // Processes of the browser may still write there.
+        // Processes of the browser may still write there, so ignore errors.
         let _ = std::fs::remove_dir_all(self.folder.path());
     }
 }

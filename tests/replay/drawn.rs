@@ -1,5 +1,5 @@
-//! Checks the drawings around the arena for a tick and a view. They are axes, scale bar, overview,
-//! statements of the program, and blocks in the floor or outside of the shell.
+//! Checks of the drawings around the arena, for a tick and a view. These are axes, scale bar,
+//! overview, statements of the program, and blocks in the floor or outside of the shell.
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
@@ -20,7 +20,7 @@ fn number(value: &Value) -> f64 {
 /// Half of the vertical angle of view \[rad\].
 const HALF: f64 = 0.35;
 
-/// Returns the directions right and up for a viewer at an azimuth and height \[rad\].
+/// Returns the unit vectors to the right and up for a camera at this azimuth and height \[rad\].
 fn basis(azimuth: f64, height: f64) -> [[f64; 3]; 2] {
     let (sin, cos) = azimuth.sin_cos();
     let right = [-sin, cos, 0.0];
@@ -32,7 +32,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| a[i] * b[i]).sum()
 }
 
-/// Checks that arrows point to east, north and up.
+/// Checks that the arrows point to the east, to the north and up.
 fn check_axes(page: &mut impl Page) {
     let ways = [
         ("E", [1.0, 0.0, 0.0]),
@@ -48,7 +48,7 @@ fn check_axes(page: &mut impl Page) {
                 .iter()
                 .position(|it| it[0] == "fillText" && it[2] == name);
             let at = at.unwrap_or_else(|| panic!("no {name} in {drawn:?}"));
-            // Each label follows the end of its arrow.
+            // The label of an arrow is drawn after its tip.
             let [from, to] = [&drawn[at - 2], &drawn[at - 1]];
             assert_eq!((&from[0], &to[0]), (&"moveTo".into(), &"lineTo".into()));
             let arrow = [2, 3].map(|i| number(&to[i]) - number(&from[i]));
@@ -70,8 +70,8 @@ fn check_scale(page: &mut impl Page) {
     let size = page.value("(({ clientWidth, clientHeight }) => [clientWidth, clientHeight])(document.getElementById('arena'))");
     let mut told = BTreeSet::new();
     for distance in [6.0, 9.0, 20.0, 45.0, 110.0] {
-        // View from the south, at the middle between the seeds A and B, which are two block lengths
-        // apart.
+        // The view is from the south, at the middle between the seeds A and B. They are two block
+        // lengths apart.
         let look = format!(
             "replay.look([{}, 0, {distance}, 0, -1, -0.5])",
             -std::f64::consts::FRAC_PI_2
@@ -91,7 +91,7 @@ fn check_scale(page: &mut impl Page) {
             (long - sides * apart / 2.0).abs() < 1e-6 * long,
             "{text}: {long} px, and two sides are {apart}"
         );
-        // Tall pictures have the same horizontal angle as square ones.
+        // A tall picture shows the same horizontal angle as a square one.
         let least = number(&size[0]).min(number(&size[1]));
         let scale = least / (2.0 * distance * HALF.tan());
         assert!((long - sides * scale).abs() < 1e-6 * long, "{text}");
@@ -109,7 +109,7 @@ fn check_scale(page: &mut impl Page) {
     assert!(told.len() >= 4, "{told:?}");
 }
 
-/// State of the blocks at a tick of a recording.
+/// Blocks of a recording at a tick.
 struct Moment {
     structure: BTreeMap<u32, u32>,
     pulled: BTreeSet<u32>,
@@ -141,13 +141,13 @@ impl Moment {
     }
 }
 
-/// Checks the overview, with north up: position and colour of every block, and the view direction.
+/// Checks the overview (north is up): position and colour of every block, and the view direction.
 fn check_overview(page: &mut impl Page, recording: &Recording, tables: &Tables) {
     let theme: &Theme = match page.value("themeName()").as_str().unwrap() {
         "dark" => &DARK,
         _ => &LIGHT,
     };
-    // The radius is 5 m, and a block length is 20 cm.
+    // The radius is 5 m, and a block length is 20 cm, so it is 25 block lengths.
     let radius = 25.0;
     let frames: Vec<_> = recording.frames().collect();
     let mut pulls = 0;
@@ -193,7 +193,7 @@ fn check_overview(page: &mut impl Page, recording: &Recording, tables: &Tables) 
                 frame.tick
             );
         }
-        // The line to the eye begins at the point of interest, and the disc is on this line.
+        // The line to the camera begins at the target point, and the disc is on this line.
         let [azimuth, height, distance, x, y, _] = view;
         let flat = distance * height.cos();
         let eye = [x + flat * azimuth.cos(), y + flat * azimuth.sin()];
@@ -218,10 +218,10 @@ fn check_overview(page: &mut impl Page, recording: &Recording, tables: &Tables) 
     assert!(pulls > 0, "the test needs a block that is pulled");
 }
 
-/// Start of an event of the graph, and the tick when it happens.
+/// Tick when an event of the graph became possible, and tick of the event.
 type Deed = (u64, Option<u64>);
 
-/// Returns the start and end of events of a recording, by the events of the graph of a page.
+/// Returns the times of events in a recording. The keys are the events in the graph of the page.
 fn deeds(recording: &Recording, tables: &Tables, graph: &Value) -> BTreeMap<u64, Deed> {
     let mut known: BTreeMap<String, Vec<u64>> = BTreeMap::new();
     for (number, phase) in graph["phases"].as_array().unwrap().iter().enumerate() {
@@ -295,7 +295,7 @@ fn deeds(recording: &Recording, tables: &Tables, graph: &Value) -> BTreeMap<u64,
     deeds
 }
 
-/// Checks that statements in progress have a frame, and completed ones a line.
+/// Checks that statements of running events have a frame, and statements of finished events a line.
 fn check_statements(page: &mut impl Page, recording: &Recording, tables: &Tables) {
     let about = page.value("(({ graph, text }) => ({ graph, text }))(JSON.parse(document.getElementById('about').textContent))");
     let deeds = deeds(recording, tables, &about["graph"]);
@@ -355,7 +355,7 @@ fn check_statements(page: &mut impl Page, recording: &Recording, tables: &Tables
     );
 }
 
-/// Checks that blocks in the floor and outside of the shell are counted, and that each has an
+/// Checks the number of blocks in the floor and outside of the shell, and that each has an
 /// explanation.
 fn check_beyond(page: &mut impl Page, recording: &Recording) {
     let frames: Vec<_> = recording.frames().collect();
@@ -364,7 +364,7 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
         let frame = &frames[(frames.len() - 1) * part / 14];
         let reach = |place: &[f64; 7]| {
             let [.., x, y, z, w] = *place;
-            // The vertical direction in the block's own frame.
+            // Vertical direction in the block's own frame.
             let own = [
                 2.0 * (x * z - w * y),
                 2.0 * (y * z + w * x),
@@ -416,8 +416,8 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
     page.value("replay.select(null)");
 }
 
-/// Checks that a capture has the colour of its own phase in the bar. The next phase may begin at
-/// that tick.
+/// Checks that a capture in the bar has the colour of its own phase. The next phase may begin at
+/// the same tick.
 fn check_strokes(page: &mut impl Page, recording: &Recording) {
     let anew = "document.getElementById('theme').click()";
     let drawn = page.drawn("#timeline", anew);
@@ -438,7 +438,8 @@ fn check_strokes(page: &mut impl Page, recording: &Recording) {
     assert!(is_close, "the test needs a capture that ends its phase");
 }
 
-/// Checks that the target of the program is the final structure that the compiler computes.
+/// Checks that the target structure of the page equals the final structure that the compiler
+/// computes.
 fn check_target(page: &mut impl Page, program: &str) {
     let results = Results::from_records(program, "--record 0");
     page.open(&results.page(0), "");

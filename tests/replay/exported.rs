@@ -1,4 +1,4 @@
-//! Tests trajectories of blocks in formats of other programs.
+//! Tests exports of trajectories for other applications.
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -19,14 +19,14 @@ fn export(results: &Results, options: &str, name: &str) -> PathBuf {
     file
 }
 
-/// Returns the recorded positions at every `every`th tick.
+/// Returns the recorded positions at every `every`th tick, by tick.
 fn recorded(results: &Results, every: u64) -> BTreeMap<u64, Frame> {
     let frames = results.recording(0).frames().collect::<Vec<_>>();
     let frames = frames.into_iter().filter(|frame| frame.tick % every == 0);
     frames.map(|frame| (frame.tick, frame)).collect()
 }
 
-/// Half a step of a recorded coordinate in an arena of 50 block lengths.
+/// Rounding error of a recorded coordinate: half a step, in an arena of 50 block lengths.
 const ROUNDED: f64 = 1.0 / 1024.0;
 
 #[test]
@@ -68,7 +68,7 @@ fn a_table_has_every_block_at_every_tick() {
         let part = |i: usize| f64::from(row.get_float(5 + i).unwrap());
         let product: f64 = (0..4).map(|i| part(i) * place[3 + i]).sum();
         assert!(product.abs() > 1.0 - 1e-6, "{product} at {tick}");
-        // The identity follows from the block's last event.
+        // The identity follows from the last event of the block.
         let last = (recording.events().iter().rev())
             .filter(|happening| happening.tick <= tick as u64)
             .find_map(|happening| match happening.event {
@@ -88,7 +88,7 @@ fn a_table_has_every_block_at_every_tick() {
     }
 }
 
-/// A binary glTF file.
+/// Binary glTF file.
 struct Glb {
     json: Value,
     bytes: Vec<u8>,
@@ -116,7 +116,7 @@ impl Glb {
         }
     }
 
-    /// Returns the numbers of an accessor. Panics if it is not within the file.
+    /// Returns the numbers of an accessor. Panics if they are not within the file.
     fn numbers(&self, accessor: &Value) -> Vec<f64> {
         let accessor = &self.json["accessors"][accessor.as_u64().unwrap() as usize];
         let view = &self.json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
@@ -145,12 +145,12 @@ fn an_animation_moves_every_block_as_the_run_did() {
     let results = Results::from_records(PROGRAM, "--record 0 --record-every 40");
     let glb = Glb::read(&export(&results, "--format gltf --every 40", "ways.glb"));
     let recording = results.recording(0);
-    // Both contain every 40th tick, and the ticks that change the structure.
+    // Both contain every 40th tick, and all ticks that change the structure.
     let frames: BTreeMap<u64, Frame> =
         (recording.frames().map(|frame| (frame.tick, frame))).collect();
     let nodes = glb.json["nodes"].as_array().unwrap();
     let bodies = recording.header().bodies as usize;
-    // The plate, the blocks, and the root that turns all of them upright.
+    // The nodes are the plate, the blocks, and the root that turns all of them upright.
     assert_eq!(nodes.len(), 9 + bodies + 1);
     assert_eq!(
         nodes[9 + bodies]["children"].as_array().unwrap().len(),
@@ -184,7 +184,7 @@ fn an_animation_moves_every_block_as_the_run_did() {
             }
         }
     }
-    // At the tick of every capture there is a keyframe.
+    // Each tick with a capture has a keyframe.
     for bond in &recording.record().bonds {
         let second = bond.docked as f64 * 0.02;
         assert!(

@@ -1,4 +1,4 @@
-//! Tests the page in Firefox, on a virtual screen.
+//! Tests the replay page in Firefox, on a virtual screen.
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::Path;
@@ -23,7 +23,7 @@ user_pref(\"browser.shell.checkDefaultBrowser\", false);
 user_pref(\"datareporting.policy.dataSubmissionEnabled\", false);
 ";
 
-/// Firefox, controlled by its protocol for tests: Marionette.
+/// Firefox, controlled by its test protocol Marionette.
 pub struct Firefox {
     child: Child,
     stream: BufReader<TcpStream>,
@@ -84,7 +84,7 @@ impl Firefox {
         Some(firefox)
     }
 
-    /// Reads a message: its length, a colon and JSON.
+    /// Reads a message of the protocol: its length, a colon and JSON.
     fn message(&mut self) -> Value {
         let mut length = Vec::new();
         self.stream.read_until(b':', &mut length).unwrap();
@@ -104,15 +104,15 @@ impl Firefox {
         answer[3].clone()
     }
 
-    /// Opens an address.
+    /// Opens an address in the browser.
     pub fn go(&mut self, address: &str) {
         self.call("WebDriver:Navigate", &json!({ "url": address }));
     }
 
-    /// Opens a file with a suffix after its name. Waits until it shows a replay or a message.
+    /// Opens a file with `hash` after its name. Waits until the page shows a replay or a message.
     pub fn open(&mut self, page: &Path, hash: &str) {
         let page = page.to_str().unwrap().replace(' ', "%20");
-        // Opening another address first makes a mere change of the hash load the page.
+        // Load another address first: changing only the hash would not reload the page.
         for url in ["about:blank".to_owned(), format!("file://{page}{hash}")] {
             self.go(&url);
         }
@@ -131,7 +131,7 @@ impl Firefox {
 
     /// Sets the size of the page.
     pub fn size(&mut self, width: u32, height: u32) {
-        // Without a window manager, a change to the same size would never be reported.
+        // Without a window manager, setting the same size again would never be reported.
         if self.value("[innerWidth, innerHeight]") == json!([width, height]) {
             return;
         }
@@ -167,7 +167,8 @@ impl Firefox {
         self.act(&json!({ "type": "key", "id": "keys", "actions": both }));
     }
 
-    /// Performs an action with the left button. Releases it at its position: moving it would drag.
+    /// Performs an action with the left mouse button. The button is released at its position,
+    /// because moving it would drag.
     pub fn mouse(&mut self, what: Mouse, x: f64, y: f64) {
         let actions = match what {
             Mouse::Press => vec![moved((x, y)), json!({ "type": "pointerDown", "button": 0 })],
@@ -189,7 +190,7 @@ impl Firefox {
         }));
     }
 
-    /// Returns the value of an expression. Awaits promises.
+    /// Returns the value of a JavaScript expression. Awaits promises.
     pub fn value(&mut self, expression: &str) -> Value {
         let script = format!(
             "const told = arguments[0]; (async () => ({expression}))().then(told, error => told(`failed: ${{error}}`))"
@@ -199,14 +200,14 @@ impl Firefox {
     }
 }
 
-/// Returns a movement to a point of the page, in whole pixels.
+/// Returns a movement of the pointer to a point of the page, in whole pixels.
 fn moved((x, y): (f64, f64)) -> Value {
     json!({ "type": "pointerMove", "duration": 0, "x": x.round() as i64, "y": y.round() as i64 })
 }
 
 impl Drop for Firefox {
     fn drop(&mut self) {
-        // Quits the browser itself: the child process is only the screen.
+        // Quit the browser itself, because the child process is only its screen.
         let text = json!([0, 0, "Marionette:Quit", { "flags": ["eForceQuit"] }]).to_string();
         let _ = write!(self.stream.get_mut(), "{}:{text}", text.len());
         let _ = self.child.wait();

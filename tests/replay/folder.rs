@@ -1,17 +1,17 @@
-//! Results folders for replays.
+//! Results folders for tests of replays.
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use stochc::ir::table::Tables;
 use stochc::results::recording::{Recording, path};
 
-/// Program whose structure grows and is released again.
+/// Program whose structure grows and is then released.
 pub const PROGRAM: &str = "examples/five_tower_reconfigured.sa";
 
-/// Program with pre-attached blocks. A name passes from one of them to another block.
+/// Program with pre-attached blocks. The name of one of them is later given to another block.
 pub const PASSED_ON: &str = "tests/fixtures/passed_on.sa";
 
-/// Free blocks that bond to each other.
+/// Aggregate: free blocks that bond to each other.
 pub const SWARM: &str = "tests/fixtures/swarm.sa";
 
 /// Temporary results folder.
@@ -20,14 +20,14 @@ pub struct Results {
     program: String,
 }
 
-/// Outcome of a command.
+/// Result of a command: its status and output.
 pub struct Said {
     pub status: i32,
     pub out: String,
     pub err: String,
 }
 
-/// Runs the command with the words of `line`, and then `more`.
+/// Runs `stochc` with the words of `line` as arguments, followed by `more`.
 pub fn stochc(line: &str, more: &[&Path]) -> Said {
     let output = Command::new(env!("CARGO_BIN_EXE_stochc"))
         .args(line.split_whitespace())
@@ -43,7 +43,7 @@ pub fn stochc(line: &str, more: &[&Path]) -> Said {
 }
 
 impl Results {
-    /// Makes two runs of a program with the fast model, with more options.
+    /// Makes two runs of a program with the fast model, with additional options.
     pub fn from_records(program: &str, options: &str) -> Results {
         let folder = tempfile::tempdir().unwrap();
         let line = format!("simulate --substeps 1 --runs 2 --quiet {options} {program} --out");
@@ -72,7 +72,7 @@ impl Results {
         Recording::read(&bytes[..], &self.tables()).unwrap()
     }
 
-    /// Writes the page of a run.
+    /// Writes the replay page of a run. Returns its path.
     pub fn page(&self, run: u64) -> PathBuf {
         let page = self.folder.path().join(format!("page {run}.html"));
         let said = stochc(&format!("replay --run {run} --out"), &[&page, &self.path()]);

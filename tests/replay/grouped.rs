@@ -1,4 +1,5 @@
-//! Tests free blocks that bond to each other: the page shows the groups of the recording.
+//! Tests replays of free blocks that bond to each other. The page must show the groups of the
+//! recording.
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
@@ -15,7 +16,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-/// Returns the existing bonds after each tick with a change.
+/// Returns the bonds that exist after each tick with a change.
 fn bonds(recording: &Recording) -> BTreeMap<u64, Vec<FreeBond>> {
     let mut now: Vec<FreeBond> = Vec::new();
     let mut all = BTreeMap::from([(0, Vec::new())]);
@@ -30,7 +31,7 @@ fn bonds(recording: &Recording) -> BTreeMap<u64, Vec<FreeBond>> {
     all
 }
 
-/// Returns the groups that bonds make, in rising order.
+/// Returns the groups that bonds form, in ascending order.
 fn groups(bonds: &[FreeBond]) -> Vec<Vec<u32>> {
     let mut groups: Vec<Vec<u32>> = Vec::new();
     for bond in bonds {
@@ -46,7 +47,7 @@ fn groups(bonds: &[FreeBond]) -> Vec<Vec<u32>> {
     groups
 }
 
-/// Checks groups, legend and colours at the ticks of bonds, forwards and backwards.
+/// Checks groups, legend and colours at the ticks of bonds, forwards and backwards in time.
 fn check_groups(page: &mut impl Page, recording: &Recording) {
     let bonds = bonds(recording);
     let ticks: Vec<u64> = bonds.keys().copied().collect();
@@ -56,7 +57,7 @@ fn check_groups(page: &mut impl Page, recording: &Recording) {
         "dark" => DARK,
         _ => LIGHT,
     };
-    // The cloud is switched off, because it would blend with the colours.
+    // Hide the free blocks, because they would blend with the colours.
     page.value("[1, 2].forEach(() => document.getElementById('cloud').click())");
     let mut coloured = BTreeMap::new();
     for tick in order {
@@ -105,7 +106,7 @@ fn check_groups(page: &mut impl Page, recording: &Recording) {
     page.value("document.getElementById('cloud').click()");
 }
 
-/// Checks that the strip shows the size of the largest group and the number of groups over time.
+/// Checks the curves of the largest group's size and of the number of groups over time.
 fn check_strip(page: &mut impl Page, recording: &Recording) {
     let drawn = page.drawn("#timeline", "document.getElementById('theme').click()");
     let width = number(&page.value("document.getElementById('timeline').clientWidth"));
@@ -116,7 +117,7 @@ fn check_strip(page: &mut impl Page, recording: &Recording) {
         let largest = groups.iter().map(Vec::len).max().unwrap_or(1);
         course.push((tick as f64, [largest, groups.len()]));
     }
-    // A line begins with a `moveTo`. Lines of a legend have two points.
+    // A line begins with a call of `moveTo`. Lines of a legend have two points.
     let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();
     for it in drawn
         .iter()
@@ -226,7 +227,7 @@ fn check_history(page: &mut impl Page, recording: &Recording) {
     assert_eq!(shown, expected);
 }
 
-/// Checks everything that the page shows about groups, for a run of [`SWARM`].
+/// Checks all parts of the page about groups, for a run of [`SWARM`].
 pub fn check_all(page: &mut impl Page, results: &Results) {
     let recording = results.recording(0);
     page.open(&results.page(0), "");

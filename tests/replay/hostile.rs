@@ -1,4 +1,4 @@
-//! Checks that names are shown only as text.
+//! Tests that names are shown only as text.
 use std::fs::File;
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use crate::browser::browser;
 use crate::folder::Results;
 use crate::page_under_test::Page;
 
-/// Name that ends a script, begins others, and turns the text around it.
+/// Name that ends a script, begins other elements, and reverses the text around it.
 const HOSTILE: &str = "<meta http-equiv='refresh' content='0;url=about:blank'></script><script>document.title='broken'</script><img src=x onerror=\"document.title='broken'\">'\"\u{202e}\u{2028}`${1}\\";
 
 #[test]
@@ -18,7 +18,7 @@ fn hostile_names_are_shown_as_text() {
     assert_eq!(browser.complaints, [""; 0]);
 }
 
-/// Checks that the page is not changed by hostile names.
+/// Checks that hostile names do not change the page.
 pub fn check(browser: &mut impl Page) {
     let results = Results::from_records("tests/fixtures/dense.sa", "--record 0");
     let page = results.page(0);
@@ -70,7 +70,7 @@ pub fn check(browser: &mut impl Page) {
     );
     let graph = browser.value("document.getElementById('graph').textContent");
     assert!(graph.as_str().unwrap().contains(&shown), "{graph}");
-    // A block in such a role, in the panel.
+    // The panel shows a block with such a role.
     browser.value("replay.select(replay.state().structure[0][0])");
     browser.value("replay.seek(100000)");
     let panel = browser.value("document.getElementById('block').textContent");

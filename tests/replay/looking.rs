@@ -1,4 +1,4 @@
-//! Tests navigation in the page: clicks, keys and automatic movements.
+//! Tests navigation in the replay page: clicks, keys and automatic movements.
 use serde_json::Value;
 use stochc::text::palette::{DARK, LIGHT};
 
@@ -8,7 +8,7 @@ use crate::page_under_test::{Mouse, Page};
 
 type Check<P> = fn(&mut P);
 
-/// Returns the checks, with the hash of the address for each.
+/// Returns the checks, each with the hash that it adds to the address.
 fn checks<P: Page>() -> [(Check<P>, &'static str); 9] {
     [
         (a_click_on_a_name_chooses_its_block, ""),
@@ -26,7 +26,7 @@ fn checks<P: Page>() -> [(Check<P>, &'static str); 9] {
     ]
 }
 
-/// Runs all checks in a page.
+/// Runs all checks in a page of a browser.
 pub fn check_all(page: &mut impl Page, results: &Results) {
     for (check, hash) in checks() {
         page.size(1000, 700);
@@ -91,8 +91,8 @@ fn a_click_on_a_name_chooses_its_block(browser: &mut impl Page) {
 }
 
 fn what_is_anchored_is_chosen_before_what_lets_light_through(browser: &mut impl Page) {
-    // A free block is between the eye and a block of the structure. It is picked only if it is
-    // solid.
+    // A free block is between the camera and a block of the structure. A click picks it only if it
+    // is solid.
     let found = browser.value(
         "(async () => {
             const end = replay.state().end;
@@ -115,7 +115,7 @@ fn what_is_anchored_is_chosen_before_what_lets_light_through(browser: &mut impl 
         })()",
     );
     assert!(found["solid"].is_u64(), "{found}");
-    // A selected free block is still transparent, so the block covered by it is visible.
+    // A selected free block is still transparent, so the block behind it is visible.
     let shown = browser.value(&format!(
         "(async () => {{
             const at = () => replay.pixel({x}, {y});
@@ -156,7 +156,8 @@ fn names_do_not_show_through_solid_blocks(browser: &mut impl Page) {
 }
 
 fn sheets_are_no_larger_than_what_is_on_them(browser: &mut impl Page) {
-    // The first view, another one, and one so close that the edge of the arena cuts names.
+    // The views are the first one, another one, and one so close that the edge of the arena cuts
+    // names.
     for view in [
         "replay.state().view",
         "[0.8, 0.3, 30, 4, 0, 2]",
@@ -180,7 +181,7 @@ fn sheets_are_no_larger_than_what_is_on_them(browser: &mut impl Page) {
         assert!(number(&seen["names"]) >= 4.0, "{view}: {seen}");
         assert_eq!(seen["blank"], 0, "{view}: {seen}");
         assert_eq!(seen["sharp"], true, "{view}: {seen}");
-        // The closest view has names everywhere.
+        // In the closest view, names are everywhere.
         if view.starts_with("replay") {
             assert!(number(&seen["share"]) < 0.4, "{view}: {seen}");
         }
@@ -202,7 +203,7 @@ fn the_strip_of_marks_is_dragged(browser: &mut impl Page) {
         let x = left + 8.0 + part * (width - 16.0);
         browser.mouse(what, x, y);
         let tick = number(&browser.value("replay.settled()")["tick"]);
-        // Moves after the release of the button have no effect.
+        // Movements after the button was released have no effect.
         let expected = end * f64::min(part, 0.5);
         assert!(
             (tick - expected).abs() < 2.0 * end / width,
@@ -217,7 +218,7 @@ fn graphics_that_are_lost_come_back(browser: &mut impl Page) {
     let lost = "window.lost = document.getElementById('arena').getContext('webgl2').getExtension('WEBGL_lose_context')";
     browser.value(&format!("{lost}, lost.loseContext(), 1"));
     browser.value("new Promise(done => setTimeout(done, 100))");
-    // Actions in the meantime still take effect.
+    // Actions during this time still take effect.
     browser.key("ArrowRight");
     browser.key("ArrowLeft");
     browser.value("lost.restoreContext(), new Promise(done => setTimeout(done, 200))");
@@ -297,15 +298,15 @@ fn the_graph_scrolls_to_what_happens_and_the_focus_stays(browser: &mut impl Page
 }
 
 fn no_block_that_is_seen_is_left_out(browser: &mut impl Page) {
-    // Blocks are solid, so the block itself or one before it is at its centre.
+    // All blocks are solid, so a click picks the block itself or a block in front of it.
     browser.value("document.getElementById('cloud').click()");
     let theme = match browser.value("themeName()").as_str().unwrap() {
         "dark" => DARK,
         _ => LIGHT,
     };
     let free = [theme.free.0, theme.free.1, theme.free.2].map(f64::from);
-    // The first view, within the cloud, the whole arena, and so far off that blocks are a few
-    // pixels wide.
+    // The views are the first one, one within the free blocks, and the whole arena. In the last
+    // one, blocks are a few pixels wide.
     for view in [
         "replay.state().view",
         "[0.4, 0.2, 4, 8, -6, 5]",
@@ -334,7 +335,8 @@ fn no_block_that_is_seen_is_left_out(browser: &mut impl Page) {
         assert_eq!(found["missing"], 0, "{view}: {found}");
         let pixels = found["pixels"].as_array().unwrap();
         assert!(pixels.len() > 3, "{view}: {found}");
-        // The pixel has the colour of free blocks under some light, except at lines of the shell.
+        // The pixel has the colour of free blocks, except at lines of the shell. The brightness
+        // depends on the light.
         let is_free = |pixel: &&Value| {
             let light = number(&pixel[0]) / free[0];
             let is_near = |i: usize| (number(&pixel[i]) - light * free[i]).abs() < 4.0;

@@ -7,12 +7,12 @@ use stochc::runtime::observe::{ObservedEvent, Observer};
 use stochc::runtime::world::{Arena, Body, FreeBond};
 use stochc::runtime::{Model, RunError, Settings, observe, run};
 
-/// Observer that stores all events.
+/// Observer that stores all events of a run.
 #[derive(Default)]
 struct Notes {
     ticks: Vec<u64>,
     events: Vec<(u64, ObservedEvent)>,
-    /// For every capture, distance of the block from the cell that the event names.
+    /// For every capture, the distance between the block and the cell that the event names.
     misplaced: Vec<f64>,
 }
 
@@ -33,7 +33,8 @@ impl Observer for Notes {
 fn observed(file: &str, model: Model) -> (RunRecord, RunRecord, Notes) {
     let program = stochc::check(file).programs.remove(0);
     let (tables, scene) = (program.tables.unwrap(), program.scene.unwrap());
-    // An observer looks at the end of a tick and misses blocks that enter and leave within it.
+    // An observer is called at the end of a tick, so it misses blocks that enter and leave within
+    // it.
     let settings = Settings::new(model, 1);
     let mut watch = |_: u64, _: PhaseId| ControlFlow::Continue(());
     let mut notes = Notes::default();
@@ -45,8 +46,8 @@ fn observed(file: &str, model: Model) -> (RunRecord, RunRecord, Notes) {
 #[test]
 fn a_run_is_the_same_whether_somebody_looks_on_or_not() {
     let dense = "tests/fixtures/dense.sa";
-    // With an observer, every hop of a report is visible. Otherwise reports may reach the plate at
-    // once.
+    // With an observer, every hop of a report is an event. Otherwise, reports may reach the plate
+    // at once.
     for (file, model) in [
         (dense, Model::Rapier),
         (dense, Model::Rigid),
@@ -99,7 +100,7 @@ fn the_events_tell_what_the_record_counts() {
         "{:?}",
         notes.misplaced
     );
-    // The observer misses entries into a field in the last tick of the field.
+    // An observer misses entries into the field of a face in the field's last tick.
     let [mut seen, mut counted] = [0, 0];
     for bond in &record.bonds {
         let entries = entries(&notes, bond);
@@ -110,7 +111,7 @@ fn the_events_tell_what_the_record_counts() {
     assert!(10 * seen > 8 * counted, "{seen} of {counted}");
 }
 
-/// Returns the number of entries into the field of a face, from its activation to its capture.
+/// Returns the number of entries into the field of a face, while it was on and before its capture.
 fn entries(notes: &Notes, bond: &BondRecord) -> u32 {
     let mut open = None;
     let mut entries = 0;
@@ -171,7 +172,7 @@ fn a_model_without_places_has_no_observer() {
     assert_eq!(refused, Err(RunError::Nowhere(Model::Shuffle)));
 }
 
-/// Observer that compares bond events of free blocks with the groups of the world, at every tick.
+/// Observer that compares bond events of free blocks with the groups of the world at every tick.
 #[derive(Default)]
 struct Groups {
     bonds: Vec<FreeBond>,
@@ -204,7 +205,7 @@ impl Observer for Groups {
                 _ => {}
             }
         }
-        // The bonds of each group are a tree, and no bond connects two groups.
+        // The bonds of each group form a tree, and no bond connects two groups.
         let mut known: Vec<Vec<u32>> = Vec::new();
         for FreeBond { bodies, .. } in &self.bonds {
             assert!(bodies[0] < bodies[1]);

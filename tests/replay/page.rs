@@ -1,4 +1,4 @@
-//! Tests the page in a browser: it shows the recorded data.
+//! Tests that the replay page in a browser shows the recorded data.
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::browser::{Browser, browser};
 use crate::folder::{PASSED_ON, PROGRAM, Results};
 use crate::page_under_test::Page;
 
-/// Moves to a tick. Returns the state of the page.
+/// Moves the page to a tick. Returns the state of the page.
 fn seek(page: &mut impl Page, tick: u64) -> Value {
     page.value(&format!("replay.seek({tick})"))
 }
@@ -22,7 +22,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     values.iter().map(|value| value.as_f64().unwrap()).collect()
 }
 
-/// Returns the blocks of the structure at a tick, with their roles.
+/// Returns the blocks of the structure at a tick, each with its role.
 fn structure(recording: &Recording, tick: u64) -> Vec<(u32, u32)> {
     use stochc::runtime::observe::ObservedEvent;
     let mut structure = std::collections::BTreeMap::new();
@@ -47,7 +47,7 @@ fn the_page_shows_what_was_recorded() {
     browser.open(&page, "");
     let frames: Vec<_> = recording.frames().collect();
     let some = |part: usize| frames[frames.len() * part / 7].tick;
-    // Forwards, backwards, and from one end to the other.
+    // The ticks are visited forwards, backwards, and from one end to the other.
     let mut seen = std::collections::BTreeMap::new();
     for part in [0, 1, 2, 3, 4, 5, 6, 3, 1, 5, 0, 6, 2] {
         let tick = some(part);
@@ -67,18 +67,18 @@ fn the_page_shows_what_was_recorded() {
             .map(|(body, role)| json!([body, tables.roles[role as usize].name]))
             .collect();
         assert_eq!(state["structure"], json!(names), "at {tick}");
-        // A tick always looks the same, whatever was shown before.
+        // A tick always looks the same, whatever the page showed before.
         let known = seen.entry(tick).or_insert_with(|| state.clone());
         assert_eq!(*known, state);
     }
-    // At the end every event has happened.
+    // At the end, every event has happened.
     let state = seek(&mut browser, recording.record().ticks);
     let graph = browser.value("JSON.parse(document.getElementById('about').textContent).graph");
     let events: usize = (graph["phases"].as_array().unwrap().iter())
         .map(|phase| phase["events"].as_array().unwrap().len())
         .sum();
     assert_eq!(state["done"].as_array().unwrap().len(), events);
-    // Between two recorded positions a block is interpolated.
+    // Between two frames, the position of a block is interpolated.
     let pair = frames
         .windows(2)
         .find(|pair| pair[1].tick == pair[0].tick + 4)
@@ -114,7 +114,7 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
     let results = Results::from_records(PROGRAM, "--record 0");
     let recording = results.recording(0);
     browser.open(&results.page(0), "");
-    // Without the cloud and the names, nothing covers the block.
+    // Without free blocks and names, nothing covers the block.
     for key in ["c", "c", "l"] {
         browser.key(key);
     }
@@ -127,7 +127,8 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
         let at = browser.value(&place);
         numbers(&browser.value(&format!("replay.pixel({}, {})", at["x"], at["y"])))
     };
-    // From its capture on, it has the colour of its phase, under some light.
+    // From its capture on, the block has the colour of its phase. The brightness depends on the
+    // light.
     let shown = pixel(&mut browser, last.docked);
     let light: Vec<f64> = shown
         .iter()
@@ -139,7 +140,8 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
         light.iter().all(|part| (part - light[0]).abs() < 0.03),
         "{shown:?} for {colour:?}"
     );
-    // One tick earlier the position is empty: the block has not docked, and the cloud is off.
+    // One tick earlier, the position is empty: the block is not captured yet, and free blocks are
+    // hidden.
     seek(&mut browser, last.docked);
     let at = browser.value(&place);
     seek(&mut browser, last.docked - 1);
@@ -165,10 +167,10 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
     assert!(text.contains(&format!("as {name}, ")), "{text}");
     assert!(text.contains("docks on"), "{text}");
     assert!(text.contains("in the field"), "{text}");
-    // A click on an empty place selects nothing.
+    // A click on an empty point selects nothing.
     browser.click(20.0, 600.0);
     assert_eq!(browser.value("replay.state().selected"), Value::Null);
-    // A block of the plate.
+    // The click is on a block of the plate.
     let at = browser.value("replay.face(-1, 'up')");
     seek(&mut browser, 0);
     browser.click(at["x"].as_f64().unwrap(), at["y"].as_f64().unwrap());
@@ -192,7 +194,7 @@ fn what_was_attached_by_hand_did_not_wait() {
     let of_all = of_all.as_str().unwrap();
     let expected = format!("P is attached by hand to A.up: block {attached}");
     assert!(of_all.contains(&expected), "{of_all}");
-    // This block is released at once.
+    // This block is released immediately.
     let other = "X is attached by hand to P.up";
     assert!(of_all.contains(other), "{of_all}");
     let of_one = told(&format!("#tick=5&block={attached}"));
@@ -215,7 +217,7 @@ fn faces_and_pulled_blocks_are_those_of_the_recording() {
     check_faces(&mut browser, &results.recording(0), &results.tables());
 }
 
-/// Checks the faces that are on, and the blocks that they pull, at every change.
+/// Checks the faces that are on and the blocks that they pull, at every change.
 pub fn check_faces(page: &mut impl Page, recording: &Recording, tables: &Tables) {
     use stochc::runtime::observe::ObservedEvent;
     let number = |body: Body| match body {
@@ -225,7 +227,7 @@ pub fn check_faces(page: &mut impl Page, recording: &Recording, tables: &Tables)
             -1 - i64::from(role.unwrap().0.0)
         }
     };
-    // All blocks are solid, so the front block is picked.
+    // All blocks are solid, so a click picks the block in front.
     page.value("['cloud', 'names'].forEach(id => document.getElementById(id).click())");
     let mut faces = [0, 0];
     let mut owners = BTreeSet::new();
@@ -260,7 +262,7 @@ pub fn check_faces(page: &mut impl Page, recording: &Recording, tables: &Tables)
             let shown = state["lit"].as_array().unwrap().iter();
             let shown: BTreeSet<String> = shown.map(Value::to_string).collect();
             assert_eq!(shown, expected, "at {}", happening.tick);
-            // A face that is on has its colour, if it faces the eye. A face that is off has not.
+            // A face that is on and visible has its own colour. A face that is off does not.
             let facing = [
                 (Face::Up, "up"),
                 (Face::East, "east"),
@@ -325,7 +327,7 @@ pub fn check_moves(browser: &mut impl Page, results: &Results) {
         browser.key(key);
         assert_eq!(browser.value(now)["tick"], tick, "{key}");
     }
-    // From event to event of the structure, forwards and backwards.
+    // The keys move from event to event of the structure, forwards and backwards.
     use stochc::runtime::observe::ObservedEvent;
     let mut ticks: Vec<u64> = (recording.events().iter())
         .filter(|happening| {
@@ -352,7 +354,7 @@ pub fn check_moves(browser: &mut impl Page, results: &Results) {
     );
     browser.key("Escape");
     assert_eq!(browser.value(now)["selected"], Value::Null);
-    // The replay plays, and stops.
+    // The space bar starts and stops the replay.
     browser.key(" ");
     browser.value("new Promise(done => setTimeout(done, 700))");
     let state = browser.value(now);
@@ -364,10 +366,10 @@ pub fn check_moves(browser: &mut impl Page, results: &Results) {
     );
     browser.key(" ");
     assert_eq!(browser.value(now)["playing"], false);
-    // The slider.
+    // The slider moves to a tick.
     browser.value("(bar => { bar.value = 77; bar.dispatchEvent(new Event('input')); })(document.getElementById('tick'))");
     assert_eq!(browser.value(now)["tick"], 77);
-    // A finger turns the view, and does not select a block.
+    // A finger turns the view and does not select a block.
     let before = browser.value("replay.screen(0)");
     browser.swipe((300.0, 300.0), (380.0, 300.0));
     let state = browser.value(now);
@@ -376,7 +378,7 @@ pub fn check_moves(browser: &mut impl Page, results: &Results) {
     browser.key("r");
     browser.value(now);
     assert_eq!(browser.value("replay.screen(0)"), before);
-    // A followed block stays in the middle.
+    // A block that the camera follows stays in the middle.
     browser.open(&page, "#tick=1000&block=7");
     browser.key("f");
     browser.value(now);
@@ -388,7 +390,7 @@ pub fn check_moves(browser: &mut impl Page, results: &Results) {
     check_focus(browser, &page);
 }
 
-/// Checks that the focused element receives its keys.
+/// Checks that keys act on the element that has the focus.
 fn check_focus(browser: &mut impl Page, page: &Path) {
     browser.open(page, "#tick=77");
     let state = "replay.settled().then(({ tick, playing }) => [tick, playing, document.getElementById('speed').value])";

@@ -1,4 +1,4 @@
-//! Interface of all tested browsers.
+//! Interface of the browsers that tests control.
 use std::path::Path;
 
 use serde_json::Value;
@@ -6,26 +6,26 @@ use serde_json::Value;
 use crate::browser::Browser;
 use crate::firefox::Firefox;
 
-/// Condition for a page to show a replay or a message, or to be truncated.
+/// JavaScript condition for a settled page: it shows a replay or a message, or is truncated.
 pub const SETTLED: &str = "document.readyState === 'complete' && location.protocol === 'file:' && \
      (document.body.dataset.ready === 'yes' || document.body.classList.contains('failed') || \
       !document.getElementById('whole'))";
 
-/// Action with the left button.
+/// Action with the left mouse button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mouse {
     Press,
-    /// Moves with the button pressed.
+    /// Moving with the button pressed.
     Drag,
     Release,
 }
 
-/// A browser with a replay page.
+/// Browser that shows a replay page.
 pub trait Page {
-    /// Opens a file with a suffix after its name. Waits until it shows a replay or a message.
+    /// Opens a file with `hash` after its name. Waits until the page shows a replay or a message.
     fn open(&mut self, file: &Path, hash: &str);
 
-    /// Returns the value of an expression. Awaits promises.
+    /// Returns the value of a JavaScript expression. Awaits promises.
     fn value(&mut self, expression: &str) -> Value;
 
     /// Runs a script in the page.
@@ -37,20 +37,20 @@ pub trait Page {
     /// Presses and releases a key.
     fn key(&mut self, key: &str);
 
-    /// Performs an action with the left button.
+    /// Performs an action with the left mouse button at a point.
     fn mouse(&mut self, what: Mouse, x: f64, y: f64);
 
     /// Drags one finger over the page.
     fn swipe(&mut self, from: (f64, f64), to: (f64, f64));
 
-    /// Clicks with the left button.
+    /// Clicks with the left mouse button at a point.
     fn click(&mut self, x: f64, y: f64) {
         self.mouse(Mouse::Press, x, y);
         self.mouse(Mouse::Release, x, y);
     }
 
-    /// Returns the drawing calls of `act` on a canvas, given by a selector. Each is `[what, style,
-    /// numbers or a text and numbers]`, in the units of the page.
+    /// Returns the drawing calls on a canvas during `act`. `sheet` is the selector of the canvas.
+    /// Each call is `[what, style, numbers or a text and numbers]`, in the units of the page.
     fn drawn(&mut self, sheet: &str, act: &str) -> Vec<Value> {
         let drawn = self.value(&format!(
             "(async () => {{

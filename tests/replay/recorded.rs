@@ -26,7 +26,7 @@ fn a_recording_made_afterwards_is_the_same_to_the_bit() {
             assert!(first == second, "{table}");
         }
     }
-    // The pages are identical.
+    // The pages of both folders are identical.
     let [first, second] = [&at_once, &later].map(|of| fs::read(of.page(1)).unwrap());
     assert!(first == second);
 }
@@ -109,10 +109,10 @@ fn an_ensemble_that_goes_on_records_what_it_makes() {
     assert!(!left.exists());
 }
 
-/// Returns the sections of a file: name and payload.
+/// Returns the name and payload of each section of a recording.
 fn sections(bytes: &[u8]) -> Vec<(&str, &[u8])> {
     let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
-    // Each part is followed by the four bytes of its checksum.
+    // Four bytes of a checksum follow each part.
     let mut at = 16 + number(12) + 4;
     let mut sections = Vec::new();
     while at < bytes.len() {
@@ -153,7 +153,7 @@ fn bonds_among_free_blocks_are_recorded() {
         .count();
     // A group of n blocks has n - 1 bonds.
     assert!(rows as u32 + 1 >= recording.record().blocks_used, "{rows}");
-    // A phase begins at the tick of the bond that made a group of its size.
+    // A phase begins at the tick of the bond that completed a group of its size.
     let begins = (recording.events().iter())
         .filter(|happening| matches!(happening.event, ObservedEvent::Phase(PhaseId(1..))));
     let mut looked = 0;
@@ -180,7 +180,8 @@ fn no_damage_is_more_than_a_message() {
         for change in [0x01, 0x80, 0xFF] {
             let mut bytes = bytes.clone();
             bytes[at] ^= change;
-            // The changes include the corner and the step of a chunk, its ticks, and the header.
+            // The changed bytes include the corner and the step of a chunk, its ticks, and the
+            // header.
             let read = Recording::read(&bytes[..], &tables);
             assert!(read.is_err(), "byte {at}, change {change}");
         }
@@ -190,7 +191,7 @@ fn no_damage_is_more_than_a_message() {
     assert!(Recording::read(&longer[..], &tables).is_err());
 }
 
-/// Returns the message of `replay` about a changed folder.
+/// Returns the error message of `replay` for a changed folder.
 fn error(results: &Results) -> String {
     let page = results.path().join("page.html");
     let said = stochc("replay --run 0 --out", &[&page, &results.path()]);
@@ -222,7 +223,7 @@ fn a_recording_that_cannot_be_used_is_told_of() {
     assert!(with(&|bytes| bytes[middle] ^= 0x10).contains("damaged"));
     let other = fs::read(results.recording_path(1)).unwrap();
     assert!(with(&|bytes| bytes.clone_from(&other)).contains("another run"));
-    // Without the recording, the run is repeated.
+    // Without a recording, the run is repeated.
     fs::remove_file(&path).unwrap();
     results.page(0);
     assert!(fs::read(&path).unwrap() == whole);
@@ -233,11 +234,11 @@ fn a_program_that_has_changed_is_refused() {
     let results = Results::from_records(DENSE, "");
     let manifest = results.path().join("manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();
-    // The folder's own program counts, and all files must be consistent.
+    // The program stored in the folder counts, and all files must be consistent.
     fs::write(&manifest, text.replace("T[1..2]", "T[1..3]")).unwrap();
     let said = error(&results);
     assert!(said.contains("changed by hand"), "{said}");
-    // The same holds for deliberate changes.
+    // Deliberate changes give the same result.
     fs::remove_file(results.path().join("checksums.json")).unwrap();
     let said = error(&results);
     assert!(
@@ -309,7 +310,7 @@ fn what_is_asked_wrongly_is_told() {
 #[test]
 fn a_folder_that_cannot_be_written_to_is_shown_too() {
     let results = Results::from_records(DENSE, "");
-    // A file blocks the folder for recordings, even for root.
+    // A file with this name prevents creating the folder for recordings, even for root.
     fs::write(results.path().join("recordings"), "").unwrap();
     let page = results.page(0);
     assert!(fs::metadata(page).unwrap().len() > 10_000);

@@ -1,4 +1,4 @@
-//! Tests two runs in one page, the tour of a run, and exported links, pictures and films.
+//! Tests replay pages of two runs, the tour of a run, and exported links, pictures and films.
 use serde_json::{Value, json};
 use stochc::results::recording::Recording;
 use stochc::text::palette::{DARK, LIGHT};
@@ -11,7 +11,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-/// Runs all checks.
+/// Runs all checks in a page of a browser.
 pub fn check_all(page: &mut impl Page) {
     check_two_runs(page);
     check_tour(page);
@@ -26,7 +26,7 @@ fn in_chromium(check: impl Fn(&mut Browser)) {
     assert_eq!(browser.complaints, [""; 0]);
 }
 
-/// Returns the ticks of the starts of phases.
+/// Returns the tick at the start of each phase.
 fn begins(recording: &Recording) -> Vec<u64> {
     use stochc::runtime::observe::ObservedEvent;
     let events = recording.events().iter();
@@ -68,7 +68,7 @@ fn check_two_runs(browser: &mut impl Page) {
         at(&mut |asked| browser.value(asked), last),
         (here as f64, there as f64)
     );
-    // In the mode by phase, every phase begins in both at once.
+    // When synchronized by phase, every phase begins in both runs at once.
     browser.value("document.getElementById('clocks').click()");
     for (from, to) in begins(&first).into_iter().zip(begins(&second)) {
         assert_eq!(
@@ -80,7 +80,7 @@ fn check_two_runs(browser: &mut impl Page) {
         at(&mut |asked| browser.value(asked), here),
         (here as f64, there as f64)
     );
-    // Both are drawn, from the same point.
+    // Both runs are drawn, seen from the same point.
     let shown = browser.value(
         "[...document.querySelectorAll('#stage > canvas')].map(canvas => [canvas.id || canvas.className, canvas.clientWidth])",
     );
@@ -123,7 +123,7 @@ fn check_tour(browser: &mut impl Page) {
     let next = "document.querySelector('#tour [aria-label=\"next step\"]').click()";
     browser.value(next);
     browser.value("new Promise(done => setTimeout(done, 600))");
-    // On a busy machine the tour may have reached a later step.
+    // On a busy machine, the tour may already have reached a later step.
     let state = browser.value(&format!(
         "replay.settled().then(state => [state.tick, parseInt({words})])"
     ));
@@ -168,7 +168,7 @@ fn check_taken_along(browser: &mut impl Page) {
         browser.value(size),
         json!(["image/png", 0x8950_4e47_u32, 640, 360])
     );
-    // The picture equals the view at the size of the page, pixel by pixel.
+    // At the size of the page, the picture equals the view, pixel by pixel.
     let same = "(async () => {
         const [x, y] = [300, 320];
         const { clientWidth, clientHeight } = document.getElementById('arena');
@@ -178,8 +178,8 @@ fn check_taken_along(browser: &mut impl Page) {
     })()";
     let pixels = browser.value(same);
     assert_eq!(pixels[0], pixels[1]);
-    // The same holds for names and axes. Nothing else has their colour, which appears and
-    // disappears with them.
+    // Names and axes are also equal. No other pixel has their colour, which appears and disappears
+    // with them.
     let ink = match browser.value("themeName()").as_str().unwrap() {
         "dark" => DARK.ink,
         _ => LIGHT.ink,
@@ -207,7 +207,7 @@ fn check_taken_along(browser: &mut impl Page) {
     assert_eq!(browser.value(&written), json!([true, 0, true]));
     let much = browser.value("replay.png(10 ** 7, 1).catch(({ message }) => message)");
     assert!(much.as_str().unwrap().contains("pixels at most"), "{much}");
-    // The film has a WebM cluster of frames, whose number depends on the machine.
+    // The film has a WebM cluster with frames. Their number depends on the machine.
     let film = "replay.film({ from: 100, to: 500, width: 320, height: 200, speed: 5 }).then(async blob => {
         const bytes = new Uint8Array(await blob.arrayBuffer());
         const has = mark => bytes.some((_, at) => mark.every((byte, i) => bytes[at + i] === byte));
@@ -216,7 +216,7 @@ fn check_taken_along(browser: &mut impl Page) {
     assert_eq!(browser.value(film), json!(["video/webm", true, true]));
     let none = browser.value("replay.film({ from: 9, to: 9 }).catch(({ message }) => message)");
     assert_eq!(none, "A film goes from a tick to a later one.");
-    // Within another page there are no controls.
+    // If the page is embedded in another page, it has no controls.
     browser.open(&page, "#embed&tick=50");
     let shown = "['arena', 'tools', 'tick', 'graph'].map(id => document.getElementById(id).checkVisibility())";
     assert_eq!(browser.value(shown), json!([true, false, false, false]));

@@ -1,4 +1,4 @@
-//! Checks that a page reports if it cannot show its recording.
+//! Tests that a page reports why it cannot show its recording.
 use std::fs;
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::browser::browser;
 use crate::folder::Results;
 use crate::page_under_test::Page;
 
-/// Returns the message that is shown instead of the arena.
+/// Returns the message that the page shows instead of the arena.
 fn message(browser: &mut impl Page, page: &Path, text: &str) -> String {
     fs::write(page, text).unwrap();
     browser.open(page, "");
@@ -52,7 +52,8 @@ pub fn check(browser: &mut impl Page) {
         (with(&|bytes| bytes.truncate(bytes.len() - 3)), "cut short"),
         (with(&|bytes| bytes.clear()), "cut short"),
         (with(&|bytes| bytes[0] = b'x'), "no recording"),
-        // The page was copied incompletely: up to the recording, before it, or within the script.
+        // The page was copied incompletely: up to the recording, to a point before it, or to a
+        // point within the script.
         (text[..start + 1000].to_owned(), "cut short"),
         (text[..start - 40].to_owned(), "cut short"),
         (
@@ -67,7 +68,7 @@ pub fn check(browser: &mut impl Page) {
         let said = message(browser, &page, &text);
         assert!(said.contains(reason), "{reason}: {said}");
     }
-    // A byte within the packed positions is wrong. Only the checksum detects it.
+    // A byte in the packed positions is wrong, which only the checksum detects.
     let said = message(
         browser,
         &page,

@@ -1,15 +1,15 @@
-//! Reports tests that need a program that is not installed.
+//! Reports of tests that need a program that is not installed.
 use std::io::Write as _;
 
-/// Variable with the path of the file that lists skipped tests for `tests/run`.
+/// Environment variable with the path of a file. It lists skipped tests for `tests/run`.
 const RECORD: &str = "STOCHC_SKIPPED";
 
-/// Reports that the current test is skipped, wholly or in part, because `command` of the package
+/// Reports that a part of the current test is skipped, because the program `command` of the package
 /// `package` is missing.
 ///
 /// # Panics
-/// Panics if `STOCHC_REQUIRE_` with the package's name, up to a dash, is set. The package
-/// is then expected to be installed.
+/// Panics if the variable `STOCHC_REQUIRE_` with the package's name, up to a dash, is set. Then the
+/// package must be installed.
 #[track_caller]
 pub fn skipped(package: &str, command: &str) {
     let name = package.split('-').next().unwrap_or(package);
@@ -18,7 +18,7 @@ pub fn skipped(package: &str, command: &str) {
         std::env::var_os(&required).is_none(),
         "`{command}` cannot be run, and {required} is set"
     );
-    // The thread has the name of the test, except if all tests run in the main thread.
+    // The thread has the name of the test, unless all tests run in the main thread.
     let here = std::thread::current();
     let place = std::panic::Location::caller();
     let test = match here.name() {
@@ -30,7 +30,7 @@ pub fn skipped(package: &str, command: &str) {
         _ => format!("apt-get install {package}"),
     };
     let note = format!("skipped {test}: `{command}` cannot be run ({remedy})\n");
-    // Writing to standard error directly bypasses the capture of the test.
+    // Direct output to standard error is not captured by the test harness.
     let _ = std::io::stderr().write_all(note.as_bytes());
     if let Some(record) = std::env::var_os(RECORD) {
         let mut options = std::fs::OpenOptions::new();

@@ -23,7 +23,8 @@ fn tables(text: &str) -> Tables {
         .tables
 }
 
-/// Calibrates rates from runs with rates that differ from the default ones.
+/// Returns the calibrated rates of simulated runs. The runs use rates that differ from the default
+/// rates.
 fn found(scene: &Scene, truth: &Rates, runs: u64) -> Rates {
     let settings = Settings {
         rates: vec![truth.clone()],
@@ -62,7 +63,7 @@ fn the_parameters_of_the_law_are_found_again() {
         let error = rates.covariance[i * (Parameters::COUNT + 1)].sqrt();
         let (value, expected) = (rates.parameters.0[i], truth.parameters.0[i]);
         assert!(error < 0.3, "{}: ± {error}", parameter.name);
-        // Ticks are whole numbers, which shifts times by some thousandths of a docking time.
+        // Times are whole ticks, which shifts the estimate by a few thousandths of a docking time.
         let allowed = 4.0 * error + 0.02;
         assert!(
             (value - expected).abs() < allowed,
@@ -70,7 +71,7 @@ fn the_parameters_of_the_law_are_found_again() {
             parameter.name
         );
     }
-    // Waiting times are known more precisely than the parameters.
+    // The data determine waiting times more precisely than single parameters.
     let (x, y) = (rates.parameters.0[0], truth.parameters.0[0]);
     assert!((x - y).abs() < 0.25, "{x} {y}");
     let same = rates

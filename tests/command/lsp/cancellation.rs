@@ -1,6 +1,6 @@
-//! Tests work that continues next to other requests, and ends when no request needs it.
+//! Tests work that continues during other requests, and that ends when no request needs it.
 //!
-//! No test here uses a clock: a large program takes seconds, and tests check the order of answers.
+//! These tests use no clock. A large program takes seconds, and tests check the order of answers.
 use serde_json::{Value, json};
 
 use crate::lsp::client::{Client, place};
@@ -13,7 +13,7 @@ const TEXT: &str = "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up
 const MODIFIED: i64 = -32801;
 const CANCELLED: i64 = -32800;
 
-/// Returns a program without events whose expansion takes long.
+/// Returns the source of a program without events that takes long to expand.
 fn large() -> String {
     let loops = "for i in 1..1000 { for j in 1..8000 { } }";
     let seeds = "seed plate 1 x 1 { M at (0, 0) }";
@@ -36,7 +36,7 @@ fn change(client: &mut Client, uri: &str, version: i64, text: &str) {
     );
 }
 
-/// Returns the request numbers of answers, and their errors.
+/// Returns the request number and the error code of each answer.
 fn codes(answers: &[Value]) -> Vec<(i64, Option<i64>)> {
     let codes = answers.iter();
     codes
@@ -81,7 +81,7 @@ fn edits_end_all_checks_but_the_last() {
     client.open(LARGE, &text);
     let mut expected = Vec::new();
     for version in 2..20 {
-        // The check begins no later than the first request.
+        // The check begins before the first request or with it.
         expected.push((hover(&mut client, LARGE, &text), Some(MODIFIED)));
         change(
             &mut client,

@@ -1,16 +1,16 @@
-//! Client that uses the raw protocol.
+//! Test client that uses the language server protocol directly.
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use serde_json::{Value, json};
 
-/// Running server and its messages.
+/// Running server, with the messages that it sent.
 pub struct Client {
     child: Child,
     input: Option<ChildStdin>,
     output: BufReader<ChildStdout>,
     next: i64,
-    /// Notifications that have arrived but were not read.
+    /// Notifications of the server that no test has read yet.
     notifications: Vec<Value>,
 }
 
@@ -32,12 +32,12 @@ impl Client {
         }
     }
 
-    /// Starts and initializes a server, with these position encodings.
+    /// Starts and initializes a server for a client with these position encodings.
     pub fn new(encodings: &[&str]) -> Client {
         Client::with(json!({ "general": { "positionEncodings": encodings } }))
     }
 
-    /// Starts and initializes a server, with these capabilities of the client.
+    /// Starts and initializes a server for a client with these capabilities.
     pub fn with(capabilities: Value) -> Client {
         let mut client = Client::start();
         let answer = client.ask("initialize", json!({ "capabilities": capabilities }));
@@ -63,7 +63,7 @@ impl Client {
         self.answer(&json!(id))
     }
 
-    /// Sends a request. Returns its number.
+    /// Sends a request. Returns its number without waiting for the answer.
     pub fn request(&mut self, method: &str, params: Value) -> i64 {
         self.next += 1;
         let id = self.next;
@@ -71,7 +71,7 @@ impl Client {
         id
     }
 
-    /// Waits for the answer to a request.
+    /// Waits for the answer to a request, and returns it.
     pub fn answer(&mut self, id: &Value) -> Value {
         loop {
             let message = self.receive().expect("an answer");
@@ -96,13 +96,13 @@ impl Client {
         answers
     }
 
-    /// Returns the requests of the server so far.
+    /// Returns the requests that the server has sent so far.
     pub fn requests_of_server(&self) -> Vec<&Value> {
         let notifications = self.notifications.iter();
         notifications.filter(|it| it.get("id").is_some()).collect()
     }
 
-    /// Returns the versions of a document whose diagnostics have arrived so far.
+    /// Returns the versions of a document that the server has sent diagnostics for.
     pub fn diagnosed(&self, uri: &str) -> Vec<i64> {
         let diagnosed = self.notifications.iter().map(|it| &it["params"]);
         (diagnosed.filter(|it| it["uri"] == uri))
@@ -110,7 +110,7 @@ impl Client {
             .collect()
     }
 
-    /// Returns the next diagnostics of a document.
+    /// Waits for the next diagnostics of a document, and returns them.
     pub fn diagnostics(&mut self, uri: &str) -> Vec<Value> {
         let is_it = |message: &Value| {
             message["method"] == "textDocument/publishDiagnostics"
@@ -126,7 +126,7 @@ impl Client {
         }
     }
 
-    /// Sends arbitrary bytes.
+    /// Sends bytes that need not be a message.
     pub fn send_raw(&mut self, bytes: &[u8]) {
         let input = self.input.as_mut().unwrap();
         input.write_all(bytes).unwrap();
@@ -138,7 +138,7 @@ impl Client {
         self.send_raw(format!("Content-Length: {}\r\n\r\n{body}", body.len()).as_bytes());
     }
 
-    /// Returns the next message. Returns `None` at the end of the stream.
+    /// Waits for the next message. Returns `None` at the end of the stream.
     fn receive(&mut self) -> Option<Value> {
         let mut length = 0;
         loop {
@@ -159,19 +159,19 @@ impl Client {
         Some(serde_json::from_slice(&body).unwrap())
     }
 
-    /// Shuts the server down as the protocol requires. Returns the exit status.
+    /// Shuts the server down as the protocol requires. Returns its exit status.
     pub fn leave(mut self) -> i32 {
         assert_eq!(self.ask("shutdown", Value::Null)["result"], Value::Null);
         self.notify("exit", Value::Null);
         self.ended()
     }
 
-    /// Waits until the server ends by itself. Returns the exit status.
+    /// Waits until the server ends by itself. Returns its exit status.
     pub fn ended(&mut self) -> i32 {
         self.child.wait().unwrap().code().unwrap()
     }
 
-    /// Closes the connection. Returns the exit status.
+    /// Closes the connection without a shutdown. Returns the exit status of the server.
     pub fn hang_up(mut self) -> i32 {
         self.input = None;
         self.ended()
@@ -185,8 +185,7 @@ impl Drop for Client {
     }
 }
 
-/// Returns the parameters of a request at a position: the start of the nth occurrence of some
-/// words.
+/// Returns the parameters of a request at the start of the nth occurrence of `words`.
 pub fn place(uri: &str, text: &str, words: &str, nth: usize) -> Value {
     let (at, _) = text.match_indices(words).nth(nth).unwrap();
     let before = &text[..at];
@@ -198,13 +197,13 @@ pub fn place(uri: &str, text: &str, words: &str, nth: usize) -> Value {
     })
 }
 
-/// Formats a range as `1:2-1:5`.
+/// Returns a range as text, such as `1:2-1:5`.
 pub fn shown(range: &Value) -> String {
     let end = |end: &str| format!("{}:{}", range[end]["line"], range[end]["character"]);
     format!("{}-{}", end("start"), end("end"))
 }
 
-/// Returns the byte offset of a line. Lines end with `\n`, `\r\n` or `\r`.
+/// Returns the byte offset of the start of a line. Lines end with `\n`, `\r\n` or `\r`.
 fn line_start(text: &str, line: usize) -> usize {
     let bytes = text.as_bytes();
     let ends = (0..bytes.len())
@@ -213,7 +212,7 @@ fn line_start(text: &str, line: usize) -> usize {
     starts.nth(line).unwrap_or(bytes.len())
 }
 
-/// Returns a text after the changes of an edit. Positions count UTF-16 units.
+/// Returns a text after edits. Positions count UTF-16 units.
 pub fn edited(text: &str, edits: &Value) -> String {
     let offset = |position: &Value| {
         let (line, character) = (

@@ -1,4 +1,4 @@
-//! Tests imported files that change on the disk while they are not open.
+//! Tests imported files that change on the disk while no document of them is open.
 use std::path::Path;
 
 use serde_json::{Value, json};
@@ -24,7 +24,7 @@ fn uri(folder: &Path, name: &str) -> String {
     format!("file://{}/{name}", folder.to_str().unwrap())
 }
 
-/// Returns a client that has opened `main.sa` of a folder. The file has no diagnostics.
+/// Returns a client that has opened `main.sa` of a folder. The file must have no diagnostics.
 fn client(folder: &Path, capabilities: Value) -> Client {
     std::fs::write(folder.join("lib.sa"), LIBRARY).unwrap();
     let mut client = Client::with(capabilities);
@@ -97,7 +97,8 @@ fn the_client_is_asked_to_watch_programs_if_it_offers_that() {
     }
 }
 
-/// The client has reported no change, and a rename at the old positions would corrupt the file.
+/// Checks a file that changed without a notification of the client. A rename at the old positions
+/// would corrupt the file.
 #[test]
 fn files_are_compared_with_the_disk_before_they_are_edited() {
     let folder = tempfile::tempdir().unwrap();
@@ -106,7 +107,7 @@ fn files_are_compared_with_the_disk_before_they_are_edited() {
     std::fs::write(folder.path().join("lib.sa"), &library).unwrap();
     let answer = rename(&mut client, folder.path());
     assert_eq!(answer["error"]["code"], MODIFIED, "{answer}");
-    // The program is checked again, so the next attempt succeeds.
+    // The program was checked again, so the second rename succeeds.
     let answer = rename(&mut client, folder.path());
     let edits = &answer["result"]["changes"][uri(folder.path(), "lib.sa")];
     assert_eq!(

@@ -1,5 +1,4 @@
-//! Tests a real editor as the client: `neovim.lua` drives Neovim's own client and checks the
-//! answers.
+//! Tests a real editor as client. `neovim.lua` drives the client of Neovim and checks the answers.
 use std::process::{Command, Stdio};
 
 use crate::skipped::skipped;

@@ -1,4 +1,4 @@
-//! Tests requests about programs.
+//! Tests requests about the names and texts of programs.
 use serde_json::{Value, json};
 
 use crate::lsp::client::{Client, edited, place, shown};
@@ -83,7 +83,7 @@ fn a_name_in_a_pattern_stands_for_all_its_blocks() {
     ] {
         assert!(text.contains(part), "{part} in\n{text}");
     }
-    // A counter is not a block.
+    // The variable of a loop is not a block.
     assert!(hover("height]", 0).contains("**`height`**, parameter"));
     // A parameter stands for the blocks of its arguments.
     assert!(hover("base.up", 0).contains("**`A`**, block of `city`"));
@@ -125,7 +125,7 @@ fn what_is_no_block_is_shown_as_declared() {
     assert_eq!(ask(&mut client(), "hover", "release", 0), Value::Null);
 }
 
-/// Words of a scene are not names, but the schema defines them.
+/// Checks that the keywords of a scene are described by its schema.
 #[test]
 fn the_words_of_a_scene_are_known() {
     let text = "scene mine from hemisphere {\n    bond attract {\n        pull 1 N within 5cm\n        anchor gap 1mm tilt 5 deg\n    }\n    f\n}\n";
@@ -171,7 +171,7 @@ fn the_words_of_a_scene_are_known() {
     assert_eq!(offered("mine"), [""; 0], "not in its braces");
 }
 
-/// Plate with a pre-attached block, after an aggregate.
+/// Program with a pre-attached block on a plate, after an aggregate.
 const TANK: &str = "\
 let many = 2
 
@@ -235,7 +235,7 @@ fn definitions_are_seeds_captures_and_declarations() {
     let mut definition = |words, nth| places(&ask(&mut client, "definition", words, nth));
     assert_eq!(definition("A, tall", 0), ["8:23-8:24"]);
     assert_eq!(definition("C.up", 1), ["12:16-12:17"]);
-    // The name is captured twice.
+    // Two captures have this name.
     assert_eq!(definition("D\n", 1), ["12:24-12:25", "17:16-17:17"]);
     assert_eq!(definition("T[2]", 0), ["2:16-2:17"]);
     assert_eq!(definition("tower(A", 0), ["1:8-1:13"]);
@@ -261,7 +261,7 @@ fn references_are_all_places_or_all_but_the_declarations() {
     assert_eq!(places(&found), ["5:4-5:8", "11:17-11:21"]);
 }
 
-/// Collects the names of an outline with their depth.
+/// Collects the names of an outline, indented by their depth.
 fn outline(symbols: &Value, depth: usize, out: &mut Vec<String>) {
     for symbol in symbols.as_array().into_iter().flatten() {
         let name = symbol["name"].as_str().unwrap();
@@ -289,7 +289,8 @@ fn the_outline_has_what_is_declared() {
     assert_eq!(names, expected);
 }
 
-/// The range of a declaration ends with its last word, not before the next declaration.
+/// Checks that the range of a declaration ends with its last token, not before the next
+/// declaration.
 #[test]
 fn a_declaration_ends_where_its_words_do() {
     let text = "let n = 2 *\n    (3 + 1)\n\n// about the program\n\nassembly a {\n    let k = 1\n\n    // of the plate\n    \
@@ -334,7 +335,7 @@ fn formatting_touches_the_lines_that_change() {
     assert_eq!(answer["error"]["code"], -32803);
 }
 
-/// A lone carriage return ends a line for the client, but not for the language.
+/// Checks a lone carriage return. It ends a line for the client, but not in the language.
 #[test]
 fn a_lone_carriage_return_is_refused_as_fmt_does() {
     let mut client = client();
@@ -357,7 +358,8 @@ fn a_lone_carriage_return_is_refused_as_fmt_does() {
     }
 }
 
-/// A byte order mark counts as a character of the first line, and is dropped, as in `fmt`.
+/// Checks a byte order mark. It counts as a character of the first line, and formatting removes it,
+/// as `fmt` does.
 #[test]
 fn a_mark_of_the_byte_order_is_passed_over() {
     let mut client = Client::new(&[]);
@@ -476,7 +478,8 @@ fn what_nobody_uses_is_marked_as_unnecessary() {
     };
     let found = tags(&client.diagnostics(URI));
     let unnecessary = || json!([1]);
-    // The occupied cell does not use the number. Until it is fixed, the number causes no warning.
+    // The cell is occupied, so the number is unused. Until this is fixed, the number causes no
+    // further warning.
     assert_eq!(
         found,
         [
@@ -490,7 +493,8 @@ fn what_nobody_uses_is_marked_as_unnecessary() {
     assert_eq!(found, [("unused-let".to_owned(), unnecessary())]);
 }
 
-/// A program imports from its own folder, and from folders that the editor has opened.
+/// Checks that a program may import from its own folder and from folders that the editor has
+/// opened.
 #[test]
 fn imports_stay_within_the_folders_that_are_open() {
     let folder = tempfile::tempdir().unwrap();

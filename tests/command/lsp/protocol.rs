@@ -1,4 +1,4 @@
-//! Tests the messages of the protocol.
+//! Tests the messages of the language server protocol.
 use serde_json::{Value, json};
 
 use crate::lsp::client::{Client, place, shown};
@@ -15,7 +15,8 @@ fn the_exit_status_says_whether_the_client_said_goodbye() {
     assert_eq!(Client::start().hang_up(), 1);
 }
 
-/// The stream stays open, for example because a child process of the client has inherited it.
+/// Checks that the server ends if the client ends but the stream stays open. A child process of the
+/// client may have inherited it.
 #[cfg(unix)]
 #[test]
 fn the_server_ends_with_the_process_of_its_client() {
@@ -90,7 +91,7 @@ fn what_nobody_understands_does_no_harm() {
             assert_eq!(answer["error"]["code"], -32602, "{method} {params}");
         }
     }
-    // A file that is not open.
+    // No document with this address is open.
     let answer = client.ask("textDocument/hover", place("file:///none", "x", "x", 0));
     assert_eq!(answer["error"]["code"], -32803);
     let answer = client.ask("textDocument/hover", place(URI, "let n", "n", 0));
@@ -101,7 +102,7 @@ fn what_nobody_understands_does_no_harm() {
 #[test]
 fn a_request_can_be_cancelled_before_its_turn() {
     let mut client = Client::new(&[]);
-    // The program is long enough that its check still runs when the other requests arrive.
+    // The program is long, so its check is still running when the other requests arrive.
     let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up ->> T[1..200000] } }";
     client.open(URI, text);
     let first = client.request("textDocument/hover", place(URI, text, "M.up", 0));
@@ -112,7 +113,7 @@ fn a_request_can_be_cancelled_before_its_turn() {
         client.answer(&json!(second)),
         client.ask("shutdown", Value::Null),
     ];
-    // Either may be faster. Each request is answered exactly once.
+    // Either answer may come first. Each request is answered exactly once.
     let answer = answers[0].take();
     let cancelled = answer["error"]["code"] == -32800;
     assert!(cancelled || answer["result"].is_object(), "{answer}");
@@ -137,7 +138,7 @@ fn diagnostics_follow_the_text() {
             .starts_with("cannot find block `B`\n")
     );
 
-    // A change of one character replaces `B` with `A`.
+    // The change replaces the character `B` by `A`.
     let range = json!({
         "start": { "line": 3, "character": 24 },
         "end": { "line": 3, "character": 25 },

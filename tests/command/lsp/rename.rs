@@ -1,4 +1,4 @@
-//! Tests renaming, and names that are rejected.
+//! Tests renaming, and new names that are rejected.
 use serde_json::{Value, json};
 
 use crate::lsp::client::{Client, edited, place};
@@ -90,7 +90,7 @@ fn what_would_change_the_program_is_refused() {
     }
 }
 
-/// `check` recommends the underscore.
+/// Checks that an underscore can be added to an unused name, as `check` recommends.
 #[test]
 fn an_underscore_before_an_unused_name_is_no_change_of_meaning() {
     let unused = format!("let spare = 3\n{TEXT}");
@@ -109,7 +109,8 @@ fn an_underscore_before_an_unused_name_is_no_change_of_meaning() {
     }
 }
 
-/// An assembly without a scene uses the scene called `hemisphere`.
+/// Checks that a scene cannot be renamed to `hemisphere`, because assemblies without a scene would
+/// then use it.
 #[test]
 fn a_scene_is_not_renamed_so_that_others_run_in_another() {
     let text = |name: &str| {

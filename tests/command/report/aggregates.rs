@@ -1,4 +1,4 @@
-//! Tests reports on aggregates, whose blocks capture nothing.
+//! Tests reports on aggregates, which have no captures.
 use std::fs;
 use std::path::Path;
 
@@ -49,7 +49,7 @@ fn an_aggregate_has_the_sections_that_fit_and_none_that_are_empty() {
             "survival.svg"
         ]
     );
-    // The last size completes the aggregate.
+    // Reaching the last size completes the aggregate.
     let rows = |name: &str| fields(&fs::read_to_string(figures.join(name)).unwrap());
     let ticks = |name: &str, column: &str, value: &str| -> Vec<String> {
         let rows = rows(name).into_iter();

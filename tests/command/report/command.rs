@@ -1,4 +1,4 @@
-//! Tests `report`: output location, rejected input, and exit status.
+//! Tests the command `report`: output path, rejected input, and exit status.
 use std::fs;
 use std::path::Path;
 
@@ -7,12 +7,12 @@ use stochc::results::Manifest;
 
 use crate::stochc::{command, path, said, stochc_with};
 
-/// Removes the checksums of a folder, as for files that were changed on purpose.
+/// Removes the checksums of a folder, as if its files had been changed on purpose.
 fn unseal(out: &str) {
     fs::remove_file(path(out.as_ref(), "checksums.json")).unwrap();
 }
 
-/// Returns a journal of another ensemble with valid checksums.
+/// Returns the journal with one text replaced by another. The checksums stay valid.
 fn renamed(journal: &str, before: &str, after: &str) -> String {
     let lines = journal.lines().map(|line| {
         let (object, _) = line.rsplit_once(",\"crc\"").unwrap();
@@ -21,7 +21,7 @@ fn renamed(journal: &str, before: &str, after: &str) -> String {
     lines.collect()
 }
 
-/// Simulates an ensemble in a folder. Returns its path.
+/// Simulates an ensemble into a folder. Returns its path.
 fn simulated(folder: &Path, name: &str, more: &[&str]) -> String {
     let out = path(folder, name);
     let simulate = "simulate --quiet --model shuffle --runs 4 tests/fixtures/tower.sa";
@@ -51,7 +51,7 @@ fn a_report_is_in_its_folder_and_the_folder_stays_whole() {
     assert_eq!((quiet.status, quiet.out.as_str()), (0, ""));
 }
 
-/// The links of a chain follow each other without gaps, and fill the run.
+/// Checks that the segments of a critical path have no gaps and cover the run.
 #[test]
 fn a_chain_has_the_way_of_news_in_it() {
     let folder = tempfile::tempdir().unwrap();
@@ -77,7 +77,7 @@ fn a_chain_has_the_way_of_news_in_it() {
         ends[run] = to;
         news += if event == "news" { to - from } else { 0 };
     }
-    // The message goes down to the plate, and over it to the other tower.
+    // The message travels down to the plate and up the other tower.
     assert_eq!(news, 3 * 2 * 50, "{chains}");
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     assert!(
@@ -114,7 +114,7 @@ fn a_replay_that_is_there_is_linked() {
         page.contains("stochc replay &#39;"),
         "the others are not there"
     );
-    // Replays can also be named by assembly. With several programs they must be.
+    // Names of replays may contain the assembly. If there are several programs, they must.
     let both = simulated(folder.path(), "both", &["tests/fixtures/importing.sa"]);
     for name in ["replay-tower-0.html", "replay-1.html"] {
         fs::write(path(both.as_ref(), name), "").unwrap();
@@ -128,7 +128,7 @@ fn a_replay_that_is_there_is_linked() {
     );
     let line = format!("stochc replay {both} --run 1 --program tower</code>");
     assert!(page.contains(&line), "{page}");
-    // Pages in other folders link with relative addresses.
+    // Pages in other folders use relative addresses for their links.
     let elsewhere = path(folder.path(), "page.html");
     stochc_with("report", &[&out, "--out", &elsewhere]);
     let page = fs::read_to_string(&elsewhere).unwrap();
@@ -149,7 +149,7 @@ fn what_is_no_results_folder_is_refused() {
         assert!(said.err.contains(&told), "{}", said.err);
     }
     assert_eq!(stochc_with("report", &[]).status, 2, "no folder at all");
-    // A manifest with changed whitespace.
+    // The manifest differs only in whitespace.
     let manifest = path(out.as_ref(), "manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();
     fs::write(&manifest, text.replace("\"format\": 1", "\"format\": 99")).unwrap();
@@ -165,7 +165,7 @@ fn what_is_no_results_folder_is_refused() {
     );
 }
 
-/// The report reads the journal. A truncated journal contains fewer runs.
+/// Checks a report on a truncated journal, which contains fewer runs.
 #[test]
 fn an_ensemble_that_is_not_finished_is_told_of_as_such() {
     let folder = tempfile::tempdir().unwrap();
@@ -174,7 +174,7 @@ fn an_ensemble_that_is_not_finished_is_told_of_as_such() {
     let text = fs::read_to_string(&journal).unwrap();
     unseal(&out);
     let lines: Vec<&str> = text.lines().collect();
-    // Two runs, and half of the third.
+    // The journal has two runs and half of the third.
     let half = &lines[3][..lines[3].len() / 2];
     fs::write(&journal, format!("{}\n{half}", lines[..3].join("\n"))).unwrap();
     let said = stochc_with("report", &[&out]);
@@ -185,12 +185,12 @@ fn an_ensemble_that_is_not_finished_is_told_of_as_such() {
     );
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     assert!(page.contains("<strong>not finished</strong>: 2 of 4 runs are there"));
-    // Only the first line remains. The report is still written.
+    // If only the first line remains, the report is still written.
     fs::write(&journal, format!("{}\n", lines[0])).unwrap();
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     assert!(page.contains("No run of it is finished."));
-    // A journal of another ensemble.
+    // The journal belongs to another ensemble.
     fs::write(&journal, "{\"ensemble\":\"0\"}\n").unwrap();
     let said = stochc_with("report", &[&out]);
     assert_eq!(said.status, 2);
@@ -230,7 +230,7 @@ fn another_version_is_told_of() {
     );
 }
 
-/// A folder contains compiled programs, so a report compiles nothing.
+/// Checks that a report works without sources, because a folder contains compiled programs.
 #[test]
 fn a_report_needs_no_text() {
     let folder = tempfile::tempdir().unwrap();
@@ -258,7 +258,7 @@ fn a_report_needs_no_text() {
 fn a_report_that_was_stopped_is_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out", &[]);
-    // A kill leaves some figures, a draft file, and no page.
+    // A killed command leaves some figures and a draft, but no page.
     let figures = Path::new(&out).join("report-figures");
     fs::create_dir(&figures).unwrap();
     fs::write(figures.join("survival.svg"), "<svg").unwrap();
@@ -310,7 +310,7 @@ fn other_peoples_files_stay() {
     }
 }
 
-/// Figures that an earlier report had and this one does not have are removed.
+/// Checks that figures of an earlier report are removed if the new report does not have them.
 #[test]
 fn figures_of_an_earlier_report_go() {
     let folder = tempfile::tempdir().unwrap();
@@ -326,7 +326,7 @@ fn figures_of_an_earlier_report_go() {
     assert!(figures.join("waits-1.svg").is_file() && figures.join("notes.txt").is_file());
 }
 
-/// If no run completes, the mean would only be the timeout.
+/// Checks a program that never completes. Its mean would only be the timeout.
 #[test]
 fn a_program_that_no_run_completes_has_no_mean_in_short() {
     let folder = tempfile::tempdir().unwrap();
@@ -360,7 +360,7 @@ fn figures_are_in_seconds_with_labels_of_programs() {
     for name in names {
         let text = fs::read_to_string(path(figures.as_ref(), &format!("{name}.svg"))).unwrap();
         assert!(!text.contains("ticks"), "{name}");
-        // Maps have times in titles.
+        // The titles of maps contain times.
         let is_on_axis = ["survival", "phases-1", "waits-1"].contains(&name);
         assert!(!is_on_axis || text.contains("[s]"), "{name}");
         shown += usize::from(text.contains("Five towers"));

@@ -15,7 +15,7 @@ fn the_command_writes_figures_for_print() {
     let figures = folder.path().join("out/report-figures");
     let is_there = |name: &str| figures.join(name).is_file();
     assert!(is_there("survival.pdf") && !is_there("survival.svg"));
-    // Figures of the previous report are removed.
+    // The figures of the previous report are removed.
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     assert!(!is_there("survival.pdf") && is_there("survival.svg"));
     for wrong in ["89", "20mm", "wide"] {
@@ -51,11 +51,11 @@ fn figures_of_a_sweep_are_for_print_as_well() {
     is_printed(&out, "sweep");
     is_printed(&out, "sweep-completed");
     assert_eq!(stochc_with("fsck", &[&out]).status, 0);
-    // A later command without these options writes figures for a screen.
+    // A later command without these options writes figures for screens.
     assert_eq!(stochc_with("resume --quiet --runs 4", &[&out]).status, 0);
     let svg = std::fs::read_to_string(path(out.as_ref(), "sweep.svg")).unwrap();
     check("sweep", &svg, Medium::Screen);
-    // The options are rejected without axes and without a folder.
+    // The options are rejected without a sweep and without a folder.
     let alone = "simulate --quiet --model shuffle --runs 3 tests/fixtures/tower.sa";
     let none = path(folder.path(), "none");
     let said = stochc_with(alone, &[&["--out", &none], &PRINTED[..]].concat());

@@ -1,4 +1,4 @@
-//! Compares maps over runs with independent sums over the recordings.
+//! Tests that maps over runs equal independent sums over the recordings.
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::BufReader;
@@ -14,7 +14,7 @@ use crate::stochc::{path, stochc_with};
 
 const RUNS: u64 = 3;
 
-/// Simulates a small tower, with or without recordings.
+/// Simulates a small tower. `more` may add options such as `--record`. Returns the results folder.
 fn simulated(folder: &Path, more: &[&str]) -> String {
     let out = path(folder, "out");
     let simulate = "simulate --quiet --runs 3 --seed 4 tests/fixtures/tower.sa";
@@ -82,7 +82,7 @@ fn maps_are_sums_over_recordings() {
         for frame in &frames {
             ticks += frame.tick - last;
             for (body, place) in frame.places.iter().enumerate() {
-                // This program releases no block.
+                // In this program, no block is released.
                 let held = |bond: &&stochc::ir::record::BondRecord| {
                     bond.body as usize == body && bond.docked <= frame.tick
                 };
@@ -122,7 +122,7 @@ fn maps_are_sums_over_recordings() {
         seen > 0 && places > 17 * 17,
         "{seen} of {captures}, {places}"
     );
-    // Entries divided by ticks of waiting, for all faces.
+    // The expected rates are entries divided by ticks of waiting, for each face.
     let mut faces = BTreeMap::new();
     for run in 0..RUNS {
         for bond in finished(&contents.finished, run).record.bonds {
@@ -155,7 +155,7 @@ fn a_damaged_recording_is_told_of_and_left_out() {
     let out = simulated(folder.path(), &["--record", "all"]);
     let [first, second, third] = [0, 1, 2].map(|run| recording_path(Path::new(&out), 0, run));
     let mut bytes = fs::read(&first).unwrap();
-    // The corrupted byte is in the record, after all positions.
+    // The corrupted byte is in the record of the run, after all positions.
     let last = bytes.len() - 20;
     bytes[last] ^= 1;
     fs::write(&first, &bytes).unwrap();
@@ -165,7 +165,7 @@ fn a_damaged_recording_is_told_of_and_left_out() {
     assert!(two_left_out.contains("The recording of run 0 is left out:"));
     let another = "it is damaged: it is the recording of another run";
     assert!(two_left_out.contains(another), "{two_left_out}");
-    // A single run gives no interval.
+    // A single run gives no confidence interval.
     let rows = table(&out, "maps.csv");
     assert!(rows.iter().all(|row| row["low"].is_empty()));
     fs::remove_file(&first).unwrap();

@@ -1,4 +1,4 @@
-//! Tests reports of the command.
+//! Tests of the command `report`.
 mod aggregates;
 mod command;
 mod figures;

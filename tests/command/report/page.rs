@@ -1,8 +1,8 @@
-//! Tests the page that the command writes.
+//! Tests the page of a report that the command writes.
 use crate::reading::parsed;
 use crate::stochc::{path, stochc_with};
 
-/// The command line accepts the commands on the page.
+/// Checks that the command line accepts the commands on the page.
 #[test]
 fn the_commands_on_the_page_work() {
     let folder = tempfile::tempdir().unwrap();
@@ -48,7 +48,7 @@ fn the_commands_on_the_page_work() {
     assert_eq!(simulated, 2);
 }
 
-/// Thirteen waits of one tick each are summarized in one sentence.
+/// Checks that thirteen waits of one tick each are described in one sentence.
 #[test]
 fn a_long_chain_of_equal_waits_is_told_in_one_sentence() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Compares reports on real ensembles with sums over their Parquet tables.
+//! Tests that reports on real ensembles equal sums over the Parquet tables.
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::Path;
@@ -11,7 +11,7 @@ use stochc::experiments::statistics::{Observation, Summary};
 use crate::reading::fields;
 use crate::stochc::{path, stochc_with};
 
-/// A capture, from `bonds.parquet`.
+/// Capture, from a row of `bonds.parquet`.
 #[derive(Debug)]
 struct Bond {
     run: u64,
@@ -28,7 +28,7 @@ fn reader(folder: &str, table: &str) -> SerializedFileReader<File> {
     SerializedFileReader::new(File::open(path(folder.as_ref(), table)).unwrap()).unwrap()
 }
 
-/// Returns the rows of a table for one program, by column name.
+/// Returns the rows of a table for one program, each by column name.
 fn table(folder: &str, table: &str, program: &str) -> Vec<BTreeMap<String, Field>> {
     let reader = reader(folder, table);
     let rows = reader.get_row_iter(None).unwrap().map(Result::unwrap);
@@ -55,7 +55,7 @@ fn whole(field: &Field) -> u64 {
     }
 }
 
-/// Returns the ticks of every completed run of a program.
+/// Returns the ticks of every completed run of a program, by run number.
 fn runs(folder: &str, program: &str) -> BTreeMap<u64, u64> {
     let rows = table(folder, "runs.parquet", program).into_iter();
     rows.map(|row| {
@@ -65,7 +65,7 @@ fn runs(folder: &str, program: &str) -> BTreeMap<u64, u64> {
     .collect()
 }
 
-/// Returns the captures of a program. Panics if one is censored.
+/// Returns the captures of a program. Panics if a wait is censored.
 fn bonds(folder: &str, program: &str) -> Vec<Bond> {
     let rows = table(folder, "bonds.parquet", program).into_iter();
     rows.map(|row| Bond {
@@ -81,13 +81,13 @@ fn bonds(folder: &str, program: &str) -> Vec<Bond> {
     .collect()
 }
 
-/// Returns a capture as the program writes it.
+/// Returns a capture in the notation of the program.
 fn capture(row: &BTreeMap<String, Field>) -> String {
     let [parent, face, child] = ["parent", "face", "child"].map(|name| text(&row[name]));
     format!("{parent}.{face} -> {child}")
 }
 
-/// Returns the rows of a table next to a page.
+/// Returns the rows of a table next to a report, each by column name.
 fn csv(folder: &str, name: &str) -> Vec<BTreeMap<String, String>> {
     let file = Path::new(folder).join("report-figures").join(name);
     fields(&fs::read_to_string(file).unwrap())
@@ -147,7 +147,7 @@ fn a_report_says_what_the_tables_say() {
     assert!(released > 0);
     assert_eq!(told, released);
 
-    // The share of a capture is the sum of its links divided by the total time.
+    // The share of a capture is the sum of its segments divided by the total time.
     let chains = csv(&out, "chains.csv");
     let total: u64 = runs.values().sum();
     for row in &waits {
@@ -162,8 +162,8 @@ fn a_report_says_what_the_tables_say() {
     chains_fill(&chains, &runs, &bonds);
 }
 
-/// If runs are stopped, `show --captures`, the report and the table of bonds have the same waiting
-/// times. None is left out.
+/// Checks that `show --captures`, the report and the table of captures have the same waiting times
+/// if runs are stopped.
 #[test]
 fn stopped_runs_have_the_same_waits_in_every_table() {
     let folder = tempfile::tempdir().unwrap();
@@ -214,7 +214,7 @@ fn stopped_runs_have_the_same_waits_in_every_table() {
         assert_eq!(row["half_width"], maybe(expected.half_width));
         stopped += expected.incomplete;
     }
-    // The number of unfinished waits equals the number of faces that were on when a run was
+    // The number of unfinished waits equals the number of faces that were on when runs were
     // stopped.
     let rows = table(&out, "runs.parquet", name);
     let under_way: u64 = rows.iter().map(|row| whole(&row["under_way"])).sum();
@@ -222,8 +222,9 @@ fn stopped_runs_have_the_same_waits_in_every_table() {
     assert_eq!(stopped as u64, under_way);
 }
 
-/// A world without physics produces every order of events, with all kinds of releases. The links of
-/// every run meet end to end, from its first tick to its last. Each link is a wait of the tables.
+/// Checks critical paths of runs without physics, which have every order of events and all kinds of
+/// releases. The segments of a run have no gaps, from its first tick to its last. Each segment is a
+/// waiting time in the tables.
 #[test]
 fn chains_fill_the_runs_of_every_small_program() {
     let folder = tempfile::tempdir().unwrap();
@@ -270,7 +271,7 @@ fn chains_fill(chains: &[BTreeMap<String, String>], runs: &BTreeMap<u64, u64>, b
             if !link["event"].starts_with("release ") {
                 let found = bonds.iter().any(|bond| {
                     let same = (bond.run, &bond.capture, &bond.phase, bond.docked);
-                    // A cell may be emptied after the face was magnetized.
+                    // A cell may become empty only after the face was switched on.
                     same == (run, &link["event"], &link["phase"], tick)
                         && bond.magnetized <= number(link, "from")
                 });

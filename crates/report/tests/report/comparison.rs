@@ -10,7 +10,7 @@ use stochc_runtime::Settings;
 
 use crate::world::{manifest, program, run_on, scene, simulate};
 
-/// Runs of the first program at the times of [`LEFT`], of the second at those of [`RIGHT`].
+/// Times of the runs of the first program.
 const LEFT: [u64; 8] = [2948, 6611, 5120, 7303, 14496, 4410, 3999, 6120];
 const RIGHT: [u64; 6] = [2826, 5158, 4400, 5011, 8312, 4790];
 
@@ -38,7 +38,7 @@ fn at(program: usize, times: &[u64]) -> Vec<Finished> {
         .collect()
 }
 
-/// Stops every run of the program that took more than `limit` ticks.
+/// Stops every run of a program that takes more than `limit` ticks.
 fn limit(finished: &mut [Finished], limit: u64) {
     for Finished { record, .. } in finished {
         if record.ticks > limit {
@@ -62,10 +62,11 @@ fn two_programs_without_censoring() {
     let comparison = Comparison::new(&manifest, &finished);
     assert_snapshot!(comparison_to_text(&comparison, 100));
     let difference = comparison.pairs[0].difference.as_ref().unwrap();
-    // The two runs of `left` that `right` has not made are left out.
+    // Two runs of `left` have no partner in `right` and are ignored.
     assert_eq!(difference.test, Test::Paired { pairs: 6 });
     assert!((difference.difference - 10391.0 / 6.0).abs() < 1e-9);
-    // Student's t of 1.7834523482 with 5 degrees of freedom, by numerical integration of its density.
+    // The expected value is for t = 1.7834523482 with 5 degrees of freedom, by numerical
+    // integration.
     assert!((difference.p - 0.134595134).abs() < 1e-8);
 }
 
@@ -86,7 +87,7 @@ fn censored_runs_are_not_averaged_away() {
     assert_snapshot!(comparison_to_text(&comparison, 100));
     let left = comparison.programs[0].time.as_ref().unwrap();
     let all: Vec<f64> = LEFT.iter().map(|&ticks| ticks as f64).collect();
-    // Fewer than half are cut short, so that the median is the one of all.
+    // Less than half of the runs are stopped, so the median is the same as that of all runs.
     assert_eq!(left.median, median(&all));
     assert!(left.mean < all.iter().sum::<f64>() / 8.0);
     assert_json_snapshot!(comparison);
@@ -156,7 +157,7 @@ fn captures_are_summed_up_by_edge() {
     assert_snapshot!(captures_to_text(&found, scene().tick, 100));
     let second = &found[1];
     assert_eq!(second.released, [("B".to_owned(), second.wait.completed)]);
-    // Some runs were stopped while it was waited for; none of the waits is left out.
+    // Some runs were stopped while waiting for this capture. All their waiting times are included.
     let runs = (finished.iter()).filter(|done| done.program == 0);
     let runs = runs.filter(|done| !matches!(done.record.outcome, Outcome::Failed { .. }));
     assert!(second.wait.incomplete > 0);

@@ -1,4 +1,5 @@
-//! Checks figures for screens and print: nothing is cut or hidden, and every axis has a label.
+//! Tests figures for screens and print: no content is cut off or hidden, and every axis has a
+//! label.
 use std::sync::Arc;
 
 use stochc_experiments::Time;
@@ -54,7 +55,7 @@ fn nothing_is_cut_or_hidden_at_any_width() {
     }
 }
 
-/// The format of the files affects only their names in the page.
+/// Checks that the format of figure files affects only their names in the page.
 #[test]
 fn a_page_is_for_a_screen_whatever_is_printed() {
     let on_screen = drawn(&[five(0.2)], &Figures::default());
@@ -149,8 +150,8 @@ fn maps_of_two_numbers_find_room() {
     }
 }
 
-/// A power law is drawn as a line. Both axes are logarithmic if both span more than a factor of
-/// ten.
+/// Checks that a power law is drawn as a straight line. Both axes are logarithmic if both span more
+/// than a factor of ten.
 #[test]
 fn powers_are_drawn_as_lines() {
     let axes = |sweep: &Sweep, medium| -> Vec<bool> {

@@ -52,7 +52,8 @@ fn hostile_names_are_shown_as_text() {
             text.contains(bad)
         };
         assert!(!invisible(&report.page), "{name:?}");
-        // The only instruction to the browser is the policy. Nothing loads or redirects by itself.
+        // The content policy is the only instruction to the browser, so the page loads or redirects
+        // nothing by itself.
         let instructions = document
             .descendants()
             .filter_map(|node| node.attribute("http-equiv"));
@@ -72,7 +73,7 @@ fn hostile_names_are_shown_as_text() {
                 );
             }
         }
-        // The whole name is still readable.
+        // The whole name is still readable on the page.
         let visible = document.descendants().filter_map(|node| node.text());
         let visible: String = visible.collect();
         let plain = name.split(['\u{202e}', '\u{1b}']).next().unwrap();
@@ -80,7 +81,7 @@ fn hostile_names_are_shown_as_text() {
     }
 }
 
-/// A comma, a quote or a line break in a name does not shift the columns of the data.
+/// Checks that a comma, a quote or a line break in a name does not shift columns of the data.
 #[test]
 fn data_files_quote_what_they_have_to() {
     let mut input = five(0.2);
@@ -97,7 +98,7 @@ fn addresses_stay_what_they_are() {
     assert_eq!(address("javascript:x"), "javascript%3Ax");
 }
 
-/// An edited journal contains impossible values. The page is still drawn.
+/// Checks that a page is drawn even if an edited journal contains impossible values.
 #[test]
 fn impossible_records_are_no_reason_to_stop() {
     let mut input = five(0.2);
@@ -126,7 +127,7 @@ fn impossible_records_are_no_reason_to_stop() {
     input.finished = finished.into();
     for sources in [true, false] {
         if !sources {
-            // The program was compiled elsewhere.
+            // A program that was compiled elsewhere has no sources.
             input.manifest.programs[0].sources.clear();
         }
         let report = report_of(std::slice::from_ref(&input));
@@ -144,7 +145,7 @@ fn impossible_records_are_no_reason_to_stop() {
     }
 }
 
-/// Formulas for a spreadsheet are written as text.
+/// Checks that formulas are written as text, so that a spreadsheet does not execute them.
 #[test]
 fn no_cell_of_the_data_is_a_formula() {
     for name in ["=1+1", "@sum(a)", "+a", "-a"] {

@@ -1,4 +1,4 @@
-//! Checks the layout of a figure: nothing is cut or hidden, and every axis has a label.
+//! Checks of the layout of a figure: no content is cut off or hidden, and every axis has a label.
 use roxmltree::{Document, Node};
 use stochc_report::figures::Medium;
 use ttf_parser::Face;
@@ -10,8 +10,8 @@ pub const MEDIA: [Medium; 4] = [
     Medium::Print(183.0),
 ];
 
-/// Returns left, top, right and bottom of a text in units of its drawing, using the widths of
-/// Helvetica.
+/// Returns the left, top, right and bottom edge of a text, in units of its drawing. Uses the widths
+/// of Helvetica.
 fn bounds(node: Node, face: &Face) -> [f64; 4] {
     const HEIGHT: f64 = 12.0;
     let text = node.text().unwrap_or_default();
@@ -41,7 +41,7 @@ fn texts<'a>(document: &'a Document) -> impl Iterator<Item = Node<'a, 'a>> {
     nodes.filter(|node| node.tag_name().name() == "text")
 }
 
-/// Returns descriptions of the faults of a figure.
+/// Returns descriptions of the layout faults of a figure.
 fn faults(svg: &str, medium: Medium, face: &Face) -> Vec<String> {
     let document = Document::parse(svg).unwrap();
     let root = document.root_element();
@@ -67,7 +67,7 @@ fn faults(svg: &str, medium: Medium, face: &Face) -> Vec<String> {
             found.push(format!("`{}` is cut", words(node)));
         }
     }
-    // Labels of marks are placed to cover as little as possible, and have a rim.
+    // Labels of marks may cover other content a little, because they have a rim.
     let fixed: Vec<_> = all
         .iter()
         .filter(|(node, _)| !classes(node).contains("halo"))

@@ -1,4 +1,4 @@
-//! Compares the values of tables with values computed by hand.
+//! Comparison of values in tables with values computed by hand.
 use stochc_experiments::statistics::{Observation, Runs, compare};
 use stochc_ir::record::Outcome;
 use stochc_ir::table::PhaseId;
@@ -17,8 +17,9 @@ fn close(found: &str, expected: f64) {
     );
 }
 
-/// Times are 100, 200, 200, 300+, 400: 4/5, then 4/5 x 2/4, then 0. Greenwood: 1/(5 x 4) = 0.05,
-/// then + 2/(4 x 2) = 0.30, so e is sqrt 0.3 / |ln 0.4| = 0.59775 after the second.
+/// Checks the curve for the times 100, 200, 200, 300+, 400. It is 4/5, then 4/5 x 2/4, then 0.
+/// Greenwood's sum is 1/(5 x 4) = 0.05, then + 2/(4 x 2) = 0.30. After the second step, e is
+/// therefore sqrt 0.3 / |ln 0.4| = 0.59775.
 #[test]
 fn the_survival_curve_is_kaplan_and_meiers() {
     let report = report_of(&[five(0.2)]);
@@ -39,7 +40,7 @@ fn the_survival_curve_is_kaplan_and_meiers() {
     close(&whole[1]["low"], 0.4_f64.powf(by));
     close(&whole[1]["high"], 0.4_f64.powf(1.0 / by));
     assert_eq!(whole[2]["low"], "", "nothing is left");
-    // The second phase of the stopped run is right-censored at 200 of its own ticks.
+    // The second phase of the stopped run is right-censored 200 ticks after its start.
     let last: Vec<_> = rows.iter().filter(|row| row["phase"] == "last").collect();
     let shares: Vec<f64> = last.iter().map(|row| number(&row["incomplete"])).collect();
     let expected = [0.8, 0.6, 0.4, 0.0];
@@ -48,7 +49,7 @@ fn the_survival_curve_is_kaplan_and_meiers() {
     }
 }
 
-/// The mean is restricted to 400: 100 + 0.8 x 100 + 0.4 x 200.
+/// Checks the mean restricted to 400: 100 + 0.8 x 100 + 0.4 x 200.
 #[test]
 fn a_censored_mean_is_a_lower_bound() {
     let report = report_of(&[five(0.2)]);
@@ -62,8 +63,8 @@ fn a_censored_mean_is_a_lower_bound() {
     assert!(report.page.contains("≥ 260"));
 }
 
-/// The last branch of the first phase is D in run 1 (100 > 90), otherwise C and E. F follows from
-/// the end of that phase, also in the stopped run.
+/// Checks the critical paths. In run 1, the first phase ends with D (100 > 90), in other runs with
+/// C and E. F then follows, also in the stopped run.
 #[test]
 fn the_chain_tells_what_decided_each_run() {
     let report = report_of(&[five(0.2)]);
@@ -92,7 +93,7 @@ fn the_chain_tells_what_decided_each_run() {
         [link("B.up -> D", 100.0), link("M.up -> F", 100.0)]
     );
     assert_eq!(of("3")[2], link("M.up -> F", 200.0));
-    // The links of a run sum to its time.
+    // The segments of a critical path sum to the time of the run.
     for (run, ticks) in [
         ("0", 100.0),
         ("1", 200.0),
@@ -102,7 +103,8 @@ fn the_chain_tells_what_decided_each_run() {
     ] {
         assert_eq!(of(run).iter().map(|link| link.1).sum::<f64>(), ticks);
     }
-    // The total is 1,200 ticks. F took 50 + 100 + 80 + 200 + 300, and C 20 + 60 + 50 + 70.
+    // The total time is 1,200 ticks. The shares of F are 50 + 100 + 80 + 200 + 300, and of C 20 +
+    // 60 + 50 + 70.
     let waits = rows(&report, "waits.csv");
     let share = |capture: &str| {
         let row = waits.iter().find(|row| row["capture"] == capture).unwrap();
@@ -120,10 +122,11 @@ fn waits_are_averaged_and_censored_ones_are_not_left_out() {
     let order: Vec<&str> = waits.iter().map(|row| &*row["capture"]).collect();
     assert_eq!(order, ["A.up -> C", "C.up -> E", "B.up -> D", "M.up -> F"]);
     close(&waits[0]["wait"], (20 + 50 + 60 + 50 + 70) as f64 / 5.0);
-    // F: 50, 80, 100, 200+, 300. The mean up to 300 is 50 + 0.8 x 30 + 0.6 x 20 + 0.4 x 200.
+    // The waiting times of F are 50, 80, 100, 200+, 300. Their mean up to 300 is 50 + 0.8 x 30 +
+    // 0.6 x 20 + 0.4 x 200.
     assert_eq!((&*waits[3]["captured"], &*waits[3]["censored"]), ("4", "1"));
     close(&waits[3]["wait"], 166.0);
-    // A tenth has ended at 50, and nine tenths at 300, at the end of the curve.
+    // One tenth of the waits has ended at 50, and nine tenths at 300, the end of the curve.
     close(&waits[3]["p10"], 50.0);
     close(&waits[3]["p90"], 300.0);
     let origins = rows(&report, "origins.csv");
@@ -135,12 +138,12 @@ fn waits_are_averaged_and_censored_ones_are_not_left_out() {
         .iter()
         .map(|row| (&*row["origin"], &*row["role"], &*row["captured"]))
         .collect();
-    // Of the runs that captured F, run 1 is odd. Run 3 was stopped.
+    // Among the runs that captured F, only run 1 is odd. Run 3 was stopped.
     assert_eq!(told, [("free", "", "3"), ("released", "E", "1")]);
 }
 
-/// Pairs have the differences -10, -30, -20, -40: mean -25, SD sqrt(500 / 3), so t = -25 / (SD /
-/// 2).
+/// Checks a paired test. The differences of the pairs are -10, -30, -20, -40. Their mean is -25 and
+/// their SD sqrt(500 / 3), so t = -25 / (SD / 2).
 #[test]
 fn programs_with_one_seed_are_compared_run_by_run() {
     let [mut first, mut second] = [0.2, 0.3].map(five);
@@ -165,13 +168,13 @@ fn programs_with_one_seed_are_compared_run_by_run() {
     let row = rows_of(&report);
     assert_eq!(row["test"], "paired t");
     close(&row["difference"], -25.0);
-    // scipy 1.17.1: `ttest_rel(a, b)` gives the p-value 0.030466291662170977, `t.ppf(.975, 3)` the
-    // interval.
+    // By scipy 1.17.1: `ttest_rel(a, b)` gives the p-value 0.030466291662170977, and `t.ppf(.975,
+    // 3)` the interval.
     close(&row["p"], 0.030466291662170977);
     let half = 3.182446305284263 * (500.0_f64 / 3.0).sqrt() / 2.0;
     assert!((number(&row["half_width"]) - half).abs() < 1e-6, "{row:?}");
     assert_eq!(row["p"], row["p_holm"], "one test needs no correction");
-    // With another seed, equal run numbers are not related.
+    // Runs with the same number but different seeds are unrelated.
     second.manifest.seed = 8;
     let report = report_of(&[first.clone(), second]);
     let row = rows_of(&report);
@@ -186,13 +189,13 @@ fn programs_with_one_seed_are_compared_run_by_run() {
     );
     assert_eq!(row["test"], "Welch t");
     close(&row["p"], expected.unwrap().p);
-    // A second copy of the same runs is not a second sample.
+    // A copy of the same runs is not a second sample.
     let again = report_of(&[first.clone(), first]);
     assert_eq!(rows_of(&again)["test"], "same runs");
 }
 
-/// One folder has both programs. The other folder has one of them under another name, with the same
-/// runs.
+/// Checks two folders. The first has two programs. The second has one of them under another name,
+/// with the same runs.
 #[test]
 fn the_same_runs_are_told_in_folders_that_differ() {
     let times = |manifest: &Manifest, program: usize, fs: [u64; 4]| {
@@ -224,12 +227,12 @@ fn the_same_runs_are_told_in_folders_that_differ() {
     let rows = rows(&report, "differences.csv");
     let tests: Vec<&str> = rows.iter().map(|row| &*row["test"]).collect();
     assert_eq!(tests, ["paired t", "repeated", "same runs"]);
-    // A single test needs no correction.
+    // A single test requires no correction.
     assert_eq!(rows[0]["p"], rows[0]["p_holm"]);
     assert!(report.page.contains("repeat the runs of another pair"));
 }
 
-/// Shares and counts on the page exclude failed runs, as in the data.
+/// Checks that shares and counts on the page exclude failed runs, as the data do.
 #[test]
 fn a_failed_run_counts_nowhere() {
     let told = |runs: Vec<Finished>| {
@@ -273,7 +276,7 @@ fn three_programs_are_corrected_for_three_pairs() {
     let rows = rows(&report, "differences.csv");
     assert_eq!(rows.len(), 3);
     for row in rows {
-        // All times are equal, so there is no difference. One run is censored.
+        // All times are equal except for one censored run, so there is no significant difference.
         assert_eq!(row["test"], "Welch t");
         close(&row["difference"], 0.0);
         assert_eq!(row["p_holm"], "1");
@@ -288,14 +291,14 @@ fn one_number_that_differs_is_a_sweep() {
     assert_eq!(values, ["0.1", "0.2", "0.3"]);
     assert!(rows.iter().all(|row| row["of"] == "contact.friction"));
     assert!(report.page.contains("contact.friction"));
-    // Two differing parameters are not a sweep.
+    // If two scene parameters differ, there is no sweep.
     let mut inputs = [0.1, 0.2].map(five);
     inputs[0].manifest.programs[0].scene.tick *= 2.0;
     let text = &mut inputs[0].manifest.programs[0].sources[0].text;
     *text = text.replace("hemisphere_2005 {", "hemisphere_2005 { tick 40ms ");
     let report = report_of(&inputs);
     assert!(!report.files.iter().any(|(name, _)| name == "sweeps.csv"));
-    // Times of different clocks are compared in seconds.
+    // If scenes have different ticks, times are compared in seconds.
     assert_eq!(
         crate::sample::rows(&report, "differences.csv")[0]["unit"],
         "s"

@@ -6,8 +6,8 @@ use stochc_report::ensemble_report::{Figures, ReportError, ReportLocation, repor
 use crate::reading::parsed;
 use crate::sample::{five, report_of};
 
-/// Returns the text of a page without its style, pictures and program. Each paragraph and row is
-/// one line.
+/// Returns the text of a page without styles, figures and source texts. Each paragraph and table
+/// row is one line.
 fn text(page: &str) -> String {
     let document = parsed(page);
     let mut out = String::new();
@@ -46,7 +46,7 @@ fn text(page: &str) -> String {
     out
 }
 
-/// Compares the page and figures of five runs, one of them stopped, with snapshots.
+/// Compares the page and figures of five runs with snapshots. One of the runs was stopped.
 #[test]
 fn a_small_ensemble_makes_this_page() {
     let report = report_of(&[five(0.2)]);
@@ -94,7 +94,7 @@ fn every_picture_is_well_formed_and_told_in_words() {
         for number in ["NaN", "inf"] {
             assert!(!content.contains(number), "{name}: {number}");
         }
-        // The labelling elements exist.
+        // The page contains the elements that label its drawings.
         let labels = root.attribute("aria-labelledby").unwrap().split(' ');
         for label in labels {
             assert!(
@@ -103,7 +103,8 @@ fn every_picture_is_well_formed_and_told_in_words() {
             );
         }
     }
-    // The curves and the means, two pictures of the sweep, and three for each of the two programs.
+    // The figures are the curves and the means, two of the sweep, and three for each of the two
+    // programs.
     assert_eq!(
         pictures,
         4 + 2 * 3,
@@ -166,7 +167,7 @@ fn the_page_is_whole_and_loads_nothing() {
                 assert!(ids.contains(label), "{label}");
             }
         }
-        // Each picture has a title and a table for readers who cannot see it.
+        // Each figure has a title and a table, for readers who cannot see it.
         if name == "figure" {
             assert!(
                 node.descendants()
@@ -176,7 +177,7 @@ fn the_page_is_whole_and_loads_nothing() {
     }
 }
 
-/// If a run has a replay, sentences about it link to its ticks.
+/// Checks that sentences about a run link to its ticks if it has a replay.
 #[test]
 fn sentences_link_to_their_ticks() {
     let input = five(0.2);
@@ -233,7 +234,7 @@ fn sentences_link_to_their_ticks() {
     assert!(sentences >= 3, "{sentences}");
 }
 
-/// Each mark of the axis lists the number of runs that are neither complete nor stopped.
+/// Checks the numbers below the axis: runs that are neither complete nor stopped.
 #[test]
 fn curves_tell_how_many_runs_are_at_risk() {
     let input = five(0.2);
@@ -253,7 +254,7 @@ fn curves_tell_how_many_runs_are_at_risk() {
     let shown: Vec<usize> = (texts[at + 1..].iter())
         .map_while(|text| text.parse().ok())
         .collect();
-    // The labels of the axis come first.
+    // The labels of the axis come first among the texts.
     let marks: Vec<f64> = (texts.iter())
         .map_while(|text| text.replace(',', "").parse().ok())
         .collect();

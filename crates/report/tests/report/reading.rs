@@ -1,9 +1,9 @@
-//! Readers of tables and pages.
+//! Parsers for the tables and pages of a report.
 use std::collections::BTreeMap;
 
 use roxmltree::{Document, ParsingOptions};
 
-/// Returns the rows of a table by column name. Fields must not contain commas.
+/// Returns the rows of a table, each by column name. Fields must not contain commas.
 pub fn fields(text: &str) -> Vec<BTreeMap<String, String>> {
     let mut lines = text.split_terminator("\r\n");
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();
@@ -18,7 +18,7 @@ pub fn fields(text: &str) -> Vec<BTreeMap<String, String>> {
     lines.map(row).collect()
 }
 
-/// Parses a well-formed page or picture.
+/// Parses a well-formed page or drawing.
 pub fn parsed(text: &str) -> Document<'_> {
     let options = ParsingOptions {
         allow_dtd: true,

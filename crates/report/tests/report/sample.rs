@@ -1,4 +1,4 @@
-//! An ensemble that is small enough to compute results by hand.
+//! Ensemble that is small enough for computing results by hand.
 use std::collections::BTreeMap;
 
 use stochc_compiler::{Limits, LintLevels};
@@ -9,7 +9,8 @@ use stochc_report::ensemble_report::{CHAINS, Figures, Input, Report, ReportLocat
 use stochc_results::{EnsembleProgram, Finished, Manifest, Source};
 use stochc_runtime::{Model, Settings};
 
-/// Two towers next to each other. Then the second block of one is released, and M captures a block.
+/// Source of a program that builds two towers next to each other. Then the second block of one
+/// tower is released, and M captures a block.
 pub const TEXT: &str = "\
 assembly pair {
     seed plate 3 x 3 { A at (0, 0)  B at (2, 0)  M at (1, 1) }
@@ -24,7 +25,7 @@ assembly pair {
 }
 ";
 
-/// Returns a manifest of the program with this friction.
+/// Returns a manifest of the program in a scene with this friction.
 pub fn manifest(friction: f64, runs: u64) -> Manifest {
     let mut read = |_: &str| Ok(TEXT.as_bytes().to_vec());
     let checked = stochc_compiler::check_with(
@@ -64,8 +65,8 @@ pub fn manifest(friction: f64, runs: u64) -> Manifest {
     Manifest::new(Settings::new(Model::Rigid, 1), 7, runs, vec![program])
 }
 
-/// Waiting times of a run for C, E, D and F. F's face is magnetized when the first phase ends.
-/// Without `f` the run is stopped after it has waited `after` ticks for F.
+/// Waiting times of a run for the captures of C, E, D and F. The face for F is switched on when the
+/// first phase ends. Without `f`, the run is stopped after it has waited `after` ticks for F.
 pub struct Waits {
     pub c: u64,
     pub e: u64,
@@ -74,7 +75,8 @@ pub struct Waits {
     pub after: u64,
 }
 
-/// Returns the record of a run. Every second run captures the released block.
+/// Returns the record of a run with these waiting times. Every second run captures the released
+/// block.
 pub fn record(manifest: &Manifest, run: u64, waits: &Waits) -> Finished {
     let program = &manifest.programs[0];
     let role = |name: &str| {
@@ -152,7 +154,7 @@ pub fn record(manifest: &Manifest, run: u64, waits: &Waits) -> Finished {
     }
 }
 
-/// Returns five runs that take 100, 200, 200, more than 300, and 400 ticks.
+/// Returns a results folder with five runs, which take 100, 200, 200, more than 300, and 400 ticks.
 pub fn five(friction: f64) -> Input {
     let manifest = manifest(friction, 5);
     let waits = [
@@ -179,12 +181,12 @@ pub fn five(friction: f64) -> Input {
     }
 }
 
-/// Returns the report of folders without replays.
+/// Returns the report on folders without replays.
 pub fn report_of(inputs: &[Input]) -> Report {
     drawn(inputs, &Figures::default())
 }
 
-/// Returns the report with other figures.
+/// Returns the report on folders, with these options for figures.
 pub fn drawn(inputs: &[Input], figures: &Figures) -> Report {
     let surroundings = ReportLocation {
         reload: None,
@@ -201,14 +203,14 @@ pub fn drawn(inputs: &[Input], figures: &Figures) -> Report {
     report
 }
 
-/// Returns a file of a report.
+/// Returns the text of a report's file by its name.
 pub fn file<'a>(report: &'a Report, name: &str) -> &'a str {
     let found = report.files.iter().find(|(file, _)| file == name);
     let content = &found.unwrap_or_else(|| panic!("no {name}")).1;
     std::str::from_utf8(content).unwrap()
 }
 
-/// Returns the rows of a table of a report.
+/// Returns the rows of a report's table, each by column name.
 pub fn rows(report: &Report, name: &str) -> Vec<BTreeMap<String, String>> {
     crate::reading::fields(file(report, name))
 }

@@ -1,4 +1,4 @@
-//! Tests trade-offs of artificial runs: numbers, order, text and picture.
+//! Tests trades with artificial runs: numbers, order, text and figure.
 use stochc_experiments::trade::{Convergence, Trade};
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
@@ -7,10 +7,10 @@ use stochc_report::tables::trade_to_text;
 use stochc_results::{ChosenSetting, EnsembleProgram, Finished, Manifest, Records};
 use stochc_runtime::Settings;
 
-/// Ticks after which runs are stopped. Only very slow runs reach this limit.
+/// Limit of ticks. Only very slow runs reach it.
 const LIMIT: u64 = 10_000;
 
-/// Settings, mean time of each program, and CPU time per run.
+/// For each combination of settings, the mean time of each program and the CPU time per run.
 const SETTINGS: [(&str, [u64; 2], f64); 7] = [
     ("substeps=1", [1040, 2080], 1.0),
     // Relative to its mean, the first program has the wider interval.
@@ -22,7 +22,8 @@ const SETTINGS: [(&str, [u64; 2], f64); 7] = [
     ("model=rate", [1100, 2200], 0.001),
 ];
 
-/// Returns an artificial run around a mean. Runs with the same number are almost uncorrelated.
+/// Returns an artificial run with a time near `mean`. Runs of different settings with the same
+/// number are almost uncorrelated.
 fn finished(program: usize, number: u64, mean: u64, cpu: f64, limit: u64) -> Finished {
     let turn = [1, 2, 4][mean as usize / 1000 - 1];
     let ticks = mean - 10 + number * turn % 21;
@@ -45,7 +46,7 @@ fn trade() -> Trade {
     trade_within([LIMIT; 2])
 }
 
-/// Returns a trade-off that stops runs of each program at these limits.
+/// Returns a trade whose runs are stopped at these limits, one for each program.
 fn trade_within(limits: [u64; 2]) -> Trade {
     let mut reader = |_: &str| {
         let text = "assembly a { seed plate 3 x 3 { M at (1, 1) }\nphase p { M.up -> A } }";
@@ -59,7 +60,7 @@ fn trade_within(limits: [u64; 2]) -> Trade {
     let (mut programs, mut runs) = (Vec::new(), Vec::new());
     for (place, name) in ["one", "two"].into_iter().enumerate() {
         let mut program = EnsembleProgram::new(name, Vec::new(), executable.clone());
-        // Equal programs would have equal runs.
+        // Without this change, the programs would be equal and have equal runs.
         program.scene.free.count += place as u32;
         for (settings, means, cpu) in SETTINGS {
             let chosen = settings.split(' ').map(|it| it.split_once('=').unwrap());
@@ -103,7 +104,7 @@ fn every_candidate_is_held_against_the_finest() {
         .iter()
         .map(|candidate| candidate.front)
         .collect();
-    // The reversed setting is excluded.
+    // Settings that reverse the order are not Pareto-optimal here.
     assert_eq!(front, [true, true, false, true, false, false, true]);
     assert!(
         trade.candidates[4]
@@ -121,7 +122,7 @@ fn wrong_conclusions_are_told_with_and_without_colour() {
     let red = |line: &&str| line.starts_with("\u{1b}[31m");
     let coloured = trade_to_text(&trade, 100, true);
     let lines: Vec<&str> = coloured.lines().filter(red).collect();
-    // Each program has two blocks of columns with one line each, and the ranking has one line.
+    // Each program has two blocks of columns with one red line each. The ranking has one red line.
     assert_eq!(lines.len(), 5, "{coloured}");
     assert!(lines.iter().all(|line| line.contains("no-rotation")));
     let advice = &trade.advice;
@@ -153,15 +154,16 @@ fn the_picture_marks_what_is_reversed() {
             .filter(|node| node.attribute("class") == Some(class))
             .count()
     };
-    // Rigid, Rapier, reduced, by rates, reversed, reference.
+    // The marks are for Rigid, Rapier, reduced physics, the rate model, a reversed order, and the
+    // reference.
     let marks = ["s0", "s1", "s2", "s3", "hot", "reference"];
     let counts = marks.map(|class| of(&format!("mark {class}")));
     assert_eq!(counts, [3, 0, 1, 1, 1, 1]);
-    // Each of them has a bar, except the reference, which has no bias.
+    // Each candidate has an interval bar, except the reference, which has no bias.
     assert_eq!(of("s0"), 3);
 }
 
-/// The completion times of runs that were stopped at the limit are not known.
+/// Checks that a setting does not count as accurate if its runs were stopped at the limit.
 #[test]
 fn times_that_are_not_known_are_not_called_accurate() {
     const SHORT: u64 = 1005;
@@ -177,7 +179,7 @@ fn times_that_are_not_known_are_not_called_accurate() {
     assert_eq!(close.programs[1].bias.unwrap().horizon, None);
 }
 
-/// A truncated sample biases the difference towards 0, so it is not a bound.
+/// Checks that a bias of restricted means is not a bound. Censoring moves the difference towards 0.
 #[test]
 fn a_bias_of_times_up_to_a_horizon_is_no_bound() {
     let trade = trade_within([1005, LIMIT]);

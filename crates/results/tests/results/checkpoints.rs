@@ -1,4 +1,4 @@
-//! Checks that runs resume from their checkpoints, which have no other use.
+//! Tests that runs resume from their checkpoints, and that checkpoints have no other effect.
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,17 +14,18 @@ use stochc_runtime::{Model, Settings, Watch as _};
 
 use crate::world::{EVERY, bytes, complete, manifest, put, run_on, simulate};
 
-/// Program and number of the run that is stopped.
+/// Program index and number of the run that is stopped.
 const LAST: (usize, u64) = (1, 2);
 
-/// Stops an ensemble in one of its runs, and saves the last tick of that run.
+/// Starts an ensemble, and stops it during one of its runs. Saves the state of that run at its last
+/// tick.
 fn stopped(root: &Path, manifest: &Manifest) {
     let folder = Folder::open(root, manifest, false).unwrap();
     let folder = folder.with_checkpoints(EVERY).unwrap();
     let stop = AtomicBool::new(false);
     let simulate = |program, run, watch: &RunWatch| {
         if (program, run) == LAST {
-            // The stop comes at the beginning of the run, so its first state is that of the next
+            // The stop comes at the beginning of the run, so its first checkpoint is at the next
             // tick.
             stop.store(true, Ordering::Relaxed);
             return stopped_run(watch);
@@ -35,7 +36,7 @@ fn stopped(root: &Path, manifest: &Manifest) {
     assert!(!results.complete);
 }
 
-/// Makes a run that is stopped at its tick 70.
+/// Makes a run that is stopped at tick 70.
 fn stopped_run(mut watch: &RunWatch) -> Result<RunRecord, RunCancelled> {
     let flow = watch.tick(70, stochc_ir::table::PhaseId(0));
     assert!(flow.is_break() && watch.wants_state());
@@ -49,7 +50,7 @@ fn checkpoint(root: &Path) -> PathBuf {
         .join(format!("{program}-{run}.state"))
 }
 
-/// Resumes an ensemble. Returns the notes about its checkpoints.
+/// Resumes an ensemble. Returns the messages about its checkpoints.
 fn resumed(root: &Path, manifest: &Manifest) -> Vec<String> {
     let folder = Folder::open(root, manifest, true).unwrap();
     let folder = folder.with_checkpoints(EVERY).unwrap();
@@ -62,7 +63,7 @@ fn resumed(root: &Path, manifest: &Manifest) -> Vec<String> {
     notes
 }
 
-/// Returns the tables of an ensemble that is not interrupted.
+/// Returns the tables of an ensemble that was never interrupted.
 fn undisturbed(manifest: &Manifest) -> Vec<Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), manifest, 1);
@@ -133,7 +134,7 @@ fn repair_moves_a_damaged_checkpoint_aside() {
     assert!(folder.path().join("damaged/1-2.state").exists());
 }
 
-/// The checksums are valid, but the state is not a state of the run. It must not affect results.
+/// Checks a state with valid checksums that is not a state of the run. It must not affect results.
 #[test]
 fn a_state_that_makes_no_sense_costs_no_run() {
     let manifest = manifest(4);
@@ -154,7 +155,8 @@ fn a_state_that_makes_no_sense_costs_no_run() {
     }
 }
 
-/// The engine would restore a state without validation.
+/// Checks that `rapier` writes no checkpoints, because its engine would restore them without
+/// validation.
 #[test]
 fn runs_of_rapier_have_no_checkpoints() {
     let (folder, mut manifest) = (tempfile::tempdir().unwrap(), manifest(4));
@@ -178,7 +180,7 @@ fn runs_of_rapier_have_no_checkpoints() {
         self::simulate(program, run, watch)
     };
     run_on(1, Destination::Folder(opened), &stop, simulate).unwrap();
-    // A state from another model is not read.
+    // A checkpoint of another model is ignored.
     fs::create_dir_all(folder.path().join(CHECKPOINTS)).unwrap();
     put(&checkpoint(folder.path()), state);
     assert_eq!(resumed(folder.path(), &manifest), [""; 0]);
@@ -186,7 +188,7 @@ fn runs_of_rapier_have_no_checkpoints() {
     assert!(!folder.path().join(CHECKPOINTS).exists());
 }
 
-/// Replaces the first line and the state of a checkpoint, with valid checksums.
+/// Changes the first line and the state of a checkpoint. The checksums stay valid.
 fn forge(file: &Path, header: impl Fn(&str) -> String, state: &[u8]) {
     let bytes = fs::read(file).unwrap();
     let end = bytes.iter().position(|&byte| byte == b'\n').unwrap();
@@ -258,7 +260,7 @@ fn a_shard_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
     assert!(make(&open(0), &simulate));
     assert!(!make(&open(1), &told));
     stop.store(false, Ordering::Relaxed);
-    // Other shards do not report the checkpoint.
+    // Opening other shards does not report the checkpoint.
     assert_eq!(open(0).checkpoints().unwrap().notes(), [""; 0]);
     let shard = open(1);
     let notes = shard.checkpoints().unwrap().notes();
@@ -267,7 +269,7 @@ fn a_shard_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
         ["run 2 of `right` resumes from its checkpoint at tick 70"]
     );
     assert!(make(&shard, &simulate));
-    // Another process has worked on the shard and was killed.
+    // Another process was killed while it ran the shard.
     fs::create_dir_all(root.join(CHECKPOINTS)).unwrap();
     for name in ["1-2.state", "1-2.draft-x7"] {
         put(&root.join(CHECKPOINTS).join(name), "half of it");

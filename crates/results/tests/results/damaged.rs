@@ -1,4 +1,4 @@
-//! Tests flipped bits: each is found, none causes a panic, and valid data are saved.
+//! Tests flipped bits in files. Each is detected, none causes a panic, and valid data are saved.
 use std::fs;
 use std::path::Path;
 
@@ -15,7 +15,7 @@ const FILES: [&str; 5] = [
     "bonds.parquet",
 ];
 
-/// Returns whether reading or resuming the folder reports a fault.
+/// Returns whether reading or resuming a folder reports that it is corrupted.
 fn is_told(folder: &Path) -> bool {
     let read = Folder::read(folder).map_or(true, |contents| !contents.damage.is_empty());
     let opened =
@@ -40,7 +40,7 @@ fn every_flipped_bit_is_found() {
         let path = folder.path().join(name);
         let whole = fs::read(&path).unwrap();
         let bits = 8 * whole.len();
-        // The step is odd, so all bits of a byte occur.
+        // The step is odd, so that all bits of a byte are tested.
         for bit in (0..bits).step_by((bits / 150) | 1) {
             let mut flipped = whole.clone();
             flipped[bit / 8] ^= 1 << (bit % 8);
@@ -50,7 +50,7 @@ fn every_flipped_bit_is_found() {
             // Opening may have removed a partial line at the end of a journal.
             put(&path, &whole);
         }
-        // A missing end is also detected.
+        // A missing last byte is also detected.
         put(&path, &whole[..whole.len() - 1]);
         assert_eq!(damaged(folder.path()), [name]);
         put(&path, &whole);
@@ -86,7 +86,7 @@ fn what_is_sound_is_saved_and_what_is_not_is_moved_aside() {
     }
 }
 
-/// Folders in the place of files are reported by name, and moved aside like other damage.
+/// Checks that a folder in place of a file is reported by name, or moved aside as a corrupted file.
 #[test]
 fn what_is_no_file_is_moved_aside_or_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -125,7 +125,7 @@ fn a_manifest_that_is_lost_is_left_alone() {
     let error = repair(folder.path(), |_, _| Ok(Vec::new())).unwrap_err();
     assert!(matches!(error, FolderError::LostManifest(_)), "{error}");
     assert!(fs::read(&path).unwrap() == bytes);
-    // The checksums still identify valid and corrupted files.
+    // The checksums still distinguish valid and corrupted files.
     let table = folder.path().join("runs.parquet");
     let mut bytes = fs::read(&table).unwrap();
     bytes[50] ^= 0x10;
@@ -142,8 +142,7 @@ fn a_manifest_that_is_lost_is_left_alone() {
     );
 }
 
-/// Returns the lines of the journal of a finished folder, without checksums. [`sealed`] adds them
-/// again.
+/// Returns the journal lines of a finished folder without checksums. [`sealed`] adds the checksums.
 fn unsealed(folder: &Path) -> Vec<String> {
     complete(folder, &manifest(4), 1);
     fs::remove_file(folder.join("checksums.json")).unwrap();
@@ -195,7 +194,8 @@ fn what_cannot_be_is_told_and_left_out() {
     }
 }
 
-/// Tables of lost runs contain more than tables of the remaining journal.
+/// Checks that tables with lost runs are kept, because they contain more than tables from the
+/// journal.
 #[test]
 fn tables_of_lost_runs_are_kept() {
     let folder = tempfile::tempdir().unwrap();
@@ -209,7 +209,7 @@ fn tables_of_lost_runs_are_kept() {
     assert!(bytes(folder.path()) == tables);
 }
 
-/// A line of an impossible run stays invalid when more runs are made.
+/// Checks that a line with an impossible run stays invalid when more runs are made.
 #[test]
 fn a_line_that_is_left_out_stays_out_where_more_runs_are_made() {
     let folder = tempfile::tempdir().unwrap();
@@ -236,7 +236,7 @@ fn a_line_that_is_left_out_stays_out_where_more_runs_are_made() {
     assert_eq!(fs::read_to_string(aside).unwrap(), with_it);
 }
 
-/// A line that lost its checksum is corrupted, whatever its content.
+/// Checks that a line without its checksum counts as corrupted.
 #[test]
 fn a_line_without_its_checksum_is_not_saved() {
     let folder = tempfile::tempdir().unwrap();
@@ -256,7 +256,8 @@ fn a_line_without_its_checksum_is_not_saved() {
     assert!(bytes(folder.path()) == tables);
 }
 
-/// Lines after a line that is longer than any run are not read. Lines before it are saved.
+/// Checks a journal with a line that is longer than any run. Lines before it are saved, lines after
+/// it are not read.
 #[test]
 fn what_is_before_endless_rubbish_is_saved() {
     let folder = tempfile::tempdir().unwrap();
@@ -278,7 +279,7 @@ fn what_is_before_endless_rubbish_is_saved() {
     }
 }
 
-/// A rejected extension leaves the folder unchanged, including its damage.
+/// Checks that a rejected extension leaves the folder unchanged, even if the folder is corrupted.
 #[test]
 fn a_refused_extension_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
@@ -294,7 +295,7 @@ fn a_refused_extension_changes_nothing() {
     put(&path, &spoilt);
     let error = Folder::open(folder.path(), &manifest(6), true).unwrap_err();
     assert!(matches!(error, FolderError::OtherBuild { .. }), "{error}");
-    // Opening does not change it before the first run either.
+    // Opening the folder for resuming does not change it before the first run.
     let resumed = Folder::open(
         folder.path(),
         &manifest(6),

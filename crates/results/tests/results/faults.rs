@@ -1,5 +1,5 @@
-//! Lets every single call of the disk fail in turn, in every way. Resuming always gives the same
-//! tables.
+//! Tests failures of the disk: every single call fails once, in every way. Resuming always gives
+//! the same tables.
 //!
 //! The ignored test repeats this with other runs each time. CONTRIBUTING.md has the command.
 use std::collections::BTreeMap;
@@ -18,23 +18,23 @@ use stochc_results::{Destination, Folder, FolderError, Manifest, Records, RunCan
 
 use crate::world::{EVERY, bytes, manifest, run_on, simulate};
 
-/// Kind of fault.
+/// Kind of failure of a disk call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
-    /// From this call on nothing can be written.
+    /// From this call on, nothing can be written.
     NoSpace,
     /// This call fails.
     InputOutput,
     /// This call writes half of its data and then fails.
     Torn,
-    /// This sync does nothing, and the power fails at the end.
+    /// This call, a sync, does nothing. The power fails at the end.
     LostSync,
     /// The process ends before this call.
     Kill,
     /// The power fails before this call. Data that were not synced are lost.
     PowerLoss,
-    /// The power fails before this call. Names and half of the data that were not synced are
-    /// stored.
+    /// The power fails before this call. Names that were not synced are stored, with half of the
+    /// data.
     TornPowerLoss,
 }
 
@@ -48,25 +48,25 @@ const FAULTS: [Fault; 7] = [
     Fault::TornPowerLoss,
 ];
 
-/// Files by path, and folders as `None`.
+/// Content of a disk: files by path, and folders as `None`.
 type Image = BTreeMap<PathBuf, Option<Vec<u8>>>;
 
 /// Disk that fails at one call.
 struct Faulty {
     root: PathBuf,
-    /// Number of the failing call, and its fault. `None` means no fault.
+    /// Number of the failing call, with its fault. `None` means that no call fails.
     plan: Option<(usize, Fault)>,
     state: Mutex<State>,
 }
 
-/// Effect of a call.
+/// Effect of a disk call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// Changes nothing.
+    /// The call changes nothing.
     Reads,
-    /// Writes data.
+    /// The call writes data.
     Writes,
-    /// Makes another change.
+    /// The call makes another change.
     Changes,
     Syncs,
 }
@@ -87,7 +87,7 @@ impl Kind {
 }
 
 impl Fault {
-    /// Returns whether this fault can affect this kind of call.
+    /// Returns whether the fault can affect a call of this kind.
     fn strikes(self, kind: Kind) -> bool {
         match self {
             Fault::NoSpace => matches!(kind, Kind::Writes | Kind::Changes),
@@ -97,7 +97,7 @@ impl Fault {
         }
     }
 
-    /// Returns whether the process cannot continue after the fault.
+    /// Returns whether the process ends with the fault.
     fn is_end(self) -> bool {
         matches!(self, Fault::Kill | Fault::PowerLoss | Fault::TornPowerLoss)
     }
@@ -106,16 +106,16 @@ impl Fault {
 #[derive(Default)]
 struct State {
     calls: Vec<Kind>,
-    /// Whether the planned fault has occurred.
+    /// Whether the fault has occurred.
     is_hit: bool,
-    /// Content of the disk after the crash, if it differs from the folder.
+    /// Content of the disk after the crash. `None` if it equals the folder.
     after: Option<Image>,
-    /// Number of every file and folder, independent of its name.
+    /// Number of every file and folder. Renaming does not change it.
     numbers: BTreeMap<PathBuf, usize>,
     next: usize,
-    /// Content of each file that would survive a loss of power.
+    /// For each file, the content that would survive a loss of power.
     synced: BTreeMap<usize, Vec<u8>>,
-    /// Names in each folder that would survive a loss of power.
+    /// For each folder, the names that would survive a loss of power.
     names: BTreeMap<usize, BTreeMap<PathBuf, (usize, bool)>>,
 }
 
@@ -186,7 +186,7 @@ impl Faulty {
         })
     }
 
-    /// Simulates the crash.
+    /// Simulates the crash that the fault causes.
     fn crash(&self, state: &mut State, fault: Fault) {
         let mut after = Image::new();
         match fault {
@@ -210,7 +210,7 @@ impl Faulty {
         state.after = Some(after);
     }
 
-    /// Returns the effect of the fault on a call. Returns `None` if it has none.
+    /// Returns the effect of the fault on a call. Returns `None` if the call succeeds.
     fn strike(&self, state: &mut State, fault: Fault, call: Call) -> Option<CallDecision> {
         let writes = matches!(
             call,
@@ -284,8 +284,8 @@ impl Double for Faulty {
     }
 }
 
-/// Makes the runs of an ensemble. The seed shifts their numbers, which leaves out run 3 because it
-/// panics.
+/// Returns a function that makes the runs of an ensemble. The seed shifts the numbers of the runs.
+/// This skips run 3, which panics.
 fn runs_of(
     manifest: &Manifest,
 ) -> impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync {
@@ -296,11 +296,11 @@ fn runs_of(
     }
 }
 
-/// Work that is interrupted and can be resumed from any state.
+/// Function that can be interrupted at any time and then resumed.
 type Work = fn(&Path, &Manifest) -> Result<(), String>;
 
-/// Does the work to its end. Repeats it while the child process of another test still holds
-/// inherited locks.
+/// Completes some work. Repeats it while a child process of another test still holds inherited
+/// locks.
 fn patiently(work: Work, root: &Path, manifest: &Manifest) -> Result<(), String> {
     loop {
         match work(root, manifest) {
@@ -325,7 +325,7 @@ fn in_one_shard(root: &Path, manifest: &Manifest) -> Result<(), String> {
 fn in_shards(root: &Path, manifest: &Manifest) -> Result<(), String> {
     let told = |error: ShardError| error.to_string();
     match Folder::read(root) {
-        // The shards are already merged, perhaps without tables.
+        // The shards are already merged. The tables may be missing.
         Ok(contents) if contents.finished.len() as u64 == manifest.total() => {
             return in_one_shard(root, manifest);
         }
@@ -347,19 +347,19 @@ fn in_shards(root: &Path, manifest: &Manifest) -> Result<(), String> {
     merge(root, none).map(|_| ()).map_err(told)
 }
 
-/// Numbers of outcomes.
+/// Counts of outcomes.
 #[derive(Debug, Default)]
 struct Count {
     points: usize,
-    /// The work succeeded in spite of the fault.
+    /// Number of times that the work succeeded in spite of the fault.
     well: usize,
     crashes: usize,
-    /// The folder had to be repaired, or was lost.
+    /// Number of times that the folder was repaired or lost.
     repaired: usize,
     lost: usize,
 }
 
-/// Lets every call of some work fail, and resumes it each time.
+/// Makes every call of some work fail once, and resumes the work each time.
 fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
     let mut manifest = manifest(runs);
     manifest.seed = seed;
@@ -383,14 +383,15 @@ fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
         restore(&root);
         quiet.state.lock().unwrap().calls.clone()
     };
-    // The first run of a process also removes leftovers of killed processes, which adds calls.
+    // The first execution in a process also removes leftovers of killed processes, which adds
+    // calls.
     undisturbed();
     let calls = undisturbed();
     let (tables, names): (_, Vec<_>) = (bytes(&root), now(&root).into_keys().collect());
     let mut count = Count::default();
     for fault in FAULTS {
         for (at, &kind) in calls.iter().enumerate() {
-            // A crash between calls that only read always leaves the same files.
+            // A crash between two calls that only read leaves the same files as the previous crash.
             let is_same = at > 0 && calls[at - 1] == Kind::Reads && fault.is_end();
             if is_same || !fault.strikes(kind) {
                 continue;
@@ -431,7 +432,8 @@ fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
             }
             let again = patiently(work, &root, &manifest);
             if let Err(told) = again {
-                // A disk that ignores a sync may lose data without a copy. The error is reported.
+                // A disk that ignores a sync may lose data without a copy. The loss must be
+                // reported.
                 assert_eq!(fault, Fault::LostSync, "{what}: {told}");
                 let none = |_: &Manifest, _: &Records| Ok(Vec::new());
                 let repaired =
@@ -470,7 +472,7 @@ fn whatever_fails_shards_go_on_to_the_same_tables() {
     assert!(count.lost + count.repaired < 20, "{count:?}");
 }
 
-/// `STOCHC_FAULTS` is the number of repetitions.
+/// Repeats the test with other runs. `STOCHC_FAULTS` is the number of repetitions.
 #[test]
 #[ignore = "takes an hour; CONTRIBUTING.md has the command"]
 fn whatever_fails_for_an_hour_the_tables_are_the_same() {

@@ -1,4 +1,4 @@
-//! Checks that the tables are equal, byte for byte, whatever interrupts the runs.
+//! Tests that interruptions do not change the tables, byte for byte.
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
@@ -65,7 +65,7 @@ fn a_damaged_journal_costs_its_damaged_lines() {
     complete(folder.path(), &manifest(4), 1);
     let (whole, tables) = (fs::read(&journal).unwrap(), bytes(folder.path()));
     let header = whole.iter().position(|&b| b == b'\n').unwrap() + 1;
-    // The journal ends within the first line or just after it, or is missing.
+    // The journal is missing, or ends within its first line or directly after it.
     for end in [0, 1, header - 1, header] {
         put(&journal, &whole[..end]);
         complete(folder.path(), &manifest(4), 1);
@@ -74,7 +74,7 @@ fn a_damaged_journal_costs_its_damaged_lines() {
     fs::remove_file(&journal).unwrap();
     complete(folder.path(), &manifest(4), 1);
     assert!(bytes(folder.path()) == tables);
-    // A loss of power can leave zeros in the middle and at the end.
+    // A loss of power can leave zeros in the middle and at the end of a file.
     let mut damaged = whole.clone();
     damaged[header + 20..header + 40].fill(0);
     damaged.extend([0; 512]);
@@ -104,7 +104,7 @@ fn stopping_keeps_what_is_finished() {
     )
     .unwrap();
     assert!(!results.complete && results.finished.len() < 24);
-    // The tables contain the finished runs.
+    // The folder contains the finished runs.
     let kept = Folder::read(folder.path()).unwrap().finished;
     assert_eq!(kept.to_vec().unwrap(), results.finished.to_vec().unwrap());
     assert!(folder.path().join("runs.parquet").exists());
@@ -147,13 +147,13 @@ fn more_runs_extend_an_ensemble() {
     assert_eq!(Folder::read(folder.path()).unwrap().manifest, manifest(9));
 }
 
-/// Variable with the folder of the process that is killed.
+/// Environment variable with the results folder of a process that is killed.
 const VICTIM: &str = "STOCHC_TEST_VICTIM";
 
-/// Variable with its number of threads.
+/// Environment variable with the number of threads of a process that is killed.
 const THREADS: &str = "STOCHC_TEST_THREADS";
 
-/// Starts a process that makes runs in a folder until one of them gets stuck.
+/// Starts a process that makes runs in a folder until one of them blocks.
 fn stuck(folder: &Path, threads: &str) -> std::process::Child {
     let mut victim = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "interrupted::victim", "--ignored", "--nocapture"])
@@ -176,7 +176,7 @@ fn a_kill_costs_no_finished_run() {
         let mut victim = stuck(folder.path(), "1");
         victim.kill().unwrap();
         victim.wait().unwrap();
-        // Six runs of each program are finished. The seventh of the first program was stuck.
+        // Six runs of each program are finished. The seventh run of the first program has blocked.
         let contents = Folder::read(folder.path()).unwrap();
         assert_eq!((contents.finished.len(), contents.damage.len()), (12, 0));
     }
@@ -215,8 +215,8 @@ fn victim() {
         &never,
         |program, run, watch| {
             if run == 6 {
-                // If two threads get stuck, the output of the second may fail because its reader
-                // has gone.
+                // If two threads block, the output of the second may fail, because its reader has
+                // ended.
                 let _ = writeln!(std::io::stdout(), "stuck");
                 loop {
                     std::thread::park();

@@ -1,4 +1,4 @@
-//! Checks that a folder with other content is not changed, and that the message gives advice.
+//! Tests that a folder with other content is not changed, and that the message contains advice.
 use std::fs;
 use std::path::Path;
 
@@ -9,7 +9,8 @@ use stochc_runtime::Settings;
 
 use crate::world::{complete, manifest, program, put};
 
-/// Returns the error for `path`, with its name replaced. Checks that nothing has changed.
+/// Returns the error message for `path`, with the path replaced. Checks that the folder is
+/// unchanged.
 fn error(path: &Path, manifest: &Manifest, resume: bool) -> String {
     let before = content(path);
     let error = Folder::open(path, manifest, resume).unwrap_err();

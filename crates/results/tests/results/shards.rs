@@ -1,4 +1,4 @@
-//! Checks that merged shards equal an ensemble without shards, however they were made.
+//! Tests that merged shards equal an ensemble without shards, independent of how they were made.
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -19,12 +19,12 @@ use crate::world::{bytes, complete, manifest, put, run_on, simulate};
 
 const RUNS: u64 = 12;
 
-/// Runs a shard. Returns whether it was completed.
+/// Runs a shard. Returns whether the shard is complete.
 fn make(folder: &Path, number: u64, threads: usize) -> bool {
     make_until(folder, number, threads, u64::MAX)
 }
 
-/// Runs a shard until this number of runs have begun. Returns whether it was completed.
+/// Runs a shard until this number of runs have begun. Returns whether the shard is complete.
 fn make_until(folder: &Path, number: u64, threads: usize, last: u64) -> bool {
     let shard = Shard::open(folder, number).unwrap();
     let progress = shard.progress(NonZeroUsize::new(threads).unwrap());
@@ -54,7 +54,7 @@ fn put_together(folder: &Path) -> Result<u64, ShardError> {
     })
 }
 
-/// Returns every file of a folder with its name.
+/// Returns the content of every file in a folder, by name.
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -73,7 +73,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-/// Returns the files of the same ensemble without shards, made by one thread.
+/// Returns the files of the same ensemble without shards, made on one thread.
 fn whole() -> BTreeMap<String, Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     let never = AtomicBool::new(false);
@@ -99,7 +99,7 @@ fn any_number_of_shards_in_any_order_makes_the_same_folder() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path();
         cut(path, shards);
-        // 29 has no common divisor with these numbers, so each shard occurs once.
+        // 29 has no common divisor with these numbers, so each shard occurs exactly once.
         let order = (0..shards).map(|i| (i * 29 + 11) % shards);
         for (i, number) in order.enumerate() {
             assert!(missing(path).contains(&number));
@@ -123,7 +123,7 @@ fn any_number_of_shards_in_any_order_makes_the_same_folder() {
     }
 }
 
-/// Each process detects the corrupted shard, and one of them moves it.
+/// Checks several processes that detect the same corrupted shard. Only one of them moves it.
 #[test]
 fn several_may_come_to_a_damaged_shard() {
     for _ in 0..20 {
@@ -188,7 +188,7 @@ fn a_stopped_shard_goes_on() {
     assert!(files(folder.path()) == whole);
 }
 
-/// Returns a run as the model makes it.
+/// Returns the record that the model makes for a run.
 fn recorded(program: usize, run: u64) -> RunRecord {
     let (all, never) = (manifest(RUNS), AtomicBool::new(false));
     let results = run_on(1, Destination::Memory(&all), &never, simulate).unwrap();
@@ -236,7 +236,7 @@ fn two_who_make_one_shard_make_the_same() {
     }
 }
 
-/// Tests the states that a kill can leave at each step of a merge.
+/// Checks the states that a kill can leave at each step of a merge.
 #[test]
 fn an_interrupted_merge_goes_on() {
     let whole = whole();
@@ -279,7 +279,7 @@ fn an_interrupted_merge_goes_on() {
     }
 }
 
-/// Files of users stay, even if their names resemble those of shards.
+/// Checks that files of users are kept, even if their names resemble the names of shards.
 #[test]
 fn a_merge_removes_shards_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
@@ -298,7 +298,7 @@ fn a_merge_removes_shards_and_nothing_else() {
     assert_eq!(left, ["shards/9.jsonl", "shards/note.txt"]);
 }
 
-/// Checks that an operation is rejected without changing a file.
+/// Checks that operations on the folder are rejected and change no file.
 fn refused(folder: &Path, expected: &str) {
     let before = files(folder);
     let told = put_together(folder).unwrap_err().to_string();
@@ -379,14 +379,14 @@ fn shards_of_something_else_are_refused() {
         assert!(matches!(state, ShardState::Foreign { .. }), "{state:?}");
         assert_eq!(missing(folder.path()), [1]);
     }
-    // The journal of an ordinary folder.
+    // This is the journal of an ordinary folder.
     complete(&other.path().join("plain"), &manifest(RUNS), 1);
     fs::copy(other.path().join("plain/journal.jsonl"), &shard).unwrap();
     refused(
         folder.path(),
         "shard 1 is in fact the journal of a whole ensemble",
     );
-    // A shard of another build.
+    // This is a shard of another build.
     let text = String::from_utf8(own.clone()).unwrap();
     let (first, rest) = text.split_once('\n').unwrap();
     let first = first[..first.rfind(",\"crc\"").unwrap()].to_owned() + "}";
@@ -456,7 +456,7 @@ fn what_cannot_be_cut_is_refused() {
         assert!(matches!(told, FolderError::Cut { .. }), "{told}");
     }
     assert!(files(&place) == before);
-    // A folder without shards, finished or not, and no folder at all.
+    // Test folders without shards, finished or not, and a missing folder.
     let plain = folder.path().join("plain");
     complete(&plain, &manifest(RUNS), 1);
     let before = files(&plain);
@@ -519,7 +519,7 @@ fn damaged_shards_are_found_and_made_again() {
             matches!(put_together(path), Err(ShardError::Missing { shards, .. }) if shards == [1])
         );
     }
-    // Truncated shards, also at the end of a line, and extended ones.
+    // These shards are truncated, also at the end of a line, or too long.
     let last = sound[..sound.len() - 1]
         .iter()
         .rposition(|byte| *byte == b'\n')
@@ -541,7 +541,7 @@ fn damaged_shards_are_found_and_made_again() {
         );
         refused(path, "(1)");
     }
-    // The corrupted shard is kept, and its runs are made again.
+    // The corrupted shard is moved aside, and its runs are made again.
     assert!(make(path, 1, 1));
     assert_eq!(fs::read(&shard).unwrap(), sound);
     assert_eq!(fs::read(path.join("damaged/1.jsonl")).unwrap(), twice);
@@ -589,7 +589,7 @@ fn a_damaged_cut_or_manifest_is_left_alone() {
     }
 }
 
-/// Variable with the folder of the process that is killed.
+/// Environment variable with the results folder of a process that is killed.
 const VICTIM: &str = "STOCHC_TEST_PIECE";
 
 #[test]

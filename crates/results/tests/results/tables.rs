@@ -1,4 +1,4 @@
-//! Reads the Parquet files and compares them with the records.
+//! Tests that the Parquet files have the same content as the records.
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
@@ -40,7 +40,7 @@ fn value(field: &Field) -> Value {
     }
 }
 
-/// Returns the rows of a table of a folder.
+/// Returns the rows of a folder's table as JSON.
 fn table(folder: &Path, name: &str) -> Vec<Value> {
     rows(&folder.join(format!("{name}.parquet")))
 }
@@ -60,7 +60,7 @@ fn word(outcome: &Outcome) -> (&'static str, Option<PhaseId>, Option<&str>) {
     }
 }
 
-/// Returns a row for something in a phase: the columns of its run, and `more`.
+/// Returns a row about an item in a phase: the columns of its run, and the columns `more`.
 fn row(done: &Finished, phase: PhaseId, more: Value) -> Value {
     let mut row = json!({
         "program": PROGRAMS[done.program],
@@ -132,7 +132,7 @@ fn the_table_of_phases_says_when_each_began_and_ended() {
             expected.push(row(done, PhaseId(i as u32), more));
             began = ended;
         }
-        // The end of the phase of a failed run is not known.
+        // The end of the phase is unknown for a failed run.
         let (outcome, phase, _) = word(&record.outcome);
         if let Some(phase) = phase.filter(|phase| phase.0 as usize == record.phase_ticks.len()) {
             let ticks = record.ticks - began;
@@ -239,7 +239,7 @@ fn the_tables_of_releases_and_unplanned_bonds_say_what_the_records_say() {
     assert_eq!(table(folder.path(), "unplanned"), unplanned);
 }
 
-/// Large tables are written and read in row groups.
+/// Checks that large tables are written and read in row groups.
 #[test]
 fn large_tables_have_groups_of_rows() {
     const GROUP: usize = 1 << 17;
@@ -293,7 +293,7 @@ fn an_ensemble_without_runs_has_empty_tables() {
     }
 }
 
-/// Each parameter of a sweep is a column, in the unit of the command line.
+/// Checks that each scene parameter of a sweep is a column, in the unit of the command line.
 #[test]
 fn numbers_of_a_sweep_are_columns_of_every_table() {
     let folder = tempfile::tempdir().unwrap();
@@ -321,7 +321,7 @@ fn numbers_of_a_sweep_are_columns_of_every_table() {
     }
 }
 
-/// Returns the key-value metadata of a table.
+/// Returns the metadata of a table's file, as keys and values.
 fn metadata(folder: &Path, name: &str) -> BTreeMap<String, String> {
     let file = File::open(folder.join(format!("{name}.parquet"))).unwrap();
     let reader = SerializedFileReader::new(file).unwrap();
@@ -358,7 +358,7 @@ fn every_table_says_what_it_is_and_of_what() {
         for (key, value) in known {
             assert_eq!(about[&format!("stochc.{key}")], value, "{key}");
         }
-        // The programs have different ticks.
+        // The scenes of the programs have different ticks.
         assert!(!about.contains_key("stochc.tick_s"));
         let programs: Value = serde_json::from_str(&about["stochc.programs"]).unwrap();
         assert_eq!(programs[0]["name"], "left");
@@ -375,7 +375,7 @@ fn every_table_says_what_it_is_and_of_what() {
 /// Checks that `docs/reference/results.md` lists every column with its type, unit, meaning and null
 /// values.
 ///
-/// `STOCHC_WRITE_DOCS=1 cargo test --workspace --test results columns` writes the list.
+/// `STOCHC_WRITE_DOCS=1 cargo test --workspace --test results columns` updates the list.
 #[test]
 fn all_columns_are_documented() {
     const PAGE: &str = "../../docs/reference/results.md";

@@ -1,4 +1,4 @@
-//! Ensemble of two programs without physics: each run is a hash of its number.
+//! Ensemble of two programs without physics. Each run is a hash of its number.
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -18,7 +18,7 @@ use stochc_results::{
 };
 use stochc_runtime::{Settings, Watch as _};
 
-/// Scene with numbers that an inexact JSON reader would change.
+/// Returns a scene with numbers that an inexact JSON reader would change.
 pub fn scene() -> Scene {
     Scene {
         name: "void".into(),
@@ -40,7 +40,7 @@ pub fn scene() -> Scene {
     }
 }
 
-/// Returns a program: A captures B, and B captures C in a second phase.
+/// Returns a program with two phases: A captures B, then B captures C.
 pub fn program(name: &str) -> EnsembleProgram {
     let role = |name: &str, seed| Role {
         name: name.into(),
@@ -111,7 +111,8 @@ pub fn manifest(runs: u64) -> Manifest {
     )
 }
 
-/// Returns the graph: B on A in the first phase. In the second phase, C on B, and B is released.
+/// Returns the dependency graph. In the first phase, A captures B. In the second, B captures C and
+/// is then released.
 fn graph() -> EventGraph {
     let capture = |phase, child: u32| GraphEvent {
         phase: PhaseId(phase),
@@ -132,7 +133,7 @@ fn graph() -> EventGraph {
     EventGraph::new(events, Vec::new(), chains)
 }
 
-/// Returns SplitMix64 of the number of the run and the purpose of the draw.
+/// Returns a random number: SplitMix64 of the run and of `what`, the purpose of the draw.
 fn draw(program: usize, run: u64, what: u64) -> u64 {
     let mut z = (run << 8 | (program as u64) << 4 | what).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -140,10 +141,11 @@ fn draw(program: usize, run: u64, what: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Checkpoint interval of these tests. Their longest run has a thousand ticks.
+/// Interval between checkpoints in these tests. The longest run has a thousand ticks.
 pub const EVERY: Interval = Interval::Ticks(300);
 
-/// Makes a run that waits for one block, and usually for a second one. Its state is its tick.
+/// Makes a run that waits for one block, and usually for a second one. The state of the run is its
+/// tick.
 pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRecord, RunCancelled> {
     let waits = [draw(program, run, 0) % 500, draw(program, run, 1) % 500];
     let bond = |phase: usize, magnetized, origin| BondRecord {
@@ -209,7 +211,7 @@ pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRec
     Ok(record)
 }
 
-/// Adds releases, unplanned bonds and timeouts to some of the runs.
+/// Adds releases, unplanned captures and timeouts to some of the runs.
 fn add_rare_events(record: &mut RunRecord) {
     let total = record.ticks;
     let (parent, child, body) = (RoleId(0), RoleId(1), record.bonds[0].body);
@@ -270,7 +272,7 @@ pub fn run_on(
     run(destination, &progress, stop, simulate)
 }
 
-/// Makes or resumes the ensemble of `manifest` in `path`.
+/// Makes or resumes the ensemble of `manifest` in the folder `path`.
 pub fn complete(path: &Path, manifest: &Manifest, threads: usize) -> Results {
     let folder = Folder::open(path, manifest, true).unwrap();
     let folder = folder.with_checkpoints(EVERY).unwrap();
@@ -278,7 +280,7 @@ pub fn complete(path: &Path, manifest: &Manifest, threads: usize) -> Results {
     run_on(threads, Destination::Folder(folder), &never, simulate).unwrap()
 }
 
-/// Returns the bytes of all tables.
+/// Returns the bytes of all tables in a folder.
 pub fn bytes(path: &Path) -> Vec<Vec<u8>> {
     let names = stochc_results::tables().into_iter();
     let files = names.map(|table| path.join(format!("{}.parquet", table.name)));
