@@ -211,6 +211,10 @@ fn write_over(mut target: disk::File, path: &Path, old: &[u8], new: &[u8]) -> io
 }
 
 /// Returns whether a file has no other names.
+#[cfg_attr(
+    not(unix),
+    expect(unused_variables, reason = "other systems have no links and modes")
+)]
 fn is_alone(metadata: &fs::Metadata) -> bool {
     #[cfg(unix)]
     return std::os::unix::fs::MetadataExt::nlink(metadata) == 1;
@@ -320,6 +324,10 @@ pub fn new_own(folder: &Path, prefix: &str) -> io::Result<PathBuf> {
     Ok(file.into_temp_path().keep()?)
 }
 
+#[cfg_attr(
+    not(unix),
+    expect(unused_variables, reason = "other systems have no links and modes")
+)]
 fn new_named(folder: &Path, prefix: &str, mode: u32) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(prefix);
