@@ -1,4 +1,4 @@
-//! Options that several commands share.
+//! `stochc resume`.
 use std::path::PathBuf;
 
 use clap::Args;

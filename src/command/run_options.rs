@@ -1,4 +1,4 @@
-//! Options that commands share.
+//! Options that several commands share.
 use std::path::PathBuf;
 
 use clap::Args;

@@ -159,10 +159,10 @@ pub(crate) struct Stepper<I: Integrator> {
     doubtful: bool,
     /// Whether blocks have moved since the last neighbour search.
     stale: bool,
-    /// Whether a face lacks its list of nearby blocks.
+    /// Whether a face has no list of nearby blocks yet.
     blind: bool,
     cells: CellCentres,
-    /// Whether a face has no list of nearby blocks yet.
+    /// Whether blocks rotate.
     turns: bool,
 }
 

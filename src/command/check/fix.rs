@@ -35,7 +35,7 @@ pub fn run(
         return Ok(None);
     }
     let diff = fixed.diff();
-    // In this case, standard output has no other content.
+    // The diff goes to standard output only if there is no other output.
     if alone {
         print(&diff)?;
     } else {

@@ -12,6 +12,7 @@ use crate::world::{manifest, program, run_on, scene, simulate};
 
 /// Times of the runs of the first program.
 const LEFT: [u64; 8] = [2948, 6611, 5120, 7303, 14496, 4410, 3999, 6120];
+/// Times of the runs of the second program.
 const RIGHT: [u64; 6] = [2826, 5158, 4400, 5011, 8312, 4790];
 
 fn record(run: usize, outcome: Outcome, phase_ticks: Vec<u64>, ticks: u64) -> RunRecord {

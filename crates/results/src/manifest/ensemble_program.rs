@@ -18,10 +18,10 @@ pub struct EnsembleProgram {
     pub name: String,
     /// Compiled program. Points of a sweep may share it.
     pub compiled: Arc<Compiled>,
+    /// Scene of the program.
+    pub scene: Scene,
     /// Scene parameters that a sweep has changed, in the order of the command line. Empty if all
     /// are as in the source.
-    pub scene: Scene,
-    /// Scene parameters changed by a sweep, in its order. Empty if all are as in the source.
     pub varied: Vec<Varied>,
     /// Settings that a sweep has chosen for this program. All other settings are in the manifest.
     pub chosen: Vec<ChosenSetting>,
