@@ -110,7 +110,7 @@ def compare(rows):
             apart += 1
             right += (a.mean < b.mean) == (x.mean < y.mean)
     print(f"\nThe rank correlation of the means is {correlation(ranks([a for a, _ in means]), ranks([b for _, b in means])):.3f}. "
-          f"{apart} pairs of programs differ significantly, and the rate model orders {right} of them correctly.")
+          f"{apart} pairs of programs differ significantly. The rate model predicts the correct order for {right} of these pairs.")
 
 
 def main():

@@ -60,7 +60,7 @@ It found these errors, which are all fixed:
 - a stack overflow caused by a forged checkpoint of `rapier` (runs with `rapier` no longer write checkpoints);
 - three kinds of wrong messages.
 
-Their inputs are in `fuzz/corpus/`. `fuzz/corpus.tar.xz` contains 12,975 inputs that cover the reached code. An ordinary test reads all of them.
+Their inputs are in `fuzz/corpus/`. `fuzz/corpus.tar.xz` contains 12,975 inputs that cover the reached code. `cargo test` reads all of them.
 
 ## Faults of the disk
 
