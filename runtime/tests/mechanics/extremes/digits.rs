@@ -126,9 +126,9 @@ pub fn tables(page: &mut String) -> Vec<String> {
         "
 ## Rounding errors
 
-If blocks move very little per step, rounding errors could stop them. The test simulates 400 cubes of 10 um in water at 293 K without collisions, for 2,000 ticks. The
-distance is from the plate, in block lengths. The table lists the diffusion coefficient divided by its value from Einstein's relation. Its uncertainty is 4 %. `rigid`
-adds the rounding error of a position in the next step.
+If blocks move very little per step, rounding errors could stop them. The test simulates 400 cubes of 10 um in water at 293 K without
+collisions, for 2,000 ticks. The distance is from the plate, in block lengths. The table lists the diffusion coefficient divided by its
+value from Einstein's relation. The uncertainty of this ratio is 4 %. `rigid` adds the rounding error of a position in the next step.
 
 | tick, distance | `rigid` | `rigid`, double precision | `rapier` |
 |---|--:|--:|--:|
@@ -149,8 +149,9 @@ adds the rounding error of a position in the next step.
     }
     page.push_str(
         "
-The second table lists the same ratio for rotation, six block lengths from the plate. Rounding errors of orientations are not added later. In single precision, rotation
-begins to stop below 3e-7 radians per step, and in Rapier below 3e-6. `check --physics` and `simulate` warn of such scenes. Use `--precision double` for them.
+The second table lists the same ratio for rotation, six block lengths from the plate. Rounding errors of orientations are not added later.
+In single precision, rotation begins to stop below 3e-7 radians per step, and in Rapier below 3e-6. `check --physics` and `simulate` warn of
+such scenes. Use `--precision double` for them.
 
 | tick, turn per step [rad] | `rigid` | `rigid`, double precision | `rapier` |
 |---|--:|--:|--:|

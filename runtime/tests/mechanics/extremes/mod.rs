@@ -22,15 +22,16 @@ const PAGE: &str = "../docs/validation/stability.md";
 const HEAD: &str = "\
 # Stability
 
-stochc refuses an extreme scene, stops its run with a reason, or simulates it without numerical errors. This page lists tests of such scenes.
+stochc refuses an extreme scene, stops its run with a reason, or simulates it without numerical errors. This page lists tests of such
+scenes.
 
-Each row is the scene `hemisphere_2005` with one change, for 600 ticks of one step. It has 60 blocks and a radius of 2.9 m, which keeps the density of
-blocks. One face in the centre of the plate is magnetized. The outcome for each engine is one of:
+Each row is the scene `hemisphere_2005` with one change, for 600 ticks of one step. The scene has 60 blocks and a radius of 2.9 m, so its
+density of blocks is the original one. One face in the centre of the plate is magnetized. The outcome for each engine is one of:
 
 - *refused*: stochc rejects the scene before the first tick, with the reason.
 - *failed*: the run stops at a tick, with the block and the reason. Other runs of an ensemble continue.
-- *stable*: all numbers are finite, and quaternions have the length 1 within 1e-5. No block is farther outside of the floor or the shell than their springs
-  allow. The number is the root mean square (rms) speed in block lengths per tick.
+- *stable*: all numbers are finite, and quaternions have the length 1 within 1e-5. No block is farther outside of the floor or the shell
+  than their springs allow. The number is the root mean square (rms) speed in block lengths per tick.
 
 `STOCHC_WRITE_DOCS=1 cargo test --workspace --test mechanics extremes` writes this page and compares it.
 
@@ -41,37 +42,39 @@ const TAIL: &str = "
 
 - A block that is released below another one does not move. Neither does a block halfway between two magnets.
 - stochc detects a number that is not finite in the step of its appearance.
-- A long test computes 10^8 block-steps without agitation, with elastic and frictionless contacts. No block escapes, and quaternions keep their length. The
-  energy of 100 blocks grows by collisions with the shell: to 1.37 times the initial energy with one step per tick (10^6 ticks), and to 1.015 times with
-  four steps (250,000 ticks). Collisions between blocks add no energy: 12 cubes between mirrors lose half a percent in 10^6 ticks. The command is
-  `cargo test --release --workspace --test mechanics extremes -- --ignored`.
+- A long test computes 10^8 block-steps without agitation, with elastic and frictionless contacts. No block escapes, and quaternions keep
+  their length. The energy of 100 blocks grows by collisions with the shell: to 1.37 times the initial energy with one step per tick (10^6
+  ticks), and to 1.015 times with four steps (250,000 ticks). Collisions between blocks add no energy: 12 cubes between mirrors lose half a
+  percent in 10^6 ticks. The command is `cargo test --release --workspace --test mechanics extremes -- --ignored`.
 
 ## Fuzzing
 
-`fuzz/run` feeds mutated inputs to the readers of programs and files. On 2026-11-23 it executed 100,871,593 inputs in two hours on two busy cores:
+`fuzz/run` feeds mutated inputs to the readers of programs and files. On 2026-11-23 it executed 100,871,593 inputs in two hours on two busy
+cores:
 
 | parse | check | journal | manifest | recording | executable | checkpoint |
 |--:|--:|--:|--:|--:|--:|--:|
 | 429,585 | 117,222 | 1,600,794 | 49,542,322 | 1,661,273 | 44,704,024 | 2,816,373 |
 
-It found these errors, which are all fixed:
+Fuzzing found these errors, which are all fixed:
 
 - two panics of `check`;
 - a stack overflow caused by a forged checkpoint of `rapier` (runs with `rapier` no longer write checkpoints);
 - three kinds of wrong messages.
 
-Their inputs are in `fuzz/corpus/`. `fuzz/corpus.tar.xz` contains 12,975 inputs that cover the reached code. `cargo test` reads all of them.
+The inputs that caused them are in `fuzz/corpus/`. `fuzz/corpus.tar.xz` contains 12,975 inputs that cover the reached code. `cargo test`
+reads all of them.
 
 ## Faults of the disk
 
-`crates/results/tests/results/faults.rs` injects faults into every call to the disk: no space, input/output errors, partial writes, ignored syncs, kills and
-loss of power. It resumes the ensemble after each fault, at about 2,000 points. The resumed ensemble always writes the same tables, byte for byte. On 2026-11-23 a
-longer version of this test injected 126,122 faults in 68 minutes.
+`crates/results/tests/results/faults.rs` injects faults into every call to the disk: no space, input/output errors, partial writes, ignored
+syncs, kills and loss of power. The test resumes the ensemble after each fault, at about 2,000 points. The resumed ensemble always writes
+the same tables, byte for byte. On 2026-11-23 a longer version of this test injected 126,122 faults in 68 minutes.
 
 ## Little memory
 
-`tests/command/budget.rs` reads files that claim to contain terabytes, with 2 GiB of address space. `tests/command/scarce.rs` runs commands with 40 MB to 1 GB of
-memory and one to three threads.
+`tests/command/budget.rs` reads files that claim to contain terabytes, with 2 GiB of address space. `tests/command/scarce.rs` runs commands
+with 40 MB to 1 GB of memory and one to three threads.
 ";
 
 /// Outcome of a scene.
