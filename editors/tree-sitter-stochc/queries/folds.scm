@@ -1,0 +1,1 @@
+[(block) (scene_block) (shape_block) (layer_block)] @fold

@@ -1,0 +1,45 @@
+; Each token has one capture: editors disagree on which of two wins.
+
+(comment) @comment
+(doc) @comment.documentation
+(string) @string
+(code) @constant
+[(integer) (number) (unit_power)] @number
+(unit_symbol) @type.builtin
+(face) @property
+(row) @string.special
+(scene_block (word) @attribute)
+
+[
+  "after" "aggregate" "allow" "as" "assembly" "at" "deny" "for" "from" "import" "in" "layer" "let" "pattern" "phase"
+  "plate" "release" "scene" "seed" "shape" "timeout" "to" "yields"
+] @keyword
+
+[(arrow) (times) "=" "+" "-" "*" "/" "%" "^" ".."] @operator
+["," "."] @punctuation.delimiter
+["{" "}" "(" ")" "[" "]"] @punctuation.bracket
+
+; Names.
+
+(assembly name: (name) @type)
+(assembly scene: (name) @type)
+(aggregate name: (name) @type)
+(aggregate scene: (name) @type)
+(scene name: (name) @type)
+(scene scene: (name) @type)
+(shape name: (name) @type)
+(yields shape: (name) @type)
+(phase name: (place (name) @type))
+
+(pattern name: (name) @function)
+(instance pattern: (name) @function)
+
+(let name: (name) @variable)
+(for counter: (name) @variable)
+(parameters (name) @variable)
+(expression (name) @variable)
+(chain (place (name) @variable))
+(after (place (name) @variable))
+(release (place (name) @variable))
+(seat (place (name) @variable))
+(instance (place (name) @variable))
