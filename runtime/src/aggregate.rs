@@ -15,7 +15,7 @@ struct Growth {
     began: u64,
     /// The size of the largest group so far.
     largest: u32,
-    /// Phases that have begun since the last call of the observer.
+    /// Events of the phases that have begun since the last call of the observer.
     events: Vec<ObservedEvent>,
 }
 

@@ -62,15 +62,15 @@ pub enum Model {
 /// Setting that only some models use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Setting {
-    /// [`Settings::steps`].
+    /// The setting [`Settings::steps`].
     Steps,
-    /// [`Settings::solver_iterations`].
+    /// The setting [`Settings::solver_iterations`].
     SolverIterations,
-    /// [`Settings::precision`].
+    /// The setting [`Settings::precision`].
     Precision,
-    /// [`Settings::reduction`].
+    /// The setting [`Settings::reduction`].
     Reduction,
-    /// [`Settings::rates`].
+    /// The setting [`Settings::rates`].
     Rates,
 }
 

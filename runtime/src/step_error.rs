@@ -28,9 +28,9 @@ pub struct StepError {
     pub unit: &'static str,
     /// Number of steps per tick of the blocks in this experiment.
     pub steps: u32,
-    /// Value with the chosen steps.
+    /// Measured value with the chosen steps.
     pub taken: f64,
-    /// Value at steps 64 times shorter.
+    /// Measured value with steps that are 64 times shorter.
     pub resolved: f64,
 }
 

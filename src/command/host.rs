@@ -57,8 +57,8 @@ impl Host for Terminal {
         drawn(checked, has_colour(), message_width())
     }
 
-    /// Returns the flag that is set by an interrupt, after
-    /// [`stop_on_interrupt`](super::interrupt::stop_on_interrupt).
+    /// Returns the flag that an interrupt sets.
+    /// [`stop_on_interrupt`](super::interrupt::stop_on_interrupt) installs the handler.
     fn stop(&self) -> &AtomicBool {
         &STOP
     }

@@ -10,7 +10,7 @@ use stochc_text::{visible, words};
 use super::terminal::{is_dumb, warn};
 use crate::progress::WorkProgress;
 
-/// Form of the progress on standard error.
+/// Form of the progress display on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Display {
     /// Bar that is redrawn.

@@ -38,7 +38,7 @@ pub struct Unused<'a> {
     pub held_out: &'a [String],
     /// Names of programs without measured times. Their times are only predicted.
     pub predicted: &'a [String],
-    /// Number of runs that the times of a predicted program stand for.
+    /// Assumed number of measured times of a predicted program.
     pub n: usize,
 }
 
@@ -223,7 +223,7 @@ impl FitSetup<'_> {
         Ok(design)
     }
 
-    /// Returns the number of ticks in the unit of the measured times.
+    /// Returns the number of ticks per unit of the measured times.
     fn ticks(&self, scene: &Scene) -> f64 {
         match self.unit {
             Unit::Ticks => 1.0,

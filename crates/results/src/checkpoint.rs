@@ -27,14 +27,14 @@ use crate::folder::{CHECKPOINTS, DAMAGED};
 use crate::integrity::{FileIntegrity, Integrity};
 use stochc_text::{duration, visible};
 
-/// Version of the file format.
+/// Version of the format of checkpoint files.
 const VERSION: u32 = 1;
 
 /// Suffix of the file name of a checkpoint.
 const SUFFIX: &str = ".state";
 /// Exclusive upper limit on the length of the first line \[bytes\].
 const MAX: u64 = 1 << 12;
-/// Length of the checksum at the end \[bytes\].
+/// Length of the checksum at the end of a checkpoint file \[bytes\].
 const CHECKSUM: u64 = 4;
 
 /// Number of ticks between two readings of the clock.
@@ -105,7 +105,7 @@ impl FromStr for Interval {
     }
 }
 
-/// Run by the index of its program and its number.
+/// Key of a run: the index of its program and its number.
 type RunKey = (usize, u64);
 
 /// First line of a checkpoint file.

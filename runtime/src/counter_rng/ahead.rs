@@ -10,7 +10,7 @@ use super::{Stream, WORDS};
 /// Number of steps whose draws are computed together.
 const LANES: usize = 4;
 
-/// Words of keystream in one ChaCha block.
+/// Number of words in one block of a ChaCha keystream.
 const BLOCK: usize = 16;
 
 /// Draws of blocks 0 to 3 in a stream, with the same values as [`Draws`](super::Draws). Fastest if
@@ -22,10 +22,10 @@ pub struct DrawsAhead {
     all: Ahead<BLOCK>,
 }
 
-/// First words of some steps.
+/// First words of several successive steps.
 #[derive(Clone, Debug)]
 struct Ahead<const COUNT: usize> {
-    /// First step whose words are available. `None` if none are.
+    /// First step whose words are available. `None` if no words are available.
     first: Option<u64>,
     words: [[u32; LANES]; COUNT],
 }

@@ -3,7 +3,7 @@ use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use stochc_control::explore::DrawIndex;
 
-/// Words of keystream per block and step.
+/// Number of random words per block and step.
 pub const WORDS: u32 = 4;
 
 /// Independent source of randomness. The number of a removed source is never reused.

@@ -96,7 +96,7 @@ pub enum ObservedEvent {
         on: Body,
         /// Capturing face.
         face: Face,
-        /// Role of the block that captured it.
+        /// Role of the capturing block.
         by: RoleId,
     },
     /// Two free blocks bond.
@@ -110,8 +110,8 @@ pub enum ObservedEvent {
     Unbonded {
         /// The bond, with both faces.
         bond: FreeBond,
-        /// Number of blocks in the group of each at the end of the tick. 1 if it is alone or
-        /// anchored.
+        /// For each of the two blocks, the number of blocks in its group at the end of the tick. 1
+        /// if it is alone or anchored.
         sizes: [u32; 2],
     },
     /// A block is released, and its open faces are switched off.

@@ -54,7 +54,7 @@ impl EventRows {
         }
     }
 
-    /// Returns the array of an event.
+    /// Returns the JSON array that describes an event.
     pub fn row(&self, tick: u64, event: &ObservedEvent) -> Value {
         let n = |body: Body| self.number(body);
         match *event {
@@ -100,7 +100,7 @@ impl EventRows {
         }
     }
 
-    /// Returns the event of an array, or `None` if it is invalid.
+    /// Returns the event that a JSON array describes, or `None` if the array is invalid.
     pub fn event(&self, row: &RawValue) -> Option<TimedEvent> {
         let row: Vec<Value> = serde_json::from_str(row.get()).ok()?;
         let tick = row.first()?.as_u64()?;

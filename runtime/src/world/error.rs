@@ -12,7 +12,7 @@ pub enum SceneError {
     NotANumber {
         /// Quoted name of a scene parameter, or a description.
         what: String,
-        /// Value, in block units if they apply.
+        /// Value of the quantity, in block units if it has a unit.
         value: f64,
     },
     /// A spring oscillates too fast for the step and would throw blocks out.

@@ -71,8 +71,8 @@ impl FreeBonds {
         }
     }
 
-    /// Applies all forces of a step except random impulses and heat to groups, which move as one
-    /// body or break. Then pushes rejected blocks away.
+    /// Makes each group move as one body, or break, under the forces of a step. Random impulses and
+    /// heat are excluded. Then pushes rejected blocks away.
     pub fn settle(&mut self, blocks: &mut impl Blocks, dt: f64) {
         (self.groups).settle(blocks, self.passive.hold, self.response, dt);
         self.push_away(blocks);

@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use stochc_ir::Cell;
 
-/// Cells along each side of a chunk. A power of two, which avoids divisions.
+/// Number of cells along each side of a chunk. A power of two, which avoids divisions.
 const SIDE: i32 = 1 << SIDE_BITS;
 const SIDE_BITS: u32 = 2;
 
@@ -13,7 +13,8 @@ const CELLS: usize = SIDE.pow(3) as usize;
 /// Position of a chunk in the grid of chunks.
 type ChunkKey = [i32; 3];
 
-/// Window size limit: chunks per requested cell or existing chunk, and an additional constant.
+/// Limit on the size of the window: chunks per requested cell or existing chunk, and a number of
+/// additional chunks.
 const ROOM: (i64, i64) = (4, 512);
 
 /// Bit masks of the cells of a chunk between two coordinates, by axis.
@@ -151,7 +152,7 @@ impl Window {
         (x < width && y < depth && z < height).then(|| ((x * depth + y) * height + z) as usize)
     }
 
-    /// Returns the difference in index between chunks at this distance.
+    /// Returns the difference in index between two chunks at this distance along each axis.
     #[inline]
     fn stride(&self, [x, y, z]: [usize; 3]) -> usize {
         let [_, depth, height] = self.sides.map(|side| side as usize);

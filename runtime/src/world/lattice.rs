@@ -175,7 +175,8 @@ impl LatticeStructure {
         self.block(cell).is_none().then_some(cell)
     }
 
-    /// Returns the faces of neighbours that point into a cell, for a bit set of directions.
+    /// Returns the faces of neighbours that point into a cell. `ways` is the bit set of their
+    /// directions.
     #[inline]
     fn aimed(&self, cell: Cell, ways: u8) -> impl Iterator<Item = (usize, Face)> {
         faces(ways).filter_map(move |way| {

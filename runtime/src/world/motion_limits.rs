@@ -15,7 +15,8 @@ const FARTHEST_STEP: f64 = 2.0;
 /// positions beyond it.
 pub(crate) const FARTHEST: f64 = 1e5;
 
-/// Largest valid speed and spin \[block lengths / tick, rad / tick\].
+/// Limits of valid motion in a scene. `speed` is in \[block lengths / tick\], `spin` in \[rad /
+/// tick\].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MotionLimits {
     pub speed: f64,

@@ -142,9 +142,10 @@ pub(crate) enum Attraction {
 pub(crate) struct Passive {
     /// Force between two touching faces, as the acceleration of a block \[block lengths / tick^2\].
     pub hold: f64,
-    /// Depth of two opposite dipoles below the faces that attract equally \[block lengths\].
+    /// Depth below each face of a dipole that attracts like the magnet of the face \[block
+    /// lengths\].
     pub depth: f64,
-    /// Reach \[block lengths\].
+    /// Largest distance of the attraction \[block lengths\].
     pub within: f64,
     /// Velocity change of a rejected block \[block lengths / tick\].
     pub impulse: f64,
@@ -156,9 +157,11 @@ pub(crate) struct Suction {
     /// Pressure of the pump, as the acceleration of a block by this pressure on one face \[1 /
     /// tick^2\].
     pub head: f64,
-    /// Hydraulic resistances \[1 / tick\].
+    /// Hydraulic resistance between the pump and the plate \[1 / tick\].
     pub supply: f64,
+    /// Hydraulic resistance of an open face's valve \[1 / tick\].
     pub valve: f64,
+    /// Hydraulic resistance of the passage between a block and its holder \[1 / tick\].
     pub passage: f64,
     /// Distance below which a block closes the face \[block lengths\].
     pub seal: f64,
@@ -207,7 +210,7 @@ impl Magnet {
 pub(crate) struct Pull {
     /// Acceleration \[block lengths / tick^2\].
     pub force: f64,
-    /// Reach \[block lengths\].
+    /// Largest distance of the force \[block lengths\].
     pub within: f64,
 }
 

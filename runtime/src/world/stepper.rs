@@ -137,8 +137,9 @@ pub(crate) trait Integrator: Sized + State {
 /// World of rigid cubes moved by an integrator.
 pub(crate) struct Stepper<I: Integrator> {
     tick: u64,
-    /// Number of short steps per tick, and per long step.
+    /// Number of short steps per tick.
     substeps: u32,
+    /// Number of short steps per long step.
     ratio: u32,
     /// Length of a short step \[tick\].
     dt: I::Real,

@@ -76,8 +76,8 @@ impl<'a> InForce<'a> {
         group.is_exceeded(group.steps_of(self.steps)) || group.disappoints().is_some()
     }
 
-    /// Returns the listing as one JSON object: `{ file, scene, assemblies, terms, absent, speed,
-    /// groups, warnings, step_errors }`.
+    /// Returns the listing of `--physics` as one JSON object: `{ file, scene, assemblies, terms,
+    /// absent, speed, groups, warnings, step_errors }`.
     pub fn json(&self) -> Json {
         let units = BlockUnits::from_scene(self.scene);
         let warning = |warning: &SceneWarning| {
@@ -131,7 +131,7 @@ impl<'a> InForce<'a> {
         })
     }
 
-    /// Returns the listing as text.
+    /// Returns the listing of `--physics` as text.
     pub fn text(&self) -> String {
         let mut out = format!(
             "{}: scene {}, of {}\n\n  in force, with the values in SI units and in block units\n",

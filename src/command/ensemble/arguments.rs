@@ -79,8 +79,7 @@ impl ModelOptions {
         }
     }
 
-    /// Returns whether the command line has an option for the setting with this name, which a sweep
-    /// also varies.
+    /// Returns whether the command line sets a setting. `axis` is its name in a sweep.
     pub fn gives(&self, axis: &str) -> bool {
         match axis {
             "model" => self.model.is_some(),

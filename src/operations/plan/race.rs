@@ -26,8 +26,8 @@ pub const MIN_RACE: u64 = 8;
 /// Largest number of runs of a plan in a race.
 pub const MAX_RACE: u64 = 100_000;
 
-/// Lead of another plan that removes a plan from the race, in confidence intervals. It is above 1,
-/// because plans are compared after each round.
+/// Lead of the fastest plan that removes a slower plan from the race, in confidence intervals. It
+/// is above 1, because plans are compared after each round.
 const MAX_BEHIND: f64 = 1.5;
 
 /// Limit on the ticks of a run, as a multiple of its plan's estimated time.

@@ -48,7 +48,7 @@ pub struct Calibration {
     head_starts: HeadStartTally,
 }
 
-/// Error: too few captures for rates.
+/// Error of a calibration with too few captures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooFew {
     /// Number of observed captures.

@@ -1,4 +1,4 @@
-//! Observation of head starts: captures of blocks that were released near an open face.
+//! Observation of head starts: early captures of blocks that were released near an open face.
 use std::collections::BTreeMap;
 
 use stochc_estimate::{HeadStart, relative};
@@ -57,7 +57,7 @@ impl HeadStartTally {
         }
     }
 
-    /// Returns the observed head starts.
+    /// Returns the mean probability and time of the early captures, by the position of the block.
     pub fn summary(&self) -> Vec<HeadStart> {
         let known = self
             .0

@@ -8,7 +8,7 @@ use stochc_ir::{Cell, Face};
 /// Largest squared distance of a release with a head start \[block lengths^2\].
 pub(super) const NEAR: u32 = 8;
 
-/// Ticks after which a release has no effect.
+/// Number of ticks after which a release has no effect.
 pub(super) const LATELY: u64 = 150;
 
 /// Largest observation time of a face, in medians of the completed waiting times. One exponential

@@ -18,7 +18,7 @@ const MAX: f64 = 1e15;
 pub enum Unit {
     /// Ticks of each program's scene.
     Ticks,
-    /// Times in seconds.
+    /// Seconds.
     Seconds,
 }
 

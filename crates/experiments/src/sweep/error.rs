@@ -31,17 +31,17 @@ pub enum RangeError {
     /// The end of a prior is not above its start.
     #[error("`{from}..{to}` is not a range; write the lower end first")]
     Empty {
-        /// Lower end.
+        /// Lower end of the range.
         from: f64,
-        /// Upper end.
+        /// Upper end of the range.
         to: f64,
     },
     /// A range does not state the number of its values.
     #[error("how many values from `{from}` to `{to}`? write `a..b/n`, such as `50..600/6`")]
     NoCount {
-        /// First value.
+        /// First value of the range.
         from: String,
-        /// Last value.
+        /// Last value of the range.
         to: String,
     },
     /// A range has too few or too many values. Contains the number.
@@ -82,11 +82,11 @@ pub enum RangeError {
     NotWhole {
         /// Name of the parameter.
         name: &'static str,
-        /// Number of values.
+        /// Number of values in the range.
         n: u32,
-        /// First value.
+        /// First value of the range.
         from: f64,
-        /// Last value.
+        /// Last value of the range.
         to: f64,
         /// A value that is not an integer.
         broken: f64,

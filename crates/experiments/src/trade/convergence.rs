@@ -51,7 +51,7 @@ impl Doubling {
         }
     }
 
-    /// Returns whether any run was right-censored.
+    /// Returns whether the limit of ticks stopped any run.
     pub(super) fn is_cut(&self) -> bool {
         self.censored.iter().any(|&runs| runs > 0)
     }

@@ -306,7 +306,7 @@ fn news(
     }
 }
 
-/// Returns the dependency of an event that was fulfilled last.
+/// Returns the last fulfilled dependency of an event.
 fn since(events: &Events, moments: &[EventTiming], event: usize) -> Option<(usize, Dependency)> {
     let done = met(&events.events[event], moments).filter(|(_, _, done)| done.is_some());
     let last = done.max_by_key(|&(_, _, done)| done);

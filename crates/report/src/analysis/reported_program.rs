@@ -62,7 +62,7 @@ pub(crate) struct ReportedProgram<'a> {
     pub failed: usize,
     /// Details of the first failed runs.
     pub failures: Vec<FailedRun>,
-    /// Results of the program, as for a point of a sweep.
+    /// Accumulated results of the program, in the form for a point of a sweep.
     pub point: PointTally,
     pub waits: WaitsTally,
     pub decisive: DecisiveEvents,

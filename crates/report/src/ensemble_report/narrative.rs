@@ -231,7 +231,7 @@ pub(crate) fn item(
     }
 }
 
-/// Returns why a wait began, as the end of a sentence.
+/// Returns the reason why a wait began, as the end of a sentence.
 fn reason(of: &NarrativeContext, segment: &CriticalPathSegment) -> String {
     let Some((first, why)) = segment.since else {
         let phase = name(of.program.phase(segment.phase));

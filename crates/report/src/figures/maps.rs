@@ -10,8 +10,9 @@ use crate::svg::{Drawing, Medium, PlotAxis, Scale, Style};
 pub(crate) struct MapColumn<'a> {
     pub title: String,
     pub maps: Vec<&'a SliceMap>,
-    /// Quantity that the colours show, with the factor from map values to its unit.
+    /// Quantity and unit of the colours.
     pub shows: PlotAxis,
+    /// Factor from values of the maps to this unit.
     pub unit: f64,
 }
 

@@ -34,7 +34,7 @@ pub(crate) fn survival(
     const ROW: f64 = 19.0;
     /// Largest number of curves with bands for their intervals. More bands would hide each other.
     const BANDS: usize = 4;
-    /// Largest number of marks, which a browser draws without delay.
+    /// Largest number of marks in a figure. A browser draws this number without delay.
     const MARKS: usize = 2000;
     let known: Vec<_> = (curves.iter().enumerate())
         .filter_map(|(i, curve)| Some((i, curve, KaplanMeier::new(&curve.times)?)))

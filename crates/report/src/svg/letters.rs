@@ -77,7 +77,8 @@ pub(crate) fn wrapped(text: &str, most: f64) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Compares with the widths of Helvetica that Adobe published, in thousandths of the font size.
+    /// Compares the widths of characters with the widths of Helvetica that Adobe published, in
+    /// thousandths of the font size.
     #[test]
     fn the_font_has_the_widths_of_helvetica() {
         for (letter, thousandths) in [(' ', 278), ('a', 556), ('i', 222), ('M', 833), ('7', 556)] {

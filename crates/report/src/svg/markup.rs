@@ -68,7 +68,7 @@ impl Drawing {
     }
 }
 
-/// Writes the SVG element of a shape and a line break.
+/// Writes the SVG element of a shape, then a line break.
 fn write(out: &mut String, shape: &DrawnShape) {
     // Attributes have less weight than class rules, and more than inherited values.
     let own = shape.own.attributes();

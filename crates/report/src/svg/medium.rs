@@ -44,7 +44,7 @@ impl Medium {
     }
 }
 
-/// Returns the height of a plot of this width. Its limits keep curves readable.
+/// Returns the height of a plot of this width, within limits that keep curves readable.
 pub(crate) fn plot_height(width: f64) -> f64 {
     (0.39 * width).clamp(190.0, 330.0).round()
 }

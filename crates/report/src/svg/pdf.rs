@@ -19,7 +19,7 @@ use super::medium::TYPE;
 use super::shape::{DrawnShape, Form, Point, TextAnchor};
 use super::style::{Paint, Style, on_paper};
 
-/// Character codes of the embedded font are its glyph numbers.
+/// Identifier of the encoding. The character codes of the embedded font are its glyph numbers.
 const CODES: SystemInfo = SystemInfo {
     registry: Str(b"Adobe"),
     ordering: Str(b"Identity"),

@@ -1,6 +1,6 @@
 //! Scales that convert values to positions.
 
-/// Scale that converts values to positions, each within two ends.
+/// Conversion of values to positions. Both have a lower and an upper end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
     values: (f64, f64),

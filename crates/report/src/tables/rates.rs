@@ -81,8 +81,8 @@ fn numbers(rates: &Rates) -> TextTable {
     }
 }
 
-/// Returns a table of rates in simple surroundings. Each has some occupied cells, and an open cell
-/// above or next to them.
+/// Returns a table of rates in simple surroundings: some occupied cells, and an open cell above or
+/// next to them.
 fn examples(rates: &Rates) -> TextTable {
     let at = |x, z| Cell::new(x, 0, z);
     let tower = |x: i32, top: i32| move |cell: Cell| (cell.x, cell.y) == (x, 0) && cell.z <= top;

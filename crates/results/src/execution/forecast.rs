@@ -89,7 +89,7 @@ pub fn forecast_cpu_time(
 }
 
 impl Trials {
-    /// Makes a run of at most `share` of CPU time.
+    /// Makes a trial run that takes at most `share` of CPU time.
     fn add(
         &mut self,
         program: &EnsembleProgram,

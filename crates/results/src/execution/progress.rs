@@ -47,7 +47,7 @@ pub struct Totals {
     pub stopped: u64,
     /// Number of failed runs.
     pub failed: u64,
-    /// Ticks of finished runs that this process simulated.
+    /// Number of ticks that this process simulated, in finished runs.
     pub ticks_here: u64,
 }
 
@@ -73,7 +73,7 @@ pub struct Snapshot {
     pub done: u64,
     /// Totals of finished runs.
     pub totals: Totals,
-    /// Ticks that this process has simulated.
+    /// Number of ticks that this process has simulated.
     pub ticks_here: u64,
     /// Program and phase of each running simulation.
     pub under_way: Vec<(usize, PhaseId)>,

@@ -56,7 +56,7 @@ pub enum FolderError {
         /// Description of each difference.
         differences: Vec<String>,
     },
-    /// The folder contains an unfinished run of the same ensemble, and resuming was not requested.
+    /// The folder contains the same ensemble, which is unfinished, and resuming was not requested.
     #[error("`{path}` contains {done} of the {total} runs of this ensemble; resume it with `stochc resume {}`", shell_file(&.path.to_string_lossy()))]
     Unfinished {
         /// Results folder.
@@ -117,9 +117,9 @@ pub enum FolderError {
     MoreRuns {
         /// Results folder.
         path: PathBuf,
-        /// Runs of each program in the folder's manifest.
+        /// Number of runs of each program in the folder's manifest.
         there: u64,
-        /// Requested runs of each program.
+        /// Requested number of runs of each program.
         asked: u64,
     },
     /// Another process is writing to the folder.
@@ -128,12 +128,12 @@ pub enum FolderError {
     /// The journal cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// Error of the file system.
+    /// Error of the file system, with its path.
     #[error("cannot use `{path}`: {source}")]
     Io {
-        /// File or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use stochc_files::atomic::remove_own;
 
-/// Name of the folder.
+/// Name of the folder for Slurm.
 pub(crate) const SLURM: &str = "slurm";
 /// Lock file of the process that submits.
 pub(crate) const LOCK: &str = ".lock";

@@ -3,9 +3,9 @@
 /// Integrity of one file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileIntegrity {
-    /// Name within the folder.
+    /// Name of the file, relative to the results folder.
     pub name: String,
-    /// Result of the check.
+    /// Result of checking the file.
     pub health: Integrity,
 }
 

@@ -74,7 +74,7 @@ pub(crate) struct ShardHeader {
     pub number: u64,
     /// Number of all shards.
     pub of: u64,
-    /// Runs of each program in all shards.
+    /// Number of runs of each program in all shards.
     pub runs: u64,
     /// Build that made the shard.
     pub build: String,
@@ -150,7 +150,8 @@ pub(crate) fn read(
     Ok(stored)
 }
 
-/// Run with the fewest ticks among the runs that did not fail. The first of several equal ones.
+/// Accumulator that finds the run with the fewest ticks among the runs that did not fail. Of
+/// several equal ones, it is the first.
 #[derive(Debug, Default)]
 pub(crate) struct Shortest(pub Option<Finished>);
 
@@ -346,8 +347,8 @@ impl Journal {
         })
     }
 
-    /// Appends a finished run. Returns the position of the start of its line \[bytes\]. At that
-    /// time, the system has received the line. It is on the disk soon after.
+    /// Appends a finished run. Returns the position of the start of its line \[bytes\]. The
+    /// operating system has then received the line and writes it to the disk soon.
     ///
     /// # Errors
     ///

@@ -46,7 +46,7 @@ pub struct Compiled {
 /// Source file of a program.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
-    /// Path as given. Not part of the identity.
+    /// Path as the user wrote it. Not part of the identity.
     pub path: String,
     /// Content of the file.
     pub text: String,

@@ -41,37 +41,37 @@ type Get<'a, R, T> = Box<dyn Fn(&R) -> Option<T> + 'a>;
 /// Function that returns the value of a column in a row, by the type of the column.
 pub(super) enum ColumnGetter<'a, R> {
     Bool(Get<'a, R, bool>),
-    /// 32-bit integers, for coordinates.
+    /// Values that are 32-bit integers, for coordinates.
     Small(Get<'a, R, i32>),
     Integer(Get<'a, R, i64>),
-    /// Unsigned 64-bit integers.
+    /// Values that are unsigned 64-bit integers.
     Unsigned(Get<'a, R, u64>),
     Real(Get<'a, R, f64>),
     Text(Get<'a, R, &'a str>),
-    /// Lists of 64-bit integers, possibly empty and never null.
+    /// Values that are lists of 64-bit integers, possibly empty and never null.
     Integers(Get<'a, R, &'a [u64]>),
-    /// Lists of texts, possibly empty and never null.
+    /// Values that are lists of texts, possibly empty and never null.
     Texts(Get<'a, R, Vec<&'a str>>),
 }
 
 /// Values of a column in several rows. `None` is a null value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ColumnValues<'a> {
-    /// `bool`.
+    /// Values of type `bool`.
     Bool(Vec<Option<bool>>),
-    /// `int32`.
+    /// Values of type `int32`.
     Int32(Vec<Option<i32>>),
-    /// `int64`.
+    /// Values of type `int64`.
     Int64(Vec<Option<i64>>),
-    /// `uint64`.
+    /// Values of type `uint64`.
     UInt64(Vec<Option<u64>>),
-    /// `float64`.
+    /// Values of type `float64`.
     Float64(Vec<Option<f64>>),
-    /// `text`.
+    /// Values of type `text`.
     Text(Vec<Option<&'a str>>),
-    /// `list of int64`; possibly empty and never null.
+    /// Values of type `list of int64`, possibly empty and never null.
     Int64Lists(Vec<Vec<i64>>),
-    /// `list of text`; possibly empty and never null.
+    /// Values of type `list of text`, possibly empty and never null.
     TextLists(Vec<Vec<&'a str>>),
 }
 

@@ -8,7 +8,7 @@ use stochc_files::budget::RECORDING_PART;
 
 use super::format::{RecordingError, deflate, inflate};
 
-/// Numbers per position: x, y, z \[block lengths\], then the quaternion's x, y, z, w.
+/// Number of values per position: x, y, z \[block lengths\], then the quaternion's x, y, z, w.
 pub(super) const NUMBERS: usize = 7;
 
 /// Integer that stands for 1 in a quaternion. Its resolution equals the resolution of coordinates

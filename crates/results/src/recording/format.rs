@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use stochc_files::budget::{RECORDING_HEADER, RECORDING_WHOLE, size};
 use stochc_files::checksum::crc32;
 
-/// Version of the file format. No other version is read.
+/// Version of the format of recordings. Other versions are rejected.
 pub const VERSION: u32 = 1;
 
 /// Magic bytes at the start of every recording.
@@ -32,7 +32,7 @@ pub struct RecordingHeader {
     pub program: usize,
     /// Number of the run, from 0.
     pub run: u64,
-    /// Ticks between two frames. Ticks with structural changes also have a frame.
+    /// Number of ticks between two frames. Ticks with structural changes also have a frame.
     pub every: u32,
     /// Number of initially free blocks.
     pub bodies: u32,

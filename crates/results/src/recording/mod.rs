@@ -16,11 +16,11 @@ pub use selection::Selection;
 pub use stochc_runtime::observe::TimedEvent;
 pub use write::Recorder;
 
-/// Default ticks between two frames.
+/// Default number of ticks between two frames.
 pub const EVERY: u32 = 4;
 
-/// Returns the path of a run's recording in a results folder: `recordings/PROGRAM-RUN.rec`, both
-/// counted from 0.
+/// Returns the path of a run's recording in a results folder: `recordings/PROGRAM-RUN.rec`. Both
+/// numbers start at 0.
 pub fn path(folder: &std::path::Path, program: usize, run: u64) -> std::path::PathBuf {
     folder
         .join(crate::folder::RECORDINGS)

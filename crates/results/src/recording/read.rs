@@ -31,7 +31,7 @@ pub struct Recording {
     events: Vec<TimedEvent>,
 }
 
-/// Item of a recording.
+/// Item of a recording that is being read.
 enum Content {
     Places(PoseChunk),
     Event(TimedEvent),
@@ -83,7 +83,7 @@ impl Outline {
     }
 }
 
-/// Borrowed positions of all blocks at a tick.
+/// Positions of all blocks at a tick, borrowed from a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Places<'a> {
     chunk: &'a PoseChunk,

@@ -20,7 +20,7 @@ const FEWEST_TICKS: usize = 16;
 /// Largest number of ticks per chunk.
 const MAX_TICKS: usize = 512;
 
-/// Largest number of events per section. An event has less than 128 bytes, so a section stays
+/// Largest number of events per section. An event has less than 128 bytes, which keeps a section
 /// within its size limit.
 const MAX_EVENTS: usize = 1 << 20;
 

@@ -13,7 +13,7 @@ pub(crate) struct ProgramEvents<'m> {
     sorted: Vec<EventId>,
 }
 
-/// Times of an event in a record.
+/// Times of an event, taken from a record.
 #[derive(Clone, Copy)]
 struct EventTimes {
     /// Tick when all predecessors of the event had happened.

@@ -10,7 +10,7 @@ use crate::journal::read_at;
 use crate::records::Finished;
 use crate::records::LineLocation;
 
-/// Finished runs, sorted by program and number, each once.
+/// Finished runs, sorted by program and number, without duplicates.
 ///
 /// Runs of a folder remain in its files. Only their positions are in memory, 24 bytes each.
 #[derive(Clone, Debug)]

@@ -22,7 +22,7 @@ use crate::{Folder, FolderError, Manifest, Resume, this_build};
 pub struct Cut {
     /// Identity of the ensemble's manifest.
     ensemble: String,
-    /// Runs of each program.
+    /// Number of runs of each program.
     pub runs: u64,
     /// Number of shards.
     pub shards: u64,

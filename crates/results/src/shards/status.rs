@@ -25,7 +25,7 @@ pub struct ShardStatus {
     pub states: Vec<ShardState>,
 }
 
-/// State of a shard, judged by its first line. [`merge`](super::merge()) and
+/// State of a shard, judged by the first line of its file. [`merge`](super::merge()) and
 /// [`verify`](crate::integrity::verify) read all lines.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "state")]

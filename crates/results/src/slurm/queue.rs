@@ -154,7 +154,7 @@ pub fn job_number(output: &str) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// Output as printed by Slurm 22.05.
+    /// Output of `squeue` as printed by Slurm 22.05.
     const PRINTED: &str = "\
 12|2-4,7%2|stochc-a|PENDING|Resources
 12|1|stochc-a|RUNNING|None

@@ -23,7 +23,7 @@ const INSIDE: f64 = 0.5;
 #[derive(Clone, Debug)]
 pub(crate) struct Faces<R: Real> {
     magnet: Magnet,
-    /// Open faces, by site.
+    /// Open faces, sorted by site.
     active: Vec<Active<R>>,
     /// Faces that always attract and whose cell is occupied by a block that they do not hold. They
     /// keep their entry counts, because the block may leave.
@@ -168,7 +168,7 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// Clears everything derived from the sets of open and holding faces.
+    /// Clears the data that are derived from the sets of open and holding faces.
     fn change(&mut self) {
         self.seen = false;
         self.pressures = None;

@@ -18,8 +18,8 @@ pub(crate) struct FaceSweep<R: Real> {
 }
 
 impl<R: Real> FaceSweep<R> {
-    /// Returns the path of a face during a step of length `dt`. The place is at the end of the
-    /// step; velocity and spin are those of the step.
+    /// Returns the path of a face during a step of length `dt`. `position` and `rotation` of its
+    /// block are at the end of the step.
     pub fn of_step(
         near: &Near<R>,
         position: Vector3<R>,

@@ -17,7 +17,7 @@ pub(super) struct Brownian {
 }
 
 impl Brownian {
-    /// Returns the fluctuations of a fluid. `energy` is k T.
+    /// Returns the random velocity changes of blocks in a fluid. `energy` is k T.
     pub fn new(fluid: &Resistance, energy: f64, dt: f64, seed: u64, run: u64) -> Brownian {
         Brownian {
             rms: (

@@ -19,7 +19,7 @@ impl Response {
     };
 }
 
-/// Drag over a step.
+/// Effect of drag over a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StepDrag {
     linear: Decay,

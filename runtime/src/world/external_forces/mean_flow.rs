@@ -6,12 +6,13 @@ use nalgebra::Vector3;
 use super::local_flow::LocalFlow;
 use crate::world::parameters::MeanFlow;
 
-/// Constants of a round turbulent jet: its core length in diameters, and its relative half-width.
+/// Length of the core of a round turbulent jet, in diameters of the outlet.
 ///
 /// # Source
 ///
 /// S. B. Pope, Turbulent Flows (2000), section 5.1.
 const CORE: f64 = 6.2;
+/// Half-width of a round turbulent jet, divided by the distance from its origin along its axis.
 const SPREAD: f64 = 0.094;
 
 /// Adds the mean flow at a position to `wind`.

@@ -44,15 +44,15 @@ impl RigidMotion {
         (compound, cubes.iter().map(turning).sum())
     }
 
-    /// Returns the velocity and spin of a cube of the body.
+    /// Returns the velocity and spin of the body's cube at a position.
     pub fn at(&self, position: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let velocity = self.velocity + self.spin.cross(&(position - self.middle));
         (velocity, self.spin)
     }
 }
 
-/// Returns the spin of a body with this angular momentum, and cubes at these positions from its
-/// centre.
+/// Returns the spin of a body with the angular momentum `turning`. `arms` are the positions of its
+/// cubes relative to its centre.
 pub(super) fn spin(
     turning: Vector3<f64>,
     arms: impl Iterator<Item = Vector3<f64>>,

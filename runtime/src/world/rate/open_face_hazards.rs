@@ -95,7 +95,8 @@ impl OpenFace {
         self.latest
     }
 
-    /// Removes faces of a cell from the rivals. Returns whether there were any.
+    /// Removes faces of a cell from the rivals of this face. `ways` has one bit per direction.
+    /// Returns whether there were any.
     fn drop_rivals(&mut self, cell: Cell, ways: u8) -> bool {
         let mut has_fewer = false;
         for way in faces(ways) {
@@ -197,14 +198,14 @@ impl OpenFaceHazards {
         slots.dedup();
     }
 
-    /// Returns all open faces by face index.
+    /// Returns the slots of all open faces, sorted by face index.
     pub fn all(&self) -> Vec<Slot> {
         let mut slots = (0..self.faces.len() as Slot).collect();
         self.sort(&mut slots);
         slots
     }
 
-    /// Returns the open faces whose surroundings include a cell, by face index.
+    /// Returns the slots of the open faces whose surroundings include a cell, sorted by face index.
     pub fn near(&mut self, cell: Cell) -> Vec<Slot> {
         let mut near = Vec::new();
         self.each_near(cell, SIGHT, |slot, _| near.push(slot));

@@ -91,7 +91,7 @@ impl<'r> RateWorld<'r> {
         Some(not_known(what))
     }
 
-    /// Returns the next draw.
+    /// Returns the random words of the next draw.
     fn draw(&mut self) -> [u32; 4] {
         self.drawn += 1;
         self.draws.block(self.drawn - 1, 0)
@@ -171,8 +171,8 @@ impl<'r> RateWorld<'r> {
         }
     }
 
-    /// Schedules, with some probability, the capture of a block that was released nearby this many
-    /// ticks ago.
+    /// Schedules the capture of a block that was released nearby, with some probability. `since` is
+    /// the number of ticks since the release.
     fn head_start(&mut self, slot: Slot, from: Cell, block: u32, since: u64) {
         let Some(face) = self.hazards.face(slot) else {
             return;

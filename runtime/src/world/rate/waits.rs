@@ -10,7 +10,7 @@ use super::open_face_hazards::OpenFace;
 /// Capacity of the cache.
 const KEPT: usize = 1 << 16;
 
-/// Waiting times of faces with as many free blocks as at the start.
+/// Rate model for the number of blocks that were free at the start. Stores known waiting times.
 #[derive(Clone, Debug)]
 pub(super) struct RateModel<'r> {
     rates: &'r Rates,

@@ -16,8 +16,8 @@ use crate::world::{BodyState, Fault};
 
 /// Blocks by number.
 ///
-/// Data read in every step are stored in lanes. Rotations are updated only on access: a cube has
-/// isotropic inertia, so it rotates at a constant rate while its spin is constant.
+/// Data that every step reads are stored in SIMD groups. Rotations are updated only on access: a
+/// cube has isotropic inertia, so it rotates at a constant rate while its spin is constant.
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies<R: Lane> {
     /// Motions in SIMD groups. The last group is padded with permanently anchored blocks.

@@ -20,9 +20,9 @@ const MARGIN: f64 = 1.005;
 /// Largest number of cells per block. Cells grow if there would be more.
 const CELLS_PER_BLOCK: f64 = 2.0;
 
-/// Bounds of the limit on the number of cells. Cell numbers are also computed as floating-point
-/// numbers.
+/// Smallest limit on the number of cells.
 const FEW: f64 = 1024.0;
+/// Largest limit on the number of cells. Cell numbers are also computed as floating-point numbers.
 const MANY: f64 = 4_000_000.0;
 
 /// Blocks sorted by cells.
@@ -35,15 +35,15 @@ const MANY: f64 = 4_000_000.0;
 pub(super) struct CellList<R: Lane> {
     /// Centre of the first cell.
     low: [R; 3],
-    /// Cells per block length.
+    /// Number of cells per block length, along each axis.
     scale: [R; 3],
     /// Search distance \[block lengths\].
     near: R,
-    /// Last cell along each axis.
+    /// Index of the last cell along each axis.
     last: [R; 3],
-    /// Cells in a row along y, and in a slab of rows, including the empty ones.
+    /// Number of cells in a row along y, and in a slab of rows, including the empty ones.
     stride: [usize; 2],
-    /// Start of each cell in the sorted list, which is the end of the cell before.
+    /// Index of each cell's start in the sorted list, which is also the end of the previous cell.
     start: Vec<u32>,
     /// Number of anchored blocks before each cell. Empty unless most blocks are anchored.
     anchored: Vec<u32>,
@@ -54,9 +54,10 @@ pub(super) struct CellList<R: Lane> {
     /// The positions have [`ABREAST`] additional entries that are not blocks.
     sorted: Vec<(u32, Tag)>,
     places: [Vec<R>; 3],
-    /// Buffers: pairs in order of discovery, and the end of each block's pairs.
+    /// Buffer for pairs in the order of their discovery.
     #[serde(skip)]
     found: Vec<(u32, u32)>,
+    /// Buffer for the end of each block's pairs.
     #[serde(skip)]
     ends: Vec<u32>,
 }

@@ -43,7 +43,7 @@ struct PlateBox<R: Real> {
 }
 
 impl<R: Lane> CollisionShape<R> {
-    /// Returns the shapes. Without an enclosure there is no floor.
+    /// Returns the collision shapes of a scene. Without an enclosure, there is no floor.
     pub fn new(
         floor: bool,
         plate: &table::Plate,

@@ -20,8 +20,9 @@ pub(super) const SURPRISE: f64 = 0.1;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(super) struct LocalSteps<R: Real> {
-    /// Lengths of a long and a short step \[tick\].
+    /// Length of a long step \[tick\].
     long: R,
+    /// Length of a short step \[tick\].
     short: R,
     /// Blocks with short steps in this long step, in rising order.
     pub blocks: Vec<u32>,

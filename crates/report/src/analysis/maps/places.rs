@@ -23,7 +23,7 @@ const MARGIN: i32 = 3;
 /// Largest width of a map \[block lengths\].
 const WIDEST: i32 = 40;
 
-/// Half the thickness of the slice of positions before a capture \[block lengths\].
+/// Half the thickness of the slices through positions before a capture \[block lengths\].
 pub(super) const HALF_SLICE: f64 = 1.0;
 
 /// Largest number of captures of a program with a map of its faces.

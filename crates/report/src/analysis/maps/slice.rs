@@ -74,8 +74,8 @@ pub(crate) struct Maps {
     pub runs: usize,
     /// Number of each run whose recording cannot be used, with the reason.
     pub left_out: Vec<(u64, String)>,
-    /// For each of [`AGES`](super::AGES), the density of captured blocks at that time before their
-    /// capture: the share per cell.
+    /// Density of the positions of captured blocks, for each of the times [`AGES`](super::AGES)
+    /// before the capture. A value is the share of blocks in a cell.
     pub before: Vec<[SliceMap; 2]>,
     /// Mean number of free blocks in each cell. `None` if it was not counted.
     pub occupation: Option<[SliceMap; 2]>,

@@ -173,8 +173,8 @@ pub(super) fn simulate(manifest: &stochc_results::Manifest) -> Option<String> {
     Some(words.join(" "))
 }
 
-/// Returns the settings that a sweep varies, with their values. Returns `None` if the sweep does
-/// not have all their combinations.
+/// Returns the settings that a sweep varies, with their values. Returns `None` if the sweep lacks a
+/// combination of the values.
 fn setting_axes(manifest: &stochc_results::Manifest) -> Option<Vec<(&str, Vec<&str>)>> {
     let mut points: Vec<&[ChosenSetting]> = Vec::new();
     for program in &manifest.programs {

@@ -11,8 +11,8 @@ use crate::world::rigid::simd::{ABREAST, Lane, Wide, first, sum, transposed};
 /// Sine of the angle below which edges count as parallel.
 const PARALLEL: f64 = 1e-3;
 
-/// Preference of a face over a pair of edges, as overlap \[block lengths\]. Several contact points
-/// are more stable than one.
+/// Margin of overlap for preferring a face contact to a contact of edges \[block lengths\]. Several
+/// contact points are more stable than one.
 const PREFER_FACE: f64 = 1e-3;
 
 /// Direction of the least overlap of two boxes.
@@ -46,7 +46,7 @@ struct Boxes<R: Lane> {
 struct SeparatingAxisSearch<R: Lane> {
     /// Mask of the pairs that no axis separates so far.
     meet: R::Quad,
-    /// Least depth so far.
+    /// Least depth so far, and the index of its axis in `axis`.
     depth: R::Quad,
     axis: R::Quad,
 }

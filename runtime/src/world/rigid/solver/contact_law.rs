@@ -69,8 +69,8 @@ impl<R: Real> Law<R> {
     }
 }
 
-/// Spring and damper over a step. The impulse x must make the bodies separate at the speed `target
-/// - softness x`.
+/// Spring and damper over a step. The impulse x must give the bodies the separation speed `target -
+/// softness x`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spring<W> {
     pub target: W,

@@ -12,7 +12,7 @@ pub(super) struct TouchingBodies<R: Real> {
     pub bodies: [usize; 2],
     /// Time over which the force acts in this step \[tick\].
     pub span: R,
-    /// Directions along the normal and across it.
+    /// Unit vectors along the normal and across it.
     pub frame: [Vector3<R>; 3],
     /// Range of the contact's points among the points of all contacts.
     pub points: Range<usize>,

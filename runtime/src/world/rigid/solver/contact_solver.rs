@@ -28,7 +28,7 @@ pub(crate) struct Solver<R: Lane> {
 }
 
 impl<R: Lane> Solver<R> {
-    /// Returns a solver. `turns` is whether contacts can rotate blocks.
+    /// Returns a solver without contacts. `turns` states whether contacts can rotate blocks.
     pub fn new(law: Law<R>, count: usize, iterations: u32, turns: bool) -> Solver<R> {
         Solver {
             law,

@@ -28,7 +28,7 @@ struct Batch<R: Lane, const N: usize> {
     /// relative velocity is the velocity of the first body minus that of the second.
     late: BatchVector<R>,
     shifts: [BatchBody<R>; N],
-    /// Directions along the normal and across it.
+    /// Unit vectors along the normal and across it.
     frame: [BatchVector<R>; 3],
     /// Softness: velocity reduction per impulse.
     softness: R::Quad,
@@ -145,8 +145,8 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         }
     }
 
-    /// Loads the contacts with these indices, most points first. Returns the largest approach
-    /// speed.
+    /// Loads the contacts with the indices `numbers`, which are sorted by descending number of
+    /// points. Returns the largest approach speed.
     fn load(
         &mut self,
         touches: &ContactList<R>,
