@@ -31,7 +31,7 @@ pub fn call<T: Send + 'static>(
     let caller = Arc::new(Caller::default());
     let (sender, receiver) = channel::<()>();
     let theirs = caller.clone();
-    // The stack is as large as that of a main thread.
+    // The stack is as large as the stack of a main thread.
     let thread = (std::thread::Builder::new().name("stochc".into())).stack_size(8 << 20);
     let thread = thread.spawn(move || {
         // The sender is dropped at the end of the work, even by a panic.

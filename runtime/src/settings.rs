@@ -18,8 +18,8 @@ pub struct Settings {
     pub substeps: u32,
     /// Steps per tick of blocks away from open faces. `None` if equal to `substeps`.
     ///
-    /// `substeps` must be a multiple of it. Only `rigid` uses this setting; `rapier` takes the
-    /// short steps everywhere.
+    /// `substeps` must be a multiple of this number. Only `rigid` uses this setting; `rapier` takes
+    /// the short steps everywhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub away: Option<u32>,
     /// Effort of the contact solver per substep. `None` selects [`Settings::iterations`] of the

@@ -73,7 +73,7 @@ fn the_estimate_is_that_of_the_program() {
     };
     let (built_in, cost) = planned("built_in.sa", &[]);
     assert!((built_in - cost).abs() <= 0.5, "{built_in} {cost}");
-    // The rates are those of the same scene, with half of its arrival rates.
+    // The same rates, but with half the arrival rates.
     let rates = fs::read_to_string("crates/estimate/src/data/hemisphere.rates").unwrap();
     let mut rates: serde_json::Value = serde_json::from_str(&rates).unwrap();
     let rate = rates["parameters"][0].as_f64().unwrap();

@@ -168,7 +168,7 @@ impl Firefox {
     }
 
     /// Performs an action with the left mouse button. The button is released at its position,
-    /// because moving it would drag.
+    /// because moving the pressed button would drag.
     pub fn mouse(&mut self, what: Mouse, x: f64, y: f64) {
         let actions = match what {
             Mouse::Press => vec![moved((x, y)), json!({ "type": "pointerDown", "button": 0 })],

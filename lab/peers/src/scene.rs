@@ -20,8 +20,8 @@ const SIDE: f64 = 0.2;
 /// Smallest spacing of the initial lattice \[block lengths\].
 const MIN_SPACING: f64 = 1.1;
 
-/// Returns the radius of the hemisphere \[block lengths\]. The density is that of `hemisphere`,
-/// which has 300 blocks.
+/// Returns the radius of the hemisphere \[block lengths\]. The density equals the density of
+/// `hemisphere`, which has 300 blocks.
 pub fn radius(blocks: u32) -> f64 {
     25.0 * (f64::from(blocks) / 300.0).cbrt()
 }

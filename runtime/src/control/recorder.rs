@@ -11,7 +11,7 @@ use super::network::Network;
 use crate::observe::{Log, ObservedEvent};
 use crate::world::World;
 
-/// Clock, messages in transit, and the record so far.
+/// State of a run apart from its structure: clock, messages in transit, and the record so far.
 #[derive(Debug)]
 pub(super) struct RunRecorder {
     pub tick: u64,

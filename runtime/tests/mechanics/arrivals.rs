@@ -30,8 +30,9 @@ fn density(count: usize, radius: f64) -> f64 {
     count as f64 / (4.0 / 3.0 * std::f64::consts::PI * radius.powi(3))
 }
 
-/// Estimates by Monte Carlo the surface of all positions of a block whose nearest face is within
-/// `reach` of a point. The surface is that of six balls, each half a block length off the point.
+/// Estimates by Monte Carlo the surface area of a region. The nearest face of a
+/// block in this region is within `reach` of a point. The region consists of six balls, each half a
+/// block length off the point.
 fn effective_area(reach: f64) -> f64 {
     let mut dice = Dice::new(12);
     let (mut bare, samples) = (0, 20_000);

@@ -166,7 +166,7 @@ fn flat_edge_and_corner_are_as_stiff_as_the_deepest_point<K: Kind>() {
     }
 }
 
-/// The forces equal those of one block, but both masses move.
+/// The forces equal the forces on one block, but both masses move.
 fn a_pair_is_as_stiff_as_one_block_on_the_ground<K: Kind>() {
     let (stiffness, damping, depth, speed) = (0.04, 0.02, 0.01, 0.003);
     let mut scene = empty();

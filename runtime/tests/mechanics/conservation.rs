@@ -203,8 +203,7 @@ fn elastic_balls_keep_energy_to_the_last_digits<K: Kind>(ticks: u64) {
     let drift = watch_with::<K>(contact(1.0, 0.0), &gas(BLOCKS, 7), &settings, ticks);
     assert!(drift.collisions as u64 > ticks / 50, "{drift:?}");
     // Each collision rounds a dozen numbers at random. In fewer than one of fifty collisions a ball
-    // touches two others. The solver is then exact to 1e-4 of its speed, and to twice that of its
-    // energy.
+    // touches two others. The solver is then exact to 1e-4 of its speed, and to 2e-4 of its energy.
     let collisions = drift.collisions as f64;
     let rounded = 4.0 * K::ROUNDING * (12.0 * collisions).sqrt();
     let unsolved = 2e-4 / BLOCKS as f64 * (collisions / 50.0).sqrt();

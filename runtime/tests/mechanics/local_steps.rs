@@ -110,8 +110,9 @@ fn momentum_is_kept_across_the_border<K: Kind>() {
     assert!(bounced > 20, "{bounced}");
 }
 
-/// Compares energies without damping, averaged over gases, with those of uniform steps. The springs
-/// are soft enough for long steps, so any deviation comes from the border.
+/// Compares the energies of undamped gases with the energies in simulations with uniform steps,
+/// averaged over gases. The springs are soft enough for long steps, so any deviation comes from the
+/// border.
 fn energy_is_kept_across_the_border<K: Kind>() {
     let late = |settings: &Settings, seed| {
         let mut world = open::<K>(&scene(NOTHING, 0.003, 0.0), settings, &gas(seed, 0.03));

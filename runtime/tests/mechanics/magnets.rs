@@ -100,8 +100,8 @@ fn a_fast_block_docks_if_its_way_leads_through_the_window<K: Kind>() {
     }
 }
 
-/// Without contact and docking, the face of the block swings through that of the plate about 300
-/// times. The amplitude is 0.3 block lengths.
+/// Without contact and docking, the face of the block swings through the face of the plate about
+/// 300 times. The amplitude is 0.3 block lengths.
 fn a_block_swings_about_the_middle_of_a_magnet_without_gain_or_loss<K: Kind>() {
     for (pull, substeps) in [(0.004, 1), (0.016, 2), (0.016, 4)] {
         let mut scene = empty();

@@ -50,7 +50,7 @@ fn no_axis_is_special<K: Kind>() {
         let end = world.state(id as u32);
         assert_eq!(end.spin, start.spin);
         // The kernel updates an orientation when it is read. It rounds the three components of the
-        // angle once, and those of the start.
+        // angle and of the start once.
         let roundings = if K::REFERENCE {
             in_reference(ticks)
         } else {

@@ -398,7 +398,7 @@ fn a_block_that_docks_where_nobody_expects_it_is_rejected_at_once() {
         let record = drive(&tables, None, &mut world, Some(1000), 5, run, &mut go)
             .expect("the run is not cancelled");
         assert_eq!(record.outcome, Outcome::Completed);
-        // The final structure is exactly that of the tables.
+        // The final structure equals the structure of the tables.
         assert_eq!(world.cells().len(), SNAKE.len());
         for (bond, &(role, cell)) in record.bonds.iter().zip(&roles[1..]) {
             assert_eq!((bond.child, bond.cell), (role, cell));

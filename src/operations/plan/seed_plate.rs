@@ -3,7 +3,7 @@ use stochc_ir::table::Plate;
 
 use super::pair::pair;
 
-/// Plate, with the blocks of it that may capture.
+/// Plate, and its blocks that may capture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SeedPlate {
     /// Size and position of the plate.

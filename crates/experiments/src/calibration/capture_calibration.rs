@@ -88,7 +88,7 @@ impl Calibration {
         self.head_starts.add(&history);
     }
 
-    /// Returns the calibrated rates. `settings` and `seed` are those of the runs.
+    /// Returns the calibrated rates. The runs used `settings` and `seed`.
     ///
     /// # Errors
     ///

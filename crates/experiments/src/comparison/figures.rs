@@ -103,8 +103,8 @@ pub struct Pair {
     pub first: String,
     /// Name of the second program.
     pub second: String,
-    /// Mean completion time of the first program minus that of the second. `None` if it cannot be
-    /// determined.
+    /// Mean completion time of the first program minus mean completion time of the second. `None`
+    /// if it cannot be determined.
     pub difference: Option<Difference>,
     /// Result of the comparison, with the reason if the difference is unknown.
     #[serde(skip)]

@@ -24,7 +24,7 @@ pub struct Emulator {
     inverse: DMatrix<f64>,
     /// Mean leverage of the points.
     mean_leverage: f64,
-    /// Covariance of the statistics of one run. The covariance for n runs is 1/n of it.
+    /// Covariance of the statistics of one run. For n runs, it is divided by n.
     unit_covariance: DMatrix<f64>,
 }
 

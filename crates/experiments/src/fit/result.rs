@@ -148,7 +148,7 @@ impl Observed {
 
 impl Posterior {
     /// Returns the posterior of the parameters, given the data of the fitted programs. The box with
-    /// these ends is the range of the emulators. They give no information outside of it.
+    /// these ends is the range of the emulators, which give no information outside of the box.
     pub fn new(ends: &[(f64, f64)], programs: &[FittedProgram], seed: u64) -> Posterior {
         let fitted = programs.iter().filter(|it| it.measurement.is_fitted);
         let likelihoods: Vec<_> = fitted

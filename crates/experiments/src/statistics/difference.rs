@@ -18,7 +18,8 @@ pub const SIGNIFICANT: f64 = 0.05;
 /// Relative difference between programs that is large enough to matter.
 pub const DETECTABLE: f64 = 0.05;
 
-/// Probability that the suggested number of runs detects such a difference.
+/// Probability that the suggested number of runs detects a relative difference of
+/// [`DETECTABLE`].
 pub const POWER: f64 = 0.8;
 
 /// Estimated difference of the means of two samples.
@@ -29,7 +30,7 @@ pub struct Difference {
     /// Horizon: upper limit of the times that count, which is the end of the time range that both
     /// samples cover. `None` if all times are known.
     pub horizon: Option<f64>,
-    /// Mean of the first sample minus that of the second, in the unit of the times.
+    /// Mean of the first sample minus mean of the second, in the unit of the times.
     pub difference: f64,
     /// Half-width of the 95 % confidence interval of the difference.
     pub half_width: f64,

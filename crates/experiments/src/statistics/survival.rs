@@ -187,7 +187,7 @@ impl KaplanMeier {
 
     /// Returns the contribution of each run to the restricted mean, in the order of the
     /// observations. The plain mean of the contributions is the restricted mean. The observations
-    /// must be those of this estimate.
+    /// must be the ones that this estimate was made from.
     ///
     /// Without censoring the contributions are the times. With censoring they are
     /// pseudo-observations from the influence function of the estimate. The sum of their squared

@@ -21,7 +21,7 @@ impl Drawing {
     }
 
     /// Returns the drawing as SVG for a page. The page must provide the styles. `prefix`
-    /// distinguishes its identifiers from those of other drawings.
+    /// distinguishes its identifiers from the identifiers of other drawings.
     pub(crate) fn inline(&self, prefix: &str) -> String {
         self.element("", prefix, &self.body())
     }

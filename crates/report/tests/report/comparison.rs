@@ -88,7 +88,7 @@ fn censored_runs_are_not_averaged_away() {
     assert_snapshot!(comparison_to_text(&comparison, 100));
     let left = comparison.programs[0].time.as_ref().unwrap();
     let all: Vec<f64> = LEFT.iter().map(|&ticks| ticks as f64).collect();
-    // Less than half of the runs are stopped, so the median is the same as that of all runs.
+    // Less than half of the runs are stopped, so their times do not affect the median.
     assert_eq!(left.median, median(&all));
     assert!(left.mean < all.iter().sum::<f64>() / 8.0);
     assert_json_snapshot!(comparison);

@@ -28,7 +28,7 @@ fn bounds(node: Node, face: &Face) -> [f64; 4] {
         Some("end") => x - width,
         Some(other) => panic!("{other}"),
     };
-    // The height is that of a capital letter above the baseline.
+    // The height of a capital letter above the baseline.
     [left, y - 0.72 * HEIGHT, left + width, y]
 }
 

@@ -1,7 +1,7 @@
 //! Pump pressure shared by the faces of a structure.
 //!
 //! Every block has a chamber. An open face admits fluid through a valve. A passage joins the
-//! chamber of a held block to that of its holder. All blocks of the plate share one chamber, joined
+//! chambers of a held block and its holder. All blocks of the plate share one chamber, joined
 //! to the pump by its supply. All resistances are constant, so the tree is solved in two passes:
 //! from the leaves to the pump, then back.
 use std::collections::BTreeMap;

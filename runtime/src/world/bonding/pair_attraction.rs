@@ -119,7 +119,7 @@ pub(crate) fn energy(passive: &Passive) -> f64 {
 /// Returns the pose of the second block straight on a face of the first, at the nearest quarter
 /// turn.
 pub(crate) fn seat(first: &Pose, face: Face, second: &Pose, other: Face) -> Pose {
-    // In a frame whose axes are those of the first block.
+    // In a frame with the axes of the first block.
     let relative = first.rotation.inverse() * second.rotation;
     let (_, orientation) = best_turn(Orientation::IDENTITY, face, other, relative);
     let out = normal::<f64>(face.normal());

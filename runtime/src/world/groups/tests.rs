@@ -82,7 +82,7 @@ fn what_bonds_moves_as_one_at_once() {
 
 #[test]
 fn a_bond_holds_what_the_blocks_behind_it_need() {
-    // If a force acts on the first of n equal blocks, the last bond carries 1/n of it.
+    // If a force acts on the first of n equal blocks, the last bond carries 1/n of the force.
     for count in 2..6_u32 {
         let (force, dt) = (0.6, 0.25);
         let tear = |hold: f64| {

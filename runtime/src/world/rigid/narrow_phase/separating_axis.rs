@@ -46,8 +46,9 @@ struct Boxes<R: Lane> {
 struct SeparatingAxisSearch<R: Lane> {
     /// Mask of the pairs that no axis separates so far.
     meet: R::Quad,
-    /// Least depth so far, and the index of its axis in `axis`.
+    /// Least depth so far.
     depth: R::Quad,
+    /// Index of the axis with the least depth.
     axis: R::Quad,
 }
 

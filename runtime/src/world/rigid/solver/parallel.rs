@@ -25,7 +25,7 @@ struct Batch<R: Lane, const N: usize> {
     real: R::Quad,
     bodies: [BatchBody<R>; N],
     /// Change of the relative velocity in the second half of the step, in the contact frame. A
-    /// relative velocity is the velocity of the first body minus that of the second.
+    /// relative velocity is the first body's velocity minus the second body's velocity.
     late: BatchVector<R>,
     shifts: [BatchBody<R>; N],
     /// Unit vectors along the normal and across it.

@@ -110,8 +110,8 @@ impl<R: Lane> SolverBodies<R> {
         *place as usize
     }
 
-    /// Records a velocity change of a block by a force. Half of it acts in the second half of the
-    /// step.
+    /// Records a velocity change of a block by a force. Half of the change acts in the second half
+    /// of the step.
     pub fn pushed(&mut self, id: u32, change: Vector3<R>) {
         if let Some(late) = self.late.get_mut(self.place[id as usize] as usize) {
             *late += R::Quad::pack(change * R::from_double(0.5));
