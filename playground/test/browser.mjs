@@ -179,6 +179,53 @@ await test('a link opens the program again', async () => {
   assert.match(await page.textContent('#problems'), /4 captures/);
 });
 
+await test('a drawn structure gets a planned program', async () => {
+  await go('');
+  await page.click('#draw');
+  assert.ok(await page.isDisabled('#plan-now'));
+  const cell = (x, y) => page.click(`.drawing [data-at="${x},${y}"]`);
+  // A gate: two posts of two blocks, and a lintel.
+  for (const layer of [1, 2, 3]) {
+    await cell(1, 3);
+    await cell(3, 3);
+    if (layer === 3) await cell(2, 3);
+    else await page.click('#layer-above');
+  }
+  await picture('draw');
+  await checked(() => page.click('#plan-now'));
+  assert.match(await text(), /assembly build_drawing/);
+  assert.match(await page.textContent('#problems'), /7 captures/);
+  // Keys draw, too. A floating block cannot be built.
+  await page.click('#draw');
+  await page.focus('.drawing [tabindex="0"]');
+  await page.keyboard.press('ArrowRight');
+  await page.keyboard.press('Space');
+  await page.click('#layer-above');
+  await cell(5, 5);
+  await page.click('#plan-now');
+  await page.waitForFunction(() => /There is no plan/.test(document.querySelector('.plan [role=status]').textContent));
+  await page.keyboard.press('Escape');
+});
+
+await test('a MagicaVoxel file is drawn', async () => {
+  const chunk = (name, content, children = Buffer.alloc(0)) => {
+    const head = Buffer.alloc(12);
+    head.write(name);
+    head.writeUInt32LE(content.length, 4);
+    head.writeUInt32LE(children.length, 8);
+    return Buffer.concat([head, content, children]);
+  };
+  const words = (...numbers) => Buffer.from(new Uint32Array(numbers).buffer);
+  const voxels = Buffer.from([0, 0, 0, 1, 1, 0, 0, 1, 1, 0, 1, 1]);
+  const main = chunk('MAIN', Buffer.alloc(0), Buffer.concat([chunk('SIZE', words(3, 3, 3)), chunk('XYZI', Buffer.concat([words(3), voxels]))]));
+  await page.click('#draw');
+  await page.setInputFiles('.plan input[type=file]', { name: 'step.vox', mimeType: 'application/octet-stream', buffer: Buffer.concat([Buffer.from('VOX '), words(150), main]) });
+  await page.waitForFunction(() => document.querySelector('.plan output').textContent === '3 blocks');
+  await page.setInputFiles('.plan input[type=file]', { name: 'text.vox', mimeType: 'text/plain', buffer: Buffer.from('no voxels') });
+  await page.waitForFunction(() => /cannot be read/.test(document.querySelector('.plan [role=status]').textContent));
+  await page.keyboard.press('Escape');
+});
+
 await test('a hostile program in a link does no harm', async () => {
   await page.evaluate(async () => {
     const program = `assembly h { seed plate 1 x 1 { M at (0, 0) }\nphase p { for i in 1..2000000000 { M.up -> A }\n<img src=x onerror="window.hurt=1"> } }`;

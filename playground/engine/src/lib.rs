@@ -6,6 +6,7 @@
 mod check;
 mod examples;
 mod host;
+mod plan;
 mod request;
 mod run;
 

@@ -7,6 +7,7 @@ use stochc_text::palette;
 
 use crate::check;
 use crate::examples::EXAMPLES;
+use crate::plan::{self, Drawing};
 use crate::run::{self, RunRequest};
 
 /// Request that the page sends.
@@ -23,6 +24,10 @@ enum Request {
     Format { text: String },
     /// Requests the page about a diagnostic code.
     Explain { code: String },
+    /// Requests the layers of a drawing.
+    ReadDrawing { drawing: Drawing },
+    /// Requests a planned program for a drawing.
+    Plan { drawing: Drawing },
     /// Requests the records of a range of runs.
     Simulate {
         #[serde(flatten)]
@@ -57,6 +62,8 @@ fn reply(request: Request) -> Result<Value, String> {
         Request::Explain { code } => Code::from_name(&code)
             .map(|code| json!({ "page": code.page() }))
             .ok_or_else(|| format!("`{code}` is not a code")),
+        Request::ReadDrawing { drawing } => plan::read(drawing),
+        Request::Plan { drawing } => plan::plan(drawing),
         Request::Simulate { run, runs } => run::simulate(&run, runs),
         Request::Watch { run } => run::watch(&run),
     }

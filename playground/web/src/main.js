@@ -7,6 +7,7 @@ import { Engine, load, Stopped } from './engine.js';
 import { csv, curve, Ensemble, quantile, standalone, times, waits } from './ensemble.js';
 import { LESSONS } from './lessons.js';
 import { markdown } from './markdown.js';
+import { planner } from './plan.js';
 import { pack, unpack } from './share.js';
 import { Stage } from './stage.js';
 
@@ -541,6 +542,15 @@ function gallery() {
   dialog('Examples', node('div', { className: 'gallery' }, ...cards));
 }
 
+function drawShape() {
+  const open = (text, notes) => {
+    element('dialog').close();
+    openProgram(text, 'drawing.sa');
+    if (notes.length) toast(`Planned. ${notes.join('. ')}.`);
+  };
+  dialog('Draw a structure', planner({ node, call: request => runner.call(request), open }));
+}
+
 function lessons() {
   const done = finished();
   const items = LESSONS.map(({ title }, i) => node('li', {}, node('button', { onclick: () => { element('dialog').close(); openLesson(i); } }, `${i + 1}. ${title}${done.has(i) ? ' ✓' : ''}`)));
@@ -676,7 +686,7 @@ async function start() {
     if (stage.shown) act(stage.shown.player);
   };
   const buttons = {
-    run, format, share, examples: gallery, lessons,
+    run, format, share, examples: gallery, lessons, draw: drawShape,
     open: () => element('file').click(),
     save: () => download(editor.text, /\.sa$/.test(state.name) ? state.name.split('/').at(-1) : 'program.sa', 'text/plain'),
     close: () => element('dialog').close(),
