@@ -8,7 +8,7 @@ use super::row::{RunContext, RunRow, add_phase, keyed};
 use crate::manifest::SweepAxes;
 
 /// Condition for nulls in the columns about the captured block.
-const CENSORED: &str = "the wait is censored";
+const CENSORED: &str = "the waiting time is censored";
 
 /// Capture, or waiting time in progress at the end of the run.
 #[derive(Clone, Copy)]
@@ -86,28 +86,28 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         "role of the block that magnetized a face",
         |row| row.run.program.role(row.of.parent()),
     );
-    table.text("face", "which of its faces, in the structure's frame: `up`, `down`, `north`, `south`, `east` or `west`", |row| both!(row.of, face).word());
-    table.text("child", "role that the captured block is given", |row| {
+    table.text("face", "magnetized face, in the structure's frame: `up`, `down`, `north`, `south`, `east` or `west`", |row| both!(row.of, face).word());
+    table.text("child", "role that the captured block gets", |row| {
         row.run.program.role(row.of.child())
     });
     table
-        .small("x", "cell of the child, to the east", |row| row.of.cell().x)
+        .small("x", "cell of the child: position to the east", |row| row.of.cell().x)
         .unit("sides");
     table
-        .small("y", "to the north", |row| row.of.cell().y)
+        .small("y", "position to the north", |row| row.of.cell().y)
         .unit("sides");
     table
-        .small("z", "up; the plate is at 0", |row| row.of.cell().z)
+        .small("z", "height; the plate is at 0", |row| row.of.cell().z)
         .unit("sides");
     table
         .integer(
             "magnetized",
-            "when the face was magnetized, from the beginning of the run",
+            "time when the face was magnetized, from the start of the run",
             |row| both!(row.of, magnetized),
         )
         .unit("ticks");
     table
-        .integer("docked", "when the block docked", |row| {
+        .integer("docked", "time when the block docked, from the start of the run", |row| {
             row.of.docked().map(|bond| bond.docked)
         })
         .unit("ticks")
@@ -123,7 +123,7 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     table
         .integer(
             "wait",
-            "from `magnetized` to `docked`; of a censored wait, to the end of the run",
+            "waiting time: from `magnetized` to `docked`; if it is censored, to the end of the run",
             |row| row.of.wait(row.run),
         )
         .unit("ticks");
@@ -134,7 +134,7 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         .unit("s");
     table.truth(
         "censored",
-        "whether the run ended during the wait: it would have been longer, by an unknown amount",
+        "whether the run ended before the block docked; the waiting time is then a lower bound",
         |row| row.of.docked().is_none(),
     );
     add_capture(&mut table);
@@ -145,13 +145,13 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
 fn add_capture<'a>(table: &mut TableDefinition<'a, RunRow<'a, BondRow<'a>>>) {
     table.integer(
         "entries",
-        "times that a free block came into the reach of the pull, re-entries included",
+        "number of times that a free block entered the reach of the pull, re-entries included",
         |row| u64::from(both!(row.of, entries)),
     );
     table
         .integer(
             "docking",
-            "from the captured block's last entry to its docking",
+            "time from the last entry of the captured block to its docking",
             |row| row.of.docked().map(|bond| bond.docking),
         )
         .unit("ticks")
@@ -161,8 +161,8 @@ fn add_capture<'a>(table: &mut TableDefinition<'a, RunRow<'a, BondRow<'a>>>) {
             row.of.docked().map(|bond| bond.body.into())
         })
         .null(CENSORED);
-    table.text("origin", "`free`: the captured block had never been captured; `released`: it had been part of the \
-             structure before", |row| {
+    table.text("origin", "`free`: the captured block had never been captured before; `released`: the block had been captured and released \
+             before", |row| {
                 Some(match row.of.docked()?.origin {
                     Origin::Free => "free",
                     Origin::Released { .. } => "released",
@@ -171,17 +171,17 @@ fn add_capture<'a>(table: &mut TableDefinition<'a, RunRow<'a, BondRow<'a>>>) {
     table
         .text(
             "origin_role",
-            "role that the captured block had last",
+            "last role of the captured block",
             |row| {
                 let (role, _) = row.of.released()?;
                 Some(row.run.program.role(role))
             },
         )
-        .null("it had none, or the wait is censored");
+        .null("the block had no role before, or the waiting time is censored");
     table
-        .integer("released_at", "when it lost that role", |row| {
+        .integer("released_at", "time when the block lost that role", |row| {
             row.of.released().map(|(_, tick)| tick)
         })
         .unit("ticks")
-        .null("it had none, or the wait is censored");
+        .null("the block had no role before, or the waiting time is censored");
 }

@@ -53,8 +53,8 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     add_phase(&mut table, |of: &Reached| of.phase);
     table.text(
         "outcome",
-        "`completed`, or that of the run, which ended in this phase: `timed_out`, `censored` \
-             or `failed` (it means nothing)",
+        "`completed`; or the outcome of the run, if it ended in this phase: `timed_out`, `censored` \
+             or `failed`",
         |row| match row.of.ended {
             Some(_) => "completed",
             None => outcome(&row.run.record.outcome),
@@ -63,18 +63,18 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     table
         .integer(
             "began",
-            "when it began, from the beginning of the run",
+            "start of the phase, from the start of the run",
             |row| row.of.began,
         )
         .unit("ticks");
     table
-        .integer("ended", "when it was complete", |row| row.of.ended)
+        .integer("ended", "end of the phase, from the start of the run", |row| row.of.ended)
         .unit("ticks")
-        .null("the run ended before");
+        .null("the run ended earlier");
     add_ticks(
         &mut table,
         "ticks",
-        "how long it took, or had taken when the run ended",
+        "duration of the phase, or its duration until the run ended",
         |row| row.of.ticks(row.run),
     );
     table

@@ -13,13 +13,13 @@ pub(super) fn table<'a>(
     add_ticks(
         &mut table,
         "tick",
-        "when, from the beginning of the run",
+        "time, from the start of the run",
         |row| row.of.tick,
     );
-    table.text("parent", "role of the block that released it", |row| {
+    table.text("parent", "role of the releasing block", |row| {
         row.run.program.role(row.of.parent)
     });
-    table.text("child", "role that the released block had", |row| {
+    table.text("child", "role of the released block", |row| {
         row.run.program.role(row.of.child)
     });
     table.integer("body", "number of the released block, from 0", |row| {

@@ -51,28 +51,28 @@ pub(super) fn keyed<'a, T: 'a>(
     let mut table = TableDefinition::<RunRow<'a, T>>::new(name, row);
     table.text(
         "program",
-        "name of the program in the ensemble; of a sweep with its values",
+        "name of the program in the ensemble; in a sweep, with its values",
         |row| row.run.program.name.as_str(),
     );
     table.integer(
         "run",
-        "number of the run, from 0; runs of one number have the same draws in all programs",
+        "number of the run, from 0; runs with the same number have the same random numbers in all programs",
         |row| row.run.record.run,
     );
     for axis in axes.numbers {
-        let meaning = format!("`{}` of the scene, which the sweep varies", axis.of);
+        let meaning = format!("scene parameter `{}` of the sweep", axis.of);
         let here = axis.clone();
         let get = move |row: &RunRow<'a, T>| row.run.program.on_axis(&here);
         let column = table.real(axis.column(), meaning, get);
         column.unit(axis.unit.clone());
-        column.null("the program is no point of the sweep");
+        column.null("the program is not a point of the sweep");
     }
     for &of in &axes.settings {
         let name = of.to_owned();
-        let meaning = format!("the setting `{of}`, which the sweep varies");
+        let meaning = format!("setting `{of}` of the sweep");
         let get = move |row: &RunRow<'a, T>| row.run.program.chosen_value(&name);
         let column = table.text(setting_column(of), meaning, get);
-        column.null("the setting is that of the ensemble");
+        column.null("the point uses the setting of the ensemble");
     }
     table
 }
@@ -97,7 +97,7 @@ pub(super) fn add_phase<'a, T: 'a>(
     );
     table.truth(
         "by_hand",
-        "whether the blocks of this phase are attached by hand before the first tick",
+        "whether the blocks of this phase are pre-attached",
         move |row| row.run.program.is_planted(of(&row.of)),
     );
 }
@@ -112,7 +112,7 @@ pub(super) fn add_ticks<'a, T: 'a>(
     table.integer(name, meaning, ticks).unit("ticks");
     let seconds = move |row: &RunRow<'a, T>| row.run.seconds(ticks(row));
     table
-        .real("seconds", "the same in seconds of the scene", seconds)
+        .real("seconds", "the same time in seconds of the scene", seconds)
         .unit("s");
 }
 

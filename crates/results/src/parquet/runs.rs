@@ -22,34 +22,34 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     table.text("scene", "name of the scene", |row| {
         row.run.program.scene.name.as_str()
     });
-    table.text("outcome", "`completed`; `timed_out`: stopped by the timeout of a phase, its time is infinite; `censored`: stopped by \
-             `--max-ticks`, its time is longer; `failed`: the physics broke down, its time means nothing", |row| outcome(&row.run.record.outcome));
+    table.text("outcome", "`completed`; `timed_out`: stopped by the timeout of a phase, so the program never completes; `censored`: stopped by \
+             `--max-ticks`, so the time is a lower bound; `failed`: the physics broke down, so the time has no meaning", |row| outcome(&row.run.record.outcome));
     table
         .text(
             "failed_phase",
-            "name of the phase that was stopped or failed",
+            "name of the phase in which the run was stopped or failed",
             |row| {
                 let phase = unfinished(row.run.record)?;
                 Some(row.run.program.phase(phase))
             },
         )
-        .null("it completed");
+        .null("the run completed");
     table
         .integer(
             "failed_phase_number",
             "index of that phase, from 0",
             |row| unfinished(row.run.record).map(|phase| phase.0.into()),
         )
-        .null("it completed");
+        .null("the run completed");
     table
-        .text("reason", "why it failed", |row| {
+        .text("reason", "reason of the failure", |row| {
             match &row.run.record.outcome {
                 Outcome::Failed { reason, .. } => Some(reason.as_str()),
                 Outcome::Completed | Outcome::TimedOut { .. } => None,
             }
         })
-        .null("it did not fail");
-    add_ticks(&mut table, "ticks", "time until its end", |row| {
+        .null("the run did not fail");
+    add_ticks(&mut table, "ticks", "time until the end of the run", |row| {
         row.run.record.ticks
     });
     table
@@ -65,31 +65,31 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
             phases.map(|phase| phase.name.as_str()).collect::<Vec<_>>()
         },
     );
-    table.integers("phase_ticks", "time that each phase took which was completed, by its index; `phases.parquet` has the others as well", |row| row.run.record.phase_ticks.as_slice()).unit("ticks");
+    table.integers("phase_ticks", "durations of the completed phases, by their index; `phases.parquet` also has the other phases", |row| row.run.record.phase_ticks.as_slice()).unit("ticks");
     table.integer(
         "blocks_used",
-        "different blocks that were captured; of an aggregate, blocks of the largest group",
+        "number of different blocks that were captured; for an aggregate, blocks of the largest group",
         |row| u64::from(row.run.record.blocks_used),
     );
     table.integer(
         "captures",
-        "rows of `bonds.parquet` that are not censored",
+        "number of captures: rows of `bonds.parquet` that are not censored",
         |row| row.run.record.bonds.len() as u64,
     );
     table.integer(
         "under_way",
-        "rows of `bonds.parquet` that are censored",
+        "number of faces still waiting at the end: rows of `bonds.parquet` that are censored",
         |row| row.run.record.waiting.len() as u64,
     );
-    table.integer("releases", "rows of `releases.parquet`", |row| {
+    table.integer("releases", "number of releases: rows of `releases.parquet`", |row| {
         row.run.record.releases.len() as u64
     });
-    table.integer("unplanned", "rows of `unplanned.parquet`", |row| {
+    table.integer("unplanned", "number of unplanned bonds: rows of `unplanned.parquet`", |row| {
         row.run.record.unplanned_bonds.len() as u64
     });
     table.integer(
         "hops",
-        "hops of messages from a block to its parent or child",
+        "number of hops of messages between a block and its parent or child",
         |row| row.run.record.hops,
     );
     table.unsigned("seed", "seed of the ensemble", |row| row.run.manifest.seed);

@@ -10,17 +10,17 @@ pub(super) fn table<'a>(
 ) -> TableDefinition<'a, RunRow<'a, &'a UnplannedRecord>> {
     let mut table = keyed(
         "unplanned",
-        "a block that docked on a face that expected none, and was rejected at once (`bond reject`)",
+        "a block that docked on a face that expected no block, and was rejected (`bond reject`)",
         axes,
     );
     add_phase(&mut table, |of: &&UnplannedRecord| of.phase);
     add_ticks(
         &mut table,
         "tick",
-        "when, from the beginning of the run",
+        "time, from the start of the run",
         |row| row.of.tick,
     );
-    table.text("parent", "role of the block that it docked on", |row| {
+    table.text("parent", "role of the block with this face", |row| {
         row.run.program.role(row.of.parent)
     });
     table.text(

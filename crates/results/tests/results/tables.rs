@@ -384,7 +384,7 @@ fn all_columns_are_documented() {
     let mut text = String::new();
     for table in tables() {
         text += &format!(
-            "\n### `{}.parquet`\n\nA row for {}.\n\n",
+            "\n### `{}.parquet`\n\nEach row is {}.\n\n",
             table.name, table.row
         );
         text += "| column | type | unit | meaning | null when |\n|---|---|---|---|---|\n";
