@@ -1,4 +1,4 @@
-// A file server of a folder, as any other.
+// File server for a folder.
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
 import { extname } from 'node:path';

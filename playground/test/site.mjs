@@ -1,4 +1,4 @@
-// "Try it" links of the documentation, whose site has been built with the playground.
+// Tests the "Try it" links of the documentation. Its site must have been built with the playground.
 // usage: node playground/test/site.mjs
 import assert from 'node:assert/strict';
 import { launch } from './chromium.mjs';

@@ -308,8 +308,8 @@ scene s from hemisphere { tick 1 m }
     );
 }
 
-/// Checks that `check` draws warnings, and that other commands print one line for each. They print
-/// it after the command line has been validated.
+/// Checks that `check` draws warnings, and that other commands print each warning on one line. They
+/// print warnings only after the command line has been validated.
 #[test]
 fn warnings_are_one_line_for_other_commands() {
     let line = "tests/fixtures/careless.sa:4:37: warning[unused-seed]: seed `N` is never used\n";

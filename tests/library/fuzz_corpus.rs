@@ -17,7 +17,7 @@ fn kept(folder: &str) -> Vec<PathBuf> {
 /// Function that reads an input. It panics if the result is inconsistent.
 type Reader = fn(&[u8]);
 
-/// Function that reads the inputs in each folder of the corpus.
+/// Folders of the corpus, each with the function that reads its inputs.
 const READERS: [(&str, Reader); 8] = [
     ("check", files::check::read),
     ("checkpoint", files::checkpoint::read),

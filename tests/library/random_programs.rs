@@ -137,8 +137,8 @@ proptest! {
     }
 }
 
-/// Checks programs that reuse names, the same ones each time. `STOCHC_CASES` is their number. A
-/// larger number adds programs at the end.
+/// Checks programs that reuse names. The programs are the same each time. `STOCHC_CASES` is their
+/// number. A larger number adds programs at the end.
 #[test]
 fn reuse_holds_in_every_order() {
     let cases = std::env::var("STOCHC_CASES").map_or(3_000, |cases| cases.parse().unwrap());

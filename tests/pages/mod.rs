@@ -36,7 +36,8 @@ pub fn assert_part(path: &str, [begin, end]: [&str; 2], expected: &str) {
     assert_page(path, &format!("{before}{begin}{expected}{end}{after}"));
 }
 
-/// Compares the table of a page that has the same header. Updates it instead if requested.
+/// Compares a table with the table on a page that has the same header. Updates the page instead if
+/// requested.
 #[track_caller]
 pub fn assert_table(path: &str, table: &str) {
     let page = std::fs::read_to_string(path).expect("the page exists");

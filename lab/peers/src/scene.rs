@@ -26,7 +26,7 @@ pub fn radius(blocks: u32) -> f64 {
     25.0 * (f64::from(blocks) / 300.0).cbrt()
 }
 
-/// Velocity changes once per tick, in addition to contacts.
+/// Changes of velocity by the wall, random impulses and drag, once per tick. Excludes contacts.
 pub struct Push {
     blocks: u32,
     /// Largest change of speed by a random impulse \[block lengths / tick\].

@@ -1,4 +1,4 @@
-// Assembly of the playground page.
+// Main module of the playground page: connects its parts.
 import './style.css';
 import engineUrl from '../../target/stochc_playground.wasm?url';
 import pictures from 'virtual:pictures';

@@ -6,7 +6,7 @@ const AWAY = [0, 0, -1e4, 0, 0, 0, 1];
 /** Largest size of a run's frames in memory [bytes]. */
 const MEMORY = 64 << 20;
 
-/** Returns classes of recordings that extend those of the viewer. */
+/** Returns classes of recordings that extend the class of the viewer. */
 export function recordings({ Recording }) {
   /** Recording whose frames are in memory. */
   class Frames extends Recording {

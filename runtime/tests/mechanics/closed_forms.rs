@@ -132,8 +132,8 @@ fn drag_and_kicks_make_blocks_diffuse<W: Arena>() {
     let start = vec![BodyState::at_rest(Vector3::zeros()); blocks];
     let mut world: W = world(&scene, &settings, &start);
     pass(&mut world, ticks);
-    // In the m ticks since its own, a kick k has moved a block by k (f + ... + f^m), with f =
-    // exp(-rate). So <x^2> = j^2 f^2 / (1 - f)^2 times the sum of (1 - f^m)^2.
+    // A kick k moves a block by k (f + ... + f^m) within m ticks, with f = exp(-rate). So <x^2> =
+    // j^2 f^2 / (1 - f)^2 times the sum of (1 - f^m)^2.
     let f = (-rate).exp();
     let sum: f64 = (1..=ticks as i32).map(|m| (1.0 - f.powi(m)).powi(2)).sum();
     let expected = (rms * f / (1.0 - f)).powi(2) * sum;

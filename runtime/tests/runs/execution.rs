@@ -92,8 +92,8 @@ fn a_run_is_the_same_alone_in_sequence_and_on_any_thread() {
     });
 }
 
-/// A run that is stopped at any tick is the beginning of the whole run. Its bonds are those that
-/// have docked, and its waits are those that have begun.
+/// A run that is stopped at any tick equals the beginning of the whole run. All its recorded bonds
+/// have docked, and all its recorded waits have begun.
 #[test]
 fn waits_under_way_are_those_that_the_whole_run_ends() {
     // Two towers next to each other, so that two faces are on at once.
