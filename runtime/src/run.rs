@@ -72,7 +72,7 @@ pub fn run(
 
 /// Runs like [`run()`] and calls an `observer` at every tick.
 ///
-/// The record is the same, bit for bit.
+/// The record equals the record of [`run()`], bit for bit.
 ///
 /// # Errors
 ///

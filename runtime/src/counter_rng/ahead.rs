@@ -14,7 +14,7 @@ const LANES: usize = 4;
 const BLOCK: usize = 16;
 
 /// Draws of blocks 0 to 3 in a stream, with the same values as [`Draws`](super::Draws). Fastest if
-/// steps are read in rising order, or if only block 0 is read.
+/// steps are read in ascending order, or if only block 0 is read.
 #[derive(Clone, Debug)]
 pub struct DrawsAhead {
     key: [u32; 8],

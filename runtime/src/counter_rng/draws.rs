@@ -62,7 +62,7 @@ pub(super) fn key(seed: u64, run: u64, stream: Stream) -> [u8; 32] {
     key
 }
 
-/// Draws of one step. Reading the blocks in rising order is fastest.
+/// Draws of one step. Reading the blocks in ascending order is fastest.
 #[derive(Debug)]
 pub struct StepDraws<'a> {
     pub(super) keystream: &'a mut ChaCha8Rng,

@@ -86,7 +86,7 @@ pub(crate) trait Blocks {
         self.anchored(id).is_none()
     }
 
-    /// Lists the free blocks in rising order.
+    /// Lists the free blocks in ascending order.
     fn list_free(&self, free: &mut Vec<u32>) {
         free.clear();
         free.extend((0..self.count()).filter(|&id| self.is_free(id)));

@@ -289,8 +289,8 @@ impl<T: Copy> ChunkedGrid<T> {
         }
     }
 
-    /// Returns the same chunk as `chunk`. This slow path adds absent chunks and looks outside the
-    /// window.
+    /// Returns the chunk at a position. Slow path of `chunk`, which adds absent chunks and looks
+    /// outside of the window.
     #[cold]
     fn chunk_to_add(&mut self, key: ChunkKey) -> &mut CellChunk {
         if self.find(key).start == ABSENT {

@@ -139,10 +139,10 @@ pub trait Arena: World + Sized {
     /// Returns the open faces, each with its number of entries so far.
     fn active(&self) -> Vec<(BlockFace, u32)>;
 
-    /// Returns the groups of at least two bonded free blocks, in rising order.
+    /// Returns the groups of at least two bonded free blocks, in ascending order.
     fn groups(&self) -> Vec<Vec<u32>>;
 
-    /// Returns the bonds between free blocks in rising order. They form a tree in each group.
+    /// Returns the bonds between free blocks in ascending order. They form a tree in each group.
     fn free_bonds(&self) -> Vec<FreeBond>;
 
     /// Returns the blocks within reach of each open face, by face and time of entry, with the tick

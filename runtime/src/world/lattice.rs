@@ -278,8 +278,8 @@ impl LatticeStructure {
         Some(FaceChange::Closed(number(seat, face)))
     }
 
-    /// Returns the faces of a block that are on or hold another block. They become inactive when it
-    /// leaves.
+    /// Returns the faces of a block that are on or hold another block. These faces become inactive
+    /// when the block leaves.
     pub fn active_faces(&self, seat: usize) -> impl Iterator<Item = (usize, Face)> + use<> {
         let AnchoredBlock { on, holding, .. } = self.seats[seat];
         faces(on | holding).map(move |face| (seat, face))

@@ -62,7 +62,7 @@ pub(crate) trait Integrator: Sized + State {
     }
 
     /// Lists the blocks that may come within `reach` of a position before the next change of
-    /// neighbours, in rising order.
+    /// neighbours, in ascending order.
     fn near(
         &self,
         blocks: &Self::Blocks,
@@ -78,7 +78,7 @@ pub(crate) trait Integrator: Sized + State {
     }
 
     /// Begins a long step with short steps for some blocks. `in_field` are the blocks that may
-    /// enter the field of a magnetized face, in rising order.
+    /// enter the field of a magnetized face, in ascending order.
     fn begin_long_step(&mut self, _blocks: &mut Self::Blocks, _in_field: &[u32]) {}
 
     /// Returns the blocks that take short steps in this long step.
@@ -272,7 +272,7 @@ impl<I: Integrator> Stepper<I> {
         Ok(())
     }
 
-    /// Changes the motion of each moving block by `by`, in rising order.
+    /// Changes the motion of each moving block by `by`, in ascending order.
     fn change(
         &mut self,
         who: Moving,

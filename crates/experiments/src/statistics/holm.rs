@@ -3,8 +3,8 @@
 /// Returns corrected p-values, in the order of `p`. The probability of any false positive is then
 /// below the significance level.
 ///
-/// The k-th smallest of m values is multiplied by m - k + 1. It is then raised to the previous
-/// corrected value if it is smaller. The correction is valid for any dependence of the tests.
+/// The k-th smallest of m values is multiplied by m - k + 1. A corrected value is at
+/// least as large as the previous one. The correction is valid for any dependence of the tests.
 ///
 /// # Source
 ///

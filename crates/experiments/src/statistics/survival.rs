@@ -288,7 +288,8 @@ mod tests {
         squares.sqrt() / n
     }
 
-    /// Returns the same error from Greenwood's sum over the steps of the curve.
+    /// Returns the standard error of the restricted mean, by Greenwood's sum over the steps of the
+    /// curve.
     fn greenwood(curve: &KaplanMeier, horizon: f64) -> f64 {
         let (mut area, mut variance, mut until) = (0.0, 0.0, horizon);
         for step in curve.steps.iter().rev().filter(|step| step.time <= horizon) {

@@ -28,7 +28,7 @@ pub(super) fn unpacked(bodies: u32, ticks: u32) -> u64 {
 /// Quantized positions of all blocks at several ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PoseChunk {
-    /// Ticks in rising order.
+    /// Ticks in ascending order.
     pub ticks: Vec<u64>,
     /// Coordinate of the cell with index 0 on each axis \[block lengths\].
     pub corner: [f64; 3],

@@ -60,7 +60,7 @@ struct Active<R: Real> {
     entries: u32,
     /// Blocks within reach by number, with the tick of entry.
     inside: Vec<(u32, u64)>,
-    /// Blocks that may be within reach, in rising order.
+    /// Blocks that may be within reach, in ascending order.
     nearby: Vec<u32>,
     /// Centre of the block that the face would capture.
     seat: Vector3<R>,
@@ -349,7 +349,7 @@ impl<R: Real> Faces<R> {
         R::from_double((self.magnet.reach() + INSIDE) * 1.001)
     }
 
-    /// Sets the blocks that may be within reach of an open face, in rising order.
+    /// Sets the blocks that may be within reach of an open face, in ascending order.
     pub fn set_nearby(&mut self, active: usize, nearby: &[u32]) {
         self.active[active].nearby.clear();
         self.active[active].nearby.extend_from_slice(nearby);

@@ -87,8 +87,8 @@ impl FacePair {
     }
 }
 
-/// Returns the pairs of blocks that may be within each other's reach, in rising order, by a sweep
-/// along x.
+/// Returns the pairs of blocks that may be within each other's reach, in ascending order, by a
+/// sweep along x.
 pub(crate) fn close(blocks: &[(u32, Vector3<f64>)], reach: f64) -> Vec<(usize, usize)> {
     let far = reach + 2.0 * INSIDE;
     let mut order: Vec<usize> = (0..blocks.len()).collect();

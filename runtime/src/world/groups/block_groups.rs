@@ -40,7 +40,7 @@ impl BlockGroups {
             .flat_map(|group| group.bonds.iter().copied())
     }
 
-    /// Returns the bonds with both faces, in rising order.
+    /// Returns the bonds with both faces, in ascending order.
     pub fn bonded_faces(&self) -> Vec<FreeBond> {
         let bonded = |group: &BlockGroup, (a, b): (u32, u32)| {
             let (first, second) = (a.min(b), a.max(b));

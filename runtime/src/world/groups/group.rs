@@ -9,7 +9,7 @@ use crate::world::bonding::AttractingFace;
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct BlockGroup {
-    /// Members in rising order.
+    /// Members in ascending order.
     pub(super) members: Vec<GroupMember>,
     pub(super) bonds: Vec<(u32, u32)>,
     /// Rotation of the group's frame.

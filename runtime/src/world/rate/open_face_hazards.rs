@@ -50,7 +50,7 @@ pub(super) struct OpenFaceHazards {
     /// Slots without a face, the longest vacant first. This order keeps faces that open close
     /// together near each other in memory.
     vacant: VecDeque<Slot>,
-    /// Grid whose marks show cells in front of open faces, with the slot of such a face.
+    /// Grid that marks the cells in front of open faces with the slot of the face.
     cells: ChunkedGrid<Slot>,
     /// Number of openings so far.
     opened: u64,

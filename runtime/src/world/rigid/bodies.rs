@@ -295,7 +295,7 @@ impl<R: Lane> Bodies<R> {
         self.forget_axes(id);
     }
 
-    /// Lists the free blocks with centres below a height, in rising order.
+    /// Lists the free blocks with centres below a height, in ascending order.
     pub fn list_below(&self, height: R, found: &mut Vec<u32>) {
         found.clear();
         let (height, zero) = (R::Wide::splat(height), R::Wide::splat(R::zero()));

@@ -239,7 +239,7 @@ impl<R: Lane> CellList<R> {
     }
 
     /// Lists every pair of nearby blocks with at least one free block. Pairs are unique and in
-    /// rising order, the lower number first.
+    /// ascending order, the lower number first.
     pub fn close_pairs(&mut self, pairs: &mut Vec<(u32, u32)>) {
         let mut found = std::mem::take(&mut self.found);
         self.find_pairs(&mut found);
@@ -346,7 +346,7 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// Lists the blocks that may be within `reach` of a position, in rising order.
+    /// Lists the blocks that may be within `reach` of a position, in ascending order.
     pub fn around(&self, centre: Vector3<R>, reach: R, found: &mut Vec<u32>) {
         found.clear();
         let range =

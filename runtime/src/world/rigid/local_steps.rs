@@ -24,12 +24,12 @@ pub(super) struct LocalSteps<R: Real> {
     long: R,
     /// Length of a short step \[tick\].
     short: R,
-    /// Blocks with short steps in this long step, in rising order.
+    /// Blocks with short steps in this long step, in ascending order.
     pub blocks: Vec<u32>,
-    /// Blocks with short steps in the previous long step, in rising order.
+    /// Blocks with short steps in the previous long step, in ascending order.
     before: Vec<u32>,
     /// Pairs that may touch in the long step, among these blocks or with an anchored block. The
-    /// lower number comes first; pairs are in rising order.
+    /// lower number comes first; pairs are in ascending order.
     pub pairs: Vec<(u32, u32)>,
     found: Vec<u32>,
 }

@@ -151,7 +151,7 @@ impl<R: Lane> NeighbourList<R> {
     }
 
     /// Lists every pair of blocks that may touch, with at least one free block. Pairs are unique
-    /// and in rising order, the lower number first.
+    /// and in ascending order, the lower number first.
     pub fn close_pairs(&mut self, bodies: &Bodies<R>, pairs: &mut Vec<(u32, u32)>) {
         if self.skin == 0.0 {
             self.grid.close_pairs(pairs);
@@ -173,7 +173,7 @@ impl<R: Lane> NeighbourList<R> {
     }
 
     /// Lists the blocks that may come within `reach` of a position before the list is rebuilt, in
-    /// rising order.
+    /// ascending order.
     pub fn around(&self, centre: Vector3<R>, reach: R, found: &mut Vec<u32>) {
         self.grid
             .around(centre, reach + R::from_double(self.skin), found);

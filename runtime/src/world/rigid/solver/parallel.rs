@@ -38,7 +38,7 @@ struct Batch<R: Lane, const N: usize> {
 /// One vector per lane.
 type BatchVector<R> = [<R as Lane>::Quad; 3];
 
-/// The same body of each contact in a batch.
+/// First or second body of each contact in a batch.
 #[derive(Clone, Copy, Debug)]
 struct BatchBody<R: Lane> {
     velocity: BatchVector<R>,
@@ -47,7 +47,7 @@ struct BatchBody<R: Lane> {
     inverse_inertia: R::Quad,
 }
 
-/// The same point of each contact in a batch.
+/// Point with the same index of each contact in a batch.
 #[derive(Clone, Copy, Debug)]
 struct BatchPoint<R: Lane, const N: usize> {
     /// Mask of the contacts that have this point.
