@@ -20,7 +20,7 @@ pub struct TimedEvent {
     pub event: ObservedEvent,
 }
 
-/// Conversion between events and rows: the seeds of a program, by number and by cell.
+/// Converter between events and rows. Contains the seeds of a program, by cell and by number.
 #[derive(Clone, Debug, Default)]
 pub struct EventRows {
     roles: BTreeMap<Cell, u32>,

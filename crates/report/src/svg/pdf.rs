@@ -236,8 +236,8 @@ impl PdfPage {
         codes
     }
 
-    /// Returns the name of the reduced font. It begins with six letters that depend on the glyphs,
-    /// which distinguishes the fonts of several figures in one document.
+    /// Returns the name of the reduced font. Its first six letters depend on the glyphs, so that
+    /// several figures in one document have different fonts.
     fn base_font(&self) -> String {
         let glyphs = self
             .signs
