@@ -89,8 +89,8 @@ pub struct Time {
     pub max: Option<f64>,
     /// Standard deviation. `None` if some times are incomplete.
     pub sd: Option<f64>,
-    /// Median. If some times are incomplete, by the Kaplan-Meier estimator. `None` if fewer than
-    /// half completed.
+    /// Median time, by the Kaplan-Meier estimator if some times are incomplete. `None` if fewer
+    /// than half of the runs completed.
     pub median: Option<f64>,
     /// Coefficient of variation. `None` if some times are incomplete.
     pub cv: Option<f64>,

@@ -103,8 +103,8 @@ pub(crate) fn check_again(
 ///
 /// `simulate` receives the index of a program, the number of a run, and a [`RunWatch`] to call once
 /// per tick. It must be a pure function of index and number. Tables then do not depend on threads,
-/// interruptions or their order. A panic in `simulate` fails only its run. `progress` must be a new
-/// one of the same manifest, and sets the number of threads. Setting `stop` ends the work at the
+/// interruptions or their order. A panic in `simulate` fails only its run. `progress` must be
+/// new and of the same manifest. It sets the number of threads. Setting `stop` ends the work at the
 /// next tick.
 ///
 /// # Errors
