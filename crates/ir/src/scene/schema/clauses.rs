@@ -128,12 +128,12 @@ pub static CLAUSES: [SchemaEntry; 12] = [
         SchemaPart::Number(&FREE),
         SchemaPart::OneOf { noun: "arrangement", of: &[
             SchemaEntry::new("uniform", &[])
-                .means("spread evenly")
+                .means("evenly distributed")
                 .is(|s| s.free.arrangement == Arrangement::Uniform)
                 .make(|s| s.free.arrangement = Arrangement::Uniform)
                 .equations(&[&UNIFORM]),
             field!(FREE_RING)
-                .means("evenly on a level circle halfway up the enclosure, the first in the east")
+                .means("evenly on a horizontal circle at half the height of the enclosure; the first block is in the east")
                 .make(|s| s.free.arrangement = Arrangement::Ring { radius: UNSAID })
                 .equations(&[&RING]),
         ] },
@@ -147,8 +147,8 @@ pub static CLAUSES: [SchemaEntry; 12] = [
                 .make(|s| s.enclosure = Some(Enclosure::Hemisphere { radius: UNSAID, wall: UNSAID }))
                 .equations(&[&HEMISPHERE]),
             SchemaEntry::new("sphere", &[])
-                .means("a sphere, cut off by the floor so that the plate just fills the cut; without a plate \
-                        it touches the floor")
+                .means("a sphere, cut off by the floor so that the plate just fits into the cut; without a plate, \
+                        the sphere touches the floor")
                 .is(|s| matches!(s.enclosure, Some(Enclosure::Sphere { .. })))
                 .make(|s| s.enclosure = Some(Enclosure::Sphere { radius: UNSAID, wall: UNSAID }))
                 .equations(&[&SPHERE]),
@@ -161,12 +161,12 @@ pub static CLAUSES: [SchemaEntry; 12] = [
         .make(|s| s.gravity = Some(UNSAID))
         .equations(&[&WEIGHT, &BUOYANCY]),
     braces!("fluid" [
-        field!(FLUID_DENSITY).otherwise("neither"),
+        field!(FLUID_DENSITY).otherwise("no buoyancy and no such drag"),
         field!(FLUID_VISCOSITY).otherwise("no such drag"),
         field!(FLUID_ADDED_MASS).otherwise("0"),
     ] FieldGroup::Any { needed: "viscosity", help: "add it, or `density`: a fluid with neither does nothing" })
-        .means("medium of the blocks; at least one field")
-        .absent(NoTerm("blocks float in nothing that could take them along"))
+        .means("fluid around the blocks; at least one field is needed")
+        .absent(NoTerm("there is no fluid"))
         .make(|s| s.fluid = Some(Fluid { density: None, viscosity: None, added_mass: None }))
         .equations(&[&WAKE, &STOKES, &ADDED]),
     kinds!("flow" [
@@ -176,41 +176,41 @@ pub static CLAUSES: [SchemaEntry; 12] = [
             field!(STIR_FORCE).otherwise("the power is not known"),
             field!(STIR_FOLLOW),
         ])
-            .means("a ring of rods turns about the vertical axis and carries the fluid along; needs a `fluid`")
+            .means("a ring of rods turns about the vertical axis and carries the fluid along; requires `fluid`")
             .make(|s| {
                 let stir = Stir { radius: UNSAID, rate: UNSAID, force: None, follow: UNSAID };
                 s.flow = Some(Flow::Stir(stir));
             })
             .equations(&[&STIR]),
         braces!("jets" [field!(JETS_COUNT), field!(JETS_FLOW), field!(JETS_NOZZLE)])
-            .means("tubes at the wall, evenly around and halfway up, blow fluid to the middle; needs a `fluid`")
+            .means("tubes at the wall blow fluid to the middle; they are evenly distributed, at half the height; requires `fluid`")
             .make(|s| s.flow = Some(Flow::Jets(Jets { count: 0, flow: UNSAID, nozzle: UNSAID })))
             .equations(&[&JETS]),
     ])
     .absent(NoTermWhere("the fluid is at rest on average", |s| s.fluid.is_some())),
     kinds!("agitation" [
         braces!("kicks" [field(&KICKS_MAX, &[SchemaPart::Range { low: &KICKS_MIN, high: &KICKS_MAX }])])
-            .means("an impulse through the centre of every free block, once a tick")
+            .means("random impulses: each free block gets an impulse through its centre once per tick")
             .make(|s| s.agitation = Some(Agitation::Kicks { speed: (UNSAID, UNSAID) }))
             .equations(&[&KICKS]),
         braces!("turbulence" [
             field!(EDDY_SPEED).otherwise("needed, this or `intensity`"),
             field!(EDDY_INTENSITY).otherwise("needed, this or `speed`"),
             field!(EDDY_LENGTH),
-            field!(EDDY_TIME).otherwise("length over speed"),
+            field!(EDDY_TIME).otherwise("length divided by speed"),
             field!(EDDY_VERTICAL).otherwise(VERTICAL.1),
         ] FieldGroup::Either(&STRENGTH))
-            .means("eddies of the fluid, which carry blocks along; needs a `fluid`")
+            .means("eddies of the fluid, which carry blocks along; requires `fluid`")
             .equations(&[&EDDIES]),
         braces!("brownian" [field!(TEMPERATURE)])
-            .means("thermal motion, which balances the viscous drag; needs a `viscosity`")
+            .means("thermal motion, which balances the viscous drag; requires `viscosity`")
             .make(|s| s.agitation = Some(Agitation::Brownian { temperature: UNSAID }))
             .equations(&[&HEAT]),
     ])
-    .absent(NoTerm("nothing moves the blocks by chance")),
+    .absent(NoTerm("no random motion")),
     braces!("drag" [field!(DRAG_RATE)])
-        .means("slows the centre of every free block")
-        .absent(NoTermWhere("between collisions blocks keep their speed", |s| s.fluid.is_none()))
+        .means("slows down the translation of every free block")
+        .absent(NoTermWhere("blocks keep their speed between collisions", |s| s.fluid.is_none()))
         .make(|s| s.drag = Some(Drag { rate: UNSAID }))
         .equations(&[&DRAG]),
     braces!("contact" [
@@ -219,24 +219,24 @@ pub static CLAUSES: [SchemaEntry; 12] = [
         field!(CONTACT_DAMPING).otherwise("no such force"),
         field!(CONTACT_FRICTION),
     ] FieldGroup::Either(&RIGIDITY))
-        .means("how blocks collide with each other, the structure and the floor")
+        .means("collisions of blocks with each other, the structure and the floor")
         .absent(NoTerm("blocks pass through each other and the floor"))
         .equations(&[&RIGID, &COMPLIANT]),
     kinds!("bond" [
         braces!("attract" [
             field(&PULL, &[SchemaPart::Number(&PULL), SchemaPart::Then(&field!(PULL_WITHIN).absent(NO_REACH))]),
             field(&ALIGN, &[SchemaPart::Number(&ALIGN), SchemaPart::Then(&field!(ALIGN_WITHIN).absent(NO_REACH))])
-                .absent(NoTerm("only the pull turns a block towards a magnetized face"))
+                .absent(NoTerm("blocks are turned only by the pull"))
                 .make(|s| if let Some(Bond::Attract { align, .. }) = &mut s.bond { *align = Some(UNSAID_REACH); }),
             field(&ANCHOR, &ANCHORING),
         ])
-            .means("a face is switched on to capture, and pulls")
+            .means("switched magnets: a face is switched on to pull and capture a block")
             .make(|s| {
                 s.bond = Some(Bond::Attract { pull: UNSAID_REACH, align: None, anchor: UNSAID_ANCHOR });
             })
             .equations(&[&PULLING, &ALIGNING, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED]),
         braces!("reject" [field!(HOLD), field!(DEPTH), field!(REACH), field!(IMPULSE), field(&ANCHOR, &ANCHORING)])
-            .means("every face of every block attracts every other one, in each quarter turn")
+            .means("permanent magnets: every face of every block attracts every other face, in each quarter turn")
             .make(|s| {
                 let magnets = Magnets { hold: UNSAID, depth: UNSAID, within: UNSAID };
                 s.bond = Some(Bond::Reject { magnets, anchor: UNSAID_ANCHOR, impulse: UNSAID });
@@ -245,17 +245,17 @@ pub static CLAUSES: [SchemaEntry; 12] = [
         braces!("suction" [
             field!(HEAD), field!(SUPPLY), field!(VALVE), field!(PASSAGE), field!(SEAL), field(&ANCHOR, &ANCHORING),
         ])
-            .means("an open face draws fluid and blocks; a block that closes it is held")
+            .means("suction: an open face draws in fluid and blocks, and holds a block that closes it")
             .make(|s| {
                 let pump = Pump { head: UNSAID, supply: UNSAID, valve: UNSAID, passage: UNSAID };
                 s.bond = Some(Bond::Suction { pump, seal: UNSAID, anchor: UNSAID_ANCHOR });
             })
             .equations(&[&PUMP, &SINK, &SEALING, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED]),
     ])
-    .absent(NoTerm("nothing is ever captured")),
+    .absent(NoTerm("no block is ever captured")),
     braces!("messages" [field!(HOP), field!(LOSS).absent(NoTerm("no message is lost"))])
         .means("duration and loss of messages")
-        .absent(NoTerm("a message arrives in the tick of its sending"))
+        .absent(NoTerm("a message arrives in the tick when it is sent"))
         .make(|s| s.messages = Some(Messages { hop: 0, loss: None }))
         .equations(&[&HOPS, &LOSSES]),
 ];
@@ -270,22 +270,22 @@ const NO_REACH: Absent = Absent::Message {
 static ANCHORING: [SchemaPart; 4] = [
     SchemaPart::OneOf { noun: "measure of the anchoring distance", of: &[
         SchemaEntry::new("centres", &[])
-            .means("between the centres of the two faces")
+            .means("distance of the centres of the two faces")
             .is(|s| is_measured(s, Measure::Centres)),
         SchemaEntry::new("gap", &[])
-            .means("along the normal of the magnetized face, with less than half a side off to the side")
+            .means("distance along the normal of the magnetized face; the lateral offset is below half a block length")
             .is(|s| is_measured(s, Measure::Gap))
             .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().measure = Measure::Gap; }),
         SchemaEntry::new("corners", &[])
-            .means("between each corner of the free face and its counterpart")
+            .means("distance between each corner of the free face and the matching corner")
             .is(|s| is_measured(s, Measure::Corners))
             .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().measure = Measure::Corners; }),
     ] },
     SchemaPart::Number(&ANCHOR),
     SchemaPart::Then(&field!(ANCHOR_TILT).otherwise(TILT.1)),
     SchemaPart::Then(&SchemaEntry::new("sampled", &[])
-        .means("tested at the end of each tick only; fast blocks may jump over the anchoring distance")
-        .otherwise("tested along the whole path of each step")
+        .means("the distance is tested only at the end of each tick, so fast blocks may jump over it")
+        .otherwise("the distance is tested along the whole path of each step")
         .is(|s| s.bond.as_ref().is_some_and(|bond| bond.anchor().sampled))
         .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().sampled = true; })),
 ];
