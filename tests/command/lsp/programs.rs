@@ -138,7 +138,10 @@ fn the_words_of_a_scene_are_known() {
     for (words, parts) in [
         (
             "bond",
-            ["**`bond`**, a clause of scenes", "no block is ever captured"],
+            [
+                "**`bond`**, a clause of scenes",
+                "no block is ever captured",
+            ],
         ),
         ("attract", ["**`attract`**, of `bond`", "|f| = F"]),
         (

@@ -91,7 +91,9 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         row.run.program.role(row.of.child())
     });
     table
-        .small("x", "cell of the child: position to the east", |row| row.of.cell().x)
+        .small("x", "cell of the child: position to the east", |row| {
+            row.of.cell().x
+        })
         .unit("sides");
     table
         .small("y", "position to the north", |row| row.of.cell().y)
@@ -107,9 +109,11 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         )
         .unit("ticks");
     table
-        .integer("docked", "time when the block docked, from the start of the run", |row| {
-            row.of.docked().map(|bond| bond.docked)
-        })
+        .integer(
+            "docked",
+            "time when the block docked, from the start of the run",
+            |row| row.of.docked().map(|bond| bond.docked),
+        )
         .unit("ticks")
         .null(CENSORED);
     table
@@ -169,14 +173,10 @@ fn add_capture<'a>(table: &mut TableDefinition<'a, RunRow<'a, BondRow<'a>>>) {
                 })
             }).null(CENSORED);
     table
-        .text(
-            "origin_role",
-            "last role of the captured block",
-            |row| {
-                let (role, _) = row.of.released()?;
-                Some(row.run.program.role(role))
-            },
-        )
+        .text("origin_role", "last role of the captured block", |row| {
+            let (role, _) = row.of.released()?;
+            Some(row.run.program.role(role))
+        })
         .null("the block had no role before, or the waiting time is censored");
     table
         .integer("released_at", "time when the block lost that role", |row| {

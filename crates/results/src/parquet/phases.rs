@@ -68,7 +68,11 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         )
         .unit("ticks");
     table
-        .integer("ended", "end of the phase, from the start of the run", |row| row.of.ended)
+        .integer(
+            "ended",
+            "end of the phase, from the start of the run",
+            |row| row.of.ended,
+        )
         .unit("ticks")
         .null("the run ended earlier");
     add_ticks(

@@ -49,9 +49,12 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
             }
         })
         .null("the run did not fail");
-    add_ticks(&mut table, "ticks", "time until the end of the run", |row| {
-        row.run.record.ticks
-    });
+    add_ticks(
+        &mut table,
+        "ticks",
+        "time until the end of the run",
+        |row| row.run.record.ticks,
+    );
     table
         .real("tick_seconds", "length of a tick", |row| {
             row.run.program.scene.tick
@@ -81,12 +84,16 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         "number of faces still waiting at the end: rows of `bonds.parquet` that are censored",
         |row| row.run.record.waiting.len() as u64,
     );
-    table.integer("releases", "number of releases: rows of `releases.parquet`", |row| {
-        row.run.record.releases.len() as u64
-    });
-    table.integer("unplanned", "number of unplanned bonds: rows of `unplanned.parquet`", |row| {
-        row.run.record.unplanned_bonds.len() as u64
-    });
+    table.integer(
+        "releases",
+        "number of releases: rows of `releases.parquet`",
+        |row| row.run.record.releases.len() as u64,
+    );
+    table.integer(
+        "unplanned",
+        "number of unplanned bonds: rows of `unplanned.parquet`",
+        |row| row.run.record.unplanned_bonds.len() as u64,
+    );
     table.integer(
         "hops",
         "number of hops of messages between a block and its parent or child",
