@@ -175,18 +175,18 @@ fn of_ensemble(runs: u64) -> usize {
         let never = AtomicBool::new(false);
         let program = &manifest.programs[0];
         let simulate = |_: usize, run, watch: &RunWatch| {
-            let mut told = |tick, phase| watch.tick(tick, phase);
+            let mut watcher = |tick, phase| watch.tick(tick, phase);
             let (tables, scene) = (program.tables(), &program.scene);
             let (settings, seed) = (&manifest.settings, manifest.seed);
-            let record = stochc_runtime::run(tables, scene, settings, seed, run, &mut told);
+            let record = stochc_runtime::run(tables, scene, settings, seed, run, &mut watcher);
             record.map_err(|_| RunCancelled)
         };
         let results = run(Destination::Folder(folder), &progress, &never, simulate);
         assert!(results.unwrap().complete);
         let contents = Folder::read(place.path()).unwrap();
         let mut comparison = ComparisonTally::new(&contents.manifest);
-        let told = contents.finished.each(|done| comparison.add(done));
-        told.unwrap();
+        let result = contents.finished.each(|done| comparison.add(done));
+        result.unwrap();
         assert_eq!(comparison.finish().programs[0].completed, runs);
         let inputs = [Input {
             path: "line".to_owned(),

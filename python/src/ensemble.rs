@@ -390,10 +390,11 @@ impl PythonEnsemble {
     /// output is JSON.
     fn results(&self, py: Python<'_>, captures: bool, width: Option<usize>) -> PyResult<String> {
         self.ask(py, move |inner, finished, _| {
-            let told = ensemble_results(&inner.manifest, finished, captures.then_some(usize::MAX))?;
+            let results =
+                ensemble_results(&inner.manifest, finished, captures.then_some(usize::MAX))?;
             Ok(match width {
-                Some(width) => told.text(width),
-                None => told.json(),
+                Some(width) => results.text(width),
+                None => results.json(),
             })
         })
     }

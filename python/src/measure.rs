@@ -97,9 +97,10 @@ pub fn plan(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<PlanOutput> {
     call(py, progress.as_ref(), move |host| {
-        let said = |what: &'static str| move |reason| Failure::usage(format!("{what}: {reason}"));
+        let invalid =
+            |what: &'static str| move |reason| Failure::usage(format!("{what}: {reason}"));
         let plate = asked.plate.as_deref().map(SeedPlate::parse);
-        let plate = plate.transpose().map_err(said("plate"))?;
+        let plate = plate.transpose().map_err(invalid("plate"))?;
         let offset = asked.offset.as_deref().map(Offset::parse);
         let time = asked.time.map(Duration::try_from_secs_f64).transpose();
         let time = time.map_err(Failure::usage)?;
@@ -117,7 +118,7 @@ pub fn plan(
             shape: asked.shape.as_deref(),
             model: asked.model,
             seed_plate: plate.as_ref(),
-            offset: offset.transpose().map_err(said("offset"))?,
+            offset: offset.transpose().map_err(invalid("offset"))?,
             scene: asked.scene.as_deref(),
             free: asked.free,
             name: asked.name.as_deref(),

@@ -42,11 +42,11 @@ pub fn check(
     py: Python<'_>,
     source: String,
     name: Option<String>,
-    said: Vec<LevelSetting>,
+    level_settings: Vec<LevelSetting>,
     imports: Vec<PathBuf>,
 ) -> PyResult<CheckOutput> {
     call(py, None, move |_| {
-        let (levels, imports) = (levels(&said)?, folders(imports)?);
+        let (levels, imports) = (levels(&level_settings)?, folders(imports)?);
         let checked = match name {
             Some(name) => stochc::check_texts(&[(&name, &source)], &levels, "", &[]),
             None => {
@@ -81,11 +81,11 @@ pub fn load(
     py: Python<'_>,
     source: String,
     name: Option<String>,
-    said: Vec<LevelSetting>,
+    level_settings: Vec<LevelSetting>,
     imports: Vec<PathBuf>,
 ) -> PyResult<Vec<PythonProgram>> {
     call(py, None, move |host| {
-        let (levels, imports) = (levels(&said)?, folders(imports)?);
+        let (levels, imports) = (levels(&level_settings)?, folders(imports)?);
         let found = match name {
             Some(name) => {
                 let checked = stochc::check_texts(&[(&name, &source)], &levels, "", &[]);

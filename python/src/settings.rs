@@ -33,9 +33,9 @@ pub struct Computed {
 /// # Errors
 ///
 /// If no warning has this code.
-pub fn levels(said: &[LevelSetting]) -> Result<LintLevels, Failure> {
+pub fn levels(settings: &[LevelSetting]) -> Result<LintLevels, Failure> {
     let mut levels = LintLevels::default();
-    for (code, level) in said {
+    for (code, level) in settings {
         let level = match level.as_str() {
             "allow" => Level::Allow,
             "deny" => Level::Deny,

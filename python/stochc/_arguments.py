@@ -108,8 +108,8 @@ def levels(
     allow: str | Iterable[str], warn: str | Iterable[str], deny: str | Iterable[str]
 ) -> list[tuple[str, str]]:
     """Returns the levels of warnings. `deny` has precedence over `warn`, and `warn` over `allow`."""
-    said = [("allow", allow), ("warn", warn), ("deny", deny)]
-    return [(code, level) for level, codes in said for code in words(level, codes)]
+    levels = [("allow", allow), ("warn", warn), ("deny", deny)]
+    return [(code, level) for level, codes in levels for code in words(level, codes)]
 
 
 def substeps(value: int | str) -> str:

@@ -406,8 +406,8 @@ def simulate(
         "record": _arguments.selection(record),
         "record_every": whole("record_every", record_every, 1, 1_000_000),
     }
-    for name, said in (("resume", resume or mixed_builds), ("record", kept["record"])):
-        if said and out is None:
+    for name, given in (("resume", resume or mixed_builds), ("record", kept["record"])):
+        if given and out is None:
             raise UsageError(f"{name}: name a folder with `out`")
     with shown(progress) as show:
         return Ensemble(_native.simulate(asked, kept, show))

@@ -51,13 +51,13 @@ pub(crate) fn gather<W: World>(
         largest: 1,
         events: vec![ObservedEvent::Phase(PhaseId(0))],
     };
-    let mut is_told = resume(watch, &mut [&mut growth, world, &mut step_observer])?;
+    let mut is_reported = resume(watch, &mut [&mut growth, world, &mut step_observer])?;
     let outcome = loop {
         let tick = world.tick();
         growth.take_in(world.largest_group(), tick, tables.phases.len());
         // A resumed run has already reported the tick of its saved state.
         let events = std::mem::take(&mut growth.events);
-        if !std::mem::take(&mut is_told) {
+        if !std::mem::take(&mut is_reported) {
             step_observer.observe(world, events);
         }
         let phase = PhaseId(growth.phase_ticks.len() as u32);

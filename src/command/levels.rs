@@ -53,15 +53,15 @@ impl Args for LevelOptions {
 
 impl FromArgMatches for LevelOptions {
     fn from_arg_matches(matches: &ArgMatches) -> Result<LevelOptions, Error> {
-        let mut said = Vec::new();
+        let mut given = Vec::new();
         for (name, level, _) in OPTIONS {
             let codes = matches.get_many::<Warning>(name).into_iter().flatten();
             let places = matches.indices_of(name).into_iter().flatten();
-            said.extend(places.zip(codes).map(|(place, code)| (place, *code, level)));
+            given.extend(places.zip(codes).map(|(place, code)| (place, *code, level)));
         }
-        said.sort_by_key(|(place, ..)| *place);
+        given.sort_by_key(|(place, ..)| *place);
         let mut levels = LintLevels::default();
-        for (_, Warning(code), level) in said {
+        for (_, Warning(code), level) in given {
             levels.set(code, level);
         }
         Ok(LevelOptions { levels })

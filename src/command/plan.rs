@@ -228,12 +228,12 @@ fn write(planned: &Planned, out: Option<NewFile>, options: &PlanArguments) -> Re
         (false, Some(_)) => {}
     }
     if options.explain {
-        let told = explanation(plan);
+        let explanation = explanation(plan);
         match (options.output.json, &options.out) {
-            (false, Some(_)) => print(&told)?,
+            (false, Some(_)) => print(&explanation)?,
             // If standard output has the program, the description of the plan goes to standard
             // error.
-            _ => warn(&told),
+            _ => warn(&explanation),
         }
     }
     Ok(())

@@ -131,7 +131,7 @@ mod tests {
             ..WorkProgress::default()
         };
         let mut cadence = Cadence::new(&at(0));
-        let told: Vec<u64> = [
+        let printed: Vec<u64> = [
             (1, 50),
             (10, 9),
             (11, 12),
@@ -144,6 +144,6 @@ mod tests {
         .filter(|&(second, done)| cadence.due(Duration::from_secs(second), &at(done)))
         .map(|(second, _)| second)
         .collect();
-        assert_eq!(told, [11, 21, 81]);
+        assert_eq!(printed, [11, 21, 81]);
     }
 }

@@ -166,15 +166,15 @@ pub fn show(
     finished: &Records,
     shown: &ResultsView<'_>,
 ) -> Result<Exit, Failure> {
-    let told = ensemble_results(manifest, finished, shown.captures)?.shown(shown.how)?;
-    let failure = told.failure(shown.folder);
-    let exit = Exit::from_runs(told.are_all_successful());
+    let results = ensemble_results(manifest, finished, shown.captures)?.shown(shown.how)?;
+    let failure = results.failure(shown.folder);
+    let exit = Exit::from_runs(results.are_all_successful());
     print(&match shown.form {
-        TableFormat::Text => told.text(output_width()),
-        TableFormat::Json => told.json(),
-        TableFormat::Csv => told.csv(),
-        TableFormat::Latex => told.markup(Markup::Latex),
-        TableFormat::Markdown => told.markup(Markup::Markdown),
+        TableFormat::Text => results.text(output_width()),
+        TableFormat::Json => results.json(),
+        TableFormat::Csv => results.csv(),
+        TableFormat::Latex => results.markup(Markup::Latex),
+        TableFormat::Markdown => results.markup(Markup::Markdown),
     })?;
     failure.iter().for_each(|failure| warn(failure));
     Ok(exit)

@@ -77,11 +77,11 @@ impl DiagnosticCounts {
     /// them``, and a line about `stochc explain`. Returns an empty text if nothing was counted.
     pub fn lines(&self) -> String {
         let parts = [(self.errors, "error"), (self.warnings, "warning")];
-        let told: Vec<String> = (parts.into_iter())
+        let counts: Vec<String> = (parts.into_iter())
             .filter(|&(number, _)| number > 0)
             .map(|(number, noun)| counted(number, noun))
             .collect();
-        if told.is_empty() {
+        if counts.is_empty() {
             return String::new();
         }
         let all = self.errors + self.warnings;
@@ -91,7 +91,7 @@ impl DiagnosticCounts {
             some if some == all => "; `stochc check --fix` can fix them all".to_owned(),
             some => format!("; `stochc check --fix` can fix {some} of them"),
         };
-        format!("{}{fixable}\n{}\n", told.join(", "), self.explain_line())
+        format!("{}{fixable}\n{}\n", counts.join(", "), self.explain_line())
     }
 
     fn explain_line(&self) -> String {

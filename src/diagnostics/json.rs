@@ -18,11 +18,11 @@ impl CheckDocument {
     pub fn add(&mut self, file: &str, checked: &Checked, cost: impl Fn(&Program) -> Option<Value>) {
         self.diagnostics.extend(diagnostics_json(checked));
         for (number, checked_program) in checked.programs.iter().enumerate() {
-            let mut told = program_json(file, checked, number);
+            let mut document = program_json(file, checked, number);
             if let Some(cost) = cost(checked_program) {
-                told["cost"] = cost;
+                document["cost"] = cost;
             }
-            self.programs.push(told);
+            self.programs.push(document);
         }
     }
 

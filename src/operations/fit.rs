@@ -74,8 +74,8 @@ pub struct FitSetup<'a> {
 /// too few values.
 pub fn of_scenes(mut priors: Vec<Prior>, measured: &[FitProgram]) -> Result<Vec<Prior>, Failure> {
     for (i, prior) in priors.iter().enumerate() {
-        if priors[..i].iter().any(|other| other.of == prior.of) {
-            let twice = format!("--vary: `{}` is given twice", prior.of);
+        if priors[..i].iter().any(|other| other.name == prior.name) {
+            let twice = format!("--vary: `{}` is given twice", prior.name);
             return Err(Failure::usage(twice));
         }
     }
@@ -407,7 +407,7 @@ pub fn fitted_scenes(
     let mut text = "// Written by `stochc fit`: medians, and 95 % intervals.\n".to_owned();
     for it in &fit.numbers {
         let [median, low, high] = [it.median, it.interval.0, it.interval.1].map(number);
-        let line = format!("// {}: {median} ({low} .. {high}) {}", it.of, it.unit);
+        let line = format!("// {}: {median} ({low} .. {high}) {}", it.name, it.unit);
         text += &format!("{}\n", line.trim_end());
     }
     let mut scenes: Vec<Scene> = Vec::new();

@@ -24,9 +24,9 @@ pub fn all_runs(
     let progress = Progress::new(manifest, default_threads(threads));
     let simulate = |entry: usize, number, watch: &RunWatch| {
         let program = &manifest.programs[entry];
-        let mut told = |tick, phase| watch.tick(tick, phase);
+        let mut watcher = |tick, phase| watch.tick(tick, phase);
         let seed = manifest.seed.wrapping_add(entry as u64);
-        let record = program.run(&manifest.settings_of(program), seed, number, &mut told);
+        let record = program.run(&manifest.settings_of(program), seed, number, &mut watcher);
         record.map_err(|_| RunCancelled)
     };
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);

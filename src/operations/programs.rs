@@ -144,7 +144,7 @@ pub fn recompile(
         .map(|it| (it.path.as_str(), it.text.as_str()))
         .collect();
     let changes = varied.iter().map(|varied| ScalarChange {
-        of: varied.of.clone(),
+        name: varied.name.clone(),
         value: varied.value,
     });
     crate::check_texts(&texts, levels, assembly, &changes.collect::<Vec<_>>())

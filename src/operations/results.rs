@@ -51,8 +51,8 @@ pub(crate) fn warn_of_damage(folder: &Path, damage: &[String], host: &dyn Host) 
         return;
     }
     let mut text = String::new();
-    for told in damage.iter().take(SHOWN) {
-        text += &format!("warning: {told}\n");
+    for message in damage.iter().take(SHOWN) {
+        text += &format!("warning: {message}\n");
     }
     let rest = damage.len().saturating_sub(SHOWN);
     if rest > 0 {
@@ -138,7 +138,7 @@ pub fn ensemble_results<'a>(
         Vec::new()
     };
     let mut failure = None;
-    let told = finished.each(|done| {
+    let outcome = finished.each(|done| {
         failure = failure.take().or_else(|| Failed::from_run(done));
         comparison.add(done);
         sweep.iter_mut().for_each(|sweep| sweep.add(done));
@@ -147,7 +147,7 @@ pub fn ensemble_results<'a>(
             waits.add(&done.record);
         }
     });
-    told.map_err(Failure::usage)?;
+    outcome.map_err(Failure::usage)?;
     let comparison = comparison.finish();
     Ok(EnsembleResults {
         manifest,
@@ -241,8 +241,8 @@ impl EnsembleResults<'_> {
         let mut content = json!(self.comparison);
         if !self.waits.is_empty() {
             let programs = self.manifest.programs.iter().zip(&self.comparison.programs);
-            let bonds = programs.zip(self.waits).map(|((program, told), waits)| {
-                json!({ "program": told.name, "captures": longest(program, waits, self.max_captures) })
+            let bonds = programs.zip(self.waits).map(|((program, summary), waits)| {
+                json!({ "program": summary.name, "captures": longest(program, waits, self.max_captures) })
             });
             content["captures"] = bonds.collect();
         }

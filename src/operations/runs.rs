@@ -50,8 +50,8 @@ pub fn try_out_all(manifest: &Manifest) -> Result<(), Failure> {
 
 /// Warns if builds other than this one made some of the runs.
 pub(crate) fn warn_of_build(builds: &[String], host: &dyn Host) {
-    if let Some(told) = other_build(builds) {
-        host.warn(&format!("warning: {told}\n"));
+    if let Some(warning) = other_build(builds) {
+        host.warn(&format!("warning: {warning}\n"));
     }
 }
 

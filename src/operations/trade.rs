@@ -91,10 +91,10 @@ pub fn manifest(
                 points.for_each(|(points, point)| points.push(point));
             }
             // The program supports none of the settings.
-            Some(told) if points.iter().all(Vec::is_empty) => {
-                return Err(Failure::invalid_program(told));
+            Some(reason) if points.iter().all(Vec::is_empty) => {
+                return Err(Failure::invalid_program(reason));
             }
-            Some(told) => host.report_warnings(&format!("note: left out, {told}\n")),
+            Some(reason) => host.report_warnings(&format!("note: left out, {reason}\n")),
         }
     }
     let points = points.into_iter().flatten().collect();

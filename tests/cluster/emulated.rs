@@ -128,9 +128,12 @@ impl Cluster {
     /// Runs `stochc shard submit` on a folder. Checks that it submits this number of shards.
     #[track_caller]
     pub fn submits(&self, folder: &Path, shards: u64) {
-        let (status, said) = self.submit(folder, "");
-        assert_eq!(status, 0, "{said}");
-        assert!(said.contains(&format!("(shards: {shards}, ")), "{said}");
+        let (status, printed) = self.submit(folder, "");
+        assert_eq!(status, 0, "{printed}");
+        assert!(
+            printed.contains(&format!("(shards: {shards}, ")),
+            "{printed}"
+        );
     }
 
     /// Waits until no job with this name is active.
@@ -181,8 +184,8 @@ impl Ensemble {
             let path = folder.path().join(name);
             let mut command = Command::new(env!("CARGO_BIN_EXE_stochc"));
             command.args(line.split_whitespace()).arg("--quiet");
-            let said = command.arg("--out").arg(&path).output().unwrap();
-            assert_ne!(said.status.code(), Some(2), "{said:?}");
+            let printed = command.arg("--out").arg(&path).output().unwrap();
+            assert_ne!(printed.status.code(), Some(2), "{printed:?}");
             path
         };
         let mut made = MADE.lock().unwrap();

@@ -58,19 +58,19 @@ fn a_controller_may_restart() {
     until("end of the controller", || {
         !members(&cluster, None).contains(&controller)
     });
-    let (status, said) = cluster.submit(&ensemble.path, "");
-    assert_eq!(status, 2, "{said}");
+    let (status, output) = cluster.submit(&ensemble.path, "");
+    assert_eq!(status, 2, "{output}");
     for what in [
         "Unable to contact slurm controller",
         "jobs that were submitted are not affected",
     ] {
-        assert!(said.contains(what), "{what}: {said}");
+        assert!(output.contains(what), "{what}: {output}");
     }
     let mut controller = cluster.command("slurmctld");
     assert!(controller.status().unwrap().success());
-    let (status, said) = cluster.submit(&ensemble.path, "");
-    assert_eq!(status, 0, "{said}");
-    assert!(said.contains("nothing was submitted"), "{said}");
+    let (status, output) = cluster.submit(&ensemble.path, "");
+    assert_eq!(status, 0, "{output}");
+    assert!(output.contains("nothing was submitted"), "{output}");
     shard.goes_on();
     ensemble.is_made();
     assert_eq!(cluster.arrays(&name), 1);

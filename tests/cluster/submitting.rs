@@ -15,16 +15,16 @@ fn of_two_that_submit_one_does() {
     let both = both.map(end);
     let submitted = both
         .iter()
-        .filter(|(_, said)| said.contains("(shards: 12, tasks: 4)"));
+        .filter(|(_, output)| output.contains("(shards: 12, tasks: 4)"));
     assert_eq!(submitted.count(), 1, "{both:?}");
     ensemble.is_made();
     let jobs = cluster.ask(&format!(
         "squeue --noheader --array --states=all --name={name} --format=%F|%K"
     ));
     assert_eq!(jobs.lines().count(), 4, "{jobs}");
-    let (status, said) = cluster.submit(&ensemble.path, "");
-    assert_eq!(status, 0, "{said}");
-    assert!(said.contains("is complete: 12 runs"), "{said}");
+    let (status, output) = cluster.submit(&ensemble.path, "");
+    assert_eq!(status, 0, "{output}");
+    assert!(output.contains("is complete: 12 runs"), "{output}");
 }
 
 /// Checks that the message of Slurm is printed.
@@ -32,13 +32,13 @@ fn of_two_that_submit_one_does() {
 fn a_refusal_is_reported() {
     let Some(cluster) = cluster() else { return };
     let ensemble = Ensemble::cut(FAST, 2);
-    let (status, said) = cluster.submit(&ensemble.path, "--partition nowhere");
-    assert_eq!(status, 2, "{said}");
+    let (status, output) = cluster.submit(&ensemble.path, "--partition nowhere");
+    assert_eq!(status, 2, "{output}");
     assert!(
-        said.contains("invalid partition specified: nowhere"),
-        "{said}"
+        output.contains("invalid partition specified: nowhere"),
+        "{output}"
     );
-    assert!(said.contains("--dry-run"), "{said}");
+    assert!(output.contains("--dry-run"), "{output}");
     assert_eq!(cluster.arrays(&cluster.name(&ensemble.path)), 0);
 }
 
@@ -62,9 +62,9 @@ fn the_document_can_be_followed() {
         let path = std::env::var("PATH").unwrap();
         shell.env("PATH", format!("{}:{path}", folder.path().display()));
         let shell = shell.arg(commands).current_dir(folder.path());
-        let (status, said) = end(shell.spawn().unwrap());
-        assert_eq!(status, 0, "{said}");
-        said
+        let (status, output) = end(shell.spawn().unwrap());
+        assert_eq!(status, 0, "{output}");
+        output
     };
     let out = run(submit);
     assert!(out.contains("(shards: 10, tasks: 5)"), "{out}");

@@ -7,14 +7,14 @@ const FILE: &str = "tests/fixtures/aggregate.sa";
 
 #[test]
 fn an_aggregate_is_summed_up_in_a_line() {
-    let said = stochc("check --cost=3 tests/fixtures/aggregate.sa");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let outcome = stochc("check --cost=3 tests/fixtures/aggregate.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     for line in [
         "two: an aggregate of 2 of 6 free blocks\n  not proved: chance decides what an aggregate builds\n",
         "four: an aggregate of 4 of 6 free blocks\n  not proved: chance decides what an aggregate builds\n",
         "tower: 1 capture in 1 phase\n  proved: completes in every order\n",
     ] {
-        assert!(said.out.contains(line), "{line} in {}", said.out);
+        assert!(outcome.out.contains(line), "{line} in {}", outcome.out);
     }
     assert_eq!(stochc("fmt --check tests/fixtures/aggregate.sa").status, 0);
     assert_eq!(
@@ -34,9 +34,13 @@ fn every_stage_of_it_can_be_shown() {
         ("structure", "svg"),
         ("table", "json"),
     ] {
-        let said = stochc(&format!("compile --emit {emit} --format {format} {FILE}"));
-        assert_eq!((said.status, said.err.as_str()), (0, ""), "{emit} {format}");
-        assert!(!said.out.is_empty(), "{emit} {format}");
+        let outcome = stochc(&format!("compile --emit {emit} --format {format} {FILE}"));
+        assert_eq!(
+            (outcome.status, outcome.err.as_str()),
+            (0, ""),
+            "{emit} {format}"
+        );
+        assert!(!outcome.out.is_empty(), "{emit} {format}");
     }
     let table = stochc(&format!("compile {FILE}")).out;
     let two = "aggregate two\nno plate: every face always attracts, until 2 free blocks are bonded\n\n\
@@ -51,14 +55,14 @@ fn every_stage_of_it_can_be_shown() {
     assert_eq!(program["aggregate"], 4);
     assert_eq!(program["plate"]["width"], 0);
     assert_eq!(program["blocks"].as_array().unwrap().len(), 0);
-    let said = stochc(&format!(
+    let outcome = stochc(&format!(
         "compile --emit structure --format svg --program four {FILE}"
     ));
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
     assert!(
-        said.err.contains("an aggregate has no picture"),
+        outcome.err.contains("an aggregate has no picture"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -67,13 +71,13 @@ fn its_phases_are_the_sizes_that_it_reaches() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "runs");
     let arguments = [FILE, "--runs", "30", "--out", &out, "--captures"];
-    let said = stochc_with("simulate --model shuffle --quiet", &arguments);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let outcome = stochc_with("simulate --model shuffle --quiet", &arguments);
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     // The three programs are columns of the same table.
-    assert_eq!(said.row("Captures"), ["2", "4", "1"]);
+    assert_eq!(outcome.row("Captures"), ["2", "4", "1"]);
     let none = "\ntwo, an aggregate, has no captures: its blocks bond when they meet.\n";
-    assert!(said.out.contains(none), "{}", said.out);
-    assert_eq!(said.out.matches("capture by capture").count(), 1);
+    assert!(outcome.out.contains(none), "{}", outcome.out);
+    assert_eq!(outcome.out.matches("capture by capture").count(), 1);
     let journal = fs::read_to_string(path(folder.path(), "runs/journal.jsonl")).unwrap();
     let mut largest = Vec::new();
     for line in journal.lines().skip(1) {
@@ -96,17 +100,18 @@ fn its_phases_are_the_sizes_that_it_reaches() {
         "{largest:?}"
     );
     let again = stochc_with("show --captures", &[&out]);
-    assert_eq!((again.status, again.out), (0, said.out));
+    assert_eq!((again.status, again.out), (0, outcome.out));
     let page = path(folder.path(), "page");
     let report = stochc_with("report", &[&out, "--out", &page]);
     assert_eq!(report.status, 0, "{}", report.err);
     // `trace` prints the same run as text.
-    let told = stochc_with("trace --model shuffle --run 3", &[FILE]);
+    let trace = stochc_with("trace --model shuffle --run 3", &[FILE]);
     assert!(
-        told.out
+        trace
+            .out
             .contains("four, run 3\n  phase 2, from tick 0 (0 s)\n"),
         "{}",
-        told.out
+        trace.out
     );
 }
 
@@ -117,9 +122,9 @@ fn a_size_that_is_not_reached_in_time_is_censored() {
     let text = fs::read_to_string(FILE).unwrap();
     fs::write(&file, text.replace("timeout 300 s", "timeout 1 tick")).unwrap();
     let arguments = [file.as_str(), "--runs", "40", "--json"];
-    let said = stochc_with("simulate --model shuffle --quiet", &arguments);
-    assert_eq!(said.status, 3);
-    let two = &said.json()["programs"][0];
+    let outcome = stochc_with("simulate --model shuffle --quiet", &arguments);
+    assert_eq!(outcome.status, 3);
+    let two = &outcome.json()["programs"][0];
     let late = two["timed_out"].as_u64().unwrap();
     assert!(
         (10..40).contains(&late),
@@ -131,8 +136,8 @@ fn a_size_that_is_not_reached_in_time_is_censored() {
     for run in 0..12 {
         let run = run.to_string();
         let limited = ["--max-ticks", "3", "--run", &run, "--json", FILE];
-        let said = stochc_with("trace --model shuffle", &limited);
-        let record = &said.json()["runs"][1];
+        let outcome = stochc_with("trace --model shuffle", &limited);
+        let record = &outcome.json()["runs"][1];
         let reached = record["phase_ticks"].as_array().unwrap().len() as u64;
         if record["outcome"]["kind"] == "timed_out" {
             assert_eq!(
@@ -160,9 +165,9 @@ fn it_goes_through_the_worlds_of_bodies() {
             FILE,
         ];
         let line = "simulate --quiet --runs 1 --max-ticks 20 --record all";
-        let said = stochc_with(line, &arguments);
+        let outcome = stochc_with(line, &arguments);
         // No blocks meet within this small number of ticks.
-        assert_eq!(said.status, 3, "{model}: {}", said.err);
+        assert_eq!(outcome.status, 3, "{model}: {}", outcome.err);
         let page = path(folder.path(), &format!("{model}.html"));
         let program = ["--program", "four", "--run", "0", "--out", &page];
         let replayed = stochc_with("replay", &[&[out.as_str()], &program[..]].concat());
@@ -176,13 +181,14 @@ fn its_rest_is_not_planned() {
     let out = path(folder.path(), "out");
     let simulate = "simulate --model shuffle --runs 1 --quiet --out";
     assert_eq!(stochc_with(simulate, &[&out, FILE]).status, 0);
-    let said = stochc_with("plan --run 0 --program two", &[&out]);
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    let outcome = stochc_with("plan --run 0 --program two", &[&out]);
+    assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
     assert!(
-        said.err
+        outcome
+            .err
             .contains("is an aggregate: it grows at random and cannot be planned"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -214,9 +220,9 @@ fn what_cannot_be_one_is_told() {
         ),
     ] {
         fs::write(&file, format!("{text}\n")).unwrap();
-        let said = stochc_with("check", &[&file]);
-        assert_eq!(said.status, 1, "{text}: {}", said.out);
-        assert!(said.err.contains(code), "{text}: {}", said.err);
+        let outcome = stochc_with("check", &[&file]);
+        assert_eq!(outcome.status, 1, "{text}: {}", outcome.out);
+        assert!(outcome.err.contains(code), "{text}: {}", outcome.err);
     }
     // The keywords of aggregates can be used as names.
     let text = "assembly a {\n    seed plate 1 x 1 { to at (0, 0) }\n    phase p { to.up -> aggregate }\n}\n";

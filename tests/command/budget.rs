@@ -26,10 +26,15 @@ fn refused(arguments: &[&str]) -> String {
         .args(arguments)
         .output()
         .unwrap();
-    let said =
+    let outcome =
         String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{:?}: {said}", output.status);
-    said
+    assert_eq!(
+        output.status.code(),
+        Some(2),
+        "{:?}: {outcome}",
+        output.status
+    );
+    outcome
 }
 
 /// Results folder with a recording.
@@ -44,8 +49,8 @@ impl Results {
         let path = folder.path().join("results");
         let line =
             "simulate --quiet --runs 1 --max-ticks 50 --record 0 tests/fixtures/dense.sa --out";
-        let said = stochc_with(line, &[path.to_str().unwrap()]);
-        assert_eq!(said.status, 3, "{}", said.err);
+        let outcome = stochc_with(line, &[path.to_str().unwrap()]);
+        assert_eq!(outcome.status, 3, "{}", outcome.err);
         let _folder = folder;
         Results { _folder, path }
     }
@@ -61,9 +66,9 @@ impl Results {
         let file = self.path.join(name);
         let whole = fs::read(&file).unwrap();
         sparse(&file, begins, length);
-        let said = ["show", "fsck"].map(|command| refused(&[command, self.text()]));
+        let outcome = ["show", "fsck"].map(|command| refused(&[command, self.text()]));
         fs::write(&file, whole).unwrap();
-        said
+        outcome
     }
 }
 
@@ -79,14 +84,14 @@ fn a_journal_without_an_end_is_refused() {
     let results = Results::new();
     let journal = fs::read_to_string(results.path.join("journal.jsonl")).unwrap();
     let header = journal.lines().next().unwrap().to_owned() + "\n";
-    for (begins, length, told) in [
+    for (begins, length, expected) in [
         (&*header, TIB, "256 GiB or more"),
         ("", TIB, "256 GiB or more"),
         (&*header, TIB / 10, "a line of 65 MiB or more"),
         ("", TIB / 10, "a line of 65 MiB or more"),
     ] {
-        for said in results.with("journal.jsonl", begins, length) {
-            assert!(said.contains(told), "{said}");
+        for outcome in results.with("journal.jsonl", begins, length) {
+            assert!(outcome.contains(expected), "{outcome}");
         }
     }
     // The line consists of characters that can occur in a record.
@@ -94,8 +99,8 @@ fn a_journal_without_an_end_is_refused() {
         "{header}{{\"program\":0,\"record\":{{\"run\":0,\"phase_ticks\":[{}",
         "0,".repeat(40 * MIB)
     );
-    for said in results.with("journal.jsonl", &line, line.len() as u64) {
-        assert!(said.contains("a line of 65 MiB or more"), "{said}");
+    for outcome in results.with("journal.jsonl", &line, line.len() as u64) {
+        assert!(outcome.contains("a line of 65 MiB or more"), "{outcome}");
     }
 }
 
@@ -103,11 +108,11 @@ fn a_journal_without_an_end_is_refused() {
 fn a_manifest_of_more_than_there_can_be_is_refused() {
     let results = Results::new();
     let manifest = results.path.join("manifest.json");
-    for said in results.with("manifest.json", "{", 3 << 30) {
-        assert!(said.contains("it has a hole"), "{said}");
+    for outcome in results.with("manifest.json", "{", 3 << 30) {
+        assert!(outcome.contains("it has a hole"), "{outcome}");
     }
-    for said in results.with("manifest.json", "{", TIB) {
-        assert!(said.contains("it has 4 GiB or more"), "{said}");
+    for outcome in results.with("manifest.json", "{", TIB) {
+        assert!(outcome.contains("it has 4 GiB or more"), "{outcome}");
     }
     for length in [1 << 23, TIB] {
         let file = results.path.join("checksums.json");
@@ -132,8 +137,11 @@ fn a_manifest_of_more_than_there_can_be_is_refused() {
             &["replay", "--run", "0", results.text()],
             &["repeat", path],
         ] {
-            let said = refused(arguments);
-            assert!(said.contains(runs) && said.contains("10000000"), "{said}");
+            let outcome = refused(arguments);
+            assert!(
+                outcome.contains(runs) && outcome.contains("10000000"),
+                "{outcome}"
+            );
         }
     }
 }
@@ -144,7 +152,7 @@ fn other_files_of_more_than_there_can_be_are_refused() {
     let file = folder.path().join("file");
     let path = file.to_str().unwrap();
     let executable = "{\"kind\":\"stochc executable\",\"format\":1,\"programs\":[";
-    for (begins, length, arguments, told) in [
+    for (begins, length, arguments, expected) in [
         (executable, 3 << 30, &["simulate"][..], "it has a hole"),
         (executable, TIB, &["simulate"], "it has 4 GiB or more"),
         ("{", 3 << 30, &["repeat"], "it has a hole"),
@@ -164,8 +172,8 @@ fn other_files_of_more_than_there_can_be_are_refused() {
         ),
     ] {
         sparse(&file, begins, length);
-        let said = refused(&[arguments, &[path]].concat());
-        assert!(unfolded(&said).contains(told), "{said}");
+        let outcome = refused(&[arguments, &[path]].concat());
+        assert!(unfolded(&outcome).contains(expected), "{outcome}");
     }
 }
 
@@ -257,10 +265,10 @@ fn a_recording_that_unpacks_to_gigabytes_is_refused() {
         assert!(bytes.len() < 5 * MIB, "{name}: {}", bytes.len());
         fs::write(&file, bytes).unwrap();
         for command in [&["replay", "--run", "0"][..], &["fsck"]] {
-            let said = refused(&[command, &[results.text()]].concat());
+            let outcome = refused(&[command, &[results.text()]].concat());
             assert!(
-                said.contains("damaged") || said.contains("truncated"),
-                "{name}: {said}"
+                outcome.contains("damaged") || outcome.contains("truncated"),
+                "{name}: {outcome}"
             );
         }
     }

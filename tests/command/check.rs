@@ -19,17 +19,17 @@ fn tower_of_several() -> String {
 
 #[test]
 fn a_right_program_is_summed_up() {
-    let said = stochc("check tests/fixtures/tower.sa");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    assert_eq!(said.out, TOWER);
+    let outcome = stochc("check tests/fixtures/tower.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    assert_eq!(outcome.out, TOWER);
 }
 
 #[test]
 fn what_takes_the_time_is_told() {
-    let said = stochc("check --cost=3 examples/five_tower.sa");
-    assert_eq!(said.status, 0);
+    let outcome = stochc("check --cost=3 examples/five_tower.sa");
+    assert_eq!(outcome.status, 0);
     let rows = |from: &str| {
-        let lines = said
+        let lines = outcome
             .out
             .lines()
             .skip_while(|line| !line.trim_start().starts_with(from));
@@ -56,15 +56,18 @@ fn what_takes_the_time_is_told() {
     let captures = rows("capture ");
     assert_eq!(captures[0][..3], ["M.up", "->", "N"]);
     assert!(
-        said.out
+        outcome
+            .out
             .contains("\n  and 7 more; `--cost 10` shows them\n"),
         "{}",
-        said.out
+        outcome.out
     );
     assert!(
-        said.out.contains("Times are estimates of the rate model."),
+        outcome
+            .out
+            .contains("Times are estimates of the rate model."),
         "{}",
-        said.out
+        outcome.out
     );
 }
 
@@ -110,12 +113,12 @@ fn a_timeout_that_most_runs_come_to_is_told() {
     let text =
         "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p timeout 60 ticks { M.up -> A } }";
     std::fs::write(&file, text).unwrap();
-    let said = stochc_with("check", &[&file]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    let told = said.out.lines().last().unwrap();
+    let outcome = stochc_with("check", &[&file]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let line = outcome.out.lines().last().unwrap();
     assert!(
-        told.starts_with("  estimate: a phase reaches its timeout in 9"),
-        "{told}"
+        line.starts_with("  estimate: a phase reaches its timeout in 9"),
+        "{line}"
     );
 }
 
@@ -129,15 +132,16 @@ fn times_need_the_rates_of_the_scene() {
         text.replace("assembly tower", "assembly tower in hemisphere_2005"),
     )
     .unwrap();
-    let said = stochc_with("check --cost=10 --allow warnings", &[&program]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let outcome = stochc_with("check --cost=10 --allow warnings", &[&program]);
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     assert!(
-        said.out
+        outcome
+            .out
             .contains("No times: this scene has no calibrated rates"),
         "{}",
-        said.out
+        outcome.out
     );
-    assert!(!said.out.contains("in ticks"), "{}", said.out);
+    assert!(!outcome.out.contains("in ticks"), "{}", outcome.out);
     // Rates of another scene are not used. The same rates are used for their own scene.
     let shipped = fs::read_to_string("crates/estimate/src/data/hemisphere.rates").unwrap();
     let mut rates: serde_json::Value = serde_json::from_str(&shipped).unwrap();
@@ -146,10 +150,20 @@ fn times_need_the_rates_of_the_scene() {
         let scene = stochc_compiler::scene::built_in(scene).unwrap();
         rates["scene"] = serde_json::to_value(scene).unwrap();
         fs::write(&file, rates.to_string()).unwrap();
-        let said = stochc_with("check --cost=10 --rates", &[&file, &program]);
-        assert_eq!(said.status, 0, "{}", said.err);
-        assert_eq!(said.err.contains("is not used"), !are_known, "{}", said.err);
-        assert_eq!(said.out.contains("in ticks"), are_known, "{}", said.out);
+        let outcome = stochc_with("check --cost=10 --rates", &[&file, &program]);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
+        assert_eq!(
+            outcome.err.contains("is not used"),
+            !are_known,
+            "{}",
+            outcome.err
+        );
+        assert_eq!(
+            outcome.out.contains("in ticks"),
+            are_known,
+            "{}",
+            outcome.out
+        );
     }
     assert_eq!(
         stochc("check --rates x.rates tests/fixtures/tower.sa").status,
@@ -159,35 +173,40 @@ fn times_need_the_rates_of_the_scene() {
 
 #[test]
 fn a_file_without_an_assembly_is_right() {
-    let said = stochc("check tests/fixtures/importing_tower.sa");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    assert!(said.out.ends_with("no assembly or aggregate to check\n"));
-    let said = stochc("check tests/fixtures/importing.sa");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    assert!(said.out.contains("3 captures"), "{}", said.out);
+    let outcome = stochc("check tests/fixtures/importing_tower.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    assert!(outcome.out.ends_with("no assembly or aggregate to check\n"));
+    let outcome = stochc("check tests/fixtures/importing.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    assert!(outcome.out.contains("3 captures"), "{}", outcome.out);
 }
 
 #[test]
 fn findings_are_drawn_on_standard_error() {
-    let said = stochc("check tests/fixtures/wrong.sa");
-    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    let outcome = stochc("check tests/fixtures/wrong.sa");
+    assert_eq!((outcome.status, outcome.out.as_str()), (1, ""));
     for part in ["unknown-name", "wrong.sa:5:", "│", "help:"] {
-        assert!(said.err.contains(part), "{part} in {}", said.err);
+        assert!(outcome.err.contains(part), "{part} in {}", outcome.err);
     }
     assert!(
-        said.err
+        outcome
+            .err
             .ends_with("\n1 error\nFor an explanation, run `stochc explain unknown-name`.\n"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
 #[test]
 fn a_warning_is_no_error() {
-    let said = stochc("check tests/fixtures/careless.sa");
-    assert_eq!(said.status, 0);
-    assert!(said.err.contains("seed `N` is never used"));
-    assert!(said.out.contains("1 phase, 1 warning\n"), "{}", said.out);
+    let outcome = stochc("check tests/fixtures/careless.sa");
+    assert_eq!(outcome.status, 0);
+    assert!(outcome.err.contains("seed `N` is never used"));
+    assert!(
+        outcome.out.contains("1 phase, 1 warning\n"),
+        "{}",
+        outcome.out
+    );
 }
 
 #[test]
@@ -202,10 +221,10 @@ assembly calm {
     phase grow { M.up -> A }
 }
 ";
-    let said = stochc_reading("check -", text);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_reading("check -", text);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let verdict = |of: &str| {
-        let mut lines = said.out.lines();
+        let mut lines = outcome.out.lines();
         let line = lines.find(|line| line.starts_with(of)).unwrap();
         line.rsplit("1 phase").next().unwrap().to_owned()
     };
@@ -213,8 +232,8 @@ assembly calm {
     assert_eq!(verdict("careless: "), ", 2 warnings");
     assert_eq!(verdict("calm: "), ", 1 warning allowed");
     let outside = "1 warning outside of assemblies and aggregates\n";
-    assert_eq!(said.out.matches(outside).count(), 1, "{}", said.out);
-    assert!(said.err.contains("\n3 warnings;"), "{}", said.err);
+    assert_eq!(outcome.out.matches(outside).count(), 1, "{}", outcome.out);
+    assert!(outcome.err.contains("\n3 warnings;"), "{}", outcome.err);
 }
 
 #[test]
@@ -224,23 +243,23 @@ pattern row(base) { base.up -> A after base }
 assembly one { seed plate 3 x 3 { M at (1, 1) } phase grow { row(M) as a } }
 assembly two { seed plate 3 x 3 { M at (1, 1) } phase grow { row(M) as b } }
 ";
-    let said = stochc_reading("check -", text);
+    let outcome = stochc_reading("check -", text);
     assert_eq!(
-        said.out.matches(", 1 warning\n").count(),
+        outcome.out.matches(", 1 warning\n").count(),
         2,
         "{}{}",
-        said.out,
-        said.err
+        outcome.out,
+        outcome.err
     );
-    assert!(!said.out.contains("outside of"), "{}", said.out);
-    assert!(said.err.contains("\n1 warning"), "{}", said.err);
+    assert!(!outcome.out.contains("outside of"), "{}", outcome.out);
+    assert!(outcome.err.contains("\n1 warning"), "{}", outcome.err);
 }
 
 #[test]
 fn files_that_cannot_be_read_are_errors_of_the_command_line() {
     let folder = tempfile::tempdir().unwrap();
     let missing = path(folder.path(), "missing.sa");
-    let told = format!("error: cannot read {missing}: file not found\n");
+    let expected = format!("error: cannot read {missing}: file not found\n");
     for command in [
         "check",
         "check --fix",
@@ -252,24 +271,27 @@ fn files_that_cannot_be_read_are_errors_of_the_command_line() {
         "fmt",
         "trade --out none",
     ] {
-        let said = stochc_with(command, &[&missing]);
-        let all = (said.status, said.out.as_str(), said.err.as_str());
-        assert_eq!(all, (2, "", told.as_str()), "{command}");
+        let outcome = stochc_with(command, &[&missing]);
+        let all = (outcome.status, outcome.out.as_str(), outcome.err.as_str());
+        assert_eq!(all, (2, "", expected.as_str()), "{command}");
     }
     // The messages come before all diagnostics, independent of the order of the files.
     let other = path(folder.path(), "other.sa");
     for command in ["check", "simulate"] {
-        let said = stochc_with(command, &["tests/fixtures/careless.sa", &missing, &other]);
-        assert_eq!(said.status, 2, "{}", said.err);
-        let both = told.clone() + &told.replace("missing", "other");
-        assert!(said.err.starts_with(&both), "{}", said.err);
+        let outcome = stochc_with(command, &["tests/fixtures/careless.sa", &missing, &other]);
+        assert_eq!(outcome.status, 2, "{}", outcome.err);
+        let both = expected.clone() + &expected.replace("missing", "other");
+        assert!(outcome.err.starts_with(&both), "{}", outcome.err);
     }
     // The JSON document is still printed.
-    let said = stochc_with("check --json", &[&missing]);
-    assert_eq!((said.status, said.err.as_str()), (2, told.as_str()));
-    assert_eq!(said.json()["diagnostics"], serde_json::json!([]));
-    let said = stochc_with("check --format sarif", &[&missing]).json();
-    let run = &said["runs"][0];
+    let outcome = stochc_with("check --json", &[&missing]);
+    assert_eq!(
+        (outcome.status, outcome.err.as_str()),
+        (2, expected.as_str())
+    );
+    assert_eq!(outcome.json()["diagnostics"], serde_json::json!([]));
+    let outcome = stochc_with("check --format sarif", &[&missing]).json();
+    let run = &outcome["runs"][0];
     assert_eq!(run["invocations"][0]["executionSuccessful"], false);
     assert_eq!(run["results"], serde_json::json!([]));
 }
@@ -283,28 +305,32 @@ fn errors_come_before_warnings() {
 let unused = 1
 scene s from hemisphere { tick 1 m }
 ";
-    let said = stochc_reading("check --format short -", text);
-    let levels = said.out.lines().map(|line| line.contains(": error["));
+    let outcome = stochc_reading("check --format short -", text);
+    let levels = outcome.out.lines().map(|line| line.contains(": error["));
     let levels: Vec<bool> = levels.collect();
-    assert!(levels.is_sorted_by(|one, next| one >= next), "{}", said.out);
+    assert!(
+        levels.is_sorted_by(|one, next| one >= next),
+        "{}",
+        outcome.out
+    );
     let text = "assembly a {
     seed plate 3 x 1 { M at (0, 0)  N at (2, 0) }
     phase p { M.up -> A }
     phase q { A.up -> B after A }
 }
 ";
-    let said = stochc_reading("check --deny redundant-after --format short -", text);
-    let lines: Vec<&str> = said.out.lines().collect();
-    assert_eq!(lines.len(), 2, "{}", said.out);
+    let outcome = stochc_reading("check --deny redundant-after --format short -", text);
+    let lines: Vec<&str> = outcome.out.lines().collect();
+    assert_eq!(lines.len(), 2, "{}", outcome.out);
     assert!(
         lines[0].contains(":4:31: error[redundant-after]"),
         "{}",
-        said.out
+        outcome.out
     );
     assert!(
         lines[1].contains(":2:37: warning[unused-seed]"),
         "{}",
-        said.out
+        outcome.out
     );
 }
 
@@ -315,29 +341,29 @@ fn warnings_are_one_line_for_other_commands() {
     let line = "tests/fixtures/careless.sa:4:37: warning[unused-seed]: seed `N` is never used\n";
     for command in ["simulate --runs 1 --model shuffle", "estimate"] {
         let file = "tests/fixtures/careless.sa";
-        let said = stochc_with(command, &[file]);
-        assert_eq!(said.status, 0, "{}", said.err);
-        assert!(said.err.starts_with(line), "{command}: {}", said.err);
-        assert!(!said.err.contains("help:"), "{command}: {}", said.err);
+        let outcome = stochc_with(command, &[file]);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
+        assert!(outcome.err.starts_with(line), "{command}: {}", outcome.err);
+        assert!(!outcome.err.contains("help:"), "{command}: {}", outcome.err);
         for quiet in ["-q", "--quiet"] {
-            let said = stochc_with(command, &[file, quiet]);
-            assert_eq!((said.status, said.err.as_str()), (0, ""), "{command}");
+            let outcome = stochc_with(command, &[file, quiet]);
+            assert_eq!((outcome.status, outcome.err.as_str()), (0, ""), "{command}");
         }
     }
     // An error of the command line comes first.
-    let said = stochc("sweep tests/fixtures/careless.sa --vary nothing=1,2");
-    assert_eq!(said.status, 2);
-    let lines: Vec<&str> = said.err.lines().collect();
-    assert!(lines[0].starts_with("error: "), "{}", said.err);
+    let outcome = stochc("sweep tests/fixtures/careless.sa --vary nothing=1,2");
+    assert_eq!(outcome.status, 2);
+    let lines: Vec<&str> = outcome.err.lines().collect();
+    assert!(lines[0].starts_with("error: "), "{}", outcome.err);
     assert_eq!(lines.last(), Some(&line.trim_end()));
 }
 
 #[test]
 fn the_option_with_two_letters_swapped_is_suggested() {
-    let said = stochc("simulate tests/fixtures/tower.sa --rusn 5");
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("'--runs'"), "{}", said.err);
-    assert!(!said.err.contains("'--run'"), "{}", said.err);
+    let outcome = stochc("simulate tests/fixtures/tower.sa --rusn 5");
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains("'--runs'"), "{}", outcome.err);
+    assert!(!outcome.err.contains("'--run'"), "{}", outcome.err);
 }
 
 /// Tests links to programs and folders, and file names that are not UTF-8.
@@ -355,32 +381,32 @@ fn nothing_of_a_folder_is_skipped_in_silence() {
     fs::copy("tests/fixtures/wrong.sa", at("elsewhere/bad.sa")).unwrap();
     fs::copy("tests/fixtures/wrong.sa", at("elsewhere/deep/worse.sa")).unwrap();
     let own = path(folder.path(), "in");
-    let files = |said: &str| -> Vec<String> {
-        let lines = said.lines().filter_map(|line| line.split(".sa").next());
+    let files = |output: &str| -> Vec<String> {
+        let lines = output.lines().filter_map(|line| line.split(".sa").next());
         lines.map(|file| file.replace(&own, "")).collect()
     };
     symlink("../elsewhere/bad.sa", at("in/link.sa")).unwrap();
     symlink("ok.sa", at("in/same.sa")).unwrap();
-    let said = stochc_with("check --format short", &[&own]);
-    assert_eq!((said.status, said.err.as_str()), (1, ""));
-    assert_eq!(files(&said.out), ["/link"]);
+    let output = stochc_with("check --format short", &[&own]);
+    assert_eq!((output.status, output.err.as_str()), (1, ""));
+    assert_eq!(files(&output.out), ["/link"]);
     // Each file is checked once, although a link leads back to it.
     symlink("../elsewhere/deep", at("in/linked")).unwrap();
     symlink("../../in", at("elsewhere/deep/back")).unwrap();
-    let said = stochc_with("check --format short", &[&own]);
-    assert_eq!(files(&said.out), ["/link", "/linked/worse"]);
+    let outcome = stochc_with("check --format short", &[&own]);
+    assert_eq!(files(&outcome.out), ["/link", "/linked/worse"]);
     symlink("nowhere.sa", at("in/broken.sa")).unwrap();
-    let said = stochc_with("check --format short", &[&own]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with("check --format short", &[&own]);
+    assert_eq!(outcome.status, 2);
     let broken = format!("error: cannot read {own}/broken.sa: file not found\n");
-    assert_eq!(said.err, broken);
+    assert_eq!(outcome.err, broken);
     fs::remove_file(at("in/broken.sa")).unwrap();
     let strange = at("in").join(OsStr::from_bytes(b"caf\xe9.sa"));
     fs::copy("tests/fixtures/wrong.sa", strange).unwrap();
-    let said = stochc_with("check --format short", &[&own]);
-    assert_eq!(said.status, 2);
-    let told = format!("error: cannot read {own}/caf\u{fffd}.sa: its name is not UTF-8\n");
-    assert_eq!(said.err, told);
+    let outcome = stochc_with("check --format short", &[&own]);
+    assert_eq!(outcome.status, 2);
+    let expected = format!("error: cannot read {own}/caf\u{fffd}.sa: its name is not UTF-8\n");
+    assert_eq!(outcome.err, expected);
 }
 
 #[test]
@@ -391,10 +417,10 @@ fn the_standard_input_is_for_check_and_fmt() {
         ("simulate", "-", "the standard input"),
         ("trade --out none", "-", "the standard input"),
     ] {
-        let said = stochc_with(command, &[argument]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{command}");
-        let told = format!("error: `{argument}` is {what}: name the file of a program;");
-        assert!(said.err.starts_with(&told), "{}", said.err);
+        let outcome = stochc_with(command, &[argument]);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{command}");
+        let expected = format!("error: `{argument}` is {what}: name the file of a program;");
+        assert!(outcome.err.starts_with(&expected), "{}", outcome.err);
     }
 }
 
@@ -413,9 +439,9 @@ fn the_programs_of_a_folder_are_simulated() {
     for name in ["a.sa", "b.sa"] {
         fs::copy("tests/fixtures/tower.sa", folder.path().join(name)).unwrap();
     }
-    let said = stochc_with("simulate --model shuffle --runs 2 --quiet", &[own]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("tower (2)"), "{}", said.out);
+    let outcome = stochc_with("simulate --model shuffle --runs 2 --quiet", &[own]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(outcome.out.contains("tower (2)"), "{}", outcome.out);
 }
 
 #[test]
@@ -428,41 +454,41 @@ fn a_folder_is_the_programs_in_it() {
         std::fs::write(folder.path().join(file), &careless).unwrap();
     }
     let own = folder.path().to_str().unwrap();
-    let lines = |said: &str| -> Vec<String> {
-        let files = said
+    let lines = |output: &str| -> Vec<String> {
+        let files = output
             .lines()
             .map(|line| line.split(':').next().unwrap_or_default());
         files.map(|file| file.replace(own, "")).collect()
     };
-    let said = stochc_with("check --format short", &[own]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    assert_eq!(lines(&said.out), ["/a.sa", "/deep/b.sa"]);
+    let output = stochc_with("check --format short", &[own]);
+    assert_eq!((output.status, output.err.as_str()), (0, ""));
+    assert_eq!(lines(&output.out), ["/a.sa", "/deep/b.sa"]);
     // Each program is checked once.
-    let said = stochc_with("check --format short", &[own, &path(&inner, "b.sa"), own]);
-    assert_eq!(lines(&said.out), ["/a.sa", "/deep/b.sa"]);
-    let said = stochc_with("check", &[own]);
+    let outcome = stochc_with("check --format short", &[own, &path(&inner, "b.sa"), own]);
+    assert_eq!(lines(&outcome.out), ["/a.sa", "/deep/b.sa"]);
+    let outcome = stochc_with("check", &[own]);
     assert!(
-        said.err.contains(
+        outcome.err.contains(
             "\n2 warnings; `stochc check --fix` can fix them all\nFor an explanation, run "
         ),
         "{}",
-        said.err
+        outcome.err
     );
     // With `--fix`, the files of a folder are fixed one by one.
-    let said = stochc_with("check --fix", &[own]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("check --fix", &[own]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert_eq!(stochc_with("check --deny warnings", &[own]).status, 0);
 
     let empty = tempfile::tempdir().unwrap();
-    let said = stochc_with(
+    let outcome = stochc_with(
         "check",
         &[empty.path().to_str().unwrap(), "tests/fixtures/tower.sa"],
     );
-    assert_eq!((said.status, said.out), (2, tower_of_several()));
+    assert_eq!((outcome.status, outcome.out), (2, tower_of_several()));
     assert!(
-        said.err.contains("contains no program (`*.sa`)"),
+        outcome.err.contains("contains no program (`*.sa`)"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -471,59 +497,60 @@ fn the_standard_input_is_a_program() {
     let wrong = "assembly a {\n    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }\n    phaze p { M.up -> A }\n}\n";
     let right =
         "assembly a {\n    seed plate 2 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n";
-    let said = stochc_reading("check --format short -", wrong);
-    assert_eq!(said.status, 1);
+    let outcome = stochc_reading("check --format short -", wrong);
+    assert_eq!(outcome.status, 1);
     assert!(
-        said.out.starts_with("<stdin>:3:11: error[syntax]: "),
+        outcome.out.starts_with("<stdin>:3:11: error[syntax]: "),
         "{}",
-        said.out
+        outcome.out
     );
     // With `--fix`, the output is the fixed source, and messages go to standard error.
-    let said = stochc_reading("check --fix -", wrong);
-    assert_eq!((said.status, said.out.as_str()), (0, right));
+    let outcome = stochc_reading("check --fix -", wrong);
+    assert_eq!((outcome.status, outcome.out.as_str()), (0, right));
     assert!(
-        said.err.starts_with("<stdin>: 2 changes made\n"),
+        outcome.err.starts_with("<stdin>: 2 changes made\n"),
         "{}",
-        said.err
+        outcome.err
     );
     assert!(
-        said.err.contains("a: 1 capture in 1 phase\n  proved: "),
+        outcome.err.contains("a: 1 capture in 1 phase\n  proved: "),
         "{}",
-        said.err
+        outcome.err
     );
-    let said = stochc_reading("check --fix -", right);
-    assert_eq!((said.status, said.out.as_str()), (0, right));
-    let said = stochc_reading("check --fix --dry-run -", wrong);
-    assert_eq!(said.status, 1);
-    assert!(said.out.contains("-    phaze p"), "{}", said.out);
-    let said = stochc_reading("check --fix --json -", wrong);
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    let outcome = stochc_reading("check --fix -", right);
+    assert_eq!((outcome.status, outcome.out.as_str()), (0, right));
+    let outcome = stochc_reading("check --fix --dry-run -", wrong);
+    assert_eq!(outcome.status, 1);
+    assert!(outcome.out.contains("-    phaze p"), "{}", outcome.out);
+    let outcome = stochc_reading("check --fix --json -", wrong);
+    assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
     assert!(
-        said.err.contains("leave one of the two out"),
+        outcome.err.contains("leave one of the two out"),
         "{}",
-        said.err
+        outcome.err
     );
     // Imports of standard input are relative to the working directory.
-    let said = stochc_reading("check -", "import \"tests/fixtures/importing_tower.sa\"\n");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let outcome = stochc_reading("check -", "import \"tests/fixtures/importing_tower.sa\"\n");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
 }
 
 #[test]
 fn the_last_line_counts_the_findings_of_all_files() {
-    let said = stochc("check tests/fixtures/wrong.sa tests/fixtures/careless.sa");
+    let outcome = stochc("check tests/fixtures/wrong.sa tests/fixtures/careless.sa");
     assert!(
-        said.err
+        outcome.err
             .ends_with("\n1 error, 1 warning; `stochc check --fix` can fix 1 of them\nFor explanations, run `stochc explain CODE` with unknown-name or unused-seed.\n"),
         "{}",
-        said.err
+        outcome.err
     );
     for command in ["compile", "simulate"] {
-        let said = stochc(&format!("{command} tests/fixtures/wrong.sa"));
+        let outcome = stochc(&format!("{command} tests/fixtures/wrong.sa"));
         assert!(
-            said.err
+            outcome
+                .err
                 .ends_with("\n1 error\nFor an explanation, run `stochc explain unknown-name`.\n"),
             "{}",
-            said.err
+            outcome.err
         );
     }
 }
@@ -540,9 +567,9 @@ fn a_file_that_may_not_be_read_is_told_of() {
     if std::fs::File::open(&file).is_ok() {
         return; // Root ignores permissions.
     }
-    let said = stochc_with("check", &[&file]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("permission denied"), "{}", said.err);
+    let outcome = stochc_with("check", &[&file]);
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains("permission denied"), "{}", outcome.err);
 }
 
 #[test]
@@ -550,42 +577,42 @@ fn bytes_that_are_no_text_are_a_finding() {
     let folder = tempfile::tempdir().unwrap();
     let file = crate::stochc::path(folder.path(), "bytes.sa");
     std::fs::write(&file, b"assembly x {\n \xff }").unwrap();
-    let said = stochc_with("check --format short", &[&file]);
-    assert_eq!(said.status, 1, "{}", said.err);
-    assert!(said.out.contains("error[not-utf8]"), "{}", said.out);
+    let outcome = stochc_with("check --format short", &[&file]);
+    assert_eq!(outcome.status, 1, "{}", outcome.err);
+    assert!(outcome.out.contains("error[not-utf8]"), "{}", outcome.out);
 }
 
 #[test]
 fn several_files_are_checked_to_the_last() {
-    let said = stochc("check tests/fixtures/wrong.sa tests/fixtures/tower.sa");
-    assert_eq!(said.status, 1);
-    assert_eq!(said.out, tower_of_several());
-    assert!(said.err.contains("unknown-name"));
-    let said =
+    let outcome = stochc("check tests/fixtures/wrong.sa tests/fixtures/tower.sa");
+    assert_eq!(outcome.status, 1);
+    assert_eq!(outcome.out, tower_of_several());
+    assert!(outcome.err.contains("unknown-name"));
+    let outcome =
         stochc("check tests/fixtures/none.sa tests/fixtures/wrong.sa tests/fixtures/tower.sa");
-    assert_eq!(said.status, 2, "the worst of all");
-    assert_eq!(said.out, tower_of_several());
+    assert_eq!(outcome.status, 2, "the worst of all");
+    assert_eq!(outcome.out, tower_of_several());
 }
 
 #[test]
 fn short_findings_are_one_to_a_line() {
-    let said = stochc("check --format short tests/fixtures/wrong.sa tests/fixtures/tower.sa");
-    assert_eq!((said.status, said.err.as_str()), (1, ""));
+    let outcome = stochc("check --format short tests/fixtures/wrong.sa tests/fixtures/tower.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (1, ""));
     let lines = "\
 tests/fixtures/wrong.sa:5:18: error[unknown-name]: cannot find block `Q`
 ";
-    assert_eq!(said.out, lines);
+    assert_eq!(outcome.out, lines);
 }
 
 #[test]
 fn sarif_of_all_files_is_one_run() {
-    let said = stochc("check --format sarif tests/fixtures/wrong.sa tests/fixtures/careless.sa");
-    assert_eq!((said.status, said.err.as_str()), (1, ""));
-    let log = said.json();
+    let outcome = stochc("check --format sarif tests/fixtures/wrong.sa tests/fixtures/careless.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (1, ""));
+    let log = outcome.json();
     let runs = log["runs"].as_array().unwrap();
     assert_eq!(runs.len(), 1);
     let results = runs[0]["results"].as_array().unwrap();
-    let told: Vec<_> = (results.iter())
+    let reported: Vec<_> = (results.iter())
         .map(|result| {
             let place = &result["locations"][0]["physicalLocation"];
             (
@@ -597,7 +624,7 @@ fn sarif_of_all_files_is_one_run() {
         })
         .collect();
     assert_eq!(
-        told,
+        reported,
         [
             ("tests/fixtures/wrong.sa", 5, "unknown-name", "error"),
             ("tests/fixtures/careless.sa", 4, "unused-seed", "warning"),
@@ -607,11 +634,11 @@ fn sarif_of_all_files_is_one_run() {
 
 #[test]
 fn json_of_all_files_is_one_document_with_lines_and_columns() {
-    let said = stochc("check --json tests/fixtures/wrong.sa tests/fixtures/careless.sa");
-    assert_eq!((said.status, said.err.as_str()), (1, ""));
-    let document = said.json();
+    let outcome = stochc("check --json tests/fixtures/wrong.sa tests/fixtures/careless.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (1, ""));
+    let document = outcome.json();
     let diagnostics = &document["diagnostics"];
-    let told: Vec<_> = (diagnostics.as_array().unwrap().iter())
+    let reported: Vec<_> = (diagnostics.as_array().unwrap().iter())
         .map(|diagnostic| {
             let label = &diagnostic["labels"][0];
             let at = |end: &str| {
@@ -635,7 +662,7 @@ fn json_of_all_files_is_one_document_with_lines_and_columns() {
         )
     };
     assert_eq!(
-        told,
+        reported,
         [
             diagnostic("wrong", "unknown-name", (5, 18), (5, 27)),
             diagnostic("careless", "unused-seed", (4, 37), (4, 38)),
@@ -652,28 +679,28 @@ fn json_of_all_files_is_one_document_with_lines_and_columns() {
 
 #[test]
 fn event_tables_are_run_in_every_order() {
-    let said = stochc("verify tests/fixtures/tower.sa");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let outcome = stochc("verify tests/fixtures/tower.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     let (status, _) = TOWER.split_once("  longest").unwrap();
     let explored = "  Explored every order of events: 10 states, 9 transitions.
 1 program verified; every order of events explored: 1
 ";
-    assert_eq!(said.out, format!("{status}{explored}"));
+    assert_eq!(outcome.out, format!("{status}{explored}"));
     // An invalid program has no tables to verify.
-    let said = stochc("verify tests/fixtures/wrong.sa");
-    assert_eq!(said.status, 1);
-    assert!(said.out.starts_with("0 programs verified"), "{}", said.out);
+    let outcome = stochc("verify tests/fixtures/wrong.sa");
+    assert_eq!(outcome.status, 1);
+    assert!(outcome.out.starts_with("0 programs verified"), "{}", outcome.out);
 }
 
 #[test]
 fn too_many_orders_are_told_of_and_some_are_tried() {
-    let said = stochc("verify --states 5 tests/fixtures/tower.sa");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let outcome = stochc("verify --states 5 tests/fixtures/tower.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     let tried = "stopped after 5 states, without a fault.
   Executed in 1000 random orders without a fault: 9000 transitions.
 1 program verified; every order of events explored: 0, 1000 random orders: 1
 ";
-    assert!(said.out.ends_with(tried), "{}", said.out);
+    assert!(outcome.out.ends_with(tried), "{}", outcome.out);
 }
 
 /// Checks that output of `stochc` in place of a program causes one diagnostic, not one for each
@@ -683,19 +710,19 @@ fn json_is_told_as_such() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "hemisphere.sa");
     fs::copy("crates/estimate/src/data/hemisphere.rates", &file).unwrap();
-    let said = stochc_with("check", &[&file]);
-    assert_eq!(said.status, 1);
+    let outcome = stochc_with("check", &[&file]);
+    assert_eq!(outcome.status, 1);
     assert!(
-        said.err.contains("the file is JSON, not a program"),
+        outcome.err.contains("the file is JSON, not a program"),
         "{}",
-        said.err
+        outcome.err
     );
     assert!(
-        said.err.contains("rates are passed with `--rates`"),
+        outcome.err.contains("rates are passed with `--rates`"),
         "{}",
-        said.err
+        outcome.err
     );
-    assert!(said.err.contains("\n1 error\n"), "{}", said.err);
+    assert!(outcome.err.contains("\n1 error\n"), "{}", outcome.err);
 }
 
 /// Checks that messages about numbers use words for users, not words of a parser.
@@ -707,22 +734,26 @@ fn numbers_of_the_command_line_are_told_of_in_words() {
         ("99999999999999999999999", "the number is too large"),
         ("0", "0 is not in 1..=10000000"),
     ] {
-        let said = stochc_with("simulate tests/fixtures/tower.sa --runs", &[number]);
+        let outcome = stochc_with("simulate tests/fixtures/tower.sa --runs", &[number]);
         let expected = format!("error: invalid value '{number}' for '--runs <N>': {words}\n");
-        assert_eq!(said.status, 2);
-        assert!(said.err.starts_with(&expected), "{}", said.err);
+        assert_eq!(outcome.status, 2);
+        assert!(outcome.err.starts_with(&expected), "{}", outcome.err);
     }
 }
 
 #[test]
 fn a_scene_that_is_not_built_in_is_told_with_those_that_are() {
-    let said = stochc("calibrate hemispere");
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("is called `hemispere`"), "{}", said.err);
+    let outcome = stochc("calibrate hemispere");
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err.contains("`hemisphere`, `hemisphere_soft`"),
+        outcome.err.contains("is called `hemispere`"),
         "{}",
-        said.err
+        outcome.err
+    );
+    assert!(
+        outcome.err.contains("`hemisphere`, `hemisphere_soft`"),
+        "{}",
+        outcome.err
     );
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use crate::stochc::{path, said, stochc_with, tables};
+use crate::stochc::{path, run_command, stochc_with, tables};
 
 const TOWER: &str = "examples/five_tower.sa";
 
@@ -71,7 +71,7 @@ fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
         arguments_now = later.to_vec();
     }
     assert!(goes_on > 0, "the command was never killed during a run");
-    let last = said(&mut command(&arguments_now));
+    let last = run_command(&mut command(&arguments_now));
     assert!([0, 3].contains(&last.status), "{}", last.err);
     assert!(
         last.err.contains("resumes from its checkpoint at tick"),
@@ -120,8 +120,8 @@ fn runs_that_are_recorded_at_points_of_a_sweep_go_on() {
         )
     };
     killed_and_resumed(&of(&out), &resume("--record all", &out), &out);
-    let said = said(&mut command(&of(&straight)));
-    assert!([0, 3].contains(&said.status), "{}", said.err);
+    let outcome = run_command(&mut command(&of(&straight)));
+    assert!([0, 3].contains(&outcome.status), "{}", outcome.err);
     assert!(tables(&out) == tables(&straight));
     for folder in ["recordings", "damaged"] {
         let [one, other] = [&out, &straight].map(|out| files(&Path::new(out).join(folder)));
@@ -144,7 +144,7 @@ fn runs_in_double_precision_and_without_rotation_go_on() {
         let [out, straight] = ["out", "straight"].map(|name| path(place.path(), name));
         let of = |out| simulate(TOWER, more, out);
         killed_and_resumed(&of(&out), &resume("", &out), &out);
-        said(&mut command(&of(&straight)));
+        run_command(&mut command(&of(&straight)));
         assert!(tables(&out) == tables(&straight), "{more}");
     }
 }
@@ -160,7 +160,7 @@ fn shards_go_on() {
     let checkpoints = checkpoints.expect("unfinished runs have waits");
     cut.drain(checkpoints..checkpoints + 2);
     cut.splice(0..1, ["shard", "new", "--shards", "2"]);
-    let said_of = said(&mut command(&cut));
+    let said_of = run_command(&mut command(&cut));
     assert_eq!(said_of.status, 0, "{}", said_of.err);
     for shard in ["0", "1"] {
         let shard = [
@@ -177,6 +177,6 @@ fn shards_go_on() {
     }
     assert_eq!(stochc_with("shard merge", &[&out]).status, 0);
     assert!(files(&Path::new(&out).join("checkpoints")).is_empty());
-    said(&mut command(&of(&straight)));
+    run_command(&mut command(&of(&straight)));
     assert!(tables(&out) == tables(&straight));
 }

@@ -5,11 +5,15 @@ use serde_json::Value;
 use crate::stochc::{path, stochc, stochc_with, tables};
 
 fn emit(stage: &str, form: &str) -> String {
-    let said = stochc(&format!(
+    let outcome = stochc(&format!(
         "compile --emit {stage} --format {form} tests/fixtures/tower.sa"
     ));
-    assert_eq!((said.status, said.err.as_str()), (0, ""), "{stage} {form}");
-    said.out
+    assert_eq!(
+        (outcome.status, outcome.err.as_str()),
+        (0, ""),
+        "{stage} {form}"
+    );
+    outcome.out
 }
 
 #[test]
@@ -44,12 +48,12 @@ fn pictures_are_of_one_stage_each() {
             if stage == drawn {
                 continue;
             }
-            let said = stochc(&format!(
+            let outcome = stochc(&format!(
                 "compile --emit {stage} --format {form} tests/fixtures/tower.sa"
             ));
-            assert_eq!((said.status, said.out.as_str()), (2, ""), "{stage}");
+            assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{stage}");
             let instead = format!("`--emit {drawn}`");
-            assert!(said.err.contains(&instead), "{}", said.err);
+            assert!(outcome.err.contains(&instead), "{}", outcome.err);
         }
     }
 }
@@ -77,30 +81,30 @@ fn one_of_several_programs_is_shown_if_it_is_named() {
     assert!(both.err.contains("`--program`: `a`, `b`"), "{}", both.err);
     let one = stochc_with(&format!("{picture} --program b"), &[&file]);
     assert_eq!((one.status, one.out.matches("<svg").count()), (0, 1));
-    let said = stochc_with("compile --program c", &[&file]);
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    let outcome = stochc_with("compile --program c", &[&file]);
+    assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
     assert!(
-        said.err.contains("no program `c`, but `a`, `b`"),
+        outcome.err.contains("no program `c`, but `a`, `b`"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
 #[test]
 fn a_wrong_program_has_no_stages() {
     for stage in ["graph", "table", "structure"] {
-        let said = stochc(&format!("compile --emit {stage} tests/fixtures/wrong.sa"));
-        assert_eq!((said.status, said.out.as_str()), (1, ""), "{stage}");
-        assert!(said.err.contains("unknown-name"), "{}", said.err);
+        let outcome = stochc(&format!("compile --emit {stage} tests/fixtures/wrong.sa"));
+        assert_eq!((outcome.status, outcome.out.as_str()), (1, ""), "{stage}");
+        assert!(outcome.err.contains("unknown-name"), "{}", outcome.err);
     }
 }
 
 #[test]
 fn warnings_stay_out_of_the_output() {
-    let said = stochc("compile --format json tests/fixtures/careless.sa");
-    assert_eq!(said.status, 0);
-    assert!(said.json()["programs"].is_array());
-    assert!(said.err.contains("unused-seed"), "{}", said.err);
+    let outcome = stochc("compile --format json tests/fixtures/careless.sa");
+    assert_eq!(outcome.status, 0);
+    assert!(outcome.json()["programs"].is_array());
+    assert!(outcome.err.contains("unused-seed"), "{}", outcome.err);
 }
 
 #[test]
@@ -108,25 +112,34 @@ fn an_executable_is_simulated_without_its_text() {
     let folder = tempfile::tempdir().unwrap();
     let [program, there, here] = ["X", "there", "here"].map(|name| path(folder.path(), name));
     let compile = "compile --emit executable tests/fixtures/importing.sa";
-    let said = stochc_with(compile, &["--out", &program]);
-    assert_eq!((said.status, said.out.as_str()), (0, ""), "{}", said.err);
+    let outcome = stochc_with(compile, &["--out", &program]);
+    assert_eq!(
+        (outcome.status, outcome.out.as_str()),
+        (0, ""),
+        "{}",
+        outcome.err
+    );
     assert_eq!(stochc(compile).out, fs::read_to_string(&program).unwrap());
     let options = ["--model", "shuffle", "--runs", "5", "--quiet", "--out"];
     let simulate = |file: &str, out: &str| {
-        let said = stochc_with("simulate", &[&[file], &options[..], &[out]].concat());
-        assert_eq!((said.status, said.err.as_str()), (0, ""));
-        said.out
+        let outcome = stochc_with("simulate", &[&[file], &options[..], &[out]].concat());
+        assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+        outcome.out
     };
     let text = simulate("tests/fixtures/importing.sa", &there);
     assert_eq!(simulate(&program, &here), text);
     assert!(tables(&there) != tables(&here), "their identities differ");
     let bonds = |out: &str| stochc_with("show --captures", &[out]).out;
     assert_eq!(bonds(&there), bonds(&here));
-    let said = stochc_with("report --quiet", &[&here]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    let said = stochc_with("sweep --vary free=10..20/2", &[&program]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("is already compiled"), "{}", said.err);
+    let outcome = stochc_with("report --quiet", &[&here]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let outcome = stochc_with("sweep --vary free=10..20/2", &[&program]);
+    assert_eq!(outcome.status, 2);
+    assert!(
+        outcome.err.contains("is already compiled"),
+        "{}",
+        outcome.err
+    );
 }
 
 #[test]
@@ -135,15 +148,23 @@ fn an_executable_of_nothing_is_neither_written_nor_run() {
     let [empty, out, none] =
         ["empty.sa", "out.json", "none.json"].map(|it| path(folder.path(), it));
     fs::write(&empty, "").unwrap();
-    let said = stochc_with("compile --emit executable", &[&empty, "--out", &out]);
-    assert_eq!(said.status, 2, "{}", said.err);
-    assert!(said.err.contains("declares no assembly"), "{}", said.err);
+    let outcome = stochc_with("compile --emit executable", &[&empty, "--out", &out]);
+    assert_eq!(outcome.status, 2, "{}", outcome.err);
+    assert!(
+        outcome.err.contains("declares no assembly"),
+        "{}",
+        outcome.err
+    );
     let nothing = r#"{"kind":"stochc executable","format":1,"programs":[]}"#;
     fs::write(&none, nothing).unwrap();
     for command in ["estimate", "simulate --runs 1"] {
-        let said = stochc_with(command, &[&none]);
-        assert_eq!(said.status, 2, "{}", said.err);
-        assert!(said.err.contains("contains no program"), "{}", said.err);
+        let outcome = stochc_with(command, &[&none]);
+        assert_eq!(outcome.status, 2, "{}", outcome.err);
+        assert!(
+            outcome.err.contains("contains no program"),
+            "{}",
+            outcome.err
+        );
     }
 }
 
@@ -170,8 +191,8 @@ fn a_damaged_executable_is_refused() {
         ),
     ] {
         fs::write(&program, edited).unwrap();
-        let said = stochc_with("simulate", &[&program]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{reason}");
-        assert!(said.err.contains(reason), "{}", said.err);
+        let outcome = stochc_with("simulate", &[&program]);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{reason}");
+        assert!(outcome.err.contains(reason), "{}", outcome.err);
     }
 }

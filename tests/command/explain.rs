@@ -21,7 +21,7 @@ fn every_code_is_listed_and_has_its_page() {
 
 #[test]
 fn an_unknown_code_is_a_wrong_command_line() {
-    let said = stochc("explain cicle");
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
-    assert!(said.err.contains("`cicle`"), "{}", said.err);
+    let outcome = stochc("explain cicle");
+    assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
+    assert!(outcome.err.contains("`cicle`"), "{}", outcome.err);
 }

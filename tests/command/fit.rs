@@ -25,9 +25,9 @@ phase grow {{ M.up -> A  A.up -> B }} }}
 fn measured(folder: &std::path::Path) -> String {
     let truth = path(folder, "truth.sa");
     fs::write(&truth, programs(20)).unwrap();
-    let said = stochc_with("simulate --runs 200 --seed 900 --quiet --json", &[&truth]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    let table: Value = serde_json::from_str(&said.out).unwrap();
+    let outcome = stochc_with("simulate --runs 200 --seed 900 --quiet --json", &[&truth]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let table: Value = serde_json::from_str(&outcome.out).unwrap();
     let rows = table["programs"].as_array().unwrap().iter().map(|program| {
         let time = &program["time"];
         format!(
@@ -62,15 +62,19 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
         "--out",
         &out,
     ];
-    let said = stochc_with("fit --quiet --runs 16 --points 10", &options);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("free"), "{}", said.out);
+    let outcome = stochc_with("fit --quiet --runs 16 --points 10", &options);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(outcome.out.contains("free"), "{}", outcome.out);
     let fit: Value =
         serde_json::from_str(&fs::read_to_string(path(folder.path(), "out/fit.json")).unwrap())
             .unwrap();
     let number = &fit["numbers"][0];
     let [low, high] = [0, 1].map(|i| number["interval"][i].as_f64().unwrap());
-    assert!(low < 20.0 && 20.0 < high, "{low} .. {high}\n{}", said.out);
+    assert!(
+        low < 20.0 && 20.0 < high,
+        "{low} .. {high}\n{}",
+        outcome.out
+    );
     assert!(
         high - low < 20.0,
         "{low} .. {high}: the times constrain the parameter"
@@ -87,7 +91,7 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
     layout::check("fit", &picture, Medium::Screen);
     // Repeating the command prints the same text, but it does not write to the same folder.
     let again = stochc_with("fit --quiet --runs 16 --points 10", &options[..7]);
-    assert_eq!((again.status, &again.out), (0, &said.out));
+    assert_eq!((again.status, &again.out), (0, &outcome.out));
     assert_eq!(
         stochc_with("fit --quiet --runs 16 --points 10", &options).status,
         2
@@ -175,24 +179,24 @@ fn what_does_not_fit_together_is_told() {
         fs::write(&data, table).unwrap();
         let mut options = vec![&*file, "--data", &data, "--vary", vary];
         options.extend(more.split_whitespace());
-        let said = stochc_with("fit --quiet", &options);
-        assert_eq!(said.status, 2, "{vary} {more}: {}", said.err);
-        assert!(said.err.contains(reason), "{reason}: {}", said.err);
+        let outcome = stochc_with("fit --quiet", &options);
+        assert_eq!(outcome.status, 2, "{vary} {more}: {}", outcome.err);
+        assert!(outcome.err.contains(reason), "{reason}: {}", outcome.err);
     }
     fs::write(&data, good).unwrap();
     let twice = [&*file, &file, "--data", &data, "--vary", "free=8..60"];
-    let said = stochc_with("fit --quiet", &twice);
-    assert_eq!(said.status, 2, "{}", said.err);
+    let outcome = stochc_with("fit --quiet", &twice);
+    assert_eq!(outcome.status, 2, "{}", outcome.err);
     let reason = "two programs are called `one`";
-    assert!(said.err.contains(reason), "{}", said.err);
-    let said = stochc_with(
+    assert!(outcome.err.contains(reason), "{}", outcome.err);
+    let outcome = stochc_with(
         "fit --quiet --vary free=8..60",
         &[&file, "--data", "no.csv"],
     );
     assert!(
-        said.status == 2 && said.err.contains("cannot read no.csv: file not found"),
+        outcome.status == 2 && outcome.err.contains("cannot read no.csv: file not found"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -206,12 +210,14 @@ fn times_that_no_run_reaches_are_told_of() {
     fs::write(&file, programs(8)).unwrap();
     fs::write(&data, "program,ticks\none,10\none,20\ntwo,20\ntwo,30\n").unwrap();
     let options = [&*file, "--data", &data, "--vary", "free=8..20"];
-    let said = stochc_with("fit --quiet --runs 4 --points 8 --max-ticks 2", &options);
-    assert_eq!(said.status, 3, "{}", said.err);
+    let outcome = stochc_with("fit --quiet --runs 4 --points 8 --max-ticks 2", &options);
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
     assert!(
-        said.err.contains("at too few points do the runs complete"),
+        outcome
+            .err
+            .contains("at too few points do the runs complete"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -228,20 +234,20 @@ fn a_scene_that_cannot_be_at_a_point_is_told_of() {
         "program,n,mean_ticks,sd_ticks\none,200,300,200\ntwo,200,600,300\n",
     )
     .unwrap();
-    let said = stochc_with(
+    let outcome = stochc_with(
         "fit --quiet --runs 4",
         &[&file, "--data", &data, "--vary", "free=40..100"],
     );
-    assert_eq!(said.status, 1, "{}", said.err);
-    assert!(said.err.contains("which holds 60"), "{}", said.err);
+    assert_eq!(outcome.status, 1, "{}", outcome.err);
+    assert!(outcome.err.contains("which holds 60"), "{}", outcome.err);
 }
 
 /// Table of times of two programs with 20 free blocks. Runs were stopped at 350 ticks: a third of
 /// the runs of one program, and most of the other.
 const STOPPED: &str = "examples/fit/stopped.csv";
 
-fn fitted(said: &str) -> (f64, f64) {
-    let fit: Value = serde_json::from_str(said).unwrap();
+fn fitted(output: &str) -> (f64, f64) {
+    let fit: Value = serde_json::from_str(output).unwrap();
     let number = &fit["numbers"][0];
     let [low, high] = [0, 1].map(|i| number["interval"][i].as_f64().unwrap());
     (low, high)
@@ -254,14 +260,14 @@ fn a_number_is_found_again_although_runs_were_stopped() {
     fs::write(&file, programs(8)).unwrap();
     let vary = ["--vary", "free=8..60 log"];
     let options = [&*file, "--data", STOPPED, "--out", &out, vary[0], vary[1]];
-    let said = stochc_with("fit --quiet --points 12 --json", &options);
-    assert_eq!((said.status, &*said.err), (0, ""), "{}", said.out);
-    let (low, high) = fitted(&said.out);
+    let outcome = stochc_with("fit --quiet --points 12 --json", &options);
+    assert_eq!((outcome.status, &*outcome.err), (0, ""), "{}", outcome.out);
+    let (low, high) = fitted(&outcome.out);
     assert!(
         low < 20.0 && 20.0 < high && high - low < 25.0,
         "{low} .. {high}"
     );
-    let fit: Value = serde_json::from_str(&said.out).unwrap();
+    let fit: Value = serde_json::from_str(&outcome.out).unwrap();
     let two = &fit["predictions"][1];
     assert_eq!(two["observed"]["horizon"], 350.0);
     let share = two["observed"]["incomplete"].as_f64().unwrap();
@@ -278,15 +284,15 @@ fn a_number_is_found_again_although_runs_were_stopped() {
     let clipped = path(folder.path(), "clipped.csv");
     fs::write(&clipped, rows.collect::<String>()).unwrap();
     let options = [&*file, "--data", &clipped, vary[0], vary[1]];
-    let said = stochc_with("fit --quiet --points 12 --json", &options);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("fit --quiet --points 12 --json", &options);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     for warned in [
         " times of `one` are 350; if these runs were stopped",
         "of `two` are 350",
     ] {
-        assert!(said.err.contains(warned), "{}", said.err);
+        assert!(outcome.err.contains(warned), "{}", outcome.err);
     }
-    let (low, _) = fitted(&said.out);
+    let (low, _) = fitted(&outcome.out);
     assert!(low > 20.0, "{low}");
 }
 
@@ -303,18 +309,18 @@ fn a_program_without_times_is_predicted_and_the_fitted_scene_is_a_program() {
     let vary = ["--vary", "free=8..60 log"];
     let options = [&*file, "--data", &data, "--out", &out, vary[0], vary[1]];
     let all = "fit --points 10 --predict two --predict-runs 50";
-    let said = stochc_with(&format!("{all} --dry-run"), &options[..3]);
-    assert_eq!(said.status, 2, "{}", said.err);
+    let outcome = stochc_with(&format!("{all} --dry-run"), &options[..3]);
+    assert_eq!(outcome.status, 2, "{}", outcome.err);
     let dry = stochc_with(&format!("{all} --dry-run"), &options);
     assert_eq!((dry.status, &*dry.err), (0, ""), "{}", dry.out);
     assert!(dry.out.starts_with("640 runs, about "), "{}", dry.out);
     assert!(dry.out.contains(" of CPU time"), "{}", dry.out);
     assert!(!fs::exists(&out).unwrap());
 
-    let said = stochc_with(all, &options);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.err.contains("640 runs, about "), "{}", said.err);
-    assert!(said.out.contains("not measured"), "{}", said.out);
+    let outcome = stochc_with(all, &options);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(outcome.err.contains("640 runs, about "), "{}", outcome.err);
+    assert!(outcome.out.contains("not measured"), "{}", outcome.out);
     let fit = fs::read_to_string(path(folder.path(), "out/fit.json")).unwrap();
     let fit: Value = serde_json::from_str(&fit).unwrap();
     let two = &fit["predictions"][1];
@@ -336,6 +342,6 @@ fn a_program_without_times_is_predicted_and_the_fitted_scene_is_a_program() {
     let user = path(folder.path(), "out/user.sa");
     let program = "import \"fitted.sa\"\nassembly a in small_fitted { seed plate 1 x 1 { M at (0, 0) }  phase p { M.up -> A } }\n";
     fs::write(&user, program).unwrap();
-    let said = stochc_with("simulate --runs 1 --quiet", &[&user]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("simulate --runs 1 --quiet", &[&user]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
 }

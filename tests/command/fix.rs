@@ -41,28 +41,32 @@ fn file(text: &[u8]) -> (tempfile::TempDir, String) {
 #[test]
 fn changes_are_shown_and_made_and_the_rest_is_told() {
     let (_folder, file) = file(WRONG.as_bytes());
-    let said = stochc_with("check --fix", &[&file]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains(DIFF), "{}", said.out);
+    let outcome = stochc_with("check --fix", &[&file]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(outcome.out.contains(DIFF), "{}", outcome.out);
     assert!(
-        said.out.contains("a: 1 capture in 1 phase\n  proved: "),
+        outcome.out.contains("a: 1 capture in 1 phase\n  proved: "),
         "{}",
-        said.out
+        outcome.out
     );
-    assert!(said.err.contains("3 changes made"), "{}", said.err);
+    assert!(outcome.err.contains("3 changes made"), "{}", outcome.err);
     assert_eq!(fs::read_to_string(&file).unwrap(), RIGHT);
-    let said = stochc_with("check --fix", &[&file]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    assert!(!said.out.contains("@@"), "{}", said.out);
+    let outcome = stochc_with("check --fix", &[&file]);
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    assert!(!outcome.out.contains("@@"), "{}", outcome.out);
 }
 
 #[test]
 fn a_dry_run_writes_nothing() {
     let (_folder, file) = file(WRONG.as_bytes());
-    let said = stochc_with("check --fix --dry-run", &[&file]);
-    assert_eq!(said.status, 1);
-    assert!(said.out.ends_with(DIFF), "{}", said.out);
-    assert!(said.err.ends_with("3 changes to make\n"), "{}", said.err);
+    let outcome = stochc_with("check --fix --dry-run", &[&file]);
+    assert_eq!(outcome.status, 1);
+    assert!(outcome.out.ends_with(DIFF), "{}", outcome.out);
+    assert!(
+        outcome.err.ends_with("3 changes to make\n"),
+        "{}",
+        outcome.err
+    );
     assert_eq!(fs::read_to_string(&file).unwrap(), WRONG);
     // Only the remaining diagnostics are shown.
     let rest = WRONG.replace(
@@ -70,16 +74,20 @@ fn a_dry_run_writes_nothing() {
         "phase p { M.up -> A; }\n    phase q { Quux.up -> C }",
     );
     fs::write(&file, &rest).unwrap();
-    let said = stochc_with("check --fix --dry-run", &[&file]);
-    assert_eq!(said.status, 1);
-    assert!(said.err.contains("1 change to make\n"), "{}", said.err);
+    let outcome = stochc_with("check --fix --dry-run", &[&file]);
+    assert_eq!(outcome.status, 1);
     assert!(
-        said.err.contains("cannot find block `Quux`"),
+        outcome.err.contains("1 change to make\n"),
         "{}",
-        said.err
+        outcome.err
     );
-    assert!(!said.err.contains("A;"), "{}", said.err);
-    assert!(said.err.contains("\n1 error"), "{}", said.err);
+    assert!(
+        outcome.err.contains("cannot find block `Quux`"),
+        "{}",
+        outcome.err
+    );
+    assert!(!outcome.err.contains("A;"), "{}", outcome.err);
+    assert!(outcome.err.contains("\n1 error"), "{}", outcome.err);
     assert_eq!(fs::read_to_string(&file).unwrap(), rest);
     assert_eq!(stochc_with("check --dry-run", &[&file]).status, 2);
 }
@@ -101,10 +109,10 @@ fn the_mark_and_the_ends_of_lines_stay() {
 fn documents_are_not_mixed_with_the_diff() {
     for format in ["json", "sarif"] {
         let (_folder, file) = file(WRONG.as_bytes());
-        let said = stochc_with(&format!("check --fix --format {format}"), &[&file]);
-        assert_eq!(said.status, 0);
-        said.json();
-        assert!(said.err.contains(DIFF), "{}", said.err);
+        let outcome = stochc_with(&format!("check --fix --format {format}"), &[&file]);
+        assert_eq!(outcome.status, 0);
+        outcome.json();
+        assert!(outcome.err.contains(DIFF), "{}", outcome.err);
     }
 }
 
@@ -113,8 +121,8 @@ fn imported_files_are_left_to_themselves() {
     let (folder, file) = file(b"import \"b.sa\"\n");
     let imported = path(folder.path(), "b.sa");
     fs::write(&imported, "let n = 1;\n").unwrap();
-    let said = stochc_with("check --fix", &[&file]);
-    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    let outcome = stochc_with("check --fix", &[&file]);
+    assert_eq!((outcome.status, outcome.out.as_str()), (1, ""));
     assert_eq!(fs::read_to_string(&imported).unwrap(), "let n = 1;\n");
     assert_eq!(stochc_with("check --fix", &[&imported]).status, 0);
     assert_eq!(fs::read_to_string(&imported).unwrap(), "let n = 1\n");
@@ -140,12 +148,12 @@ fn links_permissions_and_protected_files() {
     let link = path(folder.path(), "link.sa");
     symlink("a.sa", &link).unwrap();
     fs::set_permissions(&file, fs::Permissions::from_mode(0o400)).unwrap();
-    let said = stochc_with("check --fix", &[&link]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with("check --fix", &[&link]);
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err.contains("is left as it is: permission denied"),
+        outcome.err.contains("is left as it is: permission denied"),
         "{}",
-        said.err
+        outcome.err
     );
     assert_eq!(fs::read_to_string(&file).unwrap(), WRONG);
     fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();

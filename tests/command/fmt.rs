@@ -1,4 +1,4 @@
-use crate::stochc::{command, path, said, stochc, stochc_reading, stochc_with};
+use crate::stochc::{command, path, run_command, stochc, stochc_reading, stochc_with};
 
 const CARELESS: &str = "assembly a{seed plate 1 x 1{M at(0,0)}// plate\nphase p{M.up->A}}";
 const LAID_OUT: &str = "\
@@ -18,9 +18,9 @@ fn files_are_laid_out_in_place() {
     for file in [&a, &b, &text] {
         std::fs::write(file, CARELESS).unwrap();
     }
-    let said = stochc_with("fmt", &[folder.path().to_str().unwrap()]);
+    let outcome = stochc_with("fmt", &[folder.path().to_str().unwrap()]);
     assert_eq!(
-        (said.status, said.out, said.err),
+        (outcome.status, outcome.out, outcome.err),
         (0, String::new(), String::new())
     );
     assert_eq!(std::fs::read_to_string(&a).unwrap(), LAID_OUT);
@@ -35,14 +35,14 @@ fn check_shows_what_would_change_and_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "a.sa");
     std::fs::write(&file, LAID_OUT.replace("M.up -> A", "M.up->A")).unwrap();
-    let said = stochc_with("fmt --check", &[&file]);
-    assert_eq!(said.status, 1);
+    let outcome = stochc_with("fmt --check", &[&file]);
+    assert_eq!(outcome.status, 1);
     for line in [
         "-    phase p { M.up->A }\n",
         "+    phase p { M.up -> A }\n",
         "@@ -1,4 +1,4 @@",
     ] {
-        assert!(said.out.contains(line), "{}", said.out);
+        assert!(outcome.out.contains(line), "{}", outcome.out);
     }
     assert!(std::fs::read_to_string(&file).unwrap().contains("M.up->A"));
 }
@@ -53,17 +53,17 @@ fn a_wrong_program_is_left_as_it_is_and_the_others_are_laid_out() {
     let (a, b) = (path(folder.path(), "a.sa"), path(folder.path(), "b.sa"));
     std::fs::write(&a, "assembly a  {").unwrap();
     std::fs::write(&b, CARELESS).unwrap();
-    let said = stochc_with("fmt", &[&a, &b]);
-    assert_eq!(said.status, 1);
-    assert!(said.err.contains("unclosed-brace"), "{}", said.err);
+    let outcome = stochc_with("fmt", &[&a, &b]);
+    assert_eq!(outcome.status, 1);
+    assert!(outcome.err.contains("unclosed-brace"), "{}", outcome.err);
     assert_eq!(std::fs::read_to_string(&a).unwrap(), "assembly a  {");
     assert_eq!(std::fs::read_to_string(&b).unwrap(), LAID_OUT);
 
     std::fs::write(&a, b"// \xff").unwrap();
     assert_eq!(stochc_with("fmt", &[&a]).status, 1);
-    let said = stochc_with("fmt", &[&path(folder.path(), "none.sa")]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("file not found"), "{}", said.err);
+    let outcome = stochc_with("fmt", &[&path(folder.path(), "none.sa")]);
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains("file not found"), "{}", outcome.err);
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn permissions_and_links_stay() {
 #[test]
 fn the_standard_input_goes_to_the_standard_output() {
     assert_eq!(stochc_reading("fmt -", CARELESS).out, LAID_OUT);
-    assert_eq!(said(&mut command(["fmt", "-"])).out, "");
+    assert_eq!(run_command(&mut command(["fmt", "-"])).out, "");
 }
 
 #[test]
@@ -106,21 +106,21 @@ fn a_lone_carriage_return_is_refused() {
     let file = path(folder.path(), "a.sa");
     let text = LAID_OUT.replacen('\n', "\r", 1);
     std::fs::write(&file, &text).unwrap();
-    let said = stochc_with("fmt", &[&file]);
-    assert_eq!(said.status, 1);
+    let outcome = stochc_with("fmt", &[&file]);
+    assert_eq!(outcome.status, 1);
     assert!(
-        said.err.contains("carriage return without a line feed"),
+        outcome.err.contains("carriage return without a line feed"),
         "{}",
-        said.err
+        outcome.err
     );
     assert_eq!(std::fs::read_to_string(&file).unwrap(), text);
 }
 
 #[test]
 fn the_programs_of_this_project_are_laid_out() {
-    let said = stochc("fmt --check examples compiler/src/scene/hemisphere.sa");
+    let outcome = stochc("fmt --check examples compiler/src/scene/hemisphere.sa");
     assert_eq!(
-        (said.status, said.out.as_str(), said.err.as_str()),
+        (outcome.status, outcome.out.as_str(), outcome.err.as_str()),
         (0, "", "")
     );
 }

@@ -20,8 +20,8 @@ fn damage_is_told_and_what_is_sound_is_saved() {
     let out = path(folder.path(), "out");
     assert_eq!(stochc_with(SIMULATE, &[&out]).status, 0);
     let whole = tables(&out);
-    let said = stochc_with("fsck", &[&out]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let outcome = stochc_with("fsck", &[&out]);
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     for name in [
         "manifest.json",
         "journal.jsonl",
@@ -29,9 +29,9 @@ fn damage_is_told_and_what_is_sound_is_saved() {
         "recordings/1-2.rec",
     ] {
         assert!(
-            said.out.contains(&format!("{name}: sound\n")),
+            outcome.out.contains(&format!("{name}: sound\n")),
             "{}",
-            said.out
+            outcome.out
         );
     }
     let names = [
@@ -50,23 +50,28 @@ fn damage_is_told_and_what_is_sound_is_saved() {
     for name in names {
         flip(&out, name, 700);
     }
-    let said = stochc_with("fsck", &[&out]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with("fsck", &[&out]);
+    assert_eq!(outcome.status, 2);
     for name in names {
         assert!(
-            said.out.contains(&format!("{name}: damaged: ")),
+            outcome.out.contains(&format!("{name}: damaged: ")),
             "{}",
-            said.out
+            outcome.out
         );
     }
-    assert_eq!(said.out.matches(": damaged: ").count(), 4, "{}", said.out);
+    assert_eq!(
+        outcome.out.matches(": damaged: ").count(),
+        4,
+        "{}",
+        outcome.out
+    );
     assert!(!Path::new(&out).join("damaged").exists());
-    let told = stochc_with("show", &[&out]);
-    assert_eq!(told.status, 2);
-    assert!(told.err.contains("`stochc fsck"), "{}", told.err);
-    let said = stochc_with("fsck --repair", &[&out]);
-    assert_eq!(said.status, 0, "{}{}", said.out, said.err);
-    assert!(said.out.contains("5 of 6 runs are kept"), "{}", said.out);
+    let shown = stochc_with("show", &[&out]);
+    assert_eq!(shown.status, 2);
+    assert!(shown.err.contains("`stochc fsck"), "{}", shown.err);
+    let outcome = stochc_with("fsck --repair", &[&out]);
+    assert_eq!(outcome.status, 0, "{}{}", outcome.out, outcome.err);
+    assert!(outcome.out.contains("5 of 6 runs are kept"), "{}", outcome.out);
     // The backup contains the corrupted files, and all files that depend on the lost line of the
     // journal.
     let others = ["checksums.json", "bonds.parquet", "phases.parquet"];
@@ -76,13 +81,13 @@ fn damage_is_told_and_what_is_sound_is_saved() {
         assert!(Path::new(&aside).exists(), "{name}");
     }
     assert_eq!(stochc_with("fsck", &[&out]).status, 0);
-    let said = stochc_with("resume --quiet --record all", &[&out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("resume --quiet --record all", &[&out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(tables(&out) == whole);
     let page = path(folder.path(), "page.html");
     let program = ["--program", "dense [free=12]", "--run", "1", "--out", &page];
-    let said = stochc_with("replay", &[&[&out[..]], &program[..]].concat());
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("replay", &[&[&out[..]], &program[..]].concat());
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
 }
 
 #[test]
@@ -91,19 +96,23 @@ fn a_damaged_manifest_is_not_repaired() {
     let out = path(folder.path(), "out");
     assert_eq!(stochc_with(SIMULATE, &[&out]).status, 0);
     flip(&out, "manifest.json", 700);
-    let said = stochc_with("fsck --repair", &[&out]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with("fsck --repair", &[&out]);
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err.contains("is damaged beyond repair"),
+        outcome.err.contains("is damaged beyond repair"),
         "{}",
-        said.err
+        outcome.err
     );
     assert!(!Path::new(&out).join("damaged").exists());
 }
 
 #[test]
 fn what_is_no_folder_of_results_is_told_of() {
-    let said = stochc_with("fsck", &["tests/fixtures"]);
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
-    assert!(said.err.contains("contains no results"), "{}", said.err);
+    let outcome = stochc_with("fsck", &["tests/fixtures"]);
+    assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
+    assert!(
+        outcome.err.contains("contains no results"),
+        "{}",
+        outcome.err
+    );
 }

@@ -8,9 +8,9 @@ const ATTACHED: &str = "tests/fixtures/attached.sa";
 
 #[test]
 fn what_is_attached_is_summed_up_apart() {
-    let said = stochc("check --cost=9 tests/fixtures/attached.sa");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    let (reject, suction) = said.out.split_once("\nsucked: ").unwrap();
+    let outcome = stochc("check --cost=9 tests/fixtures/attached.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    let (reject, suction) = outcome.out.split_once("\nsucked: ").unwrap();
     let first = "attached: 1 pre-attached block, 2 captures and 1 release in 2 phases, 1 warning allowed\n  \
          proved: completes in every order\n";
     assert!(reject.contains(first), "{reject}");
@@ -23,15 +23,16 @@ fn what_is_attached_is_summed_up_apart() {
             .starts_with("1 pre-attached block, 2 captures and 1 release in 2 phases\n  proved: "),
         "{suction}"
     );
-    let said = stochc("verify tests/fixtures/attached.sa");
+    let outcome = stochc("verify tests/fixtures/attached.sa");
     let strays = "Stray blocks that dock at any moment change nothing.\n";
     assert!(
-        said.out
+        outcome
+            .out
             .ends_with("2 programs verified; every order of events explored: 2\n"),
         "{}",
-        said.out
+        outcome.out
     );
-    assert_eq!(said.out.matches(strays).count(), 1, "{}", said.out);
+    assert_eq!(outcome.out.matches(strays).count(), 1, "{}", outcome.out);
 }
 
 #[test]
@@ -39,14 +40,18 @@ fn runs_count_what_docks_where_nobody_expects_it() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "runs");
     let arguments = [ATTACHED, "--runs", "20", "--out", &out, "--captures"];
-    let said = stochc_with("simulate --model shuffle --quiet", &arguments);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    assert_eq!(said.row("Captures"), ["3", "3"]);
-    let unplanned = said.row("Unplanned bonds");
+    let outcome = stochc_with("simulate --model shuffle --quiet", &arguments);
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    assert_eq!(outcome.row("Captures"), ["3", "3"]);
+    let unplanned = outcome.row("Unplanned bonds");
     assert!(unplanned[0].parse::<f64>().unwrap() > 0.2, "{unplanned:?}");
     assert_eq!(unplanned[1], "-");
-    assert!(said.out.contains("assemble: A.east -> B"), "{}", said.out);
-    assert!(!said.out.contains("P.up -> A"), "{}", said.out);
+    assert!(
+        outcome.out.contains("assemble: A.east -> B"),
+        "{}",
+        outcome.out
+    );
+    assert!(!outcome.out.contains("P.up -> A"), "{}", outcome.out);
     let journal = fs::read_to_string(path(folder.path(), "runs/journal.jsonl")).unwrap();
     let mut counted = [0, 0];
     for line in journal.lines().skip(1) {
@@ -64,27 +69,30 @@ fn runs_count_what_docks_where_nobody_expects_it() {
     assert_eq!(counted[1], 0, "suction has to be switched on");
     // Reading the folder again gives the same output.
     let again = stochc_with("show --captures", &[&out]);
-    assert_eq!((again.status, again.out), (0, said.out));
+    assert_eq!((again.status, again.out), (0, outcome.out));
     let page = stochc_with(
         "report",
         &[&out, "--out", &path(folder.path(), "page.html")],
     );
     assert_eq!(page.status, 0, "{}", page.err);
-    let told = (0..20).map(|run| {
+    let traces = (0..20).map(|run| {
         let run = run.to_string();
         stochc_with("trace --model shuffle --run", &[&run, ATTACHED]).out
     });
-    let told: String = told.collect();
-    assert!(told.contains(" unplanned bond, undone at once\n"), "{told}");
+    let traces: String = traces.collect();
     assert!(
-        told.contains(" unplanned bonds, undone at once\n"),
-        "{told}"
+        traces.contains(" unplanned bond, undone at once\n"),
+        "{traces}"
+    );
+    assert!(
+        traces.contains(" unplanned bonds, undone at once\n"),
+        "{traces}"
     );
 }
 
 #[test]
 fn tables_say_how_to_capture_and_to_let_go() {
-    let said = stochc("compile tests/fixtures/attached.sa");
+    let outcome = stochc("compile tests/fixtures/attached.sa");
     for line in [
         "plate 1 x 1, every face always attracts\notherwise: reject what docks on any other face\n",
         "phase seed: attached by hand, before the first tick\nphase assemble: ends after 1 report\n",
@@ -95,7 +103,7 @@ fn tables_say_how_to_capture_and_to_let_go() {
         "open north for C at (0, 1, 1)\n",
         "once B asks: close east, which frees B\n",
     ] {
-        assert!(said.out.contains(line), "{line} in {}", said.out);
+        assert!(outcome.out.contains(line), "{line} in {}", outcome.out);
     }
 }
 
@@ -111,8 +119,8 @@ fn blocks_attached_by_hand_grow_in_a_physical_world() {
     let formatted = stochc_with("fmt --check", &[&file]);
     assert_eq!(formatted.status, 0, "{}", formatted.out);
     let out = path(folder.path(), "runs");
-    let said = stochc_with("simulate --runs 1 --record 0 --out", &[&out, &file]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("simulate --runs 1 --record 0 --out", &[&out, &file]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let journal = fs::read_to_string(path(folder.path(), "runs/journal.jsonl")).unwrap();
     let line: serde_json::Value = serde_json::from_str(journal.lines().nth(1).unwrap()).unwrap();
     let record = &line["record"];
@@ -150,8 +158,8 @@ fn nothing_else_is_done_by_hand() {
         let text =
             format!("assembly a {{ seed plate 1 x 1 {{ P at (0, 0)  {seed} }} phase p {{ }} }}\n");
         fs::write(&file, text).unwrap();
-        let said = stochc_with("check", &[&file]);
-        assert_eq!(said.status, 1, "{seed}: {}", said.out);
-        assert!(said.err.contains(part), "{seed}: {}", said.err);
+        let outcome = stochc_with("check", &[&file]);
+        assert_eq!(outcome.status, 1, "{seed}: {}", outcome.out);
+        assert!(outcome.err.contains(part), "{seed}: {}", outcome.err);
     }
 }

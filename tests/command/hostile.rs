@@ -3,7 +3,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use crate::stochc::{Said, path, stochc, stochc_with};
+use crate::stochc::{Outcome, path, stochc, stochc_with};
 
 /// Name that clears the screen, reverses the reading direction, and begins a new line.
 const NAME: &str = "a\u{1b}[2J\u{202e}b\nerror: forged\u{e0041}";
@@ -16,11 +16,14 @@ fn is_harmless(text: &str) -> bool {
 }
 
 #[track_caller]
-fn assert_harmless(said: &Said, is_data: bool) {
-    assert!(is_harmless(&said.err), "{:?}", said.err);
-    assert!(is_data || is_harmless(&said.out), "{:?}", said.out);
-    let told = format!("{}{}", said.out, said.err);
-    assert!(is_data || told.contains("⟨U+001B⟩[2J⟨U+202E⟩b"), "{told}");
+fn assert_harmless(outcome: &Outcome, is_data: bool) {
+    assert!(is_harmless(&outcome.err), "{:?}", outcome.err);
+    assert!(is_data || is_harmless(&outcome.out), "{:?}", outcome.out);
+    let printed = format!("{}{}", outcome.out, outcome.err);
+    assert!(
+        is_data || printed.contains("⟨U+001B⟩[2J⟨U+202E⟩b"),
+        "{printed}"
+    );
 }
 
 const TOWER: &str = include_str!("../fixtures/tower.sa");
@@ -188,7 +191,7 @@ fn imports_stay_within_the_folder_of_the_program() {
     let other = at("other");
     let checked = |more: &[&str]| {
         let words = [more, &[&*program]].concat();
-        let said = stochc_with("check", &words);
+        let outcome = stochc_with("check", &words);
         // Every command that compiles the file prints the same message.
         for line in [
             "compile --emit structure",
@@ -197,12 +200,12 @@ fn imports_stay_within_the_folder_of_the_program() {
         ] {
             assert_eq!(
                 stochc_with(line, &words).status,
-                said.status,
+                outcome.status,
                 "{line}: {}",
-                said.err
+                outcome.err
             );
         }
-        said
+        outcome
     };
     for path in [
         "../other/secret",
@@ -211,14 +214,18 @@ fn imports_stay_within_the_folder_of_the_program() {
         "../other/none",
     ] {
         importing(path);
-        let said = checked(&[]);
-        assert_eq!(said.status, 1, "{}", said.err);
-        assert!(said.err.contains("import-outside"), "{}", said.err);
-        assert!(said.err.contains("--allow-import DIR"), "{}", said.err);
+        let outcome = checked(&[]);
+        assert_eq!(outcome.status, 1, "{}", outcome.err);
+        assert!(outcome.err.contains("import-outside"), "{}", outcome.err);
         assert!(
-            !said.err.contains("somebody") && !said.err.contains("root:"),
+            outcome.err.contains("--allow-import DIR"),
             "{}",
-            said.err
+            outcome.err
+        );
+        assert!(
+            !outcome.err.contains("somebody") && !outcome.err.contains("root:"),
+            "{}",
+            outcome.err
         );
     }
     importing("deep/importing_tower.sa");
@@ -238,9 +245,9 @@ fn imports_stay_within_the_folder_of_the_program() {
         assert_eq!(checked(&[]).status, 1);
         assert_eq!(checked(&["--allow-import", &other]).status, 0);
     }
-    let said = stochc_with("check --allow-import", &[&at("none"), &program]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("--allow-import"), "{}", said.err);
+    let outcome = stochc_with("check --allow-import", &[&at("none"), &program]);
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains("--allow-import"), "{}", outcome.err);
     assert!(Path::new("tests/fixtures/importing.sa").exists());
     assert_eq!(stochc("check tests/fixtures/importing.sa").status, 0);
 }
@@ -258,22 +265,22 @@ fn a_file_is_read_once_by_whatever_path_it_is_imported() {
         stochc_with("check --deny warnings", &[&at("lib/program.sa")])
     };
     for other in ["../lib/tower.sa", ".//tower.sa", &at("lib/tower.sa")] {
-        let said = program(&format!("import \"tower.sa\"\nimport \"{other}\"\n"));
-        assert_eq!(said.status, 0, "{other}: {}", said.err);
+        let outcome = program(&format!("import \"tower.sa\"\nimport \"{other}\"\n"));
+        assert_eq!(outcome.status, 0, "{other}: {}", outcome.err);
     }
-    let circle = |said: crate::stochc::Said| {
-        assert_eq!(said.status, 1);
-        let code = said.err.lines().next().unwrap_or_default();
-        assert!(code.starts_with("error[import-cycle]"), "{}", said.err);
-        assert!(!said.err.contains("duplicate-name"), "{}", said.err);
+    let circle = |outcome: crate::stochc::Outcome| {
+        assert_eq!(outcome.status, 1);
+        let code = outcome.err.lines().next().unwrap_or_default();
+        assert!(code.starts_with("error[import-cycle]"), "{}", outcome.err);
+        assert!(!outcome.err.contains("duplicate-name"), "{}", outcome.err);
     };
     circle(program(r#"import "tower.sa" import "../lib/program.sa" "#));
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink("tower.sa", at("lib/link.sa")).unwrap();
         std::os::unix::fs::symlink(".", at("lib/here")).unwrap();
-        let said = program(r#"import "tower.sa" import "link.sa" import "here/tower.sa" "#);
-        assert_eq!(said.status, 0, "{}", said.err);
+        let outcome = program(r#"import "tower.sa" import "link.sa" import "here/tower.sa" "#);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
         circle(program(r#"import "tower.sa" import "here/program.sa" "#));
     }
 }

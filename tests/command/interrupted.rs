@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::stochc::{Said, path, stochc_with};
+use crate::stochc::{Outcome, path, stochc_with};
 
 /// Time limit that exceeds all waits on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -42,12 +42,12 @@ fn start(arguments: &[&str]) -> Child {
 }
 
 /// Sends a signal to a process, and waits until it ends.
-fn interrupt(child: Child, signal: &str) -> Said {
+fn interrupt(child: Child, signal: &str) -> Outcome {
     let id = child.id().to_string();
     let sent = Command::new("kill").args([signal, &id]).status().unwrap();
     assert!(sent.success());
     let output = child.wait_with_output().unwrap();
-    Said {
+    Outcome {
         status: output.status.code().unwrap(),
         out: String::from_utf8(output.stdout).unwrap(),
         err: String::from_utf8(output.stderr).unwrap(),
@@ -76,17 +76,20 @@ fn what_is_finished_is_kept() {
     let lines = || fs::read_to_string(&journal).map_or(0, |text| text.matches('\n').count());
     let mut child = start(&simulate);
     until(&mut child, "first finished run", || lines() == 2);
-    let said = interrupt(child, "-INT");
-    assert_eq!(said.status, 130, "{}", said.err);
-    assert!(said.err.contains("stochc resume "), "{}", said.err);
-    assert!(!said.err.contains("panicked"), "{}", said.err);
-    assert_eq!(said.row("Runs completed"), ["1", "of", "1", "0", "of", "1"]);
+    let outcome = interrupt(child, "-INT");
+    assert_eq!(outcome.status, 130, "{}", outcome.err);
+    assert!(outcome.err.contains("stochc resume "), "{}", outcome.err);
+    assert!(!outcome.err.contains("panicked"), "{}", outcome.err);
+    assert_eq!(
+        outcome.row("Runs completed"),
+        ["1", "of", "1", "0", "of", "1"]
+    );
     assert_eq!(lines(), 2);
 
     let results = stochc_with("show", &[&out]);
     assert_eq!(results.status, 3);
     assert_eq!(results.err, "1 of 2 runs is still to do\n");
-    assert_eq!(results.out, said.out);
+    assert_eq!(results.out, outcome.out);
     // The table contains the run that was finished.
     let tables = path(folder.path(), "tables");
     let written = stochc_with("show", &[&out, "--tables", &tables]);
@@ -101,9 +104,9 @@ fn what_is_finished_is_kept() {
     {
         let mut child = start(&["resume", "--threads", "2", &out]);
         listens(&mut child);
-        let said = interrupt(child, "-TERM");
-        assert_eq!(said.status, 130, "{}", said.err);
-        assert_eq!(said.out, results.out);
+        let outcome = interrupt(child, "-TERM");
+        assert_eq!(outcome.status, 130, "{}", outcome.err);
+        assert_eq!(outcome.out, results.out);
     }
 }
 
@@ -131,14 +134,14 @@ fn without_a_folder_nothing_is_kept() {
     ];
     let mut child = start(&still);
     listens(&mut child);
-    let said = interrupt(child, "-INT");
-    assert_eq!(said.status, 130);
-    assert!(said.err.contains("with `--out DIR`"), "{}", said.err);
-    assert!(!said.err.contains("stochc resume"), "{}", said.err);
+    let outcome = interrupt(child, "-INT");
+    assert_eq!(outcome.status, 130);
+    assert!(outcome.err.contains("with `--out DIR`"), "{}", outcome.err);
+    assert!(!outcome.err.contains("stochc resume"), "{}", outcome.err);
     let mut child = start(&[&["trace"], &still[1..]].concat());
     listens(&mut child);
-    let said = interrupt(child, "-INT");
-    assert_eq!((said.status, said.out.as_str()), (130, ""));
+    let outcome = interrupt(child, "-INT");
+    assert_eq!((outcome.status, outcome.out.as_str()), (130, ""));
 }
 
 #[test]
@@ -162,9 +165,9 @@ fn a_trade_tells_what_it_has_measured() {
         let text = fs::read_to_string(&journal).unwrap_or_default();
         text.matches('\n').count() > 2
     });
-    let said = interrupt(child, "-INT");
-    assert_eq!(said.status, 130, "{}", said.err);
-    assert!(said.out.contains("CPU/run"), "{}", said.out);
+    let outcome = interrupt(child, "-INT");
+    assert_eq!(outcome.status, 130, "{}", outcome.err);
+    assert!(outcome.out.contains("CPU/run"), "{}", outcome.out);
     let kept = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
     let kept: serde_json::Value = serde_json::from_str(&kept).unwrap();
     let runs = kept["candidates"][0]["programs"][0]["runs"]
@@ -190,9 +193,14 @@ fn an_ignored_signal_stays_ignored() {
     assert!(sent.success());
     std::thread::sleep(Duration::from_millis(500));
     assert!(child.try_wait().unwrap().is_none());
-    let said = interrupt(child, "-TERM");
-    assert_eq!(said.status, 130, "{}", said.err);
-    assert_eq!(said.err.matches("stopping").count(), 1, "{}", said.err);
+    let outcome = interrupt(child, "-TERM");
+    assert_eq!(outcome.status, 130, "{}", outcome.err);
+    assert_eq!(
+        outcome.err.matches("stopping").count(),
+        1,
+        "{}",
+        outcome.err
+    );
 }
 
 /// Checks an interrupted search at any time: the command prints the best plan so far, or none.
@@ -209,16 +217,20 @@ fn the_best_plan_is_kept() {
         names.into_iter().any(|name| name.trim() == "signals")
     };
     until(&mut child, "thread that listens", listens);
-    let said = interrupt(child, "-INT");
-    assert_eq!(said.status, 130, "{}", said.err);
-    if said.out.is_empty() {
+    let outcome = interrupt(child, "-INT");
+    assert_eq!(outcome.status, 130, "{}", outcome.err);
+    if outcome.out.is_empty() {
         assert!(
-            said.err.contains("stopped before there was a plan"),
+            outcome.err.contains("stopped before there was a plan"),
             "{}",
-            said.err
+            outcome.err
         )
     } else {
-        assert!(said.out.contains("yields five_towers"), "{}", said.out);
-        assert!(said.err.contains("the best of"), "{}", said.err);
+        assert!(
+            outcome.out.contains("yields five_towers"),
+            "{}",
+            outcome.out
+        );
+        assert!(outcome.err.contains("the best of"), "{}", outcome.err);
     }
 }

@@ -6,7 +6,7 @@ use std::fs;
 use serde_json::{Map, Value, json};
 
 use crate::pages::assert_page;
-use crate::stochc::{Said, path, stochc, stochc_with};
+use crate::stochc::{Outcome, path, stochc, stochc_with};
 
 const SCHEMA: &str = include_str!("../../docs/reference/json.schema.json");
 
@@ -143,9 +143,13 @@ fn assert_valid(name: &str, text: &str) {
 }
 
 #[track_caller]
-fn assert_output(name: &str, said: &Said) {
-    assert!([0, 1, 3].contains(&said.status), "{name}: {}", said.err);
-    assert_valid(name, &said.out);
+fn assert_output(name: &str, outcome: &Outcome) {
+    assert!(
+        [0, 1, 3].contains(&outcome.status),
+        "{name}: {}",
+        outcome.err
+    );
+    assert_valid(name, &outcome.out);
 }
 
 const LATE: &str = "tests/fixtures/late.sa";
@@ -156,8 +160,8 @@ fn results_have_schemas() {
     let [out, cut] = ["out", "cut"].map(|name| path(folder.path(), name));
     let files = ["examples/five_tower_reconfigured.sa", LATE];
     let simulate = "simulate --quiet --model shuffle --runs 4 --json --captures --out";
-    let said = stochc_with(simulate, &[&[out.as_str()], &files[..]].concat());
-    assert_output("show", &said);
+    let outcome = stochc_with(simulate, &[&[out.as_str()], &files[..]].concat());
+    assert_output("show", &outcome);
     assert_output("show", &stochc_with("show --json", &[&out]));
     let alone = "trace --model rigid --substeps 1 --max-ticks 400 --json --quiet --run 0";
     assert_output("runs", &stochc_with(alone, &files));
@@ -200,13 +204,13 @@ fn estimates_plans_and_trades_have_schemas() {
 fn checks_have_schemas() {
     let files = "examples/five_tower.sa examples/experiment_2.sa tests/fixtures/wrong.sa";
     assert_output("check", &stochc(&format!("check --json {files}")));
-    let said = stochc("check --json --cost=2 --physics examples/five_tower.sa");
-    assert_output("check", &said);
-    let cost = &said.json()["programs"][0]["cost"];
+    let outcome = stochc("check --json --cost=2 --physics examples/five_tower.sa");
+    assert_output("check", &outcome);
+    let cost = &outcome.json()["programs"][0]["cost"];
     assert_eq!(cost["captures"].as_array().unwrap().len(), 2);
     assert!(cost["total"]["median"].is_number(), "{cost}");
     // Only the document contains the costs.
-    assert!(!said.err.contains("depth"), "{}", said.err);
+    assert!(!outcome.err.contains("depth"), "{}", outcome.err);
 }
 
 #[test]

@@ -6,24 +6,24 @@ use std::os::unix::net::UnixListener;
 use std::path::Path;
 use std::process::Command;
 
-use crate::stochc::{Said, path, stochc, stochc_with};
+use crate::stochc::{Outcome, path, stochc, stochc_with};
 
 fn pipe(path: &str) {
     let made = Command::new("mkfifo").arg(path).status().unwrap();
     assert!(made.success());
 }
 
-fn refused(said: &Said, status: i32, what: &str) {
-    let told = [
+fn refused(outcome: &Outcome, status: i32, what: &str) {
+    let reasons = [
         "it is not a regular file",
         "is a folder",
         "contains no program",
     ];
-    let told = told.iter().any(|reason| said.err.contains(reason));
-    assert!(told, "{what}: {}{}", said.out, said.err);
-    assert_eq!(said.status, status, "{what}: {}", said.err);
+    let is_reported = reasons.iter().any(|reason| outcome.err.contains(reason));
+    assert!(is_reported, "{what}: {}{}", outcome.out, outcome.err);
+    assert_eq!(outcome.status, status, "{what}: {}", outcome.err);
     // `report` takes its name from the input.
-    assert!(said.out.is_empty(), "{what}: {}", said.out);
+    assert!(outcome.out.is_empty(), "{what}: {}", outcome.out);
 }
 
 #[test]
@@ -60,11 +60,11 @@ fn only_ordinary_files_are_read() {
         refused(&stochc_with("check", &allowed), 1, name);
     }
     // A link to a regular file is accepted.
-    let said = stochc_with("check", &[&here("tower.sa")]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("check", &[&here("tower.sa")]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     for device in ["/dev/zero", "/dev/null", "/dev/tty"] {
-        let said = stochc(&format!("check {device}"));
-        assert_eq!(said.status, 2, "{device}: {}", said.err);
+        let outcome = stochc(&format!("check {device}"));
+        assert_eq!(outcome.status, 2, "{device}: {}", outcome.err);
     }
 }
 
@@ -107,17 +107,17 @@ fn only_ordinary_files_belong_to_a_folder_of_results() {
             let place = Path::new(&out).join(name);
             fs::remove_file(&place).unwrap();
             pipe(place.to_str().unwrap());
-            let said = match *line {
+            let outcome = match *line {
                 "simulate" => stochc_with(simulate, &[&out]),
                 "report" => stochc_with("report", &[&out, "--out", &report]),
                 line => stochc_with(line, &[&out]),
             };
-            refused(&said, 2, &format!("{line}, {name}"));
+            refused(&outcome, 2, &format!("{line}, {name}"));
             fs::remove_dir_all(&out).unwrap();
         }
     }
     let out = path(folder.path(), "out");
     assert_eq!(stochc_with(simulate, &[&out]).status, 0);
-    let said = stochc_with("report", &[&out, "--out", &page]);
-    refused(&said, 2, "a page of a report");
+    let outcome = stochc_with("report", &[&out, "--out", &page]);
+    refused(&outcome, 2, "a page of a report");
 }

@@ -11,34 +11,39 @@ fn a_denied_warning_is_an_error_for_every_command() {
             "--deny warnings",
             "--deny=empty-phase,unused-seed",
         ] {
-            let said = stochc(&format!("{command} {denied} {CARELESS}"));
+            let outcome = stochc(&format!("{command} {denied} {CARELESS}"));
             assert_eq!(
-                (said.status, said.out.as_str()),
+                (outcome.status, outcome.out.as_str()),
                 (1, ""),
                 "{command} {denied}"
             );
             assert!(
-                said.err
+                outcome
+                    .err
                     .contains("error[unused-seed]: seed `N` is never used"),
                 "{}",
-                said.err
+                outcome.err
             );
         }
-        let said = stochc(&format!("{command} --deny empty-phase {CARELESS}"));
-        assert_eq!(said.status, 0, "{command}: {}", said.err);
+        let outcome = stochc(&format!("{command} --deny empty-phase {CARELESS}"));
+        assert_eq!(outcome.status, 0, "{command}: {}", outcome.err);
     }
-    let said = stochc(&format!("check --deny warnings --format short {CARELESS}"));
-    assert!(said.out.contains(": error[unused-seed]: "), "{}", said.out);
+    let outcome = stochc(&format!("check --deny warnings --format short {CARELESS}"));
+    assert!(
+        outcome.out.contains(": error[unused-seed]: "),
+        "{}",
+        outcome.out
+    );
 }
 
 #[test]
 fn an_allowed_warning_is_counted_and_not_told() {
-    let said = stochc(&format!("check --allow unused-seed {CARELESS}"));
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let outcome = stochc(&format!("check --allow unused-seed {CARELESS}"));
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     assert!(
-        said.out.contains("1 phase, 1 warning allowed\n"),
+        outcome.out.contains("1 phase, 1 warning allowed\n"),
         "{}",
-        said.out
+        outcome.out
     );
 }
 
@@ -50,8 +55,8 @@ fn the_last_word_of_the_command_line_counts() {
         ("--deny unused-seed --allow warnings", 0),
         ("--allow warnings --deny unused-seed", 1),
     ] {
-        let said = stochc(&format!("check {options} {CARELESS}"));
-        assert_eq!(said.status, status, "{options}: {}", said.err);
+        let outcome = stochc(&format!("check {options} {CARELESS}"));
+        assert_eq!(outcome.status, status, "{options}: {}", outcome.err);
     }
 }
 
@@ -63,16 +68,16 @@ fn codes_of_the_command_line_are_checked() {
         ("nonsense", "`stochc explain` lists all codes"),
     ] {
         for option in ["--allow", "--warn", "--deny"] {
-            let said = stochc(&format!("check {option} {code} {CARELESS}"));
-            assert_eq!(said.status, 2, "{option} {code}");
-            assert!(said.err.contains(reason), "{}", said.err);
+            let outcome = stochc(&format!("check {option} {code} {CARELESS}"));
+            assert_eq!(outcome.status, 2, "{option} {code}");
+            assert!(outcome.err.contains(reason), "{}", outcome.err);
         }
     }
-    let said = stochc("explain unused-sede");
+    let outcome = stochc("explain unused-sede");
     assert!(
-        said.err.contains("did you mean `unused-seed`?"),
+        outcome.err.contains("did you mean `unused-seed`?"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -89,17 +94,17 @@ fn the_file_counts_more_than_the_command_line() {
     };
     program("allow unused-seed \"a mark\"");
     for options in ["", "--deny warnings", "--deny unused-seed"] {
-        let said = stochc_with(&format!("check {options}"), &[&file]);
-        assert_eq!((said.status, said.err.as_str()), (0, ""), "{options}");
+        let outcome = stochc_with(&format!("check {options}"), &[&file]);
+        assert_eq!((outcome.status, outcome.err.as_str()), (0, ""), "{options}");
     }
     program("deny unused-seed \"every seed has a tower\"");
     for options in ["", "--allow warnings", "--warn unused-seed"] {
-        let said = stochc_with(&format!("check {options}"), &[&file]);
-        assert_eq!(said.status, 1, "{options}");
+        let outcome = stochc_with(&format!("check {options}"), &[&file]);
+        assert_eq!(outcome.status, 1, "{options}");
         assert!(
-            said.err.contains("denied here: every seed has a tower"),
+            outcome.err.contains("denied here: every seed has a tower"),
             "{}",
-            said.err
+            outcome.err
         );
     }
 }

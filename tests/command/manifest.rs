@@ -16,27 +16,27 @@ fn a_manifest_reruns_its_folder() {
     let imported = path(folder.path(), "importing_tower.sa");
     fs::copy("tests/fixtures/importing.sa", &program).unwrap();
     fs::copy("tests/fixtures/importing_tower.sa", &imported).unwrap();
-    let said = stochc_with(
+    let outcome = stochc_with(
         TOWER,
         &[&program, "--runs", "6", "--seed", "9", "--out", &first],
     );
-    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     // The manifest contains everything, so no other file is needed.
     fs::remove_file(&program).unwrap();
     fs::remove_file(&imported).unwrap();
     let manifest = path(first.as_ref(), "manifest.json");
     let rerun = stochc_with("repeat --quiet", &[&manifest, "--out", &again]);
     assert_eq!((rerun.status, rerun.err.as_str()), (0, ""));
-    let said_at_first = said.out;
+    let said_at_first = outcome.out;
     assert_eq!(rerun.out, said_at_first);
     assert!(tables(&first) == tables(&again));
     let manifests =
         [&first, &again].map(|of| fs::read(path(of.as_ref(), "manifest.json")).unwrap());
     assert!(manifests[0] == manifests[1]);
     // `show` prints a single run of the folder.
-    let said = stochc_with("show --run 3", &[&again]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("importing, run 3"), "{}", said.out);
+    let outcome = stochc_with("show --run 3", &[&again]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(outcome.out.contains("importing, run 3"), "{}", outcome.out);
     // The results folder can be given in place of its manifest.
     let rerun = stochc_with("repeat --quiet", &[&first]);
     assert_eq!((rerun.status, rerun.out), (0, said_at_first));
@@ -53,12 +53,12 @@ fn what_is_no_manifest_is_refused() {
         (r#"{"format": 1}"#, "damaged"),
     ] {
         fs::write(&file, text).unwrap();
-        let said = stochc_with("repeat", &[&file]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{text}");
-        assert!(said.err.contains(reason), "{}", said.err);
+        let outcome = stochc_with("repeat", &[&file]);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{text}");
+        assert!(outcome.err.contains(reason), "{}", outcome.err);
     }
-    let said = stochc_with("repeat --seed 2", &[&file]);
-    assert_eq!(said.status, 2, "the manifest contains the seed");
+    let outcome = stochc_with("repeat --seed 2", &[&file]);
+    assert_eq!(outcome.status, 2, "the manifest contains the seed");
 }
 
 /// Checks manifests that request too many runs, or none.
@@ -75,9 +75,9 @@ fn a_manifest_beyond_all_bounds_is_refused() {
         manifest
     };
     fs::write(&file, of("seed", json!(2)).to_string()).unwrap();
-    let said = stochc_with("repeat", &[&file]);
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
-    assert!(said.err.contains("its checksum differs"), "{}", said.err);
+    let outcome = stochc_with("repeat", &[&file]);
+    assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
+    assert!(outcome.err.contains("its checksum differs"), "{}", outcome.err);
     // Outside of a results folder, a file `manifest.json` belongs to the user.
     let file = path(folder.path(), "manifest.json");
     let program = &sound["programs"][0];
@@ -88,9 +88,9 @@ fn a_manifest_beyond_all_bounds_is_refused() {
         (of("programs", json!(vec![program; 1_001])), "at most 1000"),
     ] {
         fs::write(&file, manifest.to_string()).unwrap();
-        let said = stochc_with("repeat", &[&file]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{reason}");
-        assert!(said.err.contains(reason), "{}", said.err);
+        let outcome = stochc_with("repeat", &[&file]);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{reason}");
+        assert!(outcome.err.contains(reason), "{}", outcome.err);
     }
 }
 
@@ -103,8 +103,8 @@ fn more_runs_are_added() {
     assert_eq!(refused.status, 2);
     assert!(refused.err.contains("3 of the 8 runs"), "{}", refused.err);
     assert!(refused.err.contains("stochc resume "), "{}", refused.err);
-    let said = stochc_with("resume --quiet --runs 8", &[&grown]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("resume --quiet --runs 8", &[&grown]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     stochc_with(TOWER, &["--runs", "8", "--out", &fresh]);
     assert!(tables(&grown) == tables(&fresh));
 }
@@ -124,28 +124,28 @@ fn what_a_kill_has_left_goes_on() {
     )
     .unwrap();
 
-    let said = stochc_with("show", &[&torn]);
-    assert_eq!(said.status, 3);
+    let outcome = stochc_with("show", &[&torn]);
+    assert_eq!(outcome.status, 3);
     assert!(
-        said.err.ends_with("of 8 runs are still to do\n"),
+        outcome.err.ends_with("of 8 runs are still to do\n"),
         "{}",
-        said.err
+        outcome.err
     );
-    let said = stochc_with(TOWER, &["--runs", "8", "--out", &torn]);
-    assert_eq!(said.status, 2);
-    let said = stochc_with("resume --quiet", &[&torn]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(TOWER, &["--runs", "8", "--out", &torn]);
+    assert_eq!(outcome.status, 2);
+    let outcome = stochc_with("resume --quiet", &[&torn]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(tables(&whole) == tables(&torn));
 }
 
 /// Returns the path of a results folder with three runs. Its manifest lists these builds.
 fn made_by(folder: &std::path::Path, builds: &[&str]) -> String {
     let out = path(folder, "out");
-    let said = stochc_with(
+    let outcome = stochc_with(
         "simulate --quiet tests/fixtures/dense.sa --runs 3",
         &["--out", &out],
     );
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     let file = path(out.as_ref(), "manifest.json");
     let text = fs::read_to_string(&file).unwrap();
     let mut manifest: serde_json::Value = serde_json::from_str(&text).unwrap();
@@ -158,16 +158,16 @@ fn made_by(folder: &std::path::Path, builds: &[&str]) -> String {
 
 #[test]
 fn runs_of_another_build_are_told_of_once() {
-    let (build, told) = (
+    let (build, warning) = (
         "0123456789abcdef",
         "another build of `stochc` (0123456789abcdef",
     );
     let folder = tempfile::tempdir().unwrap();
     let out = made_by(folder.path(), &[build]);
     let file = path(out.as_ref(), "manifest.json");
-    let once = |err: &str| assert_eq!(err.matches(told).count(), 1, "{err}");
+    let once = |err: &str| assert_eq!(err.matches(warning).count(), 1, "{err}");
     // `show` makes no runs, so it prints no warning.
-    assert!(!stochc_with("show", &[&out]).err.contains(told));
+    assert!(!stochc_with("show", &[&out]).err.contains(warning));
     let again = stochc_with("repeat --quiet", &[&file]);
     assert_eq!(again.status, 0, "it is a warning");
     once(&again.err);
@@ -210,12 +210,17 @@ fn a_run_that_comes_out_differently_ends_the_resuming() {
         fs::write(&journal, &text).unwrap();
         let before = fs::read(path(out.as_ref(), "manifest.json")).unwrap();
         let line = "resume --quiet --runs 5";
-        let said = stochc_with(line, &[&[&out[..]], more].concat());
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{}", said.err);
-        assert!(
-            said.err.contains("does not come out as it is"),
+        let outcome = stochc_with(line, &[&[&out[..]], more].concat());
+        assert_eq!(
+            (outcome.status, outcome.out.as_str()),
+            (2, ""),
             "{}",
-            said.err
+            outcome.err
+        );
+        assert!(
+            outcome.err.contains("does not come out as it is"),
+            "{}",
+            outcome.err
         );
         assert_eq!(fs::read_to_string(&journal).unwrap(), text);
         assert!(fs::read(path(out.as_ref(), "manifest.json")).unwrap() == before);
@@ -228,10 +233,10 @@ fn a_run_that_comes_out_differently_ends_the_resuming() {
 fn a_folder_without_runs_to_resume_is_told_of() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let told = format!("there is nothing to resume in `{out}`; `stochc simulate`");
-    let said = stochc_with("resume", &[&out]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains(&told), "{}", said.err);
+    let expected = format!("there is nothing to resume in `{out}`; `stochc simulate`");
+    let outcome = stochc_with("resume", &[&out]);
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains(&expected), "{}", outcome.err);
     assert!(!fs::exists(&out).unwrap());
 }
 
@@ -246,10 +251,10 @@ fn a_folder_goes_on_by_whatever_path_its_program_is_given() {
     fs::copy(&absolute, &copied).unwrap();
     let simulate = |program: &str, runs: &str, out: &str| {
         let line = "simulate --model shuffle --quiet";
-        let said = stochc_with(line, &[program, "--runs", runs, "--out", out]);
-        assert_eq!(said.status, 0, "{}", said.err);
-        let said = stochc_with("fsck", &[out]);
-        assert_eq!(said.status, 0, "{program}: {}", said.out);
+        let outcome = stochc_with(line, &[program, "--runs", runs, "--out", out]);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
+        let outcome = stochc_with("fsck", &[out]);
+        assert_eq!(outcome.status, 0, "{program}: {}", outcome.out);
         assert_eq!(stochc_with("show", &[out]).status, 0, "{program}");
     };
     simulate("tests/fixtures/tower.sa", "3", &out);
@@ -258,8 +263,8 @@ fn a_folder_goes_on_by_whatever_path_its_program_is_given() {
         simulate(program, "3", &out);
         assert!(fs::read(path(out.as_ref(), "manifest.json")).unwrap() == first);
     }
-    let said = stochc_with("resume --quiet --runs 5", &[&out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("resume --quiet --runs 5", &[&out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     simulate("tests/fixtures/tower.sa", "5", &at_once);
     assert!(tables(&out) == tables(&at_once));
 }
@@ -270,18 +275,18 @@ fn a_folder_goes_on_without_its_program() {
     let [out, at_once, other] = ["out", "at_once", "other"].map(|name| path(folder.path(), name));
     let sweep = ["--vary", "free=50,60", "--seed", "7"];
     let line = TOWER.replace("simulate", "sweep");
-    let said = stochc_with(
+    let outcome = stochc_with(
         &line,
         &[&["--runs", "2", "--out", &out], &sweep[..]].concat(),
     );
-    assert_eq!(said.status, 0, "{}", said.err);
-    let said = stochc_with(
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let outcome = stochc_with(
         &line,
         &[&["--runs", "6", "--out", &at_once], &sweep[..]].concat(),
     );
-    assert_eq!(said.status, 0, "{}", said.err);
-    let said = stochc_with("resume --quiet --runs 6", &[&out]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let outcome = stochc_with("resume --quiet --runs 6", &[&out]);
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     assert!(tables(&out) == tables(&at_once));
     // The number of runs is never reduced.
     assert_eq!(stochc_with("resume --quiet", &[&out]).status, 0);
@@ -290,17 +295,17 @@ fn a_folder_goes_on_without_its_program() {
     // The folder determines all other settings, so these options are rejected.
     for option in ["--seed 3", "--model rate", "--max-ticks 9", "--vary free=9"] {
         let line = format!("resume {option}");
-        let said = stochc_with(&line, &[&out]);
-        assert_eq!(said.status, 2, "{option}: {}", said.err);
+        let outcome = stochc_with(&line, &[&out]);
+        assert_eq!(outcome.status, 2, "{option}: {}", outcome.err);
     }
-    let said = stochc_with("resume", &[&other]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("nothing to resume"), "{}", said.err);
+    let outcome = stochc_with("resume", &[&other]);
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains("nothing to resume"), "{}", outcome.err);
     // Repeating an ensemble may use another number of runs.
     let manifest = path(at_once.as_ref(), "manifest.json");
     let line = "repeat --quiet --runs 2";
-    let said = stochc_with(line, &[&manifest, "--out", &other]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(line, &[&manifest, "--out", &other]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let rows = stochc_with("show --json", &[&other]).json();
     assert_eq!(rows["programs"][0]["runs"], 2, "{rows}");
 }

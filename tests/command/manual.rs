@@ -47,10 +47,10 @@ fn tool(command: &str, input: &str) -> Option<(bool, String)> {
     let output = child.wait_with_output().unwrap();
     // The program may exit before it has read the whole input.
     let _ = writer.join();
-    let said = [output.stdout, output.stderr].concat();
+    let printed = [output.stdout, output.stderr].concat();
     Some((
         output.status.success(),
-        String::from_utf8_lossy(&said).into_owned(),
+        String::from_utf8_lossy(&printed).into_owned(),
     ))
 }
 
@@ -63,18 +63,18 @@ fn every_shell_gets_a_script_with_all_subcommands_and_codes() {
         ("powershell", None),
         ("elvish", None),
     ] {
-        let said = stochc(&format!("completions {shell}"));
-        assert_eq!((said.status, said.err.as_str()), (0, ""), "{shell}");
+        let outcome = stochc(&format!("completions {shell}"));
+        assert_eq!((outcome.status, outcome.err.as_str()), (0, ""), "{shell}");
         for subcommand in subcommands() {
-            assert!(said.out.contains(&subcommand), "{shell}: {subcommand}");
+            assert!(outcome.out.contains(&subcommand), "{shell}: {subcommand}");
         }
         // The generators for other shells complete only values of options.
         if checker.is_some() {
             for code in Code::ALL {
-                assert!(said.out.contains(code.name()), "{shell}: {code}");
+                assert!(outcome.out.contains(code.name()), "{shell}: {code}");
             }
         }
-        if let Some((fine, complaint)) = checker.and_then(|checker| tool(checker, &said.out)) {
+        if let Some((fine, complaint)) = checker.and_then(|checker| tool(checker, &outcome.out)) {
             assert!(fine && complaint.is_empty(), "{shell}: {complaint}");
         }
     }
@@ -89,10 +89,10 @@ fn bash_completes_subcommands_and_codes() {
             "{script}\nCOMP_WORDS=({words}); COMP_CWORD={at}; \
              _stochc stochc \"${{COMP_WORDS[{at}]}}\" \"\"; printf '%s ' \"${{COMPREPLY[@]}}\"\n"
         );
-        tool("bash -s", &run).map(|(_, said)| said)
+        tool("bash -s", &run).map(|(_, completed)| completed)
     };
-    if let Some(said) = complete("stochc che", 1) {
-        assert_eq!(said, "check ");
+    if let Some(completed) = complete("stochc che", 1) {
+        assert_eq!(completed, "check ");
         assert_eq!(complete("stochc explain cyc", 2).unwrap(), "cycle ");
         assert_eq!(complete("stochc completions zs", 2).unwrap(), "zsh ");
     }
@@ -102,9 +102,13 @@ fn bash_completes_subcommands_and_codes() {
 fn the_manual_has_a_page_for_every_subcommand() {
     let folder = tempfile::tempdir().unwrap();
     let pages = folder.path().join("man1");
-    let said = stochc_with("man --out", &[pages.to_str().unwrap()]);
+    let completed = stochc_with("man --out", &[pages.to_str().unwrap()]);
     assert_eq!(
-        (said.status, said.out.as_str(), said.err.as_str()),
+        (
+            completed.status,
+            completed.out.as_str(),
+            completed.err.as_str()
+        ),
         (0, "", "")
     );
     let names = self::pages();

@@ -1,5 +1,5 @@
 //! Tests `stochc new`, and the commands that it suggests.
-use crate::stochc::{command, said};
+use crate::stochc::{command, run_command};
 
 /// Checks that each template is a formatted program, and that its three suggested commands work in
 /// order.
@@ -7,7 +7,8 @@ use crate::stochc::{command, said};
 fn the_next_commands_work() {
     for template in ["structure", "scene", "plan"] {
         let folder = tempfile::tempdir().unwrap();
-        let run = |words: &[&str]| said(command(words.iter().copied()).current_dir(folder.path()));
+        let run =
+            |words: &[&str]| run_command(command(words.iter().copied()).current_dir(folder.path()));
         let new = run(&["new", "tower", "--template", template]);
         assert_eq!((new.status, new.err.as_str()), (0, ""), "{template}");
         let formatted = run(&["fmt", "--check", "tower.sa"]);
@@ -42,7 +43,7 @@ fn the_next_commands_work() {
 fn what_is_no_name_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["", "2towers", "a-b", "a b"] {
-        let refused = said(command(["new", name]).current_dir(folder.path()));
+        let refused = run_command(command(["new", name]).current_dir(folder.path()));
         assert_eq!(refused.status, 2, "{name}");
         assert!(refused.err.contains("is not a name"), "{}", refused.err);
     }

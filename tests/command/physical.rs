@@ -8,12 +8,16 @@ fn a_physical_run_depends_on_nothing_but_its_inputs() {
     let folder = tempfile::tempdir().unwrap();
     let outs = ["1", "3"].map(|threads| {
         let out = path(folder.path(), threads);
-        let said = stochc_with(
+        let outcome = stochc_with(
             "simulate tests/fixtures/dense.sa --runs 3 --seed 5 --out",
             &[&out, "--threads", threads],
         );
-        assert_eq!(said.status, 0, "{}", said.err);
-        assert!(said.err.starts_with("3 of 3 runs in "), "{}", said.err);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
+        assert!(
+            outcome.err.starts_with("3 of 3 runs in "),
+            "{}",
+            outcome.err
+        );
         out
     });
     assert!(
@@ -26,17 +30,17 @@ fn a_physical_run_depends_on_nothing_but_its_inputs() {
     assert_eq!(last["record"]["run"], 2, "one thread keeps the order");
     // A single run must equal the same run of the ensemble.
     let alone = "trace tests/fixtures/dense.sa --seed 5 --run 2";
-    let said = stochc_with(alone, &["--json"]);
+    let outcome = stochc_with(alone, &["--json"]);
     assert!(
-        contains(&said.json()["runs"][0], &last["record"]),
+        contains(&outcome.json()["runs"][0], &last["record"]),
         "{}",
-        said.out
+        outcome.out
     );
-    let told = stochc(alone).out;
+    let printed = stochc(alone).out;
     assert!(
-        told.starts_with("dense, run 2\n  phase grow, from tick 0 (0 s)\n"),
-        "{told}"
+        printed.starts_with("dense, run 2\n  phase grow, from tick 0 (0 s)\n"),
+        "{printed}"
     );
-    assert!(told.contains("T[1].up captures T[2]"), "{told}");
-    assert!(told.contains(&format!("complete after {} ticks", last["record"]["ticks"])));
+    assert!(printed.contains("T[1].up captures T[2]"), "{printed}");
+    assert!(printed.contains(&format!("complete after {} ticks", last["record"]["ticks"])));
 }

@@ -11,28 +11,28 @@ const FIVE: &str = "plan examples/five_tower.sa --quiet --tries 20";
 fn a_program_is_planned_and_passes_every_check() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "five.sa");
-    let said = stochc_with(FIVE, &["--explain", "--out", &out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(FIVE, &["--explain", "--out", &out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(
-        said.out.contains("opening order of the faces"),
+        outcome.out.contains("opening order of the faces"),
         "{}",
-        said.out
+        outcome.out
     );
     let checked = stochc_with("check --deny warnings", &[&out]);
     assert_eq!(checked.status, 0, "{}", checked.err);
     assert_eq!(stochc_with("fmt --check", &[&out]).status, 0);
     // Without `--out`, the program goes to standard output, and the explanation to standard error.
-    let said = stochc(&format!("{FIVE} --explain"));
-    assert_eq!(said.out, fs::read_to_string(&out).unwrap());
+    let outcome = stochc(&format!("{FIVE} --explain"));
+    assert_eq!(outcome.out, fs::read_to_string(&out).unwrap());
     assert!(
-        said.err.contains("opening order of the faces"),
+        outcome.err.contains("opening order of the faces"),
         "{}",
-        said.err
+        outcome.err
     );
     // Existing files are not overwritten.
-    let said = stochc_with(FIVE, &["--out", &out]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("cannot write"), "{}", said.err);
+    let outcome = stochc_with(FIVE, &["--out", &out]);
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains("cannot write"), "{}", outcome.err);
 }
 
 #[test]
@@ -83,15 +83,15 @@ fn the_estimate_is_that_of_the_program() {
     let (half, cost) = planned("half.sa", &["--rates", &file]);
     assert!((half - cost).abs() <= 0.5, "{half} {cost}");
     assert!((1.3..2.1).contains(&(half / built_in)), "{half} {built_in}");
-    let (status, said) = wrong(&format!("{FIVE} --rates nowhere.rates"), &[]);
+    let (status, message) = wrong(&format!("{FIVE} --rates nowhere.rates"), &[]);
     assert_eq!(status, 2);
-    assert!(said.contains("nowhere.rates"), "{said}");
+    assert!(message.contains("nowhere.rates"), "{message}");
 }
 
 pub fn wrong(line: &str, more: &[&str]) -> (i32, String) {
-    let said = stochc_with(line, more);
-    assert_eq!(said.out, "");
-    (said.status, said.err)
+    let outcome = stochc_with(line, more);
+    assert_eq!(outcome.out, "");
+    (outcome.status, outcome.err)
 }
 
 #[test]
@@ -102,24 +102,36 @@ fn targets_are_files_of_several_kinds() {
         path(folder.path(), name)
     };
     let text = file("up.txt", b"# #\n");
-    let said = stochc_with("plan --quiet", &[&text]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("plan --quiet", &[&text]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     // `up` is a keyword, so the shape gets another name.
-    assert!(said.out.contains("assembly build_shape_up"), "{}", said.out);
+    assert!(outcome.out.contains("assembly build_shape_up"), "{}", outcome.out);
     let vox = vox(&[&[[3, 3, 3, 1]]]);
-    let said = stochc_with("plan --quiet", &[&file("cell.vox", &vox)]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("plan --quiet", &[&file("cell.vox", &vox)]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(
-        said.out.contains("P[0, 0].up -> B[0, 0, 1]"),
+        outcome.out.contains("P[0, 0].up -> B[0, 0, 1]"),
         "{}",
-        said.out
+        outcome.out
     );
-    let (status, told) = wrong("plan --quiet", &[&file("half.vox", &vox[..30])]);
-    assert_eq!((status, told.contains("cut off")), (2, true), "{told}");
-    let (status, told) = wrong("plan --quiet --shape a", &[&text]);
-    assert_eq!((status, told.contains("one shape")), (2, true), "{told}");
-    let (status, told) = wrong("plan --quiet", &[&path(folder.path(), "none.vox")]);
-    assert_eq!((status, told.contains("cannot read")), (2, true), "{told}");
+    let (status, message) = wrong("plan --quiet", &[&file("half.vox", &vox[..30])]);
+    assert_eq!(
+        (status, message.contains("cut off")),
+        (2, true),
+        "{message}"
+    );
+    let (status, message) = wrong("plan --quiet --shape a", &[&text]);
+    assert_eq!(
+        (status, message.contains("one shape")),
+        (2, true),
+        "{message}"
+    );
+    let (status, message) = wrong("plan --quiet", &[&path(folder.path(), "none.vox")]);
+    assert_eq!(
+        (status, message.contains("cannot read")),
+        (2, true),
+        "{message}"
+    );
 }
 
 #[test]
@@ -129,55 +141,59 @@ fn shapes_plates_and_scenes_are_chosen() {
                 scene here from hemisphere { free 40 uniform }\n";
     let target = path(folder.path(), "shapes.sa");
     fs::write(Path::new(&target), text).unwrap();
-    let (status, told) = wrong("plan --quiet", &[&target]);
-    assert_eq!((status, told.contains("`one`, `two`")), (1, true), "{told}");
-    let (status, told) = wrong("plan --quiet --shape three", &[&target]);
+    let (status, message) = wrong("plan --quiet", &[&target]);
     assert_eq!(
-        (status, told.contains("no shape `three`")),
+        (status, message.contains("`one`, `two`")),
         (1, true),
-        "{told}"
+        "{message}"
     );
-    let said = stochc_with("plan --quiet --shape two --scene deep", &[&target]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let (status, message) = wrong("plan --quiet --shape three", &[&target]);
+    assert_eq!(
+        (status, message.contains("no shape `three`")),
+        (1, true),
+        "{message}"
+    );
+    let outcome = stochc_with("plan --quiet --shape two --scene deep", &[&target]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(
-        said.out.contains("scene here from hemisphere"),
+        outcome.out.contains("scene here from hemisphere"),
         "{}",
-        said.out
+        outcome.out
     );
-    assert!(said.out.contains("seed plate 1 x 1"), "{}", said.out);
-    let said = stochc_with(
+    assert!(outcome.out.contains("seed plate 1 x 1"), "{}", outcome.out);
+    let outcome = stochc_with(
         "plan --quiet --shape two --plate",
         &["3 x 3 at (0, 0)", &target],
     );
-    assert!(said.out.contains("seed plate 3 x 3"), "{}", said.out);
-    let (status, told) = wrong(
+    assert!(outcome.out.contains("seed plate 3 x 3"), "{}", outcome.out);
+    let (status, message) = wrong(
         "plan --quiet --shape two --plate",
         &["3 x 3 at (1, 0)", &target],
     );
     assert_eq!(
-        (status, told.contains("attached to no block")),
+        (status, message.contains("attached to no block")),
         (1, true),
-        "{told}"
+        "{message}"
     );
-    let said = stochc_with(
+    let outcome = stochc_with(
         "plan --quiet --shape two --plate",
         &["3 x 3 at (2, 1)", "--offset", "2, 1", &target],
     );
-    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     for part in [
         "P[2, 1] at (2, 1)",
         "shape two at (2, 1)",
         "P[2, 1].up ->> B[2, 1, 1..2]",
     ] {
-        assert!(said.out.contains(part), "{part}: {}", said.out);
+        assert!(outcome.out.contains(part), "{part}: {}", outcome.out);
     }
-    let said = stochc_with("plan --quiet --shape two --offset -1,0", &[&target]);
-    assert_eq!(said.status, 1, "{}", said.err);
-    let (status, told) = wrong("plan --quiet --shape two --scene nowhere", &[&target]);
+    let outcome = stochc_with("plan --quiet --shape two --offset -1,0", &[&target]);
+    assert_eq!(outcome.status, 1, "{}", outcome.err);
+    let (status, message) = wrong("plan --quiet --shape two --scene nowhere", &[&target]);
     assert_eq!(
-        (status, told.contains("no scene is called `nowhere`")),
+        (status, message.contains("no scene is called `nowhere`")),
         (2, true),
-        "{told}"
+        "{message}"
     );
     for line in [
         "--tries 0",
@@ -202,21 +218,21 @@ fn what_cannot_be_built_is_told_on_one_line_and_what_would_help_on_the_next() {
     let folder = tempfile::tempdir().unwrap();
     let drawn = path(folder.path(), "drawn.txt");
     fs::write(&drawn, "# . .\n\n# . #\n").unwrap();
-    let said = stochc_with("plan", &[&drawn]);
-    assert_eq!(said.status, 1);
-    let lines: Vec<&str> = said.err.lines().collect();
+    let outcome = stochc_with("plan", &[&drawn]);
+    assert_eq!(outcome.status, 1);
+    let lines: Vec<&str> = outcome.err.lines().collect();
     assert!(
         lines.iter().any(|line| line.starts_with("error: ")),
         "{}",
-        said.err
+        outcome.err
     );
     assert!(
         lines.iter().any(|line| line.starts_with("help: ")),
         "{}",
-        said.err
+        outcome.err
     );
-    assert!(!said.err.contains("U+000A"), "{}", said.err);
-    assert!(!said.err.contains("plans tried"), "{}", said.err);
+    assert!(!outcome.err.contains("U+000A"), "{}", outcome.err);
+    assert!(!outcome.err.contains("plans tried"), "{}", outcome.err);
 }
 
 /// Checks that an output file that cannot be written is reported before planning.
@@ -227,13 +243,13 @@ fn where_the_program_goes_is_looked_at_first() {
     fs::write(&there, "mine").unwrap();
     for out in [there.as_str(), &path(folder.path(), "none/out.sa")] {
         for command in ["plan missing.sa --out", "calibrate missing.sa --out"] {
-            let said = stochc_with(command, &[out]);
-            assert_eq!(said.status, 2, "{}", said.err);
+            let outcome = stochc_with(command, &[out]);
+            assert_eq!(outcome.status, 2, "{}", outcome.err);
             assert!(
-                said.err.contains(&format!("cannot write `{out}`"))
-                    && !said.err.contains("stochc-partial"),
+                outcome.err.contains(&format!("cannot write `{out}`"))
+                    && !outcome.err.contains("stochc-partial"),
                 "{}",
-                said.err
+                outcome.err
             );
         }
     }
@@ -257,52 +273,53 @@ fn what_cannot_be_planned_is_told_with_a_way_out() {
     fs::write(&pretty, text.replacen("{\"kind\":", "{\n  \"kind\": ", 1)).unwrap();
     for file in [&compiled, &pretty] {
         for command in ["plan", "check", "compile"] {
-            let said = stochc_with(command, &[file]);
-            assert_eq!(said.status, 2, "{}", said.err);
+            let outcome = stochc_with(command, &[file]);
+            assert_eq!(outcome.status, 2, "{}", outcome.err);
             assert!(
-                unfolded(&said.err).contains("it is already compiled"),
+                unfolded(&outcome.err).contains("it is already compiled"),
                 "{}",
-                said.err
+                outcome.err
             );
         }
         let ran = stochc_with("simulate --model shuffle --runs 1 --quiet", &[file]);
         assert_eq!(ran.status, 0, "{}", ran.err);
     }
     let folder = folder.path().to_str().unwrap();
-    let said = stochc_with("plan", &[folder]);
+    let outcome = stochc_with("plan", &[folder]);
     assert!(
-        said.err.contains("`--run N` plans the rest"),
+        outcome.err.contains("`--run N` plans the rest"),
         "{}",
-        said.err
+        outcome.err
     );
     let drawn = path(Path::new(folder), "drawn");
     fs::write(&drawn, "#\n").unwrap();
-    let said = stochc_with("plan", &[&drawn]);
-    assert_eq!(said.status, 1, "{}", said.err);
+    let outcome = stochc_with("plan", &[&drawn]);
+    assert_eq!(outcome.status, 1, "{}", outcome.err);
     assert!(
-        said.err.contains("files of voxels end in `.txt`"),
+        outcome.err.contains("files of voxels end in `.txt`"),
         "{}",
-        said.err
+        outcome.err
     );
-    let said = stochc("plan examples/line.sa --shape none --scene nope");
-    assert_eq!(said.status, 1, "{}", said.err);
-    let said = stochc("plan examples/five_tower.sa --scene nope");
-    assert_eq!(said.status, 2, "{}", said.err);
+    let outcome = stochc("plan examples/line.sa --shape none --scene nope");
+    assert_eq!(outcome.status, 1, "{}", outcome.err);
+    let outcome = stochc("plan examples/five_tower.sa --scene nope");
+    assert_eq!(outcome.status, 2, "{}", outcome.err);
     assert!(
-        said.err
+        outcome
+            .err
             .contains("no scene is called `nope`; `hemisphere`, "),
         "{}",
-        said.err
+        outcome.err
     );
     let folder = tempfile::tempdir().unwrap();
     let voxels = path(folder.path(), "one.txt");
     fs::write(&voxels, "#\n").unwrap();
-    let said = stochc_with("plan --complete", &[&voxels]);
-    assert_eq!(said.status, 2, "{}", said.err);
+    let outcome = stochc_with("plan --complete", &[&voxels]);
+    assert_eq!(outcome.status, 2, "{}", outcome.err);
     assert!(
-        said.err.contains("a file of voxels is one shape"),
+        outcome.err.contains("a file of voxels is one shape"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -322,9 +339,9 @@ assembly a in lab { seed plate 2 x 1 { A at (0, 0) } phase rest { A.up -> B.east
 ";
     let file = path(folder.path(), "lab.sa");
     fs::write(&file, format!("{scene}{program}")).unwrap();
-    let said = stochc_with("plan --quiet", &[&file]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains(scene), "{}", said.out);
+    let outcome = stochc_with("plan --quiet", &[&file]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(outcome.out.contains(scene), "{}", outcome.out);
 }
 
 /// Checks that a text with layers may begin with a byte order mark, as a program may.
@@ -333,13 +350,14 @@ fn layers_may_begin_with_a_mark() {
     let folder = tempfile::tempdir().unwrap();
     let layers = path(folder.path(), "one.txt");
     fs::write(&layers, "\u{feff}#\n").unwrap();
-    let said = stochc_with("plan --quiet", &[&layers]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("plan --quiet", &[&layers]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(
-        said.out
+        outcome
+            .out
             .contains("/// 1 capture, up to 1 face open at the same time"),
         "{}",
-        said.out
+        outcome.out
     );
 }
 
@@ -362,8 +380,8 @@ fn a_program_is_completed() {
         unbuilt.err
     );
     let whole = path(folder.path(), "whole.sa");
-    let said = stochc_with("plan --complete --quiet", &[&part, "--out", &whole]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("plan --complete --quiet", &[&part, "--out", &whole]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert_eq!(stochc_with("check --deny warnings", &[&whole]).status, 0);
     // The program cannot be written to a folder that lacks its imports.
     let imported = "let length = 2\n";
@@ -373,19 +391,19 @@ fn a_program_is_completed() {
     let more = more.replace("layer 2 { # }", "layer 2 { # # }");
     fs::write(&importing, format!("import \"lengths.sa\"\n{more}")).unwrap();
     let beside = path(folder.path(), "beside.sa");
-    let said = stochc_with("plan --complete --quiet", &[&importing, "--out", &beside]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("plan --complete --quiet", &[&importing, "--out", &beside]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     fs::create_dir(folder.path().join("elsewhere")).unwrap();
     let elsewhere = path(folder.path(), "elsewhere/whole.sa");
-    let said = stochc_with(
+    let outcome = stochc_with(
         "plan --complete --quiet",
         &[&importing, "--out", &elsewhere],
     );
-    assert_eq!(said.status, 2, "{}", said.err);
+    assert_eq!(outcome.status, 2, "{}", outcome.err);
     assert!(
-        said.err.contains("into the folder of the program"),
+        outcome.err.contains("into the folder of the program"),
         "{}",
-        said.err
+        outcome.err
     );
     assert!(!Path::new(&elsewhere).exists());
     let again = stochc_with("plan --complete", &[&whole]);
@@ -411,8 +429,8 @@ fn a_run_that_was_stopped_is_finished() {
         "simulate examples/five_tower.sa --model rate --runs 2 --max-ticks 2000 --quiet --out";
     assert_eq!(stochc_with(simulate, &[&results]).status, 3);
     let rest = path(folder.path(), "rest.sa");
-    let said = stochc_with("plan --run 1 --tries 10 --quiet --out", &[&rest, &results]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("plan --run 1 --tries 10 --quiet --out", &[&rest, &results]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let checked = stochc_with("check --deny warnings", &[&rest]);
     assert_eq!(checked.status, 0, "{}", checked.err);
     assert!(
@@ -451,9 +469,9 @@ fn times_of_a_scene_that_nobody_has_measured_are_told_as_such() {
     let planned = |scene: &str| {
         let line =
             format!("plan examples/five_tower.sa --tries 10 --quiet --explain --scene {scene}");
-        let said = stochc_with(&line, &[]);
-        assert_eq!(said.status, 0, "{}", said.err);
-        (said.out + &said.err)
+        let outcome = stochc_with(&line, &[]);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
+        (outcome.out + &outcome.err)
             .matches("this scene has not been calibrated")
             .count()
     };
@@ -483,11 +501,11 @@ fn a_warning_is_no_reason_for_no_program() {
         let file = path(folder.path(), &format!("{name}.sa"));
         let out = path(folder.path(), &format!("{name}_planned.sa"));
         fs::write(&file, format!("{scene}\nshape goal {{ {shape} }}\n")).unwrap();
-        let said = stochc_with(
+        let outcome = stochc_with(
             "plan --scene own --tries 5 --quiet",
             &[&file, "--out", &out],
         );
-        assert_eq!(said.status, 0, "{name}: {}", said.err);
+        assert_eq!(outcome.status, 0, "{name}: {}", outcome.err);
         let checked = stochc_with("check --deny warnings", &[&out]);
         assert_eq!(checked.status, 0, "{name}: {}", checked.err);
     }
@@ -517,11 +535,11 @@ assembly x {
 }
 ";
     fs::write(&part, text).unwrap();
-    let said = stochc_with(
+    let outcome = stochc_with(
         "plan --complete --quiet --tries 5",
         &[&part, "--out", &whole],
     );
-    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let written = fs::read_to_string(&whole).unwrap();
     for kept in [
         "// not /// that",
@@ -531,11 +549,11 @@ assembly x {
         assert!(written.contains(kept), "{kept}: {written}");
     }
     let all = path(folder.path(), "all.sa");
-    let said = stochc_with(
+    let outcome = stochc_with(
         "plan --complete --quiet --tries 5",
         &[&whole, "--out", &all],
     );
-    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let checked = stochc_with("check", &[&all]);
     assert_eq!(checked.status, 0, "{}", checked.err);
 }
@@ -551,8 +569,8 @@ fn a_forged_record_is_left_out() {
         "assembly a { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up -> A.up -> B.up -> C } }";
     fs::write(&program, text).unwrap();
     let options = "simulate --model shuffle --runs 1 --max-ticks 2 --quiet";
-    let said = stochc_with(options, &[&program, "--out", &results]);
-    assert_eq!(said.status, 3, "{}", said.err);
+    let outcome = stochc_with(options, &[&program, "--out", &results]);
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
     let journal = Path::new(&results).join("journal.jsonl");
     let honest = fs::read_to_string(&journal).unwrap();
     fs::remove_file(Path::new(&results).join("checksums.json")).unwrap();
@@ -574,18 +592,18 @@ fn a_forged_record_is_left_out() {
         let forged = stochc::files::checksum::sealed(line.to_string());
         fs::write(&journal, format!("{header}\n{forged}\n")).unwrap();
         for command in ["plan --run 0 --tries 5", "show", "replay --run 0"] {
-            let said = stochc_with(command, &[&results]);
-            let told = "is not possible";
+            let outcome = stochc_with(command, &[&results]);
+            let reason = "is not possible";
             assert!(
-                said.err.contains(told),
+                outcome.err.contains(reason),
                 "{command}, {key} {value}: {}",
-                said.err
+                outcome.err
             );
         }
     }
     fs::write(&journal, &honest).unwrap();
-    let said = stochc_with("plan --run 0 --tries 5", &[&results]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("plan --run 0 --tries 5", &[&results]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
 }
 
 /// Checks that a race selects the fastest plan without a stopped run. The resulting program has no

@@ -43,30 +43,42 @@ fn one_model_of_several_is_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let two = vox(&[&[[0, 0, 0, 1], [1, 0, 0, 1]], &[[0; 4]], &[[0, 0, 0, 9]]]);
     let two = file(folder.path(), "two.vox", &two);
-    let (status, told) = wrong("plan --quiet", &[&two]);
-    assert_eq!(status, 2, "{told}");
+    let (status, message) = wrong("plan --quiet", &[&two]);
+    assert_eq!(status, 2, "{message}");
     assert!(
-        told.contains("2 models and no scene: 0 (2 voxels) and 2 (1 voxel)"),
-        "{told}"
+        message.contains("2 models and no scene: 0 (2 voxels) and 2 (1 voxel)"),
+        "{message}"
     );
     assert_eq!(captures(&planned(&two, &["--model", "0"])), 2);
     assert_eq!(captures(&planned(&two, &["--model", "2"])), 1);
-    let (status, told) = wrong("plan --quiet --model 3", &[&two]);
-    assert_eq!((status, told.contains("no model 3")), (2, true), "{told}");
-    let (status, told) = wrong("plan --quiet --model 1", &[&two]);
-    assert_eq!((status, told.contains("no cells")), (1, true), "{told}");
+    let (status, message) = wrong("plan --quiet --model 3", &[&two]);
+    assert_eq!(
+        (status, message.contains("no model 3")),
+        (2, true),
+        "{message}"
+    );
+    let (status, message) = wrong("plan --quiet --model 1", &[&two]);
+    assert_eq!(
+        (status, message.contains("no cells")),
+        (1, true),
+        "{message}"
+    );
     let text = file(folder.path(), "one.txt", b"#\n");
-    let (status, told) = wrong("plan --quiet --model 0", &[&text]);
-    assert_eq!((status, told.contains("`.vox` files")), (2, true), "{told}");
+    let (status, message) = wrong("plan --quiet --model 0", &[&text]);
+    assert_eq!(
+        (status, message.contains("`.vox` files")),
+        (2, true),
+        "{message}"
+    );
 }
 
 #[test]
 fn copies_are_built_and_hidden_models_are_reported() {
     let copies = planned("fuzz/corpus/voxels/instances.vox", &[]);
     assert_eq!(captures(&copies), 6);
-    let (status, told) = wrong("plan --quiet", &["fuzz/corpus/voxels/hidden.vox"]);
-    assert_eq!(status, 1, "{told}");
-    assert!(told.contains("left out 2 hidden models of"), "{told}");
+    let (status, message) = wrong("plan --quiet", &["fuzz/corpus/voxels/hidden.vox"]);
+    assert_eq!(status, 1, "{message}");
+    assert!(message.contains("left out 2 hidden models of"), "{message}");
 }
 
 /// Checks a model with more cells than the default scene has blocks. The program then contains a
@@ -79,11 +91,11 @@ fn a_large_model_gets_a_scene_with_enough_blocks() {
         .collect();
     let solid = file(folder.path(), "solid.vox", &vox(&[&solid]));
     let out = path(folder.path(), "solid.sa");
-    let said = stochc_with("plan --quiet --tries 1", &[&solid, "--out", &out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("plan --quiet --tries 1", &[&solid, "--out", &out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let note = "note: planned in `hemisphere_602`: `hemisphere` with 602 free blocks instead of 300 \
                 and room for them at the same density, radius 6.307 m\n";
-    assert_eq!(said.err, note);
+    assert_eq!(outcome.err, note);
     let written = fs::read_to_string(&out).unwrap();
     assert!(
         written.contains("scene hemisphere_602 from hemisphere {"),
@@ -95,9 +107,9 @@ fn a_large_model_gets_a_scene_with_enough_blocks() {
     let checked = stochc_with("check --deny warnings", &[&out]);
     assert_eq!(checked.status, 0, "{}", checked.err);
     // A scene that an option selects is not replaced.
-    let (status, told) = wrong("plan --quiet --scene hemisphere", &[&solid]);
-    assert_eq!(status, 1, "{told}");
-    assert!(told.contains("(`--free`, `--scene`)"), "{told}");
+    let (status, message) = wrong("plan --quiet --scene hemisphere", &[&solid]);
+    assert_eq!(status, 1, "{message}");
+    assert!(message.contains("(`--free`, `--scene`)"), "{message}");
     let document = planned(&solid, &["--scene", "hemisphere", "--free", "400"]);
     assert_eq!(document["scene"], "hemisphere_400");
 }
@@ -108,14 +120,18 @@ fn a_high_model_gets_a_scene_with_enough_room() {
     let folder = tempfile::tempdir().unwrap();
     let tower = file(folder.path(), "tower.txt", "#\n\n".repeat(40).as_bytes());
     let out = path(folder.path(), "tower.sa");
-    let said = stochc_with("plan --quiet --tries 1", &[&tower, "--out", &out]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.err.contains("at the same density"), "{}", said.err);
+    let outcome = stochc_with("plan --quiet --tries 1", &[&tower, "--out", &out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(
+        outcome.err.contains("at the same density"),
+        "{}",
+        outcome.err
+    );
     assert_eq!(stochc_with("check", &[&out]).status, 0);
     // A few blocks in a large enclosure have a lower density.
-    let said = stochc_with("plan --quiet --tries 1 --free 50", &[&tower]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.err.contains("times its density"), "{}", said.err);
+    let outcome = stochc_with("plan --quiet --tries 1 --free 50", &[&tower]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(outcome.err.contains("times its density"), "{}", outcome.err);
 }
 
 #[test]
@@ -125,9 +141,9 @@ fn loose_parts_are_all_reported_dropped_or_held() {
     let corners = ".#.".repeat(10) + ".";
     let drawn = format!("{none}\n{feet}\n\n{corners}\n{none}\n");
     let drawn = file(folder.path(), "corners.txt", drawn.as_bytes());
-    let said = stochc_with("plan --quiet --json", &[&drawn]);
-    assert_eq!(said.status, 1, "{}", said.err);
-    let document: Value = serde_json::from_str(&said.out).unwrap();
+    let outcome = stochc_with("plan --quiet --json", &[&drawn]);
+    assert_eq!(outcome.status, 1, "{}", outcome.err);
+    let document: Value = serde_json::from_str(&outcome.out).unwrap();
     let error = &document["error"];
     assert_eq!(error["kind"], "loose", "{error}");
     let parts = error["detail"].as_array().unwrap();
@@ -139,15 +155,17 @@ fn loose_parts_are_all_reported_dropped_or_held() {
         "{error}"
     );
     assert!(
-        said.err.contains("10 parts of the target, 10 cells in all"),
+        outcome
+            .err
+            .contains("10 parts of the target, 10 cells in all"),
         "{}",
-        said.err
+        outcome.err
     );
     assert_eq!(captures(&planned(&drawn, &["--drop-loose"])), 31);
     assert_eq!(captures(&planned(&drawn, &["--supports"])), 51);
-    let said = stochc_with("plan --quiet --tries 1 --drop-loose", &[&drawn]);
-    assert_eq!(said.err, "note: left out 10 loose parts with 10 cells\n");
-    assert!(said.out.contains("yields corners"), "{}", said.out);
+    let outcome = stochc_with("plan --quiet --tries 1 --drop-loose", &[&drawn]);
+    assert_eq!(outcome.err, "note: left out 10 loose parts with 10 cells\n");
+    assert!(outcome.out.contains("yields corners"), "{}", outcome.out);
 }
 
 /// Checks text layers whose lines end with a carriage return only, as on old systems.

@@ -13,10 +13,10 @@ fn wrong_program(code: Code) -> &'static str {
 
 /// Returns the status lines about the programs in a text, and the programs as JSON.
 fn checked(text: &str, option: &str) -> (Vec<String>, Vec<Value>) {
-    let said = stochc_reading(&format!("check {option} -"), text);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_reading(&format!("check {option} -"), text);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let is_proof = |line: &&str| line.contains("proved: ") || line.starts_with("    because ");
-    let lines = said.out.lines().filter(is_proof);
+    let lines = outcome.out.lines().filter(is_proof);
     let document = stochc_reading(&format!("check {option} --json -"), text).json();
     let programs = document["programs"].as_array().unwrap();
     let proved = programs.iter().map(|program| program["proved"].clone());

@@ -4,7 +4,7 @@ use std::fs;
 use serde_json::Value;
 use stochc_estimate::Interaction;
 
-use crate::stochc::{Said, path, stochc, stochc_with};
+use crate::stochc::{Outcome, path, stochc, stochc_with};
 
 /// Source of a program in a small, crowded scene, whose captures are fast.
 const SMALL: &str = "scene small from hemisphere {
@@ -72,11 +72,11 @@ fn rates_are_measured_kept_and_used() {
     let unused = format!("`{}` is not used", here("one.rates"));
     for command in ["estimate --quiet", "check --cost=5"] {
         for (file, is_unused) in [("other.sa", true), ("small.sa", false)] {
-            let said = stochc_with(command, &[&here(file), "--rates", &here("one.rates")]);
-            assert_eq!(said.status, 0, "{}", said.err);
+            let outcome = stochc_with(command, &[&here(file), "--rates", &here("one.rates")]);
+            assert_eq!(outcome.status, 0, "{}", outcome.err);
             // The message is printed only once.
-            let told = said.err.matches(&unused).count();
-            assert_eq!(told, usize::from(is_unused), "{command}: {}", said.err);
+            let times = outcome.err.matches(&unused).count();
+            assert_eq!(times, usize::from(is_unused), "{command}: {}", outcome.err);
         }
     }
     let spoilt = fs::read_to_string(here("one.rates"))
@@ -99,9 +99,9 @@ fn rates_are_measured_kept_and_used() {
 
 #[test]
 fn the_line_takes_by_rates_what_it_takes_with_physics() {
-    let said = stochc("simulate --model rate --runs 400 --quiet --json examples/line.sa");
-    assert_eq!(said.status, 0, "{}", said.err);
-    let value: Value = serde_json::from_str(&said.out).unwrap();
+    let outcome = stochc("simulate --model rate --runs 400 --quiet --json examples/line.sa");
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let value: Value = serde_json::from_str(&outcome.out).unwrap();
     let mean = value["programs"][0]["time"]["mean"].as_f64().unwrap();
     // Simulations give 8113 ± 190 (docs/validation/paper.md). docs/validation/rates.md describes
     // the bias.
@@ -116,10 +116,10 @@ fn the_line_takes_by_rates_what_it_takes_with_physics() {
 
 #[test]
 fn estimates_say_when_and_why() {
-    let said =
+    let outcome =
         stochc("estimate --json --quiet examples/line.sa examples/five_tower_reconfigured.sa");
-    assert_eq!(said.status, 0, "{}", said.err);
-    let value: Value = serde_json::from_str(&said.out).unwrap();
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let value: Value = serde_json::from_str(&outcome.out).unwrap();
     for estimate in value["estimates"].as_array().unwrap() {
         let total = &estimate["total"];
         let figure = |name: &str| total[name].as_f64().unwrap();
@@ -154,8 +154,8 @@ fn estimates_say_when_and_why() {
     for (number, interaction) in [(0, Interaction::Apart), (1, Interaction::Releases)] {
         assert_eq!(method(number)["error"], interaction.error());
     }
-    let (status, told) = crate::plan::wrong("estimate --max-ticks 10 examples/line.sa", &[]);
-    assert_eq!((status, told.contains("--runs")), (2, true), "{told}");
+    let (status, message) = crate::plan::wrong("estimate --max-ticks 10 examples/line.sa", &[]);
+    assert_eq!((status, message.contains("--runs")), (2, true), "{message}");
     let text = stochc("estimate --captures=2 --quiet examples/line.sa");
     assert!(
         text.out.contains("waiting for this capture only")
@@ -172,19 +172,19 @@ fn estimates_say_when_and_why() {
 
 #[test]
 fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
-    let mean = |said: &Said| {
-        assert_eq!(said.status, 0, "{}", said.err);
-        let value: Value = serde_json::from_str(&said.out).unwrap();
+    let mean = |outcome: &Outcome| {
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
+        let value: Value = serde_json::from_str(&outcome.out).unwrap();
         let estimate = value["estimates"][0].clone();
         (estimate["total"]["mean"].as_f64().unwrap(), estimate)
     };
     let folder = tempfile::tempdir().unwrap();
     let compiled = path(folder.path(), "line.json");
-    let said = stochc_with(
+    let outcome = stochc_with(
         "compile --emit executable examples/line.sa --out",
         &[&compiled],
     );
-    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let (drawn, _) = mean(&stochc("estimate --json --quiet examples/line.sa"));
     let (run, of_runs) = mean(&stochc(
         "estimate --runs 400 --json --quiet examples/line.sa",
@@ -214,9 +214,9 @@ fn what_comes_to_a_timeout_is_slower_than_all_others() {
     fs::write(&file, text).unwrap();
     let estimated = |more: &str| {
         let command = format!("estimate --quiet --json {more}");
-        let said = stochc_with(command.trim(), &[&file]);
-        assert_eq!(said.status, 0, "{}", said.err);
-        said.json()["estimates"][0].clone()
+        let outcome = stochc_with(command.trim(), &[&file]);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
+        outcome.json()["estimates"][0].clone()
     };
     let [graph, runs] = ["", "--runs 1000"].map(estimated);
     let command = "simulate --quiet --model rate --runs 1000 --json";
@@ -253,9 +253,9 @@ fn scenes_that_nobody_has_measured_are_guessed_and_say_so() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "small.sa");
     fs::write(&file, SMALL).unwrap();
-    let said = stochc_with("estimate --quiet --json", &[&file]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    let value: Value = serde_json::from_str(&said.out).unwrap();
+    let outcome = stochc_with("estimate --quiet --json", &[&file]);
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    let value: Value = serde_json::from_str(&outcome.out).unwrap();
     assert_eq!(value["estimates"][0]["method"]["is_first_guess"], true);
     let text = stochc_with("estimate --quiet examples/line.sa", &[&file]);
     let words = text.out.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -289,14 +289,18 @@ fn what_rates_do_not_speak_of_is_refused_by_name() {
             "estimate --runs 2 --quiet",
             "simulate --model rate --runs 1 --quiet",
         ] {
-            let said = stochc_with(command, &[file]);
+            let outcome = stochc_with(command, &[file]);
             assert_eq!(
-                (said.status, said.out.as_str()),
+                (outcome.status, outcome.out.as_str()),
                 (1, ""),
                 "{command} {file}"
             );
             let reason = format!("the model `rate` does not support {what}; use `--model rigid`");
-            assert!(said.err.contains(&reason), "{command} {file}: {}", said.err);
+            assert!(
+                outcome.err.contains(&reason),
+                "{command} {file}: {}",
+                outcome.err
+            );
         }
         let cost = stochc_with("check --cost --allow warnings", &[file]);
         assert_eq!(cost.status, 0, "{}", cost.err);
@@ -305,9 +309,9 @@ fn what_rates_do_not_speak_of_is_refused_by_name() {
             let reason = format!("No times: the model `rate` does not support {what}");
             let words = cost.out.split_whitespace().collect::<Vec<_>>().join(" ");
             assert!(words.contains(&reason), "{file}: {}", cost.out);
-            let said = stochc_with("calibrate --quiet", &[file]);
-            assert_eq!(said.status, 1, "{}", said.err);
-            assert!(said.err.contains(what), "{}", said.err);
+            let outcome = stochc_with("calibrate --quiet", &[file]);
+            assert_eq!(outcome.status, 1, "{}", outcome.err);
+            assert!(outcome.err.contains(what), "{}", outcome.err);
         }
     }
 }
@@ -316,16 +320,17 @@ fn what_rates_do_not_speak_of_is_refused_by_name() {
 fn nothing_is_recorded_of_blocks_that_have_no_places() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "runs");
-    let said = stochc_with(
+    let outcome = stochc_with(
         "simulate --model rate --runs 2 --record 0 examples/line.sa --out",
         &[&out],
     );
-    assert_eq!(said.status, 2);
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err
+        outcome
+            .err
             .contains("blocks have no positions in the model `rate`"),
         "{}",
-        said.err
+        outcome.err
     );
     let tank = stochc("simulate --model rate --runs 2 --quiet examples/suction_growth.sa");
     assert_ne!(tank.status, 0);

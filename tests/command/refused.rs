@@ -35,15 +35,15 @@ fn wrong_command_lines_are_told_of() {
         "trace --run 1 --runs 2 tests/fixtures/tower.sa",
         "trace --run 1 --out nowhere tests/fixtures/tower.sa",
     ] {
-        let said = stochc(line);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+        let outcome = stochc(line);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{line}");
         assert!(
-            said.err.contains("Usage") || said.err.contains("--help"),
+            outcome.err.contains("Usage") || outcome.err.contains("--help"),
             "{line}: {}",
-            said.err
+            outcome.err
         );
         // A negative number is a value, so the message does not treat it as an option.
-        assert!(!said.err.contains("as a value, use"), "{}", said.err);
+        assert!(!outcome.err.contains("as a value, use"), "{}", outcome.err);
     }
     assert!(
         stochc("simulate --seed -1 tests/fixtures/tower.sa")
@@ -93,9 +93,13 @@ fn an_option_without_effect_is_refused() {
                 word => word,
             })
             .collect();
-        let said = stochc_with("", &words);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
-        assert!(said.err.starts_with("error: "), "{line}: {}", said.err);
+        let outcome = stochc_with("", &words);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{line}");
+        assert!(
+            outcome.err.starts_with("error: "),
+            "{line}: {}",
+            outcome.err
+        );
         assert!(!std::path::Path::new(&out).exists(), "{line}");
     }
 }
@@ -112,10 +116,10 @@ fn the_command_that_is_meant_is_suggested() {
             "stochc check tests/fixtures/tower.sa",
         ),
     ] {
-        let said = stochc(line);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+        let outcome = stochc(line);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{line}");
         let tip = format!("did you mean `{meant}`?");
-        assert!(said.err.contains(&tip), "{line}: {}", said.err);
+        assert!(outcome.err.contains(&tip), "{line}: {}", outcome.err);
     }
 }
 
@@ -154,9 +158,9 @@ fn help_and_version_are_output() {
         "simulate --help",
         "check -h",
     ] {
-        let said = stochc(line);
-        assert_eq!((said.status, said.err.as_str()), (0, ""), "{line}");
-        assert!(!said.out.is_empty());
+        let outcome = stochc(line);
+        assert_eq!((outcome.status, outcome.err.as_str()), (0, ""), "{line}");
+        assert!(!outcome.out.is_empty());
     }
     let help = stochc("--help").out;
     let (_, statuses) = help.split_once("Exit status:").unwrap();
@@ -167,54 +171,54 @@ fn help_and_version_are_output() {
 
 #[test]
 fn a_wrong_program_is_not_run() {
-    let said = stochc("simulate tests/fixtures/tower.sa tests/fixtures/wrong.sa");
-    assert_eq!((said.status, said.out.as_str()), (1, ""));
-    assert!(said.err.contains("unknown-name"), "{}", said.err);
-    let said = stochc("simulate tests/fixtures/importing_tower.sa");
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
-    assert!(said.err.contains("no assembly"), "{}", said.err);
+    let outcome = stochc("simulate tests/fixtures/tower.sa tests/fixtures/wrong.sa");
+    assert_eq!((outcome.status, outcome.out.as_str()), (1, ""));
+    assert!(outcome.err.contains("unknown-name"), "{}", outcome.err);
+    let outcome = stochc("simulate tests/fixtures/importing_tower.sa");
+    assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
+    assert!(outcome.err.contains("no assembly"), "{}", outcome.err);
 }
 
 #[test]
 fn a_scene_that_does_not_fit_is_not_run() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let said = stochc_with(
+    let outcome = stochc_with(
         "simulate tests/fixtures/dense.sa tests/fixtures/crowded.sa --out",
         &[&out],
     );
-    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    assert_eq!((outcome.status, outcome.out.as_str()), (1, ""));
     assert!(
-        said.err.contains("crowded: 400 free blocks do not fit"),
+        outcome.err.contains("crowded: 400 free blocks do not fit"),
         "{}",
-        said.err
+        outcome.err
     );
     assert!(!fs::exists(&out).unwrap());
 }
 
 #[test]
 fn a_scene_with_a_term_that_the_model_lacks_is_not_run() {
-    let said = stochc("simulate --model rapier tests/fixtures/soft.sa --runs 1");
-    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    let outcome = stochc("simulate --model rapier tests/fixtures/soft.sa --runs 1");
+    assert_eq!((outcome.status, outcome.out.as_str()), (1, ""));
     let reason =
         "soft: the model `rapier` does not support contact with a `stiffness`; use `--model rigid`";
-    assert!(said.err.contains(reason), "{}", said.err);
+    assert!(outcome.err.contains(reason), "{}", outcome.err);
 }
 
 #[test]
 fn the_other_model_has_what_rapier_lacks() {
-    let said = stochc("simulate --model rigid tests/fixtures/soft.sa --runs 2 --quiet");
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("Mean time"), "{}", said.out);
+    let outcome = stochc("simulate --model rigid tests/fixtures/soft.sa --runs 2 --quiet");
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(outcome.out.contains("Mean time"), "{}", outcome.out);
     let fixture = "tests/fixtures/dense.sa --runs 1 --quiet";
     for option in ["--precision double", "--without corners"] {
-        let said = stochc(&format!("simulate --model rapier {option} {fixture}"));
-        assert_eq!(said.status, 2, "{}", said.err);
+        let outcome = stochc(&format!("simulate --model rapier {option} {fixture}"));
+        assert_eq!(outcome.status, 2, "{}", outcome.err);
         let (name, _) = option.split_once(' ').unwrap();
         let reason = format!("the model `rapier` has no `{name}`; `--model rigid` has it");
-        assert!(said.err.contains(&reason), "{}", said.err);
-        let said = stochc(&format!("simulate --model rigid {option} {fixture}"));
-        assert_eq!(said.status, 0, "{}", said.err);
+        assert!(outcome.err.contains(&reason), "{}", outcome.err);
+        let outcome = stochc(&format!("simulate --model rigid {option} {fixture}"));
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
     }
 }
 
@@ -263,12 +267,12 @@ fn other_results_are_never_overwritten() {
             "`solver-iterations`",
         ),
     ] {
-        let said = stochc_with(line, &[&["--out", out], more].concat());
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{more:?}");
-        assert!(said.err.contains(reason), "{}", said.err);
+        let outcome = stochc_with(line, &[&["--out", out], more].concat());
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{more:?}");
+        assert!(outcome.err.contains(reason), "{}", outcome.err);
     }
-    let said = stochc_with("resume --runs 2", &[&out]);
-    assert_eq!(said.status, 2, "no run is thrown away");
+    let outcome = stochc_with("resume --runs 2", &[&out]);
+    assert_eq!(outcome.status, 2, "no run is thrown away");
     assert!(before == tables(&out));
 }
 
@@ -278,12 +282,16 @@ fn files_of_others_are_left_alone() {
     let note = path(folder.path(), "note.txt");
     fs::write(&note, "mine").unwrap();
     let mine = folder.path().to_str().unwrap();
-    let said = stochc_with(TOWER, &["--out", mine]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("contains other files"), "{}", said.err);
-    let said = stochc_with(TOWER, &["--out", &note]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("is a file"), "{}", said.err);
+    let outcome = stochc_with(TOWER, &["--out", mine]);
+    assert_eq!(outcome.status, 2);
+    assert!(
+        outcome.err.contains("contains other files"),
+        "{}",
+        outcome.err
+    );
+    let outcome = stochc_with(TOWER, &["--out", &note]);
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains("is a file"), "{}", outcome.err);
     assert_eq!(fs::read_dir(mine).unwrap().count(), 1);
 }
 
@@ -291,16 +299,16 @@ fn files_of_others_are_left_alone() {
 fn a_run_to_record_that_is_not_to_be_made_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    for (runs, record, told) in [
+    for (runs, record, expected) in [
         ("2", "9", "--record: run 9 is not among runs 0..1"),
         ("2", "0,9", "--record: run 9 is not among runs 0..1"),
         ("2", "0..4", "--record: run 2 is not among runs 0..1"),
         ("1", "1", "--record: run 1 is not there: the only run is 0"),
     ] {
         let line = "simulate --quiet tests/fixtures/dense.sa --runs";
-        let said = stochc_with(line, &[runs, "--record", record, "--out", &out]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{record}");
-        assert!(said.err.contains(told), "{record}: {}", said.err);
+        let outcome = stochc_with(line, &[runs, "--record", record, "--out", &out]);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{record}");
+        assert!(outcome.err.contains(expected), "{record}: {}", outcome.err);
         assert!(!folder.path().join("out").exists(), "nothing was begun");
     }
 }
@@ -311,8 +319,8 @@ fn none_of_something_is_no_number_to_show_or_to_try() {
         "check --cost=0 tests/fixtures/tower.sa",
         "verify --states 0 tests/fixtures/tower.sa",
     ] {
-        let said = stochc(line);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+        let outcome = stochc(line);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{line}");
     }
 }
 
@@ -323,12 +331,13 @@ fn an_argument_that_is_no_text_is_named() {
     use std::os::unix::ffi::OsStrExt as _;
     let mut command = crate::stochc::command(["check", "tests/fixtures/tower.sa"]);
     command.arg(std::ffi::OsStr::from_bytes(b"caf\xe9.sa"));
-    let said = crate::stochc::said(&mut command);
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    let outcome = crate::stochc::run_command(&mut command);
+    assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
     assert!(
-        said.err
+        outcome
+            .err
             .starts_with("error: `caf\u{fffd}.sa` is not in UTF-8"),
         "{}",
-        said.err
+        outcome.err
     );
 }

@@ -5,7 +5,7 @@ use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
 use std::process::{Command, Stdio};
 
 use crate::skipped::skipped;
-use crate::stochc::{Said, path, said, stochc_with};
+use crate::stochc::{Outcome, path, run_command, stochc_with};
 
 /// Source of a program with a hundred thousand captures: towers of ten on a square plate.
 const LARGE: &str = "scene vast from hemisphere {
@@ -20,29 +20,29 @@ assembly towers in vast {
 ";
 
 /// Runs a command with this limit on its address space \[kB\].
-fn with_memory(kilobytes: u32, arguments: &[&str]) -> Said {
+fn with_memory(kilobytes: u32, arguments: &[&str]) -> Outcome {
     let program = format!("ulimit -v {kilobytes}; \"$@\"; exit $?");
     let mut command = Command::new("sh");
     command.args(["-c", &program, "sh", env!("CARGO_BIN_EXE_stochc")]);
-    said(command.args(arguments).env_remove("RUST_BACKTRACE"))
+    run_command(command.args(arguments).env_remove("RUST_BACKTRACE"))
 }
 
 /// Exit status that a shell reports for a process that ran out of memory (SIGABRT).
 const ABORTED: i32 = 128 + 6;
 
 #[track_caller]
-fn ends_well(said: &Said, statuses: &[i32]) {
+fn ends_well(outcome: &Outcome, statuses: &[i32]) {
     assert!(
-        statuses.contains(&said.status),
+        statuses.contains(&outcome.status),
         "{}: {}",
-        said.status,
-        said.err
+        outcome.status,
+        outcome.err
     );
-    assert!(!said.err.contains("panicked"), "{}", said.err);
-    let is_told = ![2, ABORTED].contains(&said.status)
-        || said.err.contains("error: ")
-        || said.err.contains("memory allocation of ");
-    assert!(is_told, "{}", said.err);
+    assert!(!outcome.err.contains("panicked"), "{}", outcome.err);
+    let is_reported = ![2, ABORTED].contains(&outcome.status)
+        || outcome.err.contains("error: ")
+        || outcome.err.contains("memory allocation of ");
+    assert!(is_reported, "{}", outcome.err);
 }
 
 #[test]
@@ -83,10 +83,10 @@ fn without_memory_a_command_says_so_and_ends() {
             &["plan", "examples/planned/chair.sa", "--tries", "3"],
             &["shard", "merge", &cut],
         ] {
-            let said = with_memory(kilobytes, arguments);
+            let outcome = with_memory(kilobytes, arguments);
             // For a folder that is already merged, `merge` reports this.
-            ends_well(&said, &[0, 2, 3, ABORTED]);
-            refused += usize::from(said.err.contains("memory allocation of "));
+            ends_well(&outcome, &[0, 2, 3, ABORTED]);
+            refused += usize::from(outcome.err.contains("memory allocation of "));
         }
     }
     assert!(refused > 2, "{refused}: nothing was short of memory");
@@ -102,11 +102,11 @@ fn without_memory_no_recording_is_called_damaged() {
     assert_eq!(stochc_with(line, &[&out]).status, 0);
     let mut short = 0;
     for kilobytes in (10_000..).step_by(500) {
-        let said = with_memory(kilobytes, &["fsck", &out]);
-        let all = [said.out.as_str(), &said.err].concat();
+        let outcome = with_memory(kilobytes, &["fsck", &out]);
+        let all = [outcome.out.as_str(), &outcome.err].concat();
         assert!(!all.contains("damaged"), "{kilobytes}: {all}");
         short += usize::from(all.contains("out of memory"));
-        if said.status == 0 {
+        if outcome.status == 0 {
             break;
         }
     }
@@ -154,7 +154,7 @@ fn without_threads_a_command_goes_on_or_says_so() {
             let user = [format!("--reuid={NOBODY}"), format!("--regid={NOBODY}")];
             command.arg("setpriv").args(user).arg("--clear-groups");
             command.arg(&program).args(arguments).stdin(Stdio::null());
-            ends_well(&said(&mut command), statuses);
+            ends_well(&run_command(&mut command), statuses);
         }
     }
 }

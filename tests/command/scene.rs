@@ -11,27 +11,28 @@ use crate::stochc::{path, stochc, stochc_with};
 
 #[test]
 fn the_default_scene_is_listed_with_what_it_leaves_unresolved() {
-    let said = stochc("check --physics tests/fixtures/tower.sa");
+    let outcome = stochc("check --physics tests/fixtures/tower.sa");
     assert_eq!(
-        (said.status, said.err.as_str()),
+        (outcome.status, outcome.err.as_str()),
         (0, ""),
         "warnings of a scene are no findings"
     );
-    insta::assert_snapshot!(said.out);
+    insta::assert_snapshot!(outcome.out);
 }
 
 #[test]
 fn a_scene_of_the_program_is_listed() {
-    let said = stochc("check --physics tests/fixtures/soft.sa");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    insta::assert_snapshot!(said.out);
+    let outcome = stochc("check --physics tests/fixtures/soft.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    insta::assert_snapshot!(outcome.out);
 }
 
 #[test]
 fn scenes_come_as_json_beside_the_findings() {
-    let said = stochc("check --physics --json tests/fixtures/careless.sa tests/fixtures/soft.sa");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    let document = said.json();
+    let outcome =
+        stochc("check --physics --json tests/fixtures/careless.sa tests/fixtures/soft.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    let document = outcome.json();
     assert_eq!(document["diagnostics"][0]["code"], "unused-seed");
     let scenes = document["scenes"].as_array().unwrap();
     let names: Vec<_> = (scenes.iter())
@@ -72,9 +73,9 @@ fn scenes_come_as_json_beside_the_findings() {
     let steps = serde_json::json!({ "taken": "2/8", "needed": 3, "resolved": true });
     assert_eq!(hemisphere["steps"], steps);
     assert_eq!(hemisphere["speed"]["from"], "collisions");
-    let said = stochc("check --json tests/fixtures/careless.sa").json();
-    assert_eq!(said["diagnostics"], document["diagnostics"]);
-    assert!(said.get("scenes").is_none(), "{said:#}");
+    let outcome = stochc("check --json tests/fixtures/careless.sa").json();
+    assert_eq!(outcome["diagnostics"], document["diagnostics"]);
+    assert!(outcome.get("scenes").is_none(), "{outcome:#}");
 }
 
 #[test]
@@ -95,24 +96,24 @@ fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
         assembly("c", "in hemisphere"),
     ];
     std::fs::write(&file, text.concat()).unwrap();
-    let said = stochc_with("check --physics", &[&file]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    let heads: Vec<_> = (said.out.lines())
+    let outcome = stochc_with("check --physics", &[&file]);
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    let heads: Vec<_> = (outcome.out.lines())
         .filter_map(|line| line.strip_prefix(&file)?.strip_prefix(": scene "))
         .collect();
     assert_eq!(heads, ["hemisphere, of a, c", "calm, of b"]);
-    let (_, calm) = said.out.split_once("scene calm").unwrap();
+    let (_, calm) = outcome.out.split_once("scene calm").unwrap();
     assert!(
         calm.ends_with("\n\n  One step a tick is short enough.\n"),
         "{calm}"
     );
 
-    let said = stochc("check --physics tests/fixtures/wrong.sa");
-    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    let outcome = stochc("check --physics tests/fixtures/wrong.sa");
+    assert_eq!((outcome.status, outcome.out.as_str()), (1, ""));
     // With `--format short`, standard output has only diagnostics.
-    let said = stochc("check --physics --format short tests/fixtures/tower.sa");
-    assert_eq!((said.status, said.out.as_str()), (0, ""));
-    assert!(said.err.contains("scene hemisphere, of tower"));
+    let outcome = stochc("check --physics --format short tests/fixtures/tower.sa");
+    assert_eq!((outcome.status, outcome.out.as_str()), (0, ""));
+    assert!(outcome.err.contains("scene hemisphere, of tower"));
 }
 
 /// Checks that `simulate` warns about a long time step, and that a sweep checks each point only
@@ -120,9 +121,9 @@ fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
 #[test]
 fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
     let line = "simulate --runs 1 --max-ticks 1 tests/fixtures/dense.sa --substeps";
-    let told = |steps: &str| stochc_with(line, &[steps]).err;
-    assert!(!told("4").contains("warning"));
-    let one = told("1");
+    let errors_with = |steps: &str| stochc_with(line, &[steps]).err;
+    assert!(!errors_with("4").contains("warning"));
+    let one = errors_with("1");
     let title = "warning[coarse-step]: in scene `dense`, blocks overlap deeply";
     assert_eq!(one.matches(title).count(), 1, "{one}");
     // The warning can be denied like any other.
@@ -155,8 +156,8 @@ fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
 /// Checks that drag counts: the steps of `microns.sa` suffice for the motion of its blocks.
 #[test]
 fn a_scene_in_which_drag_rules_is_resolved() {
-    let said = stochc("check --physics --json examples/microns.sa").json();
-    let scene = &said["scenes"][0];
+    let outcome = stochc("check --physics --json examples/microns.sa").json();
+    let scene = &outcome["scenes"][0];
     assert_eq!(scene["warnings"], serde_json::json!([]));
     let groups = scene["groups"].as_array().unwrap();
     let pull = groups
@@ -183,24 +184,28 @@ fn a_tank_whose_blocks_sink_is_told_of() {
                 { density 1 g/cm^3  viscosity 1 mPa s } }\nassembly a in tank { seed plate 1 x 1 { M at (0, 0) } \
                 phase p { M.up -> A.up -> B } }\n";
     std::fs::write(&file, text).unwrap();
-    let said = stochc_with("check --physics", &[&file]);
-    assert!(said.out.contains("warning[buoyant-blocks]"), "{}", said.out);
+    let outcome = stochc_with("check --physics", &[&file]);
     assert!(
-        said.out.contains("fluid { density 1000 kg/m^3"),
+        outcome.out.contains("warning[buoyant-blocks]"),
         "{}",
-        said.out
+        outcome.out
     );
-    let said = stochc_with("simulate --runs 1 --max-ticks 1", &[&file]);
+    assert!(
+        outcome.out.contains("fluid { density 1000 kg/m^3"),
+        "{}",
+        outcome.out
+    );
+    let outcome = stochc_with("simulate --runs 1 --max-ticks 1", &[&file]);
     assert_eq!(
-        said.err.matches("most blocks lie on the floor").count(),
+        outcome.err.matches("most blocks lie on the floor").count(),
         1,
         "{}",
-        said.err
+        outcome.err
     );
     // A structure along the floor can still be built.
     std::fs::write(&file, text.replace("A.up -> B", "A")).unwrap();
-    let said = stochc_with("simulate --runs 1 --max-ticks 1", &[&file]);
-    assert!(!said.err.contains("warning"), "{}", said.err);
+    let outcome = stochc_with("simulate --runs 1 --max-ticks 1", &[&file]);
+    assert!(!outcome.err.contains("warning"), "{}", outcome.err);
 }
 
 /// Returns a scene without agitation. Its blocks float, or sink without a floor.
@@ -229,9 +234,9 @@ fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
         ("3 N/m", "100 kg/m^3", contact, f64::NAN, ""),
     ] {
         std::fs::write(&file, tank(wall, density, contact)).unwrap();
-        let said = stochc_with("check --physics --json", &[&file]);
-        assert_eq!(said.status, 0, "{}", said.err);
-        let scene = &said.json()["scenes"][0];
+        let outcome = stochc_with("check --physics --json", &[&file]);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
+        let scene = &outcome.json()["scenes"][0];
         let groups = scene["groups"].as_array().unwrap();
         let group = groups.iter().find(|it| it["symbol"] == "F / (k a), shell");
         if depth.is_nan() {
@@ -241,11 +246,11 @@ fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
             assert!((value / depth - 1.0).abs() < 1e-9, "{value}");
         }
         let warnings = scene["warnings"].to_string();
-        let told = |text: &str| text.contains("soft-contact");
-        assert_eq!(told(&warnings), !remedy.is_empty(), "{warnings}");
+        let is_reported = |text: &str| text.contains("soft-contact");
+        assert_eq!(is_reported(&warnings), !remedy.is_empty(), "{warnings}");
         assert!(warnings.contains(remedy), "{warnings}");
         let run = stochc_with("simulate --runs 1 --max-ticks 1", &[&file]);
-        assert_eq!(told(&run.err), !remedy.is_empty(), "{}", run.err);
+        assert_eq!(is_reported(&run.err), !remedy.is_empty(), "{}", run.err);
     }
 }
 
@@ -307,8 +312,9 @@ fn a_scene_in_which_nothing_moves_is_refused_if_that_is_denied() {
             stochc_with(&line, &[file])
         };
         let [warned, denied, allowed] = ["--warn", "--deny", "--allow"].map(run);
-        let told = [&warned, &denied, &allowed].map(|said| said.err.contains("no-agitation"));
-        assert_eq!(told, [true, true, false], "{}", warned.err);
+        let reported =
+            [&warned, &denied, &allowed].map(|outcome| outcome.err.contains("no-agitation"));
+        assert_eq!(reported, [true, true, false], "{}", warned.err);
         assert_eq!([warned.status, denied.status, allowed.status], [3, 1, 3]);
     }
 }
@@ -323,8 +329,13 @@ fn warnings_of_the_points_of_a_sweep_are_left_out_if_quiet() {
     std::fs::write(&file, program).unwrap();
     for (quiet, is_warned) in [("", true), ("--quiet", false)] {
         let line = format!("sweep {quiet} --runs 1 --max-ticks 1 --vary agitation.speed=0");
-        let said = stochc_with(&line, &[&file]);
-        assert_eq!(said.err.contains("no-agitation"), is_warned, "{}", said.err);
+        let outcome = stochc_with(&line, &[&file]);
+        assert_eq!(
+            outcome.err.contains("no-agitation"),
+            is_warned,
+            "{}",
+            outcome.err
+        );
     }
 }
 
@@ -337,24 +348,27 @@ fn rows_outside_of_their_limit_are_marked() {
     let program = "scene slow from hemisphere { drag { rate 650 Hz } }\n\
         assembly a in slow { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }\n";
     std::fs::write(&file, program).unwrap();
-    let said = stochc_with("check --physics", &[&file]);
-    let marked: Vec<&str> = said
+    let outcome = stochc_with("check --physics", &[&file]);
+    let marked: Vec<&str> = outcome
         .out
         .lines()
         .filter(|line| line.ends_with("exceeded"))
         .collect();
-    assert_eq!(marked.len(), 1, "{}", said.out);
-    assert!(marked[0].trim_start().starts_with("γ τ"), "{}", said.out);
+    assert_eq!(marked.len(), 1, "{}", outcome.out);
+    assert!(marked[0].trim_start().starts_with("γ τ"), "{}", outcome.out);
     assert!(
-        said.out
+        outcome
+            .out
             .contains("The steps are too long: `simulate` takes 2/8 a tick."),
         "{}",
-        said.out
+        outcome.out
     );
     assert!(
-        said.out.contains("displacements are 100 times too small"),
+        outcome
+            .out
+            .contains("displacements are 100 times too small"),
         "{}",
-        said.out
+        outcome.out
     );
     let json = stochc_with("check --physics --json", &[&file]).json();
     let groups = json["scenes"][0]["groups"].as_array().unwrap();

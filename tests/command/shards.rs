@@ -35,34 +35,38 @@ fn shards_put_together_are_the_folder_of_one_machine() {
             ["plain", "shards"].map(|it| path(folder.path(), &format!("{it}{number}")));
         stochc_with(command, &["--quiet", "--threads", "1", "--out", &plain]);
         // The machines that run shards do not have the source of the program.
-        let said = stochc_with(&shard_new(command), &["--shards", "3", "--out", &shards]);
-        assert_eq!(said.status, 0, "{}", said.err);
+        let outcome = stochc_with(&shard_new(command), &["--shards", "3", "--out", &shards]);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
         assert!(
-            said.out.contains("is split into 3 shards, "),
+            outcome.out.contains("is split into 3 shards, "),
             "{}",
-            said.out
+            outcome.out
         );
         let again = stochc_with(&shard_new(command), &["--shards", "3", "--out", &shards]);
         assert_eq!(again.status, 0);
         assert!(again.out.contains("into 3 shards already"), "{}", again.out);
         for shard in ["2", "0", "0", "1"] {
-            let said = stochc_with("shard run", &[&shards, shard]);
-            assert_eq!(said.status, 0, "{}", said.err);
+            let outcome = stochc_with("shard run", &[&shards, shard]);
+            assert_eq!(outcome.status, 0, "{}", outcome.err);
             assert!(
-                said.out.starts_with(&format!("shard {shard} of")),
+                outcome.out.starts_with(&format!("shard {shard} of")),
                 "{}",
-                said.out
+                outcome.out
             );
         }
-        let said = stochc_with("shard merge", &[&shards]);
-        assert_eq!(said.status, 0, "{}", said.err);
+        let outcome = stochc_with("shard merge", &[&shards]);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
         assert!(files(&shards) == files(&plain), "{command}");
         for what in ["show", "fsck", "report --quiet"] {
             let [one, other] = [&plain, &shards].map(|it| stochc_with(what, &[it]));
             assert_eq!((one.status, &one.out), (other.status, &other.out), "{what}");
         }
-        let said = stochc_with("resume --quiet", &[&shards]);
-        assert!(said.err.contains("is finished already"), "{}", said.err);
+        let outcome = stochc_with("resume --quiet", &[&shards]);
+        assert!(
+            outcome.err.contains("is finished already"),
+            "{}",
+            outcome.err
+        );
     }
 }
 
@@ -75,26 +79,27 @@ fn a_shell_loop_makes_what_is_missing() {
         &["--quiet", "--shards", "5", "--out", &out],
     );
     stochc_with("shard run --quiet", &[&out, "3"]);
-    let said = stochc_with("shard status --missing", &[&out]);
-    assert_eq!((said.status, said.out.as_str()), (0, "0\n1\n2\n4\n"));
-    let said = stochc_with("shard status", &[&out]);
+    let outcome = stochc_with("shard status --missing", &[&out]);
+    assert_eq!((outcome.status, outcome.out.as_str()), (0, "0\n1\n2\n4\n"));
+    let outcome = stochc_with("shard status", &[&out]);
     assert!(
-        said.out
+        outcome
+            .out
             .starts_with("1 of 5 shards are complete; 10 runs in all\nmissing: 0-2, 4\n"),
         "{}",
-        said.out
+        outcome.out
     );
-    let said = stochc_with("shard status --json", &[&out]);
-    let status = said.json();
+    let outcome = stochc_with("shard status --json", &[&out]);
+    let status = outcome.json();
     assert_eq!(status["missing"], json!([0, 1, 2, 4]));
     assert_eq!(status["states"][3], json!({ "state": "whole" }));
-    let said = stochc_with("shard status --missing --json", &[&out]);
-    assert_eq!(said.json()["missing"], json!([0, 1, 2, 4]));
+    let outcome = stochc_with("shard status --missing --json", &[&out]);
+    assert_eq!(outcome.json()["missing"], json!([0, 1, 2, 4]));
     for shard in ["0", "1", "2", "4"] {
         assert_eq!(stochc_with("shard run --quiet", &[&out, shard]).status, 0);
     }
-    let said = stochc_with("shard status --missing", &[&out]);
-    assert_eq!((said.status, said.out.as_str()), (0, ""));
+    let outcome = stochc_with("shard status --missing", &[&out]);
+    assert_eq!((outcome.status, outcome.out.as_str()), (0, ""));
     assert_eq!(stochc_with("shard merge --quiet", &[&out]).out, "");
 }
 
@@ -105,9 +110,9 @@ fn what_cannot_be_is_refused() {
     let out = path(folder.path(), "out");
     let refused = |line: &str, more: &[&str], status, reason: &str| {
         let before = Path::new(&out).exists().then(|| files(&out));
-        let said = stochc_with(line, more);
-        assert_eq!(said.status, status, "{line}: {}", said.err);
-        assert!(said.err.contains(reason), "{line}: {}", said.err);
+        let outcome = stochc_with(line, more);
+        assert_eq!(outcome.status, status, "{line}: {}", outcome.err);
+        assert!(outcome.err.contains(reason), "{line}: {}", outcome.err);
         let after = Path::new(&out).exists().then(|| files(&out));
         assert!(before == after, "{line}");
     };
@@ -208,23 +213,23 @@ fn damaged_shards_are_made_again_by_what_is_proposed() {
     for shard in ["1", "3"] {
         damage(&out, shard);
     }
-    let said = stochc_with("shard merge", &[&out]);
-    assert_eq!(said.status, 3, "{}", said.err);
+    let outcome = stochc_with("shard merge", &[&out]);
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
     assert!(
-        said.err.contains("for i in 1 3; do stochc shard run "),
+        outcome.err.contains("for i in 1 3; do stochc shard run "),
         "{}",
-        said.err
+        outcome.err
     );
     for shard in ["1", "3"] {
         stochc_with("shard run --quiet", &[&out, shard]);
         damage(&out, shard);
     }
-    let said = stochc_with("fsck --repair", &[&out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("fsck --repair", &[&out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(
-        said.out.contains("repaired: `stochc shard status "),
+        outcome.out.contains("repaired: `stochc shard status "),
         "{}",
-        said.out
+        outcome.out
     );
     assert_eq!(stochc_with("shard status --missing", &[&out]).out, "1\n3\n");
     for shard in ["1", "3"] {
@@ -251,23 +256,23 @@ fn shards_are_kept_whose_cut_is_lost() {
     let text = fs::read_to_string(&cut).unwrap();
     fs::write(&cut, &text[..text.len() - 5]).unwrap();
     let before = files(&out);
-    let said = stochc_with("fsck --repair", &[&out]);
-    assert_eq!(said.status, 2, "{}", said.out);
-    assert!(said.err.contains("move it away"), "{}", said.err);
+    let outcome = stochc_with("fsck --repair", &[&out]);
+    assert_eq!(outcome.status, 2, "{}", outcome.out);
+    assert!(outcome.err.contains("move it away"), "{}", outcome.err);
     assert!(files(&out) == before);
     fs::remove_file(&cut).unwrap();
-    let said = stochc_with("shard status", &[&out]);
-    assert_eq!(said.status, 2, "{}", said.out);
+    let outcome = stochc_with("shard status", &[&out]);
+    assert_eq!(outcome.status, 2, "{}", outcome.out);
     assert!(
-        said.err.contains("writes it again and keeps the shards"),
+        outcome.err.contains("writes it again and keeps the shards"),
         "{}",
-        said.err
+        outcome.err
     );
-    let said = stochc_with(
+    let outcome = stochc_with(
         &shard_new(TOWER),
         &["--quiet", "--shards", "4", "--out", &out],
     );
-    assert_eq!(said.status, 0, "{}", said.err);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert_eq!(stochc_with("shard status --missing", &[&out]).out, "");
     assert_eq!(stochc_with("shard merge --quiet", &[&out]).status, 0);
 }

@@ -14,11 +14,15 @@ fn a_folder_tells_what_was_told_when_it_was_filled() {
         &["--json"],
         &["--json", "--captures"],
     ] {
-        let told = stochc_with(simulate, &[&["--out", &out], form].concat());
+        let printed = stochc_with(simulate, &[&["--out", &out], form].concat());
         let again = stochc_with("show", &[&[out.as_str()], form].concat());
-        assert_eq!((told.status, again.status), (3, 3), "one program times out");
+        assert_eq!(
+            (printed.status, again.status),
+            (3, 3),
+            "one program times out"
+        );
         assert_eq!(again.err, "");
-        assert_eq!(told.out, again.out);
+        assert_eq!(printed.out, again.out);
     }
 }
 
@@ -32,25 +36,26 @@ fn the_first_reason_of_runs_that_fail_is_told() {
     let (file, out) = (path(folder.path(), "wild.sa"), path(folder.path(), "out"));
     fs::write(&file, text).unwrap();
     let simulate = "simulate --quiet --runs 2";
-    let said = stochc_with(simulate, &[&file]);
-    assert_eq!(said.status, 3, "{}", said.err);
+    let outcome = stochc_with(simulate, &[&file]);
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
     assert!(
-        said.err
+        outcome
+            .err
             .contains("2 runs failed, first of all run 0 of tower, in phase foot, at tick "),
         "{}",
-        said.err
+        outcome.err
     );
-    assert!(said.err.contains("block "), "{}", said.err);
+    assert!(outcome.err.contains("block "), "{}", outcome.err);
     assert!(
-        said.err.contains("`stochc trace ... --run 0`"),
+        outcome.err.contains("`stochc trace ... --run 0`"),
         "{}",
-        said.err
+        outcome.err
     );
     let kept = stochc_with(simulate, &[&file, "--out", &out]);
-    let told = stochc_with("show", &[&out]);
-    for said in [kept, told] {
-        assert!(said.err.contains("2 runs failed"), "{}", said.err);
-        let (_, command) = said.err.rsplit_once("`stochc ").unwrap();
+    let printed = stochc_with("show", &[&out]);
+    for outcome in [kept, printed] {
+        assert!(outcome.err.contains("2 runs failed"), "{}", outcome.err);
+        let (_, command) = outcome.err.rsplit_once("`stochc ").unwrap();
         let (command, _) = command.split_once('`').unwrap();
         let again = stochc_with(command, &["--quiet"]);
         assert!(
@@ -78,22 +83,26 @@ fn a_timeout_of_one_of_several_phases_makes_no_program_faster() {
     };
     let files = [file("limited", "timeout 900 ticks"), file("patient", "")];
     let command = "simulate --quiet --model rate --runs 200 --json";
-    let said = stochc_with(command, &[&files[0], &files[1]]);
-    assert_eq!(said.status, 3, "{}", said.err);
-    let found: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    let outcome = stochc_with(command, &[&files[0], &files[1]]);
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
+    let found: serde_json::Value = serde_json::from_str(&outcome.out).unwrap();
     let time = |program: usize, figure: &str| found["programs"][program]["time"][figure].as_f64();
     let censored = time(0, "incomplete").unwrap();
-    assert!((20.0..90.0).contains(&censored), "{}", said.out);
-    assert!(time(0, "median") >= time(1, "median"), "{}", said.out);
-    assert!(time(0, "mean") >= time(1, "mean"), "{}", said.out);
+    assert!((20.0..90.0).contains(&censored), "{}", outcome.out);
+    assert!(time(0, "median") >= time(1, "median"), "{}", outcome.out);
+    assert!(time(0, "mean") >= time(1, "mean"), "{}", outcome.out);
     assert_ne!(
         found["pairs"][0]["difference"]["longer"], "second",
         "{}",
-        said.out
+        outcome.out
     );
-    let said = stochc_with("simulate --quiet --model rate --runs 200", &[&files[0]]);
-    let words = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("These runs never complete."), "{}", said.out);
+    let outcome = stochc_with("simulate --quiet --model rate --runs 200", &[&files[0]]);
+    let words = outcome.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words.contains("These runs never complete."),
+        "{}",
+        outcome.out
+    );
 }
 
 /// Compares a program that times out in most runs with a program that always completes later. The
@@ -107,17 +116,17 @@ fn a_program_that_mostly_times_out_is_not_the_faster_one() {
     let file = path(folder.path(), "both.sa");
     fs::write(&file, text).unwrap();
     let command = "simulate --quiet --model rate --runs 200 --json";
-    let said = stochc_with(command, &[&file]);
-    let found: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    let outcome = stochc_with(command, &[&file]);
+    let found: serde_json::Value = serde_json::from_str(&outcome.out).unwrap();
     assert_eq!(
         found["pairs"][0]["difference"]["longer"], "first",
         "{}",
-        said.out
+        outcome.out
     );
     let time = |program: usize, figure: &str| found["programs"][program]["time"][figure].as_f64();
     // Both means are restricted to the latest time that was observed in either program.
     assert_eq!(time(0, "horizon"), time(1, "max"));
-    assert!(time(0, "mean") > time(1, "mean"), "{}", said.out);
+    assert!(time(0, "mean") > time(1, "mean"), "{}", outcome.out);
     // A sweep gives the same result. Five ticks of 10 ms fit into the timeout, but only one of 40
     // ms.
     let limited = "assembly limited { seed plate 1 x 1 { M at (0, 0) } phase a timeout 50 ms { M.up ->> T[1..5] } }";
@@ -145,9 +154,9 @@ fn a_folder_is_shown_as_csv_latex_and_markdown_in_ticks_and_seconds() {
     let program = &found["programs"][0];
     let [mean, tick] = [&program["time"]["mean"], &program["tick"]].map(|it| it.as_f64().unwrap());
     let cell = |unit: &str, name: &str| {
-        let said = stochc_with("show --format csv --unit", &[unit, &out]);
-        assert_eq!((said.status, said.err.as_str()), (0, ""));
-        let mut rows = csv::Reader::from_reader(said.out.as_bytes());
+        let outcome = stochc_with("show --format csv --unit", &[unit, &out]);
+        assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+        let mut rows = csv::Reader::from_reader(outcome.out.as_bytes());
         let at = rows.headers().unwrap().iter().position(|it| it == name);
         let rows: Vec<_> = rows.records().map(Result::unwrap).collect();
         assert_eq!(rows.len(), 2);
@@ -187,9 +196,9 @@ fn a_folder_is_shown_as_csv_latex_and_markdown_in_ticks_and_seconds() {
         (&["--unit", "s"], "`--unit s` is for"),
         (&["--format", "csv", "--captures"], "`--captures` is for"),
     ] {
-        let said = stochc_with("show", &[&[out.as_str()], more].concat());
-        assert_eq!((said.status, said.out.as_str()), (2, ""));
-        assert!(said.err.contains(reason), "{}", said.err);
+        let outcome = stochc_with("show", &[&[out.as_str()], more].concat());
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
+        assert!(outcome.err.contains(reason), "{}", outcome.err);
     }
 }
 
@@ -206,13 +215,16 @@ fn a_sweep_is_shown_point_by_point_with_the_label_of_its_program() {
         "{csv}"
     );
     assert!(csv.contains("\r\nTower,200,3,3,0,0,0,"), "{csv}");
-    let told = stochc_with(
+    let printed = stochc_with(
         "show --format markdown --unit s --label tower=Tower",
         &[&out],
     )
     .out;
-    assert!(told.contains("| mean time \\[s\\] |"), "{told}");
-    assert!(told.contains("| Tower \\[free=200\\] | 3 of 3 |"), "{told}");
+    assert!(printed.contains("| mean time \\[s\\] |"), "{printed}");
+    assert!(
+        printed.contains("| Tower \\[free=200\\] | 3 of 3 |"),
+        "{printed}"
+    );
 }
 
 /// Compares two runs of similar programs. The difference is not significant, and the sentence
@@ -229,9 +241,9 @@ fn a_difference_that_is_not_significant_is_told_with_the_runs_that_it_needs() {
     };
     fs::write(&file, program("tall", "up") + &program("bent", "east")).unwrap();
     let simulate = "simulate --quiet --model rate --runs 2";
-    let said = stochc_with(simulate, &[&file]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    let words = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    let outcome = stochc_with(simulate, &[&file]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let words = outcome.out.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         words.contains(": not significant. A difference of 5 % would need "),
         "{words}"
@@ -263,9 +275,9 @@ fn a_corrupted_folder_ends_with_2_and_its_sound_runs_are_shown() {
         let mut flipped = whole.clone();
         flipped[whole.len() / 2] ^= 1;
         fs::write(&file, flipped).unwrap();
-        let said = stochc_with("show", &[&out]);
-        assert_eq!(said.status, 2, "{name}: {}", said.err);
-        assert!(said.out.contains("Mean time"), "{}", said.out);
+        let outcome = stochc_with("show", &[&out]);
+        assert_eq!(outcome.status, 2, "{name}: {}", outcome.err);
+        assert!(outcome.out.contains("Mean time"), "{}", outcome.out);
         fs::write(&file, whole).unwrap();
     }
 }
@@ -279,14 +291,14 @@ fn a_replay_without_a_number_shows_the_median_run() {
     assert_eq!(stochc_with(simulate, &[&out]).status, 0);
     let runs = stochc_with("show --json", &[&out]).json();
     let median = runs["programs"][0]["time"]["median"].as_f64().unwrap();
-    let said = stochc_with("replay", &[&out]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    let (_, run) = said.err.split_once("note: run ").expect(&said.err);
-    let (run, _) = run.split_once(" has the median time").expect(&said.err);
+    let outcome = stochc_with("replay", &[&out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let (_, run) = outcome.err.split_once("note: run ").expect(&outcome.err);
+    let (run, _) = run.split_once(" has the median time").expect(&outcome.err);
     assert!(
-        said.out.ends_with(&format!("replay-dense-{run}.html\n")),
+        outcome.out.ends_with(&format!("replay-dense-{run}.html\n")),
         "{}",
-        said.out
+        outcome.out
     );
     let single = "trace --substeps 1 --json tests/fixtures/dense.sa --run";
     let ticks = stochc_with(single, &[run]).json()["runs"][0]["ticks"]
@@ -297,12 +309,12 @@ fn a_replay_without_a_number_shows_the_median_run() {
     let failing = "simulate --quiet --model shuffle --runs 2 tests/fixtures/tower.sa tests/fixtures/late.sa --out";
     let two = path(folder.path(), "two");
     stochc_with(failing, &[&two]);
-    let said = stochc_with("replay", &[&two]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with("replay", &[&two]);
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err.contains("choose one with `--program`"),
+        outcome.err.contains("choose one with `--program`"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -316,12 +328,14 @@ fn what_holds_no_results_is_told_of() {
         "tests/fixtures",
         "Cargo.toml",
     ] {
-        let said = stochc_with("show", &[place]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{place}");
+        let outcome = stochc_with("show", &[place]);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{place}");
         assert!(
-            said.err.contains(&format!("`{place}` contains no results")),
+            outcome
+                .err
+                .contains(&format!("`{place}` contains no results")),
             "{}",
-            said.err
+            outcome.err
         );
     }
 }
@@ -340,10 +354,10 @@ fn one_folder_has_one_test_and_one_wording() {
     for (name, limit) in [("all", "1000000"), ("censored", "250")] {
         let out = path(folder.path(), name);
         let line = "simulate --quiet --runs 12 tests/fixtures/dense.sa --max-ticks";
-        let told = stochc_with(line, &[limit, &taller, "--out", &out]);
-        assert_eq!(told.status == 3, name == "censored", "{}", told.err);
+        let printed = stochc_with(line, &[limit, &taller, "--out", &out]);
+        assert_eq!(printed.status == 3, name == "censored", "{}", printed.err);
         let results = stochc_with("show", &[&out]);
-        assert_eq!(results.out, told.out);
+        assert_eq!(results.out, printed.out);
         let json = stochc_with("show --json", &[&out]).json();
         let pair = &json["pairs"][0]["difference"];
         assert_eq!(pair["test"]["kind"], "paired");
@@ -360,7 +374,7 @@ fn one_folder_has_one_test_and_one_wording() {
         let at = names.iter().position(|name| *name == "horizon").unwrap();
         assert_eq!(row[at].parse().ok(), pair["horizon"].as_f64());
         // The page contains the same sentence, word for word.
-        let (_, sentence) = told.out.split_once("\ndense - taller: ").unwrap();
+        let (_, sentence) = printed.out.split_once("\ndense - taller: ").unwrap();
         let sentence = sentence.replace("\n  ", " ");
         let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
         let page = page
@@ -373,6 +387,6 @@ fn one_folder_has_one_test_and_one_wording() {
         let known = ["takes longer.", "not significant."];
         let known = known.into_iter().find(|it| conclusion.contains(it));
         assert!(page.contains(known.expect(conclusion)), "{sentence}");
-        assert!(!page.contains("no difference") && !told.out.contains("no difference"));
+        assert!(!page.contains("no difference") && !printed.out.contains("no difference"));
     }
 }

@@ -5,23 +5,27 @@ const TOWER: &str = "simulate --model shuffle --quiet tests/fixtures/tower.sa";
 
 #[test]
 fn the_table_is_the_output() {
-    let said = stochc("simulate --model shuffle --runs 5 tests/fixtures/tower.sa");
-    assert_eq!(said.status, 0);
-    assert!(said.err.starts_with("5 of 5 runs in "), "{}", said.err);
-    insta::assert_snapshot!(said.out);
+    let outcome = stochc("simulate --model shuffle --runs 5 tests/fixtures/tower.sa");
+    assert_eq!(outcome.status, 0);
+    assert!(
+        outcome.err.starts_with("5 of 5 runs in "),
+        "{}",
+        outcome.err
+    );
+    insta::assert_snapshot!(outcome.out);
     let quiet = stochc_with(TOWER, &["--runs", "5"]);
     assert_eq!((quiet.status, quiet.err.as_str()), (0, ""));
-    assert_eq!(quiet.out, said.out);
+    assert_eq!(quiet.out, outcome.out);
 }
 
 #[test]
 fn programs_are_compared() {
-    let said = stochc_with(TOWER, &["tests/fixtures/importing.sa", "--runs", "3"]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    insta::assert_snapshot!(said.out);
+    let outcome = stochc_with(TOWER, &["tests/fixtures/importing.sa", "--runs", "3"]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    insta::assert_snapshot!(outcome.out);
     // If a program is given twice, it counts as two programs.
-    let said = stochc_with(TOWER, &["tests/fixtures/tower.sa", "--runs", "3"]);
-    assert!(said.out.contains("tower (2)"), "{}", said.out);
+    let outcome = stochc_with(TOWER, &["tests/fixtures/tower.sa", "--runs", "3"]);
+    assert!(outcome.out.contains("tower (2)"), "{}", outcome.out);
 }
 
 /// Checks that a dry run prints the number of runs and their expected CPU time, and writes nothing.
@@ -30,19 +34,19 @@ fn a_dry_run_forecasts_the_cpu_time() {
     let folder = tempfile::tempdir().unwrap();
     let out = crate::stochc::path(folder.path(), "out");
     let seconds = |line: &str, more: &[&str]| {
-        let said = stochc_with(line, more);
-        assert_eq!(said.status, 0, "{}", said.err);
-        assert!(said.out.contains(" of CPU time"), "{}", said.out);
-        said.out
+        let outcome = stochc_with(line, more);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
+        assert!(outcome.out.contains(" of CPU time"), "{}", outcome.out);
+        outcome.out
     };
     let sweep = "sweep --dry-run --quiet --substeps 1 examples/line.sa --out";
-    let told = seconds(sweep, &[&out, "--runs", "40", "--vary", "free=200,300"]);
-    assert!(told.starts_with("80 runs, "), "{told}");
+    let printed = seconds(sweep, &[&out, "--runs", "40", "--vary", "free=200,300"]);
+    assert!(printed.starts_with("80 runs, "), "{printed}");
     assert!(!std::path::Path::new(&out).exists());
     let trade =
         "trade --dry-run --quiet --runs 2 --finest 2 --max-ticks 100 tests/fixtures/dense.sa";
-    let told = seconds(trade, &[]);
-    assert!(told.contains(" runs, "), "{told}");
+    let printed = seconds(trade, &[]);
+    assert!(printed.contains(" runs, "), "{printed}");
 }
 
 #[test]
@@ -59,8 +63,11 @@ fn figures_come_as_json_too() {
 
 #[test]
 fn captures_are_told_on_request() {
-    let said = stochc_with(TOWER, &["--runs", "4", "--captures"]);
-    let (_, captures) = said.out.split_once("tower, capture by capture\n").unwrap();
+    let outcome = stochc_with(TOWER, &["--runs", "4", "--captures"]);
+    let (_, captures) = outcome
+        .out
+        .split_once("tower, capture by capture\n")
+        .unwrap();
     for edge in ["foot: M.up -> A", "top: A.up -> B", "top: B.up -> C"] {
         assert!(captures.contains(edge), "{captures}");
     }
@@ -68,21 +75,21 @@ fn captures_are_told_on_request() {
 
 #[test]
 fn a_timeout_is_told_and_a_status() {
-    let said = stochc("simulate --model shuffle --runs 3 tests/fixtures/late.sa");
-    assert_eq!(said.status, 3);
-    let told = "3 of 3 runs, 3 stopped in ";
-    assert!(said.err.starts_with(told), "{}", said.err);
-    assert_eq!(said.row("Timed out"), ["3"]);
-    let mean = said.row("Mean time").join(" ");
+    let outcome = stochc("simulate --model shuffle --runs 3 tests/fixtures/late.sa");
+    assert_eq!(outcome.status, 3);
+    let expected = "3 of 3 runs, 3 stopped in ";
+    assert!(outcome.err.starts_with(expected), "{}", outcome.err);
+    assert_eq!(outcome.row("Timed out"), ["3"]);
+    let mean = outcome.row("Mean time").join(" ");
     assert_eq!(mean, "≥ 2, to 2");
-    assert_eq!(said.row("  in seconds").join(" "), "≥ 40.0 ms");
-    assert_eq!(said.row("SD (CV)"), ["-"], "unknown");
-    assert!(said.out.contains("≥: some runs did not complete"));
+    assert_eq!(outcome.row("  in seconds").join(" "), "≥ 40.0 ms");
+    assert_eq!(outcome.row("SD (CV)"), ["-"], "unknown");
+    assert!(outcome.out.contains("≥: some runs did not complete"));
     // The limit of the command has the same exit status as a timeout in the program.
-    let said = stochc_with(TOWER, &["--runs", "3", "--max-ticks", "2"]);
-    assert_eq!(said.status, 3);
-    assert!(!said.out.contains("Timed out"), "{}", said.out);
-    assert_eq!(said.row("Censored at --max-ticks"), ["3"]);
+    let outcome = stochc_with(TOWER, &["--runs", "3", "--max-ticks", "2"]);
+    assert_eq!(outcome.status, 3);
+    assert!(!outcome.out.contains("Timed out"), "{}", outcome.out);
+    assert_eq!(outcome.row("Censored at --max-ticks"), ["3"]);
 }
 
 #[test]
@@ -95,22 +102,22 @@ fn a_run_that_is_stopped_tells_by_what_and_what_it_waited_for() {
             "stopped by `--max-ticks` in phase grow after 1 tick (20.0 ms)",
         ),
     ] {
-        let said = stochc_with(LATE, &["--max-ticks", limit]);
-        assert_eq!(said.status, 3);
-        assert!(said.out.contains(end), "{}", said.out);
-        assert!(said.out.contains("1 wait under way"), "{}", said.out);
+        let outcome = stochc_with(LATE, &["--max-ticks", limit]);
+        assert_eq!(outcome.status, 3);
+        assert!(outcome.out.contains(end), "{}", outcome.out);
+        assert!(outcome.out.contains("1 wait under way"), "{}", outcome.out);
     }
-    let said = stochc(LATE);
+    let outcome = stochc(LATE);
     let wait =
         "tick       2  40.0 ms  T[2].up still waits for T[3] after 0 ticks (0 s) and 0 entries\n";
-    assert!(said.out.contains(wait), "{}", said.out);
+    assert!(outcome.out.contains(wait), "{}", outcome.out);
 }
 
 /// Checks that the record of a run can be understood without another file.
 #[test]
 fn a_run_in_json_has_names_beside_indices() {
-    let said = stochc("trace --model shuffle --run 0 --json tests/fixtures/late.sa");
-    let record = &said.json()["runs"][0];
+    let outcome = stochc("trace --model shuffle --run 0 --json tests/fixtures/late.sa");
+    let record = &outcome.json()["runs"][0];
     assert_eq!(record["program"], "late");
     assert_eq!(record["phase_names"], serde_json::json!(["grow"]));
     assert_eq!(
@@ -130,8 +137,8 @@ fn a_run_in_json_has_names_beside_indices() {
         ],
         ["grow", "T[2]", "T[3]"]
     );
-    let said = stochc("trace --model shuffle --run 0 --json tests/fixtures/attached.sa");
-    for record in said.json()["runs"].as_array().unwrap() {
+    let outcome = stochc("trace --model shuffle --run 0 --json tests/fixtures/attached.sa");
+    for record in outcome.json()["runs"].as_array().unwrap() {
         assert_eq!(record["bonds"][0]["phase_name"], "seed");
         let release = &record["releases"][0];
         assert_eq!(
@@ -153,7 +160,7 @@ fn threads_do_not_matter() {
     let folder = tempfile::tempdir().unwrap();
     let [one, four] = ["1", "4"].map(|threads| {
         let out = path(folder.path(), threads);
-        let said = stochc_with(
+        let outcome = stochc_with(
             TOWER,
             &[
                 "tests/fixtures/importing.sa",
@@ -163,8 +170,8 @@ fn threads_do_not_matter() {
                 &out,
             ],
         );
-        assert_eq!(said.status, 0, "{}", said.err);
-        (tables(&out), said.out)
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
+        (tables(&out), outcome.out)
     });
     assert!(one == four);
     let other = path(folder.path(), "other");
@@ -196,21 +203,21 @@ fn one_run_is_that_of_the_ensemble() {
     for record in records {
         let run = record["run"].to_string();
         let trace = TOWER.replace("simulate", "trace");
-        let said = stochc_with(&trace, &["--seed", "7", "--json", "--run", &run]);
+        let outcome = stochc_with(&trace, &["--seed", "7", "--json", "--run", &run]);
         assert!(
-            contains(&said.json()["runs"][0], &record),
+            contains(&outcome.json()["runs"][0], &record),
             "run {run}: {}",
-            said.out
+            outcome.out
         );
     }
 }
 
 #[test]
 fn a_run_is_told_capture_by_capture() {
-    let said = stochc("trace --model shuffle --run 1 tests/fixtures/tower.sa");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    let told = without_blocks(&said.out);
-    insta::assert_snapshot!(told);
+    let outcome = stochc("trace --model shuffle --run 1 tests/fixtures/tower.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    let printed = without_blocks(&outcome.out);
+    insta::assert_snapshot!(printed);
 }
 
 /// Returns the text with `N` in place of the random numbers of blocks.
@@ -229,30 +236,30 @@ fn runs_are_made_until_means_are_known() {
     let out = path(folder.path(), "out");
     let line = "simulate examples/line.sa examples/open_platform.sa --model rate --quiet --json";
     let until = |share: &str| {
-        let said = stochc_with(line, &["--until", share, "--out", &out]);
-        assert_eq!(said.status, 0, "{}", said.err);
-        (said.json(), said.err)
+        let shown = stochc_with(line, &["--until", share, "--out", &out]);
+        assert_eq!(shown.status, 0, "{}", shown.err);
+        (shown.json(), shown.err)
     };
-    let relative = |said: &serde_json::Value| -> Vec<f64> {
-        let programs = said["programs"].as_array().unwrap();
+    let relative = |shown: &serde_json::Value| -> Vec<f64> {
+        let programs = shown["programs"].as_array().unwrap();
         let half = |it: &serde_json::Value| {
             let [half, mean] = ["half_width", "mean"].map(|key| it["time"][key].as_f64().unwrap());
             half / mean
         };
         programs.iter().map(half).collect()
     };
-    let (said, err) = until("3%");
-    let runs = said["programs"][0]["runs"].as_u64().unwrap();
-    assert!(relative(&said).iter().all(|&half| half <= 0.03), "{said}");
+    let (shown, err) = until("3%");
+    let runs = shown["programs"][0]["runs"].as_u64().unwrap();
+    assert!(relative(&shown).iter().all(|&half| half <= 0.03), "{shown}");
     assert!((60..400).contains(&runs) && err.is_empty(), "{runs}: {err}");
     // The same runs result if their number is given directly.
     let at_once = path(folder.path(), "at_once");
     let asked = stochc_with(line, &["--runs", &runs.to_string(), "--out", &at_once]).json();
-    assert_eq!(asked, said);
+    assert_eq!(asked, shown);
     // Repeating the command finds the finished runs. A smaller interval requires `resume`.
-    assert_eq!(until("3%").0, said);
-    let unsaid = stochc_with(line, &["--until", "2%", "--out", &out]);
-    assert_eq!(unsaid.status, 2, "{}", unsaid.err);
+    assert_eq!(until("3%").0, shown);
+    let tighter = stochc_with(line, &["--until", "2%", "--out", &out]);
+    assert_eq!(tighter.status, 2, "{}", tighter.err);
     // Resuming makes more runs, up to the limit.
     let further = stochc_with("resume --quiet --json --until 2%", &[&out]).json();
     assert!(further["programs"][0]["runs"].as_u64().unwrap() > runs);
@@ -271,10 +278,10 @@ fn runs_are_made_until_means_are_known() {
     std::fs::write(&never, program).unwrap();
     let out = path(folder.path(), "endless");
     let endless = ["--model", "rate", "--until", "5%", "--quiet", "--out", &out];
-    let said = stochc_with("simulate", &[&[never.as_str()], &endless[..]].concat());
-    assert_eq!(said.status, 3);
-    let told = "not every mean is known to within 5 %: never (0 completed)";
-    assert!(said.err.contains(told), "{}", said.err);
+    let outcome = stochc_with("simulate", &[&[never.as_str()], &endless[..]].concat());
+    assert_eq!(outcome.status, 3);
+    let expected = "not every mean is known to within 5 %: never (0 completed)";
+    assert!(outcome.err.contains(expected), "{}", outcome.err);
     assert_eq!(
         stochc_with(line, &["--until", "3%"]).status,
         2,

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 /// Result of a command: its status and output.
-pub struct Said {
+pub struct Outcome {
     /// Exit status of the command.
     pub status: i32,
     /// Text on standard output.
@@ -22,18 +22,18 @@ pub fn command<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
 
 /// Runs `stochc` with the words of `line` as arguments, followed by `more`, which may contain
 /// spaces.
-pub fn stochc_with(line: &str, more: &[&str]) -> Said {
+pub fn stochc_with(line: &str, more: &[&str]) -> Outcome {
     let arguments = line.split_whitespace().chain(more.iter().copied());
-    said(&mut command(arguments))
+    run_command(&mut command(arguments))
 }
 
 /// Runs `stochc` with the words of `line` as arguments.
-pub fn stochc(line: &str) -> Said {
+pub fn stochc(line: &str) -> Outcome {
     stochc_with(line, &[])
 }
 
 /// Runs `stochc` with the words of `line` as arguments, and a text as standard input.
-pub fn stochc_reading(line: &str, text: &str) -> Said {
+pub fn stochc_reading(line: &str, text: &str) -> Outcome {
     let mut command = command(line.split_whitespace());
     command.stdin(Stdio::piped());
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -46,19 +46,19 @@ pub fn stochc_reading(line: &str, text: &str) -> Said {
 }
 
 /// Runs a command and returns its result.
-pub fn said(command: &mut Command) -> Said {
+pub fn run_command(command: &mut Command) -> Outcome {
     of(command.output().unwrap())
 }
 
-fn of(output: Output) -> Said {
-    Said {
+fn of(output: Output) -> Outcome {
+    Outcome {
         status: output.status.code().unwrap(),
         out: String::from_utf8(output.stdout).unwrap(),
         err: String::from_utf8(output.stderr).unwrap(),
     }
 }
 
-impl Said {
+impl Outcome {
     /// Returns the standard output, parsed as JSON.
     pub fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.out).unwrap()

@@ -3,7 +3,7 @@ use std::process::Stdio;
 
 #[cfg(target_os = "linux")]
 use crate::stochc::stochc;
-use crate::stochc::{command, path, said};
+use crate::stochc::{command, path, run_command};
 
 #[test]
 fn nothing_is_coloured_outside_a_terminal() {
@@ -19,9 +19,9 @@ fn nothing_is_coloured_outside_a_terminal() {
             // The kind of terminal must not affect the output.
             command.env("TERM", "xterm-256color").env_remove("NO_COLOR");
             command.envs(no_colour.map(|value| ("NO_COLOR", value)));
-            let said = said(&mut command);
+            let outcome = run_command(&mut command);
             assert!(
-                !said.out.contains('\x1b') && !said.err.contains('\x1b'),
+                !outcome.out.contains('\x1b') && !outcome.err.contains('\x1b'),
                 "{line}"
             );
         }

@@ -6,16 +6,16 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use crate::stochc::{Said, command, path, said, shard_new, stochc_with};
+use crate::stochc::{Outcome, command, path, run_command, shard_new, stochc_with};
 
 const TOWER: &str = "simulate --model shuffle tests/fixtures/tower.sa --runs 10 --seed 3 --quiet";
 
 /// Runs `submit` without Slurm's commands.
-fn submit(arguments: &[&str]) -> Said {
+fn submit(arguments: &[&str]) -> Outcome {
     let arguments = ["shard", "submit"]
         .into_iter()
         .chain(arguments.iter().copied());
-    said(command(arguments).env("PATH", ""))
+    run_command(command(arguments).env("PATH", ""))
 }
 
 /// Simulated Slurm programs, with an ensemble of four shards.
@@ -74,8 +74,8 @@ echo \"$* ${SBATCH_ARRAY_INX-}\" >>calls";
         command
     }
 
-    fn submit(&self, options: &str) -> Said {
-        said(&mut self.command(options))
+    fn submit(&self, options: &str) -> Outcome {
+        run_command(&mut self.command(options))
     }
 
     /// Runs all shards on this machine.
@@ -103,10 +103,10 @@ fn without_slurm_there_is_a_way_out() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     stochc_with(&shard_new(TOWER), &["--shards", "4", "--out", &out]);
-    let said = submit(&[&out]);
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    let outcome = submit(&[&out]);
+    assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
     for what in ["`squeue` is not installed", "stochc shard status"] {
-        assert!(said.err.contains(what), "{what}: {}", said.err);
+        assert!(outcome.err.contains(what), "{what}: {}", outcome.err);
     }
     assert!(!Path::new(&out).join("slurm").exists());
 }
@@ -115,12 +115,17 @@ fn without_slurm_there_is_a_way_out() {
 fn without_a_configuration_there_is_a_way_out() {
     let fatal = "echo 'squeue: fatal: Could not establish a configuration source' >&2; exit 1";
     let slurm = FakeSlurm::new(ACCEPTS, fatal);
-    let said = slurm.submit("");
-    assert_eq!((said.status, said.out.as_str()), (2, ""), "{}", said.err);
+    let outcome = slurm.submit("");
+    assert_eq!(
+        (outcome.status, outcome.out.as_str()),
+        (2, ""),
+        "{}",
+        outcome.err
+    );
     for what in ["establish a configuration", "stochc shard status"] {
-        assert!(said.err.contains(what), "{what}: {}", said.err);
+        assert!(outcome.err.contains(what), "{what}: {}", outcome.err);
     }
-    assert!(!said.err.contains("--partition"), "{}", said.err);
+    assert!(!outcome.err.contains("--partition"), "{}", outcome.err);
     assert_eq!(slurm.calls(), "");
 }
 
@@ -128,11 +133,15 @@ fn without_a_configuration_there_is_a_way_out() {
 fn lines_may_come_before_the_job_number() {
     let banner = "echo '--> checking the allocation ... OK'; echo $number";
     let slurm = FakeSlurm::new(banner, LISTS_NOTHING);
-    let said = slurm.submit("");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let outcome = slurm.submit("");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     let submitted = "submitted job array 101 (shards: 4, tasks: 4) and merge job 102\n";
-    assert!(said.out.starts_with(submitted), "{}", said.out);
-    assert!(said.out.contains("squeue --jobs=101,102\n"), "{}", said.out);
+    assert!(outcome.out.starts_with(submitted), "{}", outcome.out);
+    assert!(
+        outcome.out.contains("squeue --jobs=101,102\n"),
+        "{}",
+        outcome.out
+    );
     slurm.has_submitted_once();
     assert!(slurm.calls().contains("--dependency=afterany:101"));
 }
@@ -142,18 +151,18 @@ fn an_accepted_job_without_a_number_is_found_by_its_name() {
     let lost = "echo 'sbatch: error: Batch job submission failed: Socket timed out' >&2; exit 1";
     for sbatch in ["echo Thank you.", lost] {
         let slurm = FakeSlurm::new(sbatch, LISTS);
-        let said = slurm.submit("");
-        assert_eq!((said.status, said.err.as_str()), (0, ""));
-        assert!(said.out.contains("merge job 102\n"), "{}", said.out);
+        let outcome = slurm.submit("");
+        assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+        assert!(outcome.out.contains("merge job 102\n"), "{}", outcome.out);
         slurm.has_submitted_once();
         // If the job is not found, it is not reported as rejected.
         let slurm = FakeSlurm::new(sbatch, LISTS_NOTHING);
-        let said = slurm.submit("--grace 1s");
-        assert_eq!((said.status, said.out.as_str()), (2, ""));
+        let outcome = slurm.submit("--grace 1s");
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
         assert!(
-            said.err.contains("may have accepted the job array"),
+            outcome.err.contains("may have accepted the job array"),
             "{}",
-            said.err
+            outcome.err
         );
         let again = slurm.submit("--grace 1s");
         assert!(again.err.starts_with("waiting up to "), "{}", again.err);
@@ -163,20 +172,20 @@ fn an_accepted_job_without_a_number_is_found_by_its_name() {
 #[test]
 fn a_refusal_is_reported_and_can_be_repaired() {
     let slurm = FakeSlurm::new(REFUSES, LISTS_NOTHING);
-    let said = slurm.submit("");
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    let outcome = slurm.submit("");
+    assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
     for what in ["refused the job array", "Invalid partition", "--partition"] {
-        assert!(said.err.contains(what), "{what}: {}", said.err);
+        assert!(outcome.err.contains(what), "{what}: {}", outcome.err);
     }
     let limit = "sed -i '$d' jobs; echo 'sbatch: error: QOSMaxSubmitJobPerUserLimit
 sbatch: error: Batch job submission failed: Job violates accounting/QOS policy' >&2; exit 1";
     slurm.sbatch(limit);
-    let said = slurm.submit("");
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("`--per-task N`"), "{}", said.err);
+    let outcome = slurm.submit("");
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains("`--per-task N`"), "{}", outcome.err);
     slurm.sbatch(ACCEPTS);
-    let said = slurm.submit("");
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let outcome = slurm.submit("");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     slurm.has_submitted_once();
 }
 
@@ -184,15 +193,15 @@ sbatch: error: Batch job submission failed: Job violates accounting/QOS policy' 
 fn a_merge_job_that_was_refused_is_submitted_later() {
     let refuses_merge = format!("case $name in *-merge) {REFUSES};; esac\n{ACCEPTS}");
     let slurm = FakeSlurm::new(&refuses_merge, LISTS);
-    let said = slurm.submit("");
-    assert_eq!(said.status, 2);
+    let outcome = slurm.submit("");
+    assert_eq!(outcome.status, 2);
     let refused = "refused the merge job after job array 101";
-    assert!(said.err.contains(refused), "{}", said.err);
+    assert!(outcome.err.contains(refused), "{}", outcome.err);
     slurm.sbatch(ACCEPTS);
-    let said = slurm.submit("--grace 1s");
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = slurm.submit("--grace 1s");
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let submitted = "running tasks: 1; submitted merge job 102\n";
-    assert!(said.out.starts_with(submitted), "{}", said.out);
+    assert!(outcome.out.starts_with(submitted), "{}", outcome.out);
     slurm.has_submitted_once();
 }
 
@@ -202,10 +211,10 @@ fn jobs_that_are_not_listed_yet_are_not_submitted_again() {
 [ $((now - s)) -lt 4 ] || echo \"$n|0-3|$name|RUNNING|None\"; done <jobs";
     let slurm = FakeSlurm::new(ACCEPTS, late);
     assert_eq!(slurm.submit("").status, 0);
-    let said = slurm.submit("");
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = slurm.submit("");
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let running = "running tasks: 4; nothing was submitted\n";
-    assert!(said.out.starts_with(running), "{}", said.out);
+    assert!(outcome.out.starts_with(running), "{}", outcome.out);
     slurm.has_submitted_once();
 }
 
@@ -221,9 +230,13 @@ case $name in *-merge) exit;; esac
     );
     slurm.sbatch(&late);
     assert_eq!(slurm.submit("").status, 0);
-    let said = slurm.submit("");
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("is complete: 10 runs"), "{}", said.out);
+    let outcome = slurm.submit("");
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(
+        outcome.out.contains("is complete: 10 runs"),
+        "{}",
+        outcome.out
+    );
     assert!(!Path::new(out).join("slurm").exists());
     slurm.has_submitted_once();
 }
@@ -235,11 +248,11 @@ fn missing_shards_are_submitted_again() {
     slurm.run_shards();
     fs::remove_file(Path::new(&slurm.out).join("shards/2.jsonl")).unwrap();
     fs::write(Path::new(&slurm.out).join("slurm/101_2.log"), "killed\n").unwrap();
-    let said = slurm.submit("--grace 1s");
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = slurm.submit("--grace 1s");
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let submitted = "submitted job array 103 (shards: 1, tasks: 1) and merge job 104\n";
-    assert!(said.out.starts_with(submitted), "{}", said.out);
-    assert!(said.out.contains("out/slurm/\n"), "{}", said.out);
+    assert!(outcome.out.starts_with(submitted), "{}", outcome.out);
+    assert!(outcome.out.contains("out/slurm/\n"), "{}", outcome.out);
     assert!(slurm.calls().contains("--array=2 "), "{}", slurm.calls());
 }
 
@@ -252,25 +265,29 @@ fn shards_are_merged_if_none_is_missing() {
     let text = fs::read_to_string(&shard).unwrap();
     let last = text.trim_end().rfind('\n').unwrap();
     fs::write(&shard, format!("{}{{}}\n", &text[..=last])).unwrap();
-    let said = slurm.submit("");
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = slurm.submit("");
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(slurm.calls().contains("--array=1 "), "{}", slurm.calls());
     fs::write(&shard, text).unwrap();
-    let said = slurm.submit("--grace 1s");
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("is complete: 10 runs"), "{}", said.out);
+    let outcome = slurm.submit("--grace 1s");
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(
+        outcome.out.contains("is complete: 10 runs"),
+        "{}",
+        outcome.out
+    );
     slurm.has_submitted_once();
 }
 
 #[test]
 fn the_environment_does_not_decide_what_is_submitted() {
     let slurm = FakeSlurm::new(ACCEPTS, LISTS);
-    let said_with = |name: &str, value: &str| said(slurm.command("").env(name, value));
-    let refused = said_with("SBATCH_CLUSTERS", "east");
+    let outcome_with = |name: &str, value: &str| run_command(slurm.command("").env(name, value));
+    let refused = outcome_with("SBATCH_CLUSTERS", "east");
     assert_eq!((refused.status, refused.out.as_str()), (2, ""));
     assert!(refused.err.contains("SLURM_CLUSTERS"), "{}", refused.err);
     assert_eq!(slurm.calls(), "");
-    assert_eq!(said_with("SBATCH_ARRAY_INX", "7-9").status, 0);
+    assert_eq!(outcome_with("SBATCH_ARRAY_INX", "7-9").status, 0);
     assert!(!slurm.calls().contains("7-9"), "{}", slurm.calls());
     slurm.has_submitted_once();
 }
@@ -280,9 +297,13 @@ fn tasks_are_limited_as_asked_and_by_the_site() {
     let slurm = FakeSlurm::new(ACCEPTS, LISTS);
     let limit = "echo 'SchedulerParameters = sched_interval=1,max_array_tasks=2'";
     slurm.program("scontrol", limit);
-    let said = slurm.submit("--at-most 1");
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("(shards: 4, tasks: 2)"), "{}", said.out);
+    let outcome = slurm.submit("--at-most 1");
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(
+        outcome.out.contains("(shards: 4, tasks: 2)"),
+        "{}",
+        outcome.out
+    );
     assert!(
         slurm.calls().contains("--array=0-1%1 "),
         "{}",
@@ -347,7 +368,7 @@ fn the_scripts_are_plain_shell() {
         shell
             .env("SLURM_ARRAY_JOB_ID", "12")
             .env("SLURM_ARRAY_TASK_ID", task);
-        said(shell.env("SLURM_JOB_ID", "13"))
+        run_command(shell.env("SLURM_JOB_ID", "13"))
     };
     let log = |name: &str| fs::read_to_string(Path::new(&out).join("slurm").join(name));
     assert_eq!(run(merge, "").status, 3);
@@ -357,16 +378,19 @@ fn the_scripts_are_plain_shell() {
             .contains("5 of 5 shards are missing")
     );
     for task in ["2", "0"] {
-        let said = run(shards, task);
-        assert_eq!((said.status, said.err.as_str()), (0, ""));
+        let outcome = run(shards, task);
+        assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     }
     // One shard of the task has the file of another shard. The task still runs its other shard.
     let files = Path::new(&out).join("shards");
     fs::copy(files.join("0.jsonl"), files.join("3.jsonl")).unwrap();
     assert_eq!(run(shards, "1").status, 2);
-    let told = log("12_1.log").unwrap();
-    assert!(told.contains("is in fact shard 0 of 5"), "{told}");
-    assert!(told.ends_with("shard 3 ended with status 2\n"), "{told}");
+    let message = log("12_1.log").unwrap();
+    assert!(message.contains("is in fact shard 0 of 5"), "{message}");
+    assert!(
+        message.ends_with("shard 3 ended with status 2\n"),
+        "{message}"
+    );
     assert!(files.join("2.jsonl").exists());
     let refused = submit(&[&out, "--dry-run"]);
     assert_eq!(refused.status, 2);
@@ -394,9 +418,18 @@ fn what_cannot_be_submitted_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let refused = |arguments: &[&str], reason: &str| {
-        let said = submit(arguments);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{}", said.err);
-        assert!(said.err.contains(reason), "{arguments:?}: {}", said.err);
+        let outcome = submit(arguments);
+        assert_eq!(
+            (outcome.status, outcome.out.as_str()),
+            (2, ""),
+            "{}",
+            outcome.err
+        );
+        assert!(
+            outcome.err.contains(reason),
+            "{arguments:?}: {}",
+            outcome.err
+        );
     };
     refused(&[&out], "cannot use");
     refused(&[folder.path().to_str().unwrap()], "contains no results");
@@ -451,7 +484,7 @@ fn a_name_that_is_no_text_is_refused() {
         &["--shards", "2", "--out", out.to_str().unwrap()],
     );
     fs::rename(&out, &odd).unwrap();
-    let said = said(command(["shard", "submit", "--dry-run"]).arg(&odd));
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("is not UTF-8"), "{}", said.err);
+    let outcome = run_command(command(["shard", "submit", "--dry-run"]).arg(&odd));
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains("is not UTF-8"), "{}", outcome.err);
 }

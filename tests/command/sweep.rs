@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::stochc::{Said, path, stochc_with, tables, unfolded};
+use crate::stochc::{Outcome, path, stochc_with, tables, unfolded};
 
 const TOWER: &str = "sweep --model shuffle --quiet --runs 3 tests/fixtures/tower.sa";
 
@@ -21,9 +21,9 @@ fn a_number_is_swept_in_one_folder() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let sweep = ["--vary", "free=50..150/3", "--out", &out];
-    let said = stochc_with(TOWER, &sweep);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
-    insta::assert_snapshot!(said.out);
+    let outcome = stochc_with(TOWER, &sweep);
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    insta::assert_snapshot!(outcome.out);
     // Each point of the sweep is a program with its own scene.
     let manifest = json(&out, "manifest.json");
     let programs = manifest["programs"].as_array().unwrap();
@@ -33,7 +33,7 @@ fn a_number_is_swept_in_one_folder() {
     // The results are printed and written as JSON.
     let data = json(&out, "sweep.json");
     let point = &data["points"][1];
-    assert_eq!(data["axes"][0]["of"], "free");
+    assert_eq!(data["axes"][0]["name"], "free");
     assert_eq!(point["values"][0]["value"], 100.0);
     assert_eq!(
         (&point["completed"], &point["time"]["mean"]),
@@ -58,9 +58,13 @@ fn a_number_is_swept_in_one_folder() {
         roxmltree::Document::parse(&picture).unwrap();
     }
     // `show` prints the same for the folder. Its points can be replayed and reported.
-    assert_eq!(stochc_with("show", &[&out]).out, said.out);
+    assert_eq!(stochc_with("show", &[&out]).out, outcome.out);
     let again = stochc_with(TOWER, &sweep);
-    assert_eq!((again.status, again.out), (0, said.out), "finished already");
+    assert_eq!(
+        (again.status, again.out),
+        (0, outcome.out),
+        "finished already"
+    );
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     let page = text(&out, "report.html");
     assert!(page.contains("Sweeps"), "{page}");
@@ -79,8 +83,8 @@ fn what_is_attached_by_hand_is_no_capture() {
     fs::write(&file, text).unwrap();
     let out = path(folder.path(), "out");
     let line = "sweep --model shuffle --quiet --runs 5 --vary free=50,80";
-    let said = stochc_with(line, &[&file, "--out", &out]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let outcome = stochc_with(line, &[&file, "--out", &out]);
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     for point in json(&out, "sweep.json")["points"].as_array().unwrap() {
         assert_eq!(point["captures"], 5, "{point}");
         assert_eq!(point["time_per_capture"], point["time"]["mean"], "{point}");
@@ -92,17 +96,17 @@ fn two_numbers_meet_each_other() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let axes = ["--vary", "bond.pull=2..12 N/3", "--vary", "free=50,80"];
-    let said = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     for point in [
         "bond.pull=2 N, free=50",
         "bond.pull=2 N, free=80",
         "bond.pull=12 N, free=80",
     ] {
         assert!(
-            said.out.contains(&format!("tower [{point}]")),
+            outcome.out.contains(&format!("tower [{point}]")),
             "{}",
-            said.out
+            outcome.out
         );
     }
     // There is a curve over the first parameter for each value of the second.
@@ -118,14 +122,14 @@ fn two_numbers_meet_each_other() {
     // If the second parameter has many values, a map replaces the curves.
     let out = path(folder.path(), "map");
     let axes = ["--vary", "bond.pull=2..12 N/3", "--vary", "free=50..57/8"];
-    let said = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert_eq!(
         text(&out, "sweep.svg").matches("<title>tower [").count(),
         24
     );
-    let said = stochc_with("report", &[&out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("report", &[&out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let page = text(&out, "report.html");
     assert!(page.contains("24 points of sweeps are summarized together"));
     assert!(
@@ -148,8 +152,8 @@ fn a_third_number_makes_more_figures() {
             "--vary",
             ticks,
         ];
-        let said = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
-        assert_eq!(said.status, 0, "{}", said.err);
+        let outcome = stochc_with(TOWER, &[&axes[..], &["--out", &out]].concat());
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
         let files = fs::read_dir(&out).unwrap();
         let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
         let mut names: Vec<String> = names.filter(|name| name.ends_with(".svg")).collect();
@@ -178,8 +182,8 @@ fn a_third_number_makes_more_figures() {
 #[test]
 fn programs_are_compared_at_the_same_point() {
     let more = ["tests/fixtures/importing.sa", "--vary", "free=50,80"];
-    let said = stochc_with(TOWER, &[&more[..], &["--json"]].concat());
-    let figures = said.json();
+    let outcome = stochc_with(TOWER, &[&more[..], &["--json"]].concat());
+    let figures = outcome.json();
     let pairs = figures["pairs"].as_array().unwrap().iter();
     let pairs: Vec<_> = pairs
         .map(|pair| (&pair["first"], &pair["second"]))
@@ -201,12 +205,12 @@ fn timeouts_follow_the_tick_and_are_shown_as_bounds() {
     let source = fs::read_to_string("tests/fixtures/late.sa").unwrap();
     fs::write(&program, source.replace("2 ticks", "40 ms")).unwrap();
     let out = path(folder.path(), "out");
-    let said = stochc_with(
+    let outcome = stochc_with(
         "sweep --model shuffle --quiet --runs 3 --vary",
         &["tick=10,20 ms", &program, "--out", &out],
     );
     // Four ticks suffice for the three captures, but two do not.
-    assert_eq!(said.status, 3, "{}", said.err);
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
     let data = json(&out, "sweep.json");
     let (early, late) = (&data["points"][0], &data["points"][1]);
     assert_eq!(data["unit"], "s", "the ticks are not those of one clock");
@@ -222,8 +226,8 @@ fn timeouts_follow_the_tick_and_are_shown_as_bounds() {
         (&early["timed_out"], &late["timed_out"]),
         (&0.into(), &3.into())
     );
-    let never = |said: &Said| said.out.replace("\n  ", " ").contains("never complete");
-    assert!(never(&said), "{}", said.out);
+    let never = |outcome: &Outcome| outcome.out.replace("\n  ", " ").contains("never complete");
+    assert!(never(&outcome), "{}", outcome.out);
     // A run that reached the limit of ticks gives no information about later times.
     let cut = stochc_with(TOWER, &["--vary", "free=50,80", "--max-ticks", "1"]);
     assert!(
@@ -234,11 +238,11 @@ fn timeouts_follow_the_tick_and_are_shown_as_bounds() {
     assert!(!never(&cut), "{}", cut.out);
     assert_eq!(late["share"], 0.0);
     assert_eq!(late["time"]["median"], Value::Null);
-    assert!(said.out.contains("late [tick=20 ms]"), "{}", said.out);
+    assert!(outcome.out.contains("late [tick=20 ms]"), "{}", outcome.out);
     assert!(
-        said.out.contains("0 of 3") && said.out.contains("≥ 0.04"),
+        outcome.out.contains("0 of 3") && outcome.out.contains("≥ 0.04"),
         "{}",
-        said.out
+        outcome.out
     );
     assert!(
         text(&out, "sweep.svg").contains(">≥<"),
@@ -258,13 +262,13 @@ fn a_swept_folder_is_made_again_and_goes_on() {
         "free=50,60",
     ];
     let with = |more: &[&str]| stochc_with(TOWER, &[&sweep[..], more].concat());
-    let said = with(&["--out", &whole]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = with(&["--out", &whole]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     // The manifest alone is enough to repeat the sweep.
     let manifest = path(whole.as_ref(), "manifest.json");
     let rerun = stochc_with("repeat --quiet", &[&manifest, "--out", &again]);
     assert_eq!((rerun.status, rerun.err.as_str()), (0, ""));
-    assert_eq!(rerun.out, said.out);
+    assert_eq!(rerun.out, outcome.out);
     assert!(tables(&whole) == tables(&again));
     assert_eq!(text(&whole, "sweep.json"), text(&again, "sweep.json"));
     // The folder is as a kill would leave it.
@@ -288,14 +292,18 @@ fn a_swept_folder_is_made_again_and_goes_on() {
     assert_eq!(refused.status, 2);
     assert!(refused.err.contains("stochc resume "), "{}", refused.err);
     let resumed = stochc_with("resume --quiet", &[&torn]);
-    assert_eq!((resumed.status, resumed.out), (0, said.out));
+    assert_eq!((resumed.status, resumed.out), (0, outcome.out));
     assert!(tables(&whole) == tables(&torn));
     assert_eq!(text(&whole, "sweep.csv"), text(&torn, "sweep.csv"));
     // A sweep over other values is another ensemble.
     let other = ["--vary", "agitation=0.1..0.3 m/s/4", "--vary", "free=50,60"];
-    let said = stochc_with(TOWER, &[&other[..], &["--out", &torn]].concat());
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("the list of programs is"), "{}", said.err);
+    let outcome = stochc_with(TOWER, &[&other[..], &["--out", &torn]].concat());
+    assert_eq!(outcome.status, 2);
+    assert!(
+        outcome.err.contains("the list of programs is"),
+        "{}",
+        outcome.err
+    );
 }
 
 #[test]
@@ -303,17 +311,17 @@ fn a_point_can_be_watched() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let simulate = "sweep --quiet --runs 2 tests/fixtures/dense.sa";
-    let said = stochc_with(simulate, &["--vary", "free=10,12", "--out", &out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(simulate, &["--vary", "free=10,12", "--out", &out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let replay = ["--run", "1", "--program", "dense [free=10]"];
-    let said = stochc_with("replay", &[&[&*out], &replay[..]].concat());
-    assert_eq!(said.status, 0, "{}", said.err);
-    let said = stochc_with("replay --run 1", &[&out]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with("replay", &[&[&*out], &replay[..]].concat());
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let outcome = stochc_with("replay --run 1", &[&out]);
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err.contains("`dense [free=10]`, `dense [free=12]`"),
+        outcome.err.contains("`dense [free=10]`, `dense [free=12]`"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -353,10 +361,10 @@ fn what_a_scene_does_not_have_is_told() {
             "`bond.anchor.tilt` must be more than 0 and at most 90 deg, and is 91 deg",
         ),
     ] {
-        let said = stochc_with(TOWER, &["--vary", sweep]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{sweep}");
+        let outcome = stochc_with(TOWER, &["--vary", sweep]);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{sweep}");
         let reason = format!("error: --vary: {reason}");
-        assert!(said.err.contains(&reason), "{sweep}: {}", said.err);
+        assert!(outcome.err.contains(&reason), "{sweep}: {}", outcome.err);
     }
     for sweep in [
         "free",
@@ -365,34 +373,39 @@ fn what_a_scene_does_not_have_is_told() {
         "free=1..2/1000000",
         "bond.pull=3 newton",
     ] {
-        let said = stochc_with(TOWER, &["--vary", sweep]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{sweep}");
-        assert!(said.err.contains("for '--vary"), "{sweep}: {}", said.err);
+        let outcome = stochc_with(TOWER, &["--vary", sweep]);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{sweep}");
+        assert!(
+            outcome.err.contains("for '--vary"),
+            "{sweep}: {}",
+            outcome.err
+        );
     }
-    let said = stochc_with(TOWER, &["--substeps", "4", "--vary", "substeps=1,2"]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with(TOWER, &["--substeps", "4", "--vary", "substeps=1,2"]);
+    assert_eq!(outcome.status, 2);
     let reason = "`--substeps` and `--vary substeps=...` exclude each other";
-    assert!(said.err.contains(reason), "{}", said.err);
+    assert!(outcome.err.contains(reason), "{}", outcome.err);
 }
 
 #[test]
 fn a_sweep_that_would_never_end_is_refused() {
     let axes = ["--vary", "free=100..199/100", "--vary", "tick=1..5 ms/5"];
-    let said = stochc_with(TOWER, &axes);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with(TOWER, &axes);
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err
+        outcome
+            .err
             .contains("500 or more points, more than the limit of 400"),
         "{}",
-        said.err
+        outcome.err
     );
     let many = TOWER.replace("--runs 3", "--runs 5000000");
-    let said = stochc_with(&many, &["--vary", "free=50,60,70"]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with(&many, &["--vary", "free=50,60,70"]);
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err.contains("more than 10000000; lower `--runs`"),
+        outcome.err.contains("more than 10000000; lower `--runs`"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -400,23 +413,27 @@ fn a_sweep_that_would_never_end_is_refused() {
 fn a_point_at_which_the_program_is_wrong_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let said = stochc_with(TOWER, &["--vary", "free=1,2,3", "--out", &out]);
-    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    let outcome = stochc_with(TOWER, &["--vary", "free=1,2,3", "--out", &out]);
+    assert_eq!((outcome.status, outcome.out.as_str()), (1, ""));
     assert!(
-        said.err
+        outcome
+            .err
             .starts_with("error: `tower [free=1]` cannot be run:\n"),
         "{}",
-        said.err
+        outcome.err
     );
     assert!(
-        unfolded(&said.err).contains("needs 3 free blocks at once, but scene `hemisphere` has 1"),
+        unfolded(&outcome.err)
+            .contains("needs 3 free blocks at once, but scene `hemisphere` has 1"),
         "{}",
-        said.err
+        outcome.err
     );
     assert!(
-        said.err.ends_with("nor can these be run: tower [free=2]\n"),
+        outcome
+            .err
+            .ends_with("nor can these be run: tower [free=2]\n"),
         "{}",
-        said.err
+        outcome.err
     );
     assert!(!Path::new(&out).exists(), "nothing is begun");
 }

@@ -15,14 +15,18 @@ fn every_physical_example_runs_in_both_models() {
         for model in ["rigid", "rapier"] {
             let file = format!("examples/{example}.sa");
             let arguments = [&*file, "--model", model, "--max-ticks", "150"];
-            let said = stochc_with("simulate --runs 2 --quiet", &arguments);
+            let outcome = stochc_with("simulate --runs 2 --quiet", &arguments);
             // Few programs complete within this time, but none may fail.
-            assert!([0, 3].contains(&said.status), "{example}: {}", said.err);
-            assert_eq!(said.err, "", "{example}");
             assert!(
-                !said.out.contains("Failed"),
+                [0, 3].contains(&outcome.status),
+                "{example}: {}",
+                outcome.err
+            );
+            assert_eq!(outcome.err, "", "{example}");
+            assert!(
+                !outcome.out.contains("Failed"),
                 "{example}, {model}: {}",
-                said.out
+                outcome.out
             );
         }
     }
@@ -32,11 +36,11 @@ fn every_physical_example_runs_in_both_models() {
 fn units_that_find_each_other_do_so_alike_at_any_number_of_threads() {
     let run = |threads| {
         let arguments = ["--threads", threads, "--json"];
-        let said = stochc_with(
+        let outcome = stochc_with(
             "simulate examples/experiment_2.sa --runs 3 --quiet --max-ticks 1500",
             &arguments,
         );
-        said.out
+        outcome.out
     };
     let out = run("1");
     assert_eq!(out, run("3"));
@@ -48,13 +52,13 @@ fn a_tank_is_recorded_and_shown_with_its_shell() {
     let folder = tempfile::tempdir().unwrap();
     let (out, page) = (path(folder.path(), "runs"), path(folder.path(), "run.html"));
     let arguments = ["--out", &out, "--record", "0"];
-    let said = stochc_with(
+    let outcome = stochc_with(
         "simulate examples/experiment_1.sa --runs 1 --quiet --max-ticks 40",
         &arguments,
     );
-    assert_eq!(said.err, "");
-    let said = stochc_with("replay --run 0", &[&out, "--out", &page]);
-    assert_eq!((said.status, &*said.err), (0, ""));
+    assert_eq!(outcome.err, "");
+    let outcome = stochc_with("replay --run 0", &[&out, "--out", &page]);
+    assert_eq!((outcome.status, &*outcome.err), (0, ""));
     let written = std::fs::read_to_string(page).unwrap();
     // The radius of 33 cm is 3.3 block lengths. The lift is the height of the sphere's centre above
     // a plate of 3 x 3.

@@ -45,13 +45,13 @@ fn without_costs(value: &mut Value) {
 fn every_setting_is_measured_and_kept() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
-    let said = stochc_with(DENSE, &["--out", &out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(DENSE, &["--out", &out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert_eq!(
-        said.err, "",
+        outcome.err, "",
         "notes on settings left out are not for `--quiet`"
     );
-    assert!(!said.out.contains(" rate "), "{}", said.out);
+    assert!(!outcome.out.contains(" rate "), "{}", outcome.out);
     // The folder can be read like the folder of a sweep.
     for command in ["show", "report", "fsck"] {
         let other = stochc_with(command, &[&out]);
@@ -67,7 +67,10 @@ fn every_setting_is_measured_and_kept() {
         "no row"
     );
     let again = stochc_with(DENSE, &["--out", &out, "--resume"]);
-    assert_eq!((again.status, again.out.as_str()), (0, said.out.as_str()));
+    assert_eq!(
+        (again.status, again.out.as_str()),
+        (0, outcome.out.as_str())
+    );
     let text = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
     let trade: Value = serde_json::from_str(&text).unwrap();
     for candidate in candidates(&trade) {
@@ -76,11 +79,11 @@ fn every_setting_is_measured_and_kept() {
         assert!(cell["mean"].as_f64().unwrap() > 1.0);
         assert!(cell["cost"].as_f64().unwrap() > 0.0);
         let name = candidate["name"].as_str().unwrap();
-        let line = said
+        let line = outcome
             .out
             .lines()
             .find(|line| line.contains(&format!(" {name} ")));
-        assert!(line.is_some(), "{name}: {}", said.out);
+        assert!(line.is_some(), "{name}: {}", outcome.out);
     }
     assert_eq!(trade["reference"]["candidate"], 1, "rigid 2");
     assert_eq!(
@@ -91,12 +94,13 @@ fn every_setting_is_measured_and_kept() {
         trade["reference"]["convergence"], "not_converged",
         "the only doubling has changed the mean"
     );
-    assert!(said.out.contains("NOT CONVERGED"), "{}", said.out);
+    assert!(outcome.out.contains("NOT CONVERGED"), "{}", outcome.out);
     assert!(
-        said.out
+        outcome
+            .out
             .contains(trade["advice"].as_str().unwrap().split(' ').next().unwrap())
     );
-    assert!(!said.out.contains('\u{1b}'), "no colours into a pipe");
+    assert!(!outcome.out.contains('\u{1b}'), "no colours into a pipe");
 
     // The runs equal the runs of `simulate` with the same options.
     let alone = stochc(
@@ -140,9 +144,9 @@ fn the_picture_has_a_mark_for_every_setting() {
     };
     assert_eq!((of("s2"), of("reference"), of("hot")), (4, 1, 0));
     for mark in &marks {
-        let told = (mark.descendants()).find(|node| node.tag_name().name() == "title");
-        let told = told.and_then(|title| title.text());
-        assert!(told.unwrap().starts_with("--model "));
+        let label = (mark.descendants()).find(|node| node.tag_name().name() == "title");
+        let label = label.and_then(|title| title.text());
+        assert!(label.unwrap().starts_with("--model "));
     }
     let axes: String = picture
         .descendants()
@@ -172,29 +176,38 @@ fn it_depends_on_nothing_but_its_inputs() {
 
 #[test]
 fn a_model_that_cannot_do_a_scene_is_told_of_with_the_reason() {
-    let said = stochc("trade tests/fixtures/soft.sa --runs 2 --finest 1");
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc("trade tests/fixtures/soft.sa --runs 2 --finest 1");
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let note = "note: left out, soft [model=rapier, substeps=1]: the model `rapier` does not support contact with a `stiffness`";
-    assert!(said.err.contains(note), "{}", said.err);
-    assert!(!said.out.contains(" rapier 1 "), "{}", said.out);
+    assert!(outcome.err.contains(note), "{}", outcome.err);
+    assert!(!outcome.out.contains(" rapier 1 "), "{}", outcome.out);
 }
 
 #[test]
 fn programs_are_ranked() {
-    let said =
+    let outcome =
         stochc("trade tests/fixtures/dense.sa tests/fixtures/dense.sa --runs 2 --finest 1 --quiet");
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("dense (2)"), "{}", said.out);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(outcome.out.contains("dense (2)"), "{}", outcome.out);
     // The same program is given twice.
-    assert!(said.out.contains("no order to keep"), "{}", said.out);
+    assert!(outcome.out.contains("no order to keep"), "{}", outcome.out);
 }
 
 #[test]
 fn censored_runs_are_told_of() {
-    let said = stochc("trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet");
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert!(said.out.contains("limit of ticks (50)"), "{}", said.out);
-    assert!(said.out.contains("There is no reference"), "{}", said.out);
+    let outcome =
+        stochc("trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet");
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(
+        outcome.out.contains("limit of ticks (50)"),
+        "{}",
+        outcome.out
+    );
+    assert!(
+        outcome.out.contains("There is no reference"),
+        "{}",
+        outcome.out
+    );
 }
 
 #[test]
@@ -219,9 +232,9 @@ fn a_budget_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "trade");
     let line = "trade tests/fixtures/dense.sa --finest 8 --quiet --json --time";
-    let said = stochc_with(line, &["2s", "--out", &out]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    let trade = said.json();
+    let outcome = stochc_with(line, &["2s", "--out", &out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let trade = outcome.json();
     let runs = |trade: &Value| -> Vec<u64> {
         let runs = candidates(trade).iter();
         runs.map(|it| it["programs"][0]["runs"].as_u64().unwrap())
@@ -253,13 +266,14 @@ fn a_sweep_over_settings_is_a_trade() {
     let out = path(folder.path(), "out");
     let line =
         "sweep tests/fixtures/dense.sa --runs 3 --quiet --vary substeps=1,2 --vary free=10,12";
-    let said = stochc_with(line, &["--vary", "without=none,corners", "--out", &out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(line, &["--vary", "without=none,corners", "--out", &out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(
-        said.out
+        outcome
+            .out
             .contains("dense [free=10, substeps=1, without=none]"),
         "{}",
-        said.out
+        outcome.out
     );
     let text = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
     let trade: Value = serde_json::from_str(&text).unwrap();
@@ -295,11 +309,11 @@ fn a_sweep_over_settings_is_a_trade() {
         ),
         ("--vary substeps=1,1", "is given twice"),
     ] {
-        let said = stochc(&format!(
+        let outcome = stochc(&format!(
             "sweep tests/fixtures/dense.sa --runs 1 --quiet {line}"
         ));
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
-        assert!(said.err.contains(reason), "{}", said.err);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{line}");
+        assert!(outcome.err.contains(reason), "{}", outcome.err);
     }
 }
 
@@ -314,25 +328,25 @@ fn wrong_command_lines_are_told_of() {
         "trade tests/fixtures/dense.sa --until 5%",
         "trade tests/fixtures/dense.sa --dry-run --time 1m",
     ] {
-        let said = stochc(line);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+        let outcome = stochc(line);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{line}");
     }
-    let said = stochc("trade tests/fixtures/crowded.sa --runs 2");
-    assert_eq!(said.status, 1);
+    let outcome = stochc("trade tests/fixtures/crowded.sa --runs 2");
+    assert_eq!(outcome.status, 1);
     assert!(
-        said.err.contains("400 free blocks do not fit"),
+        outcome.err.contains("400 free blocks do not fit"),
         "{}",
-        said.err
+        outcome.err
     );
-    let said = stochc("trade tests/fixtures/wrong.sa --runs 2");
-    assert_eq!((said.status, said.out.as_str()), (1, ""));
+    let outcome = stochc("trade tests/fixtures/wrong.sa --runs 2");
+    assert_eq!((outcome.status, outcome.out.as_str()), (1, ""));
 }
 
 #[test]
 fn a_reduced_model_is_told_of() {
     let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --substeps 2 --seed 2 --without friction --allow coarse-step";
-    let said = stochc(line);
-    assert_eq!(said.status, 0);
+    let outcome = stochc(line);
+    assert_eq!(outcome.status, 0);
     let note = "note: runs without friction, which the scene has\n";
-    assert!(said.err.starts_with(note), "{}", said.err);
+    assert!(outcome.err.starts_with(note), "{}", outcome.err);
 }

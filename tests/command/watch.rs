@@ -22,11 +22,11 @@ fn the_report_is_rewritten_until_the_command_ends() {
     let mut command = command(line.split_whitespace().chain(["--out", &out]));
     let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
     let mut errors = BufReader::new(child.stderr.take().unwrap());
-    let mut told = String::new();
-    errors.read_line(&mut told).unwrap();
+    let mut message = String::new();
+    errors.read_line(&mut message).unwrap();
     let page = Path::new(&out).join("report.html");
     assert_eq!(
-        told,
+        message,
         format!("report of the runs so far: {}\n", page.display())
     );
     let text = fs::read_to_string(&page).unwrap();
@@ -56,8 +56,13 @@ fn the_results_are_the_same_and_the_last_report_is_that_of_the_folder() {
     let line = "simulate tests/fixtures/tower.sa --runs 6 --threads 1 --record 0..1 --quiet --out";
     let plain = stochc_with(line, &[&alone]);
     assert_eq!(plain.status, 0, "{}", plain.err);
-    let said = stochc_with(line, &[&watched, "--watch"]);
-    assert_eq!((said.status, &said.out), (0, &plain.out), "{}", said.err);
+    let outcome = stochc_with(line, &[&watched, "--watch"]);
+    assert_eq!(
+        (outcome.status, &outcome.out),
+        (0, &plain.out),
+        "{}",
+        outcome.err
+    );
     for name in [
         "journal.jsonl",
         "runs.parquet",
@@ -77,13 +82,13 @@ fn the_results_are_the_same_and_the_last_report_is_that_of_the_folder() {
 
 #[test]
 fn it_needs_a_folder_with_room_for_its_report() {
-    for (more, told) in [
+    for (more, expected) in [
         ("--watch", "--out <DIR>"),
         ("--watch --until 3% --out nowhere", "cannot be used with"),
     ] {
-        let said = stochc(&format!("simulate tests/fixtures/tower.sa {more}"));
-        assert_eq!(said.status, 2, "{more}");
-        assert!(said.err.contains(told), "{}", said.err);
+        let outcome = stochc(&format!("simulate tests/fixtures/tower.sa {more}"));
+        assert_eq!(outcome.status, 2, "{more}");
+        assert!(outcome.err.contains(expected), "{}", outcome.err);
     }
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
@@ -91,12 +96,12 @@ fn it_needs_a_folder_with_room_for_its_report() {
     assert_eq!(stochc_with(line, &[&out]).status, 0);
     let page = Path::new(&out).join("report.html");
     fs::write(&page, "<p>mine</p>").unwrap();
-    let said = stochc_with("resume --watch --runs 5", &[&out]);
-    assert_eq!(said.status, 2, "{}", said.err);
+    let outcome = stochc_with("resume --watch --runs 5", &[&out]);
+    assert_eq!(outcome.status, 2, "{}", outcome.err);
     assert!(
-        said.err.contains("is not a report of stochc"),
+        outcome.err.contains("is not a report of stochc"),
         "{}",
-        said.err
+        outcome.err
     );
     assert_eq!(fs::read_to_string(&page).unwrap(), "<p>mine</p>");
 }

@@ -51,9 +51,17 @@ fn nothing_but_a_file_of_our_own_is_replaced() {
         );
         for name in [&document, &link, &dangling, &device, &pipe] {
             let before = fs::symlink_metadata(name).unwrap();
-            let said = write(name);
-            assert_eq!((said.status, said.out.as_str()), (2, ""), "{line} {name}");
-            assert!(said.err.contains(name.as_str()), "{line}: {}", said.err);
+            let outcome = write(name);
+            assert_eq!(
+                (outcome.status, outcome.out.as_str()),
+                (2, ""),
+                "{line} {name}"
+            );
+            assert!(
+                outcome.err.contains(name.as_str()),
+                "{line}: {}",
+                outcome.err
+            );
             let after = fs::symlink_metadata(name).unwrap();
             assert_eq!(after.ino(), before.ino(), "{line} {name}");
         }
@@ -62,8 +70,8 @@ fn nothing_but_a_file_of_our_own_is_replaced() {
         assert!(!Path::new(&here("nothing")).exists(), "{line}");
         // The command writes a new file, and replaces a file of its own.
         let new = here("new");
-        let said = write(&new);
-        assert_eq!(said.status, 0, "{line}: {}", said.err);
+        let outcome = write(&new);
+        assert_eq!(outcome.status, 0, "{line}: {}", outcome.err);
         let written = fs::read(&new).unwrap();
         let again = write(&new);
         assert_eq!(
@@ -81,9 +89,9 @@ fn nothing_but_a_file_of_our_own_is_replaced() {
     let pages = here("man1");
     fs::create_dir(&pages).unwrap();
     fs::write(path(pages.as_ref(), "stochc-fmt.1"), ".TH mine").unwrap();
-    let said = stochc_with("man --out", &[&pages]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("stochc-fmt.1"), "{}", said.err);
+    let outcome = stochc_with("man --out", &[&pages]);
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains("stochc-fmt.1"), "{}", outcome.err);
     fs::remove_file(path(pages.as_ref(), "stochc-fmt.1")).unwrap();
     for _ in 0..2 {
         assert_eq!(stochc_with("man --out", &[&pages]).status, 0);
@@ -110,9 +118,13 @@ fn an_ensemble_goes_on_through_no_link() {
         let _ = fs::remove_file(&place);
         fs::write(&document, &content).unwrap();
         symlink(&document, &place).unwrap();
-        let said = stochc_with("resume --quiet --runs 2 --record all", &[&out]);
-        assert_eq!(said.status, 2, "{name}: {}", said.err);
-        assert!(said.err.contains("symbolic link"), "{name}: {}", said.err);
+        let outcome = stochc_with("resume --quiet --runs 2 --record all", &[&out]);
+        assert_eq!(outcome.status, 2, "{name}: {}", outcome.err);
+        assert!(
+            outcome.err.contains("symbolic link"),
+            "{name}: {}",
+            outcome.err
+        );
         assert!(fs::read(&document).unwrap() == content, "{name}");
         assert!(fs::symlink_metadata(&place).unwrap().is_symlink(), "{name}");
         fs::remove_dir_all(&out).unwrap();
@@ -123,8 +135,8 @@ fn an_ensemble_goes_on_through_no_link() {
     assert_eq!(stochc_with(simulate, &[&out, "--runs", "1"]).status, 0);
     fs::remove_dir_all(path(out.as_ref(), "recordings")).unwrap();
     symlink(&elsewhere, path(out.as_ref(), "recordings")).unwrap();
-    let said = stochc_with("resume --quiet --runs 2 --record all", &[&out]);
-    assert_eq!(said.status, 2, "{}", said.err);
+    let outcome = stochc_with("resume --quiet --runs 2 --record all", &[&out]);
+    assert_eq!(outcome.status, 2, "{}", outcome.err);
     assert_eq!(fs::read_dir(&elsewhere).unwrap().count(), 0);
 }
 
@@ -152,8 +164,8 @@ fn a_text_keeps_its_names_its_owner_and_its_mode() {
         fs::write(&file, text).unwrap();
         fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
         fs::hard_link(&file, &twin).unwrap();
-        let said = stochc_with(line, &[&file]);
-        assert_eq!(said.status, 0, "{line}: {}", said.err);
+        let outcome = stochc_with(line, &[&file]);
+        assert_eq!(outcome.status, 0, "{line}: {}", outcome.err);
         let new = fs::read_to_string(&file).unwrap();
         assert_ne!(new, text, "{line}");
         assert_eq!(fs::read_to_string(&twin).unwrap(), new, "{line}");

@@ -125,7 +125,7 @@ fn follow(name: &str, page: &str) -> Vec<String> {
         if block.language != "sh" || block.not_run.is_some() {
             continue;
         }
-        let mut said = String::new();
+        let mut outcome = String::new();
         for command in commands(block.text, is_whole) {
             let output = reader.run(command.text);
             let (out, err) = (lossy(&output.stdout), lossy(&output.stderr));
@@ -136,14 +136,14 @@ fn follow(name: &str, page: &str) -> Vec<String> {
                     block.line, command.text
                 ));
             }
-            said += &out;
-            said += &err;
+            outcome += &out;
+            outcome += &err;
         }
         if let Some(shown) = shown_behind(&blocks[at + 1..])
-            && !said.contains(&tidy(shown.text))
+            && !outcome.contains(&tidy(shown.text))
         {
             wrong.push(format!(
-                "{name}:{}: the output differs from\n{said}",
+                "{name}:{}: the output differs from\n{outcome}",
                 shown.line
             ));
         }

@@ -126,8 +126,11 @@ fn parts_that_do_not_go_together_are_refused_by_name() {
     ];
     for (field, edit) in edits {
         let error = read(edit).unwrap_err();
-        let told = error.to_string();
-        assert!(told.contains(&format!("`{field}`")), "{field}: {told}");
+        let message = error.to_string();
+        assert!(
+            message.contains(&format!("`{field}`")),
+            "{field}: {message}"
+        );
     }
 }
 

@@ -42,9 +42,9 @@ fn mistake(document: &Value) -> Option<String> {
 fn a_document_that_differs_from_the_schema_has_a_mistake() {
     let tool = json!({ "driver": { "name": "a" } });
     let result = |result: Value| json!({ "tool": tool, "results": [result] });
-    let told = |run: Value| mistake(&json!({ "version": "2.1.0", "runs": [run] }));
+    let mistake_in = |run: Value| mistake(&json!({ "version": "2.1.0", "runs": [run] }));
     let message = json!({ "text": "m" });
-    assert_eq!(told(result(json!({ "message": message }))), None);
+    assert_eq!(mistake_in(result(json!({ "message": message }))), None);
     for (run, expected) in [
         (json!({}), "missing field `tool`"),
         (result(json!({})), "missing field `message`"),
@@ -61,8 +61,8 @@ fn a_document_that_differs_from_the_schema_has_a_mistake() {
             "invalid type",
         ),
     ] {
-        let told = told(run).unwrap_or_default();
-        assert!(told.contains(expected), "{expected}: {told}");
+        let reported = mistake_in(run).unwrap_or_default();
+        assert!(reported.contains(expected), "{expected}: {reported}");
     }
 }
 

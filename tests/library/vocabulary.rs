@@ -146,9 +146,9 @@ fn assert_rows(words: &[String], rows: Vec<(Value, String)>) {
         .collect();
     assert!(without.is_empty(), "no row here for {without:?}");
     for (_, row) in rows {
-        let told = PAGE.lines().find_map(|line| line.strip_prefix(&*row));
+        let found = PAGE.lines().find_map(|line| line.strip_prefix(&*row));
         let meaning =
-            told.unwrap_or_else(|| panic!("docs/reference/executable.md has no row\n{row}"));
+            found.unwrap_or_else(|| panic!("docs/reference/executable.md has no row\n{row}"));
         assert!(
             meaning.len() > 10,
             "docs/reference/executable.md says nothing of\n{row}"

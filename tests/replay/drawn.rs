@@ -68,7 +68,7 @@ fn check_axes(page: &mut impl Page) {
 /// Checks that the scale bar has the length that its label states.
 fn check_scale(page: &mut impl Page) {
     let size = page.value("(({ clientWidth, clientHeight }) => [clientWidth, clientHeight])(document.getElementById('arena'))");
-    let mut told = BTreeSet::new();
+    let mut texts = BTreeSet::new();
     for distance in [6.0, 9.0, 20.0, 45.0, 110.0] {
         // The view is from the south, at the middle between the seeds A and B. They are two block
         // lengths apart.
@@ -104,9 +104,9 @@ fn check_scale(page: &mut impl Page) {
         };
         let noun = if sides == 1.0 { "side" } else { "sides" };
         assert_eq!(text, format!("{sides} {noun} = {words}"));
-        told.insert(text);
+        texts.insert(text);
     }
-    assert!(told.len() >= 4, "{told:?}");
+    assert!(texts.len() >= 4, "{texts:?}");
 }
 
 /// Blocks of a recording at a tick.
@@ -378,25 +378,25 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
             frame.places.iter().filter(sunk).count(),
             frame.places.iter().filter(out).count(),
         ];
-        let told: Vec<String> = (counts
+        let parts: Vec<String> = (counts
             .iter()
             .zip(["into the floor", "outside of the shell"]))
         .filter(|(count, _)| **count > 0)
         .map(|(count, words)| format!("{count} {words}"))
         .collect();
-        let said = page.value(&format!(
+        let outcome = page.value(&format!(
             "replay.seek({}).then(() => document.getElementById('beyond').textContent)",
             frame.tick
         ));
-        let expected = if told.is_empty() {
+        let expected = if parts.is_empty() {
             String::new()
         } else {
             format!(
                 "now some blocks reach {}: click one to see why",
-                told.join(", and ")
+                parts.join(", and ")
             )
         };
-        assert_eq!(said, expected, "at {}", frame.tick);
+        assert_eq!(outcome, expected, "at {}", frame.tick);
         for (kind, word) in ["into the floor", "outside of the shell"]
             .iter()
             .enumerate()

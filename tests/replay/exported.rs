@@ -13,9 +13,9 @@ use crate::folder::{PROGRAM, Results, stochc};
 fn export(results: &Results, options: &str, name: &str) -> PathBuf {
     let file = results.path().join(name);
     let line = format!("export --run 0 {options} --out");
-    let said = stochc(&line, &[&file, &results.path()]);
-    assert_eq!(said.status, 0, "{}", said.err);
-    assert_eq!(said.out, format!("{}\n", file.display()));
+    let outcome = stochc(&line, &[&file, &results.path()]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert_eq!(outcome.out, format!("{}\n", file.display()));
     file
 }
 
@@ -205,14 +205,19 @@ fn what_cannot_be_written_is_told() {
     let results = Results::from_records("tests/fixtures/dense.sa", "");
     for form in ["parquet", "gltf"] {
         let line = format!("export --run 0 --format {form} --out /nowhere/at/all");
-        let said = stochc(&line, &[&results.path()]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{}", said.err);
-        assert!(
-            said.err.contains("cannot write `/nowhere/at/all`"),
+        let outcome = stochc(&line, &[&results.path()]);
+        assert_eq!(
+            (outcome.status, outcome.out.as_str()),
+            (2, ""),
             "{}",
-            said.err
+            outcome.err
+        );
+        assert!(
+            outcome.err.contains("cannot write `/nowhere/at/all`"),
+            "{}",
+            outcome.err
         );
     }
-    let said = stochc("export --run 0", &[&results.path()]);
-    assert_eq!(said.status, 2, "a form has to be chosen");
+    let outcome = stochc("export --run 0", &[&results.path()]);
+    assert_eq!(outcome.status, 2, "a form has to be chosen");
 }

@@ -60,8 +60,11 @@ impl Firefox {
             .unwrap();
         let begun = Instant::now();
         let port = loop {
-            let said = std::fs::read_to_string(folder.path().join("MarionetteActivePort"));
-            if let Some(port) = said.ok().and_then(|port| port.trim().parse::<u16>().ok()) {
+            let outcome = std::fs::read_to_string(folder.path().join("MarionetteActivePort"));
+            if let Some(port) = outcome
+                .ok()
+                .and_then(|port| port.trim().parse::<u16>().ok())
+            {
                 break port;
             }
             assert!(begun.elapsed() < PATIENCE, "firefox does not start");
@@ -193,7 +196,7 @@ impl Firefox {
     /// Returns the value of a JavaScript expression. Awaits promises.
     pub fn value(&mut self, expression: &str) -> Value {
         let script = format!(
-            "const told = arguments[0]; (async () => ({expression}))().then(told, error => told(`failed: ${{error}}`))"
+            "const resolve = arguments[0]; (async () => ({expression}))().then(resolve, error => resolve(`failed: ${{error}}`))"
         );
         let params = json!({ "script": script, "args": [], "sandbox": null });
         self.call("WebDriver:ExecuteAsyncScript", &params)["value"].clone()

@@ -21,21 +21,21 @@ pub struct Results {
 }
 
 /// Result of a command: its status and output.
-pub struct Said {
+pub struct Outcome {
     pub status: i32,
     pub out: String,
     pub err: String,
 }
 
 /// Runs `stochc` with the words of `line` as arguments, followed by `more`.
-pub fn stochc(line: &str, more: &[&Path]) -> Said {
+pub fn stochc(line: &str, more: &[&Path]) -> Outcome {
     let output = Command::new(env!("CARGO_BIN_EXE_stochc"))
         .args(line.split_whitespace())
         .args(more)
         .stdin(Stdio::null())
         .output()
         .unwrap();
-    Said {
+    Outcome {
         status: output.status.code().unwrap(),
         out: String::from_utf8(output.stdout).unwrap(),
         err: String::from_utf8(output.stderr).unwrap(),
@@ -47,8 +47,8 @@ impl Results {
     pub fn from_records(program: &str, options: &str) -> Results {
         let folder = tempfile::tempdir().unwrap();
         let line = format!("simulate --substeps 1 --runs 2 --quiet {options} {program} --out");
-        let said = stochc(&line, &[&folder.path().join("results")]);
-        assert_eq!(said.status, 0, "{}", said.err);
+        let outcome = stochc(&line, &[&folder.path().join("results")]);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
         let program = program.to_owned();
         Results { folder, program }
     }
@@ -75,8 +75,8 @@ impl Results {
     /// Writes the replay page of a run. Returns its path.
     pub fn page(&self, run: u64) -> PathBuf {
         let page = self.folder.path().join(format!("page {run}.html"));
-        let said = stochc(&format!("replay --run {run} --out"), &[&page, &self.path()]);
-        assert_eq!(said.status, 0, "{}", said.err);
+        let outcome = stochc(&format!("replay --run {run} --out"), &[&page, &self.path()]);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
         page
     }
 }

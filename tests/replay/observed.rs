@@ -189,9 +189,12 @@ impl Observer for Groups {
         };
         for event in events {
             match *event {
-                ObservedEvent::Bonded { bond, size: told } => {
+                ObservedEvent::Bonded {
+                    bond,
+                    size: recorded,
+                } => {
                     assert!(!self.bonds.contains(&bond));
-                    assert_eq!(bond.bodies.map(size), [told; 2]);
+                    assert_eq!(bond.bodies.map(size), [recorded; 2]);
                     self.bonds.push(bond);
                     self.bonded += 1;
                 }

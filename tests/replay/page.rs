@@ -186,18 +186,18 @@ fn what_was_attached_by_hand_did_not_wait() {
     let results = Results::from_records(PASSED_ON, "--record 0");
     let attached = results.recording(0).record().bonds[0].body;
     let page = results.page(0);
-    let mut told = |hash: &str| {
+    let mut announced = |hash: &str| {
         browser.open(&page, hash);
         browser.value("document.getElementById('block').textContent")
     };
-    let of_all = told("#tick=5");
+    let of_all = announced("#tick=5");
     let of_all = of_all.as_str().unwrap();
     let expected = format!("P is attached by hand to A.up: block {attached}");
     assert!(of_all.contains(&expected), "{of_all}");
     // This block is released immediately.
     let other = "X is attached by hand to P.up";
     assert!(of_all.contains(other), "{of_all}");
-    let of_one = told(&format!("#tick=5&block={attached}"));
+    let of_one = announced(&format!("#tick=5&block={attached}"));
     let of_one = of_one.as_str().unwrap();
     assert!(
         of_one.contains("is attached by hand to A.up as P"),
@@ -257,8 +257,8 @@ pub fn check_faces(page: &mut impl Page, recording: &Recording, tables: &Tables)
             )
         {
             let state = seek(page, happening.tick);
-            let told = |&(body, face): &(Body, Face)| json!([number(body), face]).to_string();
-            let expected: BTreeSet<String> = lit.iter().map(told).collect();
+            let key = |&(body, face): &(Body, Face)| json!([number(body), face]).to_string();
+            let expected: BTreeSet<String> = lit.iter().map(key).collect();
             let shown = state["lit"].as_array().unwrap().iter();
             let shown: BTreeSet<String> = shown.map(Value::to_string).collect();
             assert_eq!(shown, expected, "at {}", happening.tick);

@@ -100,10 +100,10 @@ fn an_ensemble_that_goes_on_records_what_it_makes() {
     let results = Results::from_records(DENSE, "--record 1");
     let left = results.path().join("recordings/.stochc-partial-left");
     fs::write(&left, "by a kill").unwrap();
-    let said = stochc("resume --runs 3 --quiet --record all", &[&results.path()]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc("resume --runs 3 --quiet --record all", &[&results.path()]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let note = "note: 1 of the runs to record had been made before";
-    assert!(said.err.contains(note), "{}", said.err);
+    assert!(outcome.err.contains(note), "{}", outcome.err);
     assert_eq!(results.recording(2).record().run, 2);
     assert!(!results.recording_path(0).exists());
     assert!(!left.exists());
@@ -194,10 +194,10 @@ fn no_damage_is_more_than_a_message() {
 /// Returns the error message of `replay` for a changed folder.
 fn error(results: &Results) -> String {
     let page = results.path().join("page.html");
-    let said = stochc("replay --run 0 --out", &[&page, &results.path()]);
-    assert_eq!((said.status, said.out.as_str()), (2, ""));
+    let outcome = stochc("replay --run 0 --out", &[&page, &results.path()]);
+    assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
     assert!(!page.exists());
-    said.err
+    outcome.err
 }
 
 #[test]
@@ -209,12 +209,12 @@ fn a_recording_that_cannot_be_used_is_told_of() {
         let mut bytes = whole.clone();
         change(&mut bytes);
         fs::write(&path, bytes).unwrap();
-        let said = error(&results);
-        assert!(said.contains("remove it"), "{said}");
-        said
+        let outcome = error(&results);
+        assert!(outcome.contains("remove it"), "{outcome}");
+        outcome
     };
-    let said = with(&|bytes| bytes.truncate(bytes.len() - 1));
-    assert!(said.contains("truncated after tick"), "{said}");
+    let outcome = with(&|bytes| bytes.truncate(bytes.len() - 1));
+    assert!(outcome.contains("truncated after tick"), "{outcome}");
     assert!(with(&|bytes| bytes.truncate(13)).contains("truncated"));
     assert!(with(&|bytes| bytes.clear()).contains("not a recording of a run"));
     assert!(with(&|bytes| bytes[0] = b'x').contains("not a recording of a run"));
@@ -236,22 +236,22 @@ fn a_program_that_has_changed_is_refused() {
     let text = fs::read_to_string(&manifest).unwrap();
     // The program stored in the folder counts, and all files must be consistent.
     fs::write(&manifest, text.replace("T[1..2]", "T[1..3]")).unwrap();
-    let said = error(&results);
-    assert!(said.contains("changed by hand"), "{said}");
+    let outcome = error(&results);
+    assert!(outcome.contains("changed by hand"), "{outcome}");
     // Deliberate changes give the same result.
     fs::remove_file(results.path().join("checksums.json")).unwrap();
-    let said = error(&results);
+    let outcome = error(&results);
     assert!(
-        said.contains("does not belong to the `manifest.json`"),
-        "{said}"
+        outcome.contains("does not belong to the `manifest.json`"),
+        "{outcome}"
     );
     // Even without a journal, an invalid program is not run.
     fs::remove_file(results.path().join("journal.jsonl")).unwrap();
     let damaged = text.replacen("\"duties\":[{\"role\":0", "\"duties\":[{\"role\":900", 1);
     assert_ne!(damaged, text);
     fs::write(&manifest, damaged).unwrap();
-    let said = error(&results);
-    assert!(said.contains("it is damaged"), "{said}");
+    let outcome = error(&results);
+    assert!(outcome.contains("it is damaged"), "{outcome}");
 }
 
 #[test]
@@ -265,45 +265,53 @@ fn a_run_that_does_not_come_out_as_it_did_is_refused() {
         sealed(object.replace("\"hops\":", "\"hops\":1") + "}") + "\n"
     });
     fs::write(&journal, lines.collect::<String>()).unwrap();
-    let said = error(&results);
+    let outcome = error(&results);
     assert!(
-        said.contains("differs from the one in the folder"),
-        "{said}"
+        outcome.contains("differs from the one in the folder"),
+        "{outcome}"
     );
 }
 
 #[test]
 fn what_is_asked_wrongly_is_told() {
     let results = Results::from_records(DENSE, "");
-    let said = stochc("replay --run 2", &[&results.path()]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc("replay --run 2", &[&results.path()]);
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err.contains("run 2 is not among runs 0..1"),
+        outcome.err.contains("run 2 is not among runs 0..1"),
         "{}",
-        said.err
+        outcome.err
     );
-    let said = stochc("replay --run 0 --program tower", &[&results.path()]);
+    let outcome = stochc("replay --run 0 --program tower", &[&results.path()]);
     assert!(
-        said.err.contains("no program `tower`, but `dense`"),
+        outcome.err.contains("no program `tower`, but `dense`"),
         "{}",
-        said.err
+        outcome.err
     );
-    let said = stochc("replay --run 0 tests", &[]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("contains no results"), "{}", said.err);
+    let outcome = stochc("replay --run 0 tests", &[]);
+    assert_eq!(outcome.status, 2);
+    assert!(
+        outcome.err.contains("contains no results"),
+        "{}",
+        outcome.err
+    );
     for line in [
         "replay tests",
         "simulate tests/fixtures/dense.sa --record 0",
         "simulate tests/fixtures/dense.sa --out nowhere --record 3..1",
         "simulate tests/fixtures/dense.sa --out nowhere --record-every 2",
     ] {
-        let said = stochc(line, &[]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{line}");
+        let outcome = stochc(line, &[]);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{line}");
     }
     let line = "simulate --model shuffle tests/fixtures/dense.sa --record 0 --out nowhere";
-    let said = stochc(line, &[]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("use `--model rigid`"), "{}", said.err);
+    let outcome = stochc(line, &[]);
+    assert_eq!(outcome.status, 2);
+    assert!(
+        outcome.err.contains("use `--model rigid`"),
+        "{}",
+        outcome.err
+    );
     assert!(!fs::exists("nowhere").unwrap());
 }
 

@@ -42,10 +42,10 @@ fn two_runs_share_a_page() {
 fn check_two_runs(browser: &mut impl Page) {
     let results = Results::from_records(PROGRAM, "--record all");
     let folder = results.path();
-    let said = stochc("replay --run 0 --against 1", &[&folder]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc("replay --run 0 --against 1", &[&folder]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let page = folder.join("replay-five_tower_reconfigured-0-against-1.html");
-    assert_eq!(said.out.trim_end(), page.to_str().unwrap());
+    assert_eq!(outcome.out.trim_end(), page.to_str().unwrap());
     let same = stochc("replay --run 0 --against 0", &[&folder]);
     assert_eq!(same.status, 2);
     assert!(
@@ -100,8 +100,8 @@ fn check_tour(browser: &mut impl Page) {
     let results = Results::from_records(PROGRAM, "--record 0");
     let folder = results.path();
     let page = folder.join("tour.html");
-    let said = stochc("replay --run 0 --tour --out", &[&page, &folder]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc("replay --run 0 --tour --out", &[&page, &folder]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     browser.open(&page, "");
     let steps = browser.value("JSON.parse(document.getElementById('about').textContent).tour");
     let steps = steps.as_array().unwrap();
@@ -114,11 +114,11 @@ fn check_tour(browser: &mut impl Page) {
     assert_eq!(tick, results.recording(0).record().ticks as f64);
     let words = "document.getElementById('tour').textContent";
     let first = format!("1 of {}: ", steps.len());
-    let said = browser.value(words);
-    let said = said.as_str().unwrap();
+    let outcome = browser.value(words);
+    let outcome = outcome.as_str().unwrap();
     assert!(
-        said.starts_with(&first) && said.contains("waited"),
-        "{said}"
+        outcome.starts_with(&first) && outcome.contains("waited"),
+        "{outcome}"
     );
     let next = "document.querySelector('#tour [aria-label=\"next step\"]').click()";
     browser.value(next);

@@ -65,11 +65,11 @@ pub fn check(browser: &mut impl Page) {
             "cut short",
         ),
     ] {
-        let said = message(browser, &page, &text);
-        assert!(said.contains(reason), "{reason}: {said}");
+        let outcome = message(browser, &page, &text);
+        assert!(outcome.contains(reason), "{reason}: {outcome}");
     }
     // A byte in the packed positions is wrong, which only the checksum detects.
-    let said = message(
+    let outcome = message(
         browser,
         &page,
         &with(&|bytes| {
@@ -77,7 +77,7 @@ pub fn check(browser: &mut impl Page) {
             bytes[middle] ^= 0x10;
         }),
     );
-    assert!(said.contains("damaged"), "{said}");
+    assert!(outcome.contains("damaged"), "{outcome}");
 }
 
 #[test]
@@ -88,6 +88,6 @@ fn a_browser_without_graphics_says_so() {
     let results = Results::from_records("tests/fixtures/dense.sa", "--record 0");
     let page = results.page(0);
     let text = fs::read_to_string(&page).unwrap();
-    let said = message(&mut browser, &page, &text);
-    assert!(said.contains("WebGL2"), "{said}");
+    let outcome = message(&mut browser, &page, &text);
+    assert!(outcome.contains("WebGL2"), "{outcome}");
 }

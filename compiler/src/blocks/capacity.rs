@@ -15,7 +15,7 @@ use crate::shapes::layout::Layout;
 /// them.
 pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
     if !BondKind::from_scene(scene).is_passive() {
-        let (said, what) = match &scene.bond {
+        let (state, what) = match &scene.bond {
             Some(bond) => (
                 format!("has `bond {}`", bond.kind().name()),
                 "free blocks do not attract",
@@ -30,7 +30,7 @@ pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<
                     plan.name, scene.name
                 ),
             )
-            .label(plan.location, format!("the scene {said}: {what}"))
+            .label(plan.location, format!("the scene {state}: {what}"))
             .help(format!(
                 "use a scene with `bond reject`: `aggregate {} in magnet_tank`",
                 plan.name

@@ -46,7 +46,7 @@ impl LocatedDependency {
 
     /// Returns whether the waiting block needs a message, because it cannot observe the earlier
     /// event.
-    pub fn is_told(self) -> bool {
+    pub fn needs_message(self) -> bool {
         matches!(self, LocatedDependency::After(_) | LocatedDependency::Freed)
     }
 }

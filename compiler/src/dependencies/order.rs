@@ -228,10 +228,14 @@ fn describe(
     let phase = cycle
         .first()
         .map_or("", |edge| plan.phase_name(graph[edge.1]));
-    let told = |edge: usize| plan.describe(graph[cycle[edge].1], symbols);
+    let event_name = |edge: usize| plan.describe(graph[cycle[edge].1], symbols);
     let what = match count {
-        1 => format!("`{}` waits for itself", told(0)),
-        2 => format!("`{}` and `{}` wait for each other", told(0), told(1)),
+        1 => format!("`{}` waits for itself", event_name(0)),
+        2 => format!(
+            "`{}` and `{}` wait for each other",
+            event_name(0),
+            event_name(1)
+        ),
         count => format!("{count} events wait for each other"),
     };
     let title = format!("phase `{phase}` would deadlock: {what}");

@@ -284,7 +284,7 @@ mod tests {
             .unwrap();
             sources
         };
-        let told = |sources: &Sources| -> Vec<_> {
+        let contents = |sources: &Sources| -> Vec<_> {
             let files = sources.files().iter();
             files
                 .map(|it| (it.name.clone(), it.text.clone(), it.is_exact))
@@ -295,7 +295,7 @@ mod tests {
             assert_eq!(before.files().len(), count);
             let none = TextChange::new(FileId(0), &before.files()[0].text);
             let again = read(name, &mut none.over(&before, &mut disk));
-            assert_eq!(told(&again), told(&before));
+            assert_eq!(contents(&again), contents(&before));
         }
     }
 }

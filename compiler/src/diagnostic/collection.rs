@@ -74,7 +74,7 @@ pub(crate) fn report(diagnostics: &mut Vec<Diagnostic>, diagnostic: Diagnostic) 
 /// Merges a diagnostic into one of `diagnostics` if possible. Returns whether it was merged.
 pub(crate) fn is_repeated(diagnostics: &mut [Diagnostic], diagnostic: &Diagnostic) -> bool {
     let mut last_first = diagnostics.iter_mut().rev();
-    last_first.any(|told| told.absorb(diagnostic))
+    last_first.any(|earlier| earlier.absorb(diagnostic))
 }
 
 /// Merges diagnostics of one statement. `diagnostics` are sorted by location.

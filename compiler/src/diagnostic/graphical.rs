@@ -119,8 +119,8 @@ fn advice(diagnostic: &Diagnostic) -> Option<String> {
     };
     let says = |text: &str| !text.is_empty() && text.contains(new) && !new.is_empty();
     // The help already states the part to remove.
-    let told = !fix.safe && new.is_empty() && help.is_some();
-    if told || help.is_some_and(says) {
+    let is_stated = !fix.safe && new.is_empty() && help.is_some();
+    if is_stated || help.is_some_and(says) {
         return help.map(str::to_owned);
     }
     let mut line = if fix.safe {

@@ -23,7 +23,7 @@ pub enum Level {
 /// Levels of warnings whose level is not set in a file. By default, all warnings are reported.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LintLevels {
-    said: Vec<(Option<Code>, Level)>,
+    chosen: Vec<(Option<Code>, Level)>,
     /// Model and time steps for the check of scenes. `None` if runs have no physics.
     stepping: Option<Stepping>,
 }
@@ -31,7 +31,7 @@ pub struct LintLevels {
 impl Default for LintLevels {
     fn default() -> LintLevels {
         LintLevels {
-            said: Vec::new(),
+            chosen: Vec::new(),
             stepping: Some(Stepping::DEFAULT),
         }
     }
@@ -41,7 +41,7 @@ impl LintLevels {
     /// Sets the level of a warning, or of all warnings. Later calls override earlier ones. The
     /// level of an error cannot be changed.
     pub fn set(&mut self, code: Option<Code>, level: Level) {
-        self.said.push((code, level));
+        self.chosen.push((code, level));
     }
 
     /// Returns these levels for runs with other time steps. `None` means runs without physics.
@@ -63,8 +63,8 @@ impl LintLevels {
 
     /// Returns the level of a warning.
     pub fn of(&self, code: Code) -> Level {
-        let speaks = |(of, _): &&(Option<Code>, Level)| of.is_none_or(|of| of == code);
-        let last = self.said.iter().rev().find(speaks);
+        let applies = |(of, _): &&(Option<Code>, Level)| of.is_none_or(|of| of == code);
+        let last = self.chosen.iter().rev().find(applies);
         last.map_or(Level::Warn, |(_, level)| *level)
     }
 }
@@ -215,11 +215,11 @@ impl FileLevels {
         levels: &LintLevels,
         sources: &Sources,
     ) -> (Vec<Diagnostic>, Vec<Allowed>) {
-        let (mut told, mut allowed) = (Vec::new(), Vec::new());
+        let (mut reported, mut allowed) = (Vec::new(), Vec::new());
         // Errors may hide warnings.
         let complete = !diagnostics.iter().any(Diagnostic::is_error);
         for diagnostic in diagnostics {
-            self.decide(diagnostic, levels, &mut told, &mut allowed);
+            self.decide(diagnostic, levels, &mut reported, &mut allowed);
         }
         if complete {
             // Other statements use an allowed `unused-allow`.
@@ -236,22 +236,22 @@ impl FileLevels {
                     report(&mut diagnostics, set.unused(sources));
                 }
                 for diagnostic in diagnostics {
-                    self.decide(diagnostic, levels, &mut told, &mut allowed);
+                    self.decide(diagnostic, levels, &mut reported, &mut allowed);
                 }
             }
         }
-        (told, allowed)
+        (reported, allowed)
     }
 
     fn decide(
         &mut self,
         mut diagnostic: Diagnostic,
         levels: &LintLevels,
-        told: &mut Vec<Diagnostic>,
+        reported: &mut Vec<Diagnostic>,
         allowed: &mut Vec<Allowed>,
     ) {
         if diagnostic.code.severity() == Severity::Error {
-            return told.push(diagnostic);
+            return reported.push(diagnostic);
         }
         let location = diagnostic.labels.first().map(|label| label.location);
         let set = location.and_then(|location| self.find(diagnostic.code, location));
@@ -275,10 +275,10 @@ impl FileLevels {
                 diagnostic,
                 reason: None,
             }),
-            Level::Warn => told.push(diagnostic),
+            Level::Warn => reported.push(diagnostic),
             Level::Deny => {
                 diagnostic.severity = Severity::Error;
-                told.push(diagnostic);
+                reported.push(diagnostic);
             }
         }
     }

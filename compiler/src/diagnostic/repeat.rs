@@ -47,18 +47,18 @@ impl Diagnostic {
 
     /// Adds the remedy of a merged diagnostic to the help if it is not there yet.
     fn add_remedy(&mut self, subject: &str, remedy: &str) {
-        let (Some(help), Some(told)) = (&mut self.help, &mut self.remedy) else {
+        let (Some(help), Some(stated)) = (&mut self.help, &mut self.remedy) else {
             return;
         };
-        let more = match told.lines().count() {
-            _ if told.contains(remedy) => return,
+        let more = match stated.lines().count() {
+            _ if stated.contains(remedy) => return,
             0..=Others::NAMED => format!("for {subject}, {remedy}"),
             lines if lines == Others::NAMED + 1 => "others need changes of their own".to_owned(),
             _ => return,
         };
-        let all = format!("{told}\n{more}");
-        *help = help.replacen(told.as_str(), &all, 1);
-        *told = all;
+        let all = format!("{stated}\n{more}");
+        *help = help.replacen(stated.as_str(), &all, 1);
+        *stated = all;
     }
 }
 

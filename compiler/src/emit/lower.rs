@@ -197,7 +197,7 @@ impl Lowering<'_> {
         let node = NodeIndex::new(id.0 as usize);
         let witness = self.witness(id);
         let mut receivers: Vec<RoleId> = (self.graph.edges_directed(node, Outgoing))
-            .filter(|edge| edge.weight().is_told())
+            .filter(|edge| edge.weight().needs_message())
             .map(|edge| self.liveness.actor(self.plan, self.graph[edge.target()]))
             // A block notices its own capture without a message.
             .filter(|actor| *actor != witness && actor.since != Some(id))

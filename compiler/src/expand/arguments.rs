@@ -175,9 +175,9 @@ impl<'a> Expander<'a, '_> {
         };
         match (needed, unknown) {
             (ValueKind::Number, Some((expr, _))) => {
-                let told = self.diagnostics.len();
+                let reported = self.diagnostics.len();
                 self.evaluate(expr);
-                for diagnostic in &mut self.diagnostics[told..] {
+                for diagnostic in &mut self.diagnostics[reported..] {
                     *diagnostic = diagnostic.clone().label(used, label.clone());
                 }
                 return;

@@ -248,9 +248,9 @@ impl<'a> Expander<'a, '_> {
         let most = self.limits;
         // Names and dependencies use memory as well.
         let grown = self.grown.total().max(self.plan.roles.count());
-        let told = self.diagnostics.len();
-        if self.errors.0 != told {
-            self.errors = (told, has_enough_errors(self.diagnostics));
+        let reported = self.diagnostics.len();
+        if self.errors.0 != reported {
+            self.errors = (reported, has_enough_errors(self.diagnostics));
         }
         let has_enough = self.errors.1;
         if self.steps <= most.steps && grown <= most.events && !has_enough {

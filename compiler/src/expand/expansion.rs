@@ -53,14 +53,14 @@ pub(crate) fn expand_probed<'a>(
         cancellation,
     } = bounds;
     let mut attempt = |limits: Limits, pass: Pass, probe: &mut Probe| {
-        let mut told = Vec::new();
+        let mut reported = Vec::new();
         let mut expander = Expander::new(
             declarations,
             (file, assembly.name),
             sources,
             symbols,
             ExpansionBounds { limits, ..bounds },
-            &mut told,
+            &mut reported,
             probe,
         );
         expander.pass = pass;
@@ -69,21 +69,21 @@ pub(crate) fn expand_probed<'a>(
         let (plan, shapes, outgrown) = (expander.plan, expander.declared.shapes, expander.outgrown);
         // A cancelled expansion is incomplete.
         cancellation.check()?;
-        Ok((plan, shapes, outgrown, told))
+        Ok((plan, shapes, outgrown, reported))
     };
     let few = Limits {
         events: limits.events / UNCOUNTED,
         ..limits
     };
-    let (mut plan, mut shapes, outgrown, mut told) = attempt(few, Pass::Writing, probe)?;
+    let (mut plan, mut shapes, outgrown, mut reported) = attempt(few, Pass::Writing, probe)?;
     if outgrown {
-        (plan, shapes, _, told) = attempt(limits, Pass::Counting, &mut Probe::default())?;
+        (plan, shapes, _, reported) = attempt(limits, Pass::Counting, &mut Probe::default())?;
         let is_limit = |diagnostic: &Diagnostic| diagnostic.code == Code::ExpansionLimit;
-        if !told.iter().any(is_limit) {
-            (plan, shapes, _, told) = attempt(limits, Pass::Writing, probe)?;
+        if !reported.iter().any(is_limit) {
+            (plan, shapes, _, reported) = attempt(limits, Pass::Writing, probe)?;
         }
     }
-    diagnostics.append(&mut told);
+    diagnostics.append(&mut reported);
     Ok((plan, shapes))
 }
 

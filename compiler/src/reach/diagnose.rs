@@ -74,10 +74,10 @@ impl ReachAnalysis<'_> {
             Some(_) => MAX_DESCRIBED,
             None => usize::MAX,
         };
-        let mut told = 0;
+        let mut reported = 0;
         let mut shown = blocked.iter().filter(|blocked| blocked.is_shown);
         while let Some(blocked) = shown.next() {
-            if told == most {
+            if reported == most {
                 let rest = 1 + shown.count();
                 report(
                     diagnostics,
@@ -91,11 +91,11 @@ impl ReachAnalysis<'_> {
                     // Separate diagnostics show which of them a remedy helps.
                     None => diagnostics.push(diagnostic),
                 }
-                told += 1;
+                reported += 1;
             }
         }
         // After a closed cell, undecided captures give no further information.
-        if told == 0 {
+        if reported == 0 {
             for blocked in blocked.iter().take(most) {
                 report(diagnostics, self.undecided(blocked.capture));
             }

@@ -197,6 +197,6 @@ impl<'a> ReachAnalysis<'a> {
     }
 }
 
-fn count(told: &[ReportedError], one: &ReportedError) -> usize {
-    told.iter().filter(|told| *told == one).count()
+fn count(errors: &[ReportedError], one: &ReportedError) -> usize {
+    errors.iter().filter(|errors| *errors == one).count()
 }

@@ -42,9 +42,9 @@ pub fn read(
     let mut wrong: Vec<&str> = Vec::new();
     while let Some((name, clause)) = reader.head(&CLAUSES, "clause of a scene", &seen) {
         reader.once(&mut seen, name);
-        let mut said = ClauseContent::default();
-        match reader.entry(name, clause, &mut said) {
-            Some(()) => said.put(&mut draft),
+        let mut content = ClauseContent::default();
+        match reader.entry(name, clause, &mut content) {
+            Some(()) => content.put(&mut draft),
             None => wrong.push(clause.word),
         }
     }
@@ -89,23 +89,23 @@ impl<'a> SceneReader<'a, '_> {
         &mut self,
         clause: Name,
         entry: &'static SchemaEntry,
-        said: &mut ClauseContent,
+        content: &mut ClauseContent,
     ) -> Option<()> {
-        said.makes.push(entry.make);
+        content.makes.push(entry.make);
         let mut sound = Some(());
         for part in entry.parts {
             let read = match part {
-                SchemaPart::Number(number) => self.number(number, said),
-                SchemaPart::Range { low, high } => self.range(low, high, said),
+                SchemaPart::Number(number) => self.number(number, content),
+                SchemaPart::Range { low, high } => self.range(low, high, content),
                 SchemaPart::OneOf { noun, of } => match self.kind(of, noun) {
-                    Some(kind) => self.entry(clause, kind, said),
+                    Some(kind) => self.entry(clause, kind, content),
                     None => {
                         self.skip(of, entry)?;
                         None
                     }
                 },
-                SchemaPart::Then(then) => self.then(clause, then, said),
-                SchemaPart::Fields(fields, group) => self.fields(clause, fields, group, said),
+                SchemaPart::Then(then) => self.then(clause, then, content),
+                SchemaPart::Fields(fields, group) => self.fields(clause, fields, group, content),
             };
             sound = sound.and(read);
         }
@@ -130,10 +130,10 @@ impl<'a> SceneReader<'a, '_> {
         &mut self,
         clause: Name,
         then: &'static SchemaEntry,
-        said: &mut ClauseContent,
+        content: &mut ClauseContent,
     ) -> Option<()> {
         if self.next_is(then.word) {
-            return self.entry(clause, then, said);
+            return self.entry(clause, then, content);
         }
         let Absent::Message { title, label, help } = then.absent else {
             return Some(());
@@ -156,7 +156,7 @@ impl<'a> SceneReader<'a, '_> {
         clause: Name,
         fields: &'static [SchemaEntry],
         group: &'static FieldGroup,
-        said: &mut ClauseContent,
+        content: &mut ClauseContent,
     ) -> Option<()> {
         let Some(Term::Block(terms, span)) = self.terms.peek() else {
             self.without_braces(clause, fields, group);
@@ -178,8 +178,8 @@ impl<'a> SceneReader<'a, '_> {
             let mut own = ClauseContent::default();
             if inner.entry(name, field, &mut own).is_some() {
                 sound.push(field.word);
-                said.makes.append(&mut own.makes);
-                said.numbers.append(&mut own.numbers);
+                content.makes.append(&mut own.makes);
+                content.numbers.append(&mut own.numbers);
             }
         }
         let fits = match group {
@@ -195,7 +195,7 @@ impl<'a> SceneReader<'a, '_> {
                 let is_wrong = self.diagnostics.len() > before;
                 self.either(clause, either, &seen, is_wrong)
                     .filter(|chosen| sound.contains(&chosen.fields[0]))
-                    .map(|chosen| said.makes.push(chosen.make))
+                    .map(|chosen| content.makes.push(chosen.make))
             }
         };
         let needed = fields.iter().filter(|field| field.absent.is_needed());
@@ -322,12 +322,13 @@ impl<'a> SceneReader<'a, '_> {
     /// Checks that each term has the other terms that it requires. Clauses in `wrong` have been
     /// reported.
     fn requirements(&mut self, draft: &Scene, seen: &[Name], wrong: &[&str]) {
-        let mut told = wrong.to_vec();
+        let mut reported = wrong.to_vec();
         for it in &REQUIREMENTS {
-            if told.contains(&it.clause) || wrong.contains(&it.needs) || !(it.is_broken)(draft) {
+            if reported.contains(&it.clause) || wrong.contains(&it.needs) || !(it.is_broken)(draft)
+            {
                 continue;
             }
-            told.push(it.clause);
+            reported.push(it.clause);
             let name = named(seen, it.clause, self.symbols);
             let span = name.map_or(self.place, |name| name.span);
             let (title, help) = (it.title.to_owned(), it.help.to_owned());

@@ -30,7 +30,7 @@ fn within(
     at: u32,
 ) -> WordContext {
     let mut path = outer.to_vec();
-    let mut said: Vec<&str> = Vec::new();
+    let mut present: Vec<&str> = Vec::new();
     let mut word = None;
     let mut before = None;
     for term in terms {
@@ -45,7 +45,7 @@ fn within(
                 follow(&mut path, outer.len(), known, symbols.word(name.symbol));
             }
             Term::Word(name) => {
-                said.push(symbols.word(name.symbol));
+                present.push(symbols.word(name.symbol));
                 if name.span.end < at {
                     follow(&mut path, outer.len(), known, symbols.word(name.symbol));
                 }
@@ -61,8 +61,9 @@ fn within(
     let next = if !kinds.is_empty() {
         kinds
     } else {
-        let known = known.iter().filter(|entry| !said.contains(&entry.word));
-        let is_new = |entry: &&SchemaEntry| !own.iter().any(|said| std::ptr::eq(*said, *entry));
+        let known = known.iter().filter(|entry| !present.contains(&entry.word));
+        let is_new =
+            |entry: &&SchemaEntry| !own.iter().any(|present| std::ptr::eq(*present, *entry));
         let further = own.iter().flat_map(|entry| choices(entry, false));
         further.filter(is_new).chain(known).collect()
     };

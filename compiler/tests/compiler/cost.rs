@@ -204,14 +204,14 @@ fn messages_take_time_by_hops() {
         cost.total.unwrap().mean.unwrap()
     };
     let tower = "phase p { A.up ->> T[1..3] }";
-    let told = "phase p { A.up ->> T[1..3] B.up ->> U[1..3] after T[3] }";
+    let notified = "phase p { A.up ->> T[1..3] B.up ->> U[1..3] after T[3] }";
     let known = "phase p { A.up ->> T[1..3] T[1].north -> E after T[3] }";
     let gone = "phase p { A.up ->> T[1..3] } phase q { release T[3] }";
     let others =
         "phase p { A.up ->> T[1..3] } phase q { release T[3] B.up -> U after release T[3] }";
     for (body, hops) in [
         (tower, 3.0),
-        (told, 3.0 + 3.0),
+        (notified, 3.0 + 3.0),
         (known, 2.0 + 2.0),
         (gone, 3.0 + 1.0 + 2.0),
         (others, 3.0 + 1.0 + 2.0 + 1.0),

@@ -698,20 +698,20 @@ fn assert_changes_hold(program: &str) {
             let alike = alike.filter(|it| it.message() == diagnostic.message());
             alike.count()
         };
-        let told = format!(
+        let context = format!(
             "{}: {:?}\n{changed}\n{:#?}",
             diagnostic.code,
             diagnostic.help,
             codes(&after)
         );
-        assert!(count(&after) < count(&checked), "{told}");
+        assert!(count(&after) < count(&checked), "{context}");
         let syntax = |checked: &Checked| {
             codes(checked)
                 .iter()
                 .filter(|&&it| it == Code::Syntax)
                 .count()
         };
-        assert!(syntax(&after) <= syntax(&checked), "{told}");
+        assert!(syntax(&after) <= syntax(&checked), "{context}");
     }
 }
 

@@ -38,11 +38,11 @@ fn fixed(text: &str) -> String {
 
 /// Returns the messages without their places.
 fn reported(diagnostics: &[Diagnostic]) -> Vec<(Code, String)> {
-    let mut told: Vec<_> = (diagnostics.iter())
+    let mut messages: Vec<_> = (diagnostics.iter())
         .map(|diagnostic| (diagnostic.code, diagnostic.title.clone()))
         .collect();
-    told.sort();
-    told
+    messages.sort();
+    messages
 }
 
 /// Returns the comments of a text in order.
@@ -453,7 +453,7 @@ fn one_change(text: &str, before: &Checked, diagnostic: &Diagnostic, fix: &Fix) 
     let after = checked(&new);
     let (old, left) = (reported(&before.diagnostics), reported(&after.diagnostics));
     let this = (diagnostic.code, diagnostic.title.clone());
-    let times = |told: &[(Code, String)]| told.iter().filter(|one| **one == this).count();
+    let times = |messages: &[(Code, String)]| messages.iter().filter(|one| **one == this).count();
     assert!(times(&left) < times(&old), "{this:?} in\n{new}");
     if !fix.safe {
         return;
@@ -468,7 +468,8 @@ fn one_change(text: &str, before: &Checked, diagnostic: &Diagnostic, fix: &Fix) 
             "{diagnostic:?} in\n{new}"
         );
     }
-    let slips = |told: &[(Code, String)]| told.iter().filter(|one| one.0 == Code::Syntax).count();
+    let slips =
+        |messages: &[(Code, String)]| messages.iter().filter(|one| one.0 == Code::Syntax).count();
     assert!(slips(&left) <= slips(&old), "{new}");
     let kept = comments(&new);
     for comment in comments(text) {
@@ -546,8 +547,8 @@ fn more_warnings_than_are_told_refuse_nothing() {
     assert!(!found.has_errors());
     // An error is reported in addition.
     let wrong = program(&format!("phase p {{ N.up -> B after A{rest}  X.up -> Y }}"));
-    let told = checked(&wrong).diagnostics;
-    assert!(told.iter().any(|it| it.code == Code::UnknownName));
+    let reported = checked(&wrong).diagnostics;
+    assert!(reported.iter().any(|it| it.code == Code::UnknownName));
 }
 
 /// `after release A` may be intended, but not for the release of A itself.
@@ -555,8 +556,9 @@ fn more_warnings_than_are_told_refuse_nothing() {
 fn a_release_is_not_told_to_wait_for_itself() {
     let help = |event: &str| {
         let text = program(&format!("phase p {{ release A  N.up -> B {event} }}"));
-        let mut told = checked(&text).diagnostics.into_iter();
-        told.find(|it| it.code == Code::RedundantAfter)
+        let mut reported = checked(&text).diagnostics.into_iter();
+        reported
+            .find(|it| it.code == Code::RedundantAfter)
             .unwrap()
             .help
     };
@@ -579,8 +581,8 @@ fn a_seed_that_attracts_is_not_taken_away_unasked() {
         )
     };
     let seed_of = |text: &str| {
-        let mut told = checked(text).diagnostics.into_iter();
-        told.find(|it| it.code == Code::UnusedSeed).unwrap()
+        let mut reported = checked(text).diagnostics.into_iter();
+        reported.find(|it| it.code == Code::UnusedSeed).unwrap()
     };
     assert!(seed_of(&text("")).fix.is_some());
     let attracting = seed_of(&text(" in magnet_tank"));

@@ -225,11 +225,21 @@ fn what_nobody_uses_is_told_of() {
         seed plate 1 x 1 { let b = 1 M at (0, 0) }
         phase p { let c = 1 for i in 1..1 { let d = 1 t(M) } M.up -> A } }";
     let codes = reported(local);
-    let of = |code: &str| codes.iter().filter(|told| *told == code).count();
+    let of = |code: &str| {
+        codes
+            .iter()
+            .filter(|reported_code| *reported_code == code)
+            .count()
+    };
     // First there is an error. The warnings appear after the fix.
     assert_eq!((of("unused-let"), codes.len()), (0, 1), "{codes:?}");
     let codes = reported(&local.replace("M.up -> A", ""));
-    let of = |code: &str| codes.iter().filter(|told| *told == code).count();
+    let of = |code: &str| {
+        codes
+            .iter()
+            .filter(|reported_code| *reported_code == code)
+            .count()
+    };
     assert_eq!((of("unused-let"), of("unused-shape")), (5, 1), "{codes:?}");
 }
 

@@ -180,8 +180,8 @@ fn the_reynolds_number_is_that_of_the_expected_speed() {
         (found.unwrap().value, speed / (0.04 * viscosity * 1e-3))
     };
     for viscosity in [1.0, 1e3, 1e5] {
-        let (told, exact) = with(viscosity);
-        assert!((told / exact - 1.0).abs() < 1e-9, "{told} {exact}");
+        let (reported, exact) = with(viscosity);
+        assert!((reported / exact - 1.0).abs() < 1e-9, "{reported} {exact}");
     }
 }
 
@@ -227,15 +227,15 @@ fn steps_that_turn_by_less_than_a_digit_are_warned_of() {
         smallest_turn: 0.0,
         ..Stepping::DEFAULT
     };
-    let mut is_told = |tick: f64, stepping: Stepping| {
+    let mut is_reported = |tick: f64, stepping: Stepping| {
         scene.tick = tick;
         let all = scene_warnings(&scene, stepping, None);
         all.iter().any(|warning| warning.symbol == "ω τ")
     };
     // In water a cube of 10 um turns by about 27 rad/s.
-    assert!(!is_told(1e-7, Stepping::DEFAULT));
-    assert!(is_told(1e-9, Stepping::DEFAULT));
-    assert!(!is_told(1e-9, double));
+    assert!(!is_reported(1e-7, Stepping::DEFAULT));
+    assert!(is_reported(1e-9, Stepping::DEFAULT));
+    assert!(!is_reported(1e-9, double));
 }
 
 #[test]

@@ -146,7 +146,7 @@ pub(crate) fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
     for of in &sweep.settings {
         let get = move |row: &&'a SweepPoint| {
             let mut chosen = row.chosen.iter();
-            chosen.find(|it| it.of() == of).map(|it| it.value())
+            chosen.find(|it| it.name() == of).map(|it| it.value())
         };
         table.text(of.clone(), "a setting", get).null(UNKNOWN);
     }

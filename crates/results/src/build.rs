@@ -37,7 +37,10 @@ mod tests {
         let this = this_build();
         assert_eq!(this.len(), 16);
         assert_eq!(other_build(std::slice::from_ref(&this)), None);
-        let told = other_build(&[this, "0123456789abcdef".into()]).unwrap();
-        assert!(told.contains("(0123456789abcdef, and this is"), "{told}");
+        let message = other_build(&[this, "0123456789abcdef".into()]).unwrap();
+        assert!(
+            message.contains("(0123456789abcdef, and this is"),
+            "{message}"
+        );
     }
 }

@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn one_is_one_and_the_rest_are_many() {
-        let told = [
+        let counts = [
             (0, "block"),
             (1, "block"),
             (2, "block"),
@@ -58,7 +58,7 @@ mod tests {
             (2, "entry"),
             (2, "way"),
         ];
-        let told = told.map(|(count, noun)| counted(count, noun));
+        let counts = counts.map(|(count, noun)| counted(count, noun));
         let expected = [
             "0 blocks",
             "1 block",
@@ -67,6 +67,6 @@ mod tests {
             "2 entries",
             "2 ways",
         ];
-        assert_eq!(told, expected);
+        assert_eq!(counts, expected);
     }
 }

@@ -184,7 +184,7 @@ impl Network {
         log.note(|| ObservedEvent::Sent {
             from: transfer.from,
             to: transfer.to,
-            said: transfer.message.payload.into(),
+            content: transfer.message.payload.into(),
         });
         self.under_way.push_back(Transfer {
             due: tick + self.hop,

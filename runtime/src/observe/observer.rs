@@ -130,7 +130,7 @@ pub enum ObservedEvent {
         /// Receiver of the message.
         to: Body,
         /// Content of the message.
-        said: MessageContent,
+        content: MessageContent,
     },
     /// The plate counts a report.
     Reported {

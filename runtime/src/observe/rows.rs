@@ -87,8 +87,8 @@ impl EventRows {
                 json!([tick, "unbond", a, b, face, other, sizes[0], sizes[1]])
             }
             ObservedEvent::Released { body, role, by } => json!([tick, "free", body, role, by]),
-            ObservedEvent::Sent { from, to, said } => {
-                let (what, role) = match said {
+            ObservedEvent::Sent { from, to, content } => {
+                let (what, role) = match content {
                     MessageContent::Report(role) => ("report", role),
                     MessageContent::Ask(role) => ("ask", role),
                     MessageContent::Anchored(role) => ("anchored", role),
@@ -165,7 +165,7 @@ impl EventRows {
                 ObservedEvent::Sent {
                     from: body(2)?,
                     to: body(3)?,
-                    said: match row.get(4)?.as_str()? {
+                    content: match row.get(4)?.as_str()? {
                         "report" => MessageContent::Report(role),
                         "ask" => MessageContent::Ask(role),
                         "anchored" => MessageContent::Anchored(role),

@@ -234,11 +234,11 @@ fn kicks_in_a_viscous_fluid_move_blocks_alike_at_every_step<W: Arena>() {
         assert!(apart < 1e-4, "{rate}: {apart}");
         let square: f64 = ways[0].iter().map(|way| way * way).sum();
         let found = (square / 400.0).sqrt();
-        let told = speed(&scene).rms.unwrap();
+        let estimated = speed(&scene).rms.unwrap();
         // 1,200 independent squares have a standard error of 2 %.
         assert!(
-            (found / told - 1.0).abs() < 0.06,
-            "{rate}: {found} for {told}"
+            (found / estimated - 1.0).abs() < 0.06,
+            "{rate}: {found} for {estimated}"
         );
     }
 }

@@ -210,7 +210,7 @@ fn news(hop: Option<u32>, run: u64) -> (RunRecord, [RoleId; 4]) {
     let [a, b] = [draft.seed("A", 0, 0), draft.seed("B", 2, 2)];
     let m = draft.seed("M", 1, 1);
     let [e, f, i, j, n, o] = ["E", "F", "I", "J", "N", "O"].map(|name| draft.role(name));
-    let told = |role| Condition::Heard(News::Anchored(role));
+    let heard = |role| Condition::Heard(News::Anchored(role));
     let tell = |to, role| {
         at_once(Action::Tell {
             to,
@@ -232,9 +232,9 @@ fn news(hop: Option<u32>, run: u64) -> (RunRecord, [RoleId; 4]) {
         draft.anchored(high, phase, vec![tell(m, high), tell(n, high)]);
     }
     let first = magnetize(Face::Up, n, Cell::new(1, 1, 1));
-    draft.start(m, phase, vec![(vec![told(i)], first)]);
+    draft.start(m, phase, vec![(vec![heard(i)], first)]);
     let second = magnetize(Face::Up, o, Cell::new(1, 1, 2));
-    draft.anchored(n, phase, vec![(vec![told(i), told(j)], second)]);
+    draft.anchored(n, phase, vec![(vec![heard(i), heard(j)], second)]);
     draft.anchored(o, phase, vec![at_once(Action::Report)]);
     (shuffle(&draft.tables(), hop, run).0, [i, j, n, o])
 }

@@ -364,7 +364,10 @@ fn what_the_law_does_not_know_is_refused() {
             rates: vec![rates_of(&scene)],
             ..settings.clone()
         };
-        let told = refused(&tables, &scene, &settings);
-        assert!(told.contains(what) && told.contains("rigid"), "{told}");
+        let message = refused(&tables, &scene, &settings);
+        assert!(
+            message.contains(what) && message.contains("rigid"),
+            "{message}"
+        );
     }
 }

@@ -53,12 +53,12 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         }
         // If the fixed source goes to standard output, summaries go to standard error.
         let is_output_taken = text.is_some();
-        let say = |said: &str| {
+        let print_summary = |summary: &str| {
             if is_output_taken {
-                warn(said);
+                warn(summary);
                 Ok(())
             } else {
-                print_folded(said)
+                print_folded(summary)
             }
         };
         let checked = match check(file, text, options) {
@@ -87,7 +87,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
                 warn_drawn(&shown());
                 tally.add(&checked);
                 if !checked.has_errors() {
-                    say(&summary(&name, &checked, options.cost, &rates))?;
+                    print_summary(&summary(&name, &checked, options.cost, &rates))?;
                 }
             }
         }
@@ -104,7 +104,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         if options.physics && !checked.has_errors() {
             for scene in scenes(file, &checked) {
                 match options.format() {
-                    Format::Graphical => say(&scene.text())?,
+                    Format::Graphical => print_summary(&scene.text())?,
                     Format::Short | Format::Sarif => warn(&scene.text()),
                     Format::Json => document.scenes.get_or_insert_default().push(scene.json()),
                 }

@@ -32,8 +32,8 @@ fn neovim_is_served() {
         .output()
         .unwrap();
     let log = std::fs::read_to_string(&log).unwrap_or_default();
-    let said = String::from_utf8_lossy(&editor.stderr);
-    assert!(editor.status.success(), "{log}\n{said}");
+    let outcome = String::from_utf8_lossy(&editor.stderr);
+    assert!(editor.status.success(), "{log}\n{outcome}");
     let done: Vec<&str> = log.lines().collect();
     let expected = [
         "ok attach",
@@ -48,5 +48,5 @@ fn neovim_is_served() {
         "ok format",
         "ok shutdown",
     ];
-    assert_eq!(done, expected, "{said}");
+    assert_eq!(done, expected, "{outcome}");
 }

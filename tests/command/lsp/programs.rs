@@ -150,9 +150,9 @@ fn the_words_of_a_scene_are_known() {
         ),
         ("tilt", ["of `bond attract anchor gap`", "Absent: 45 deg"]),
     ] {
-        let told = ask("hover", words)["contents"]["value"].clone();
+        let hover = ask("hover", words)["contents"]["value"].clone();
         for part in parts {
-            assert!(told.as_str().unwrap().contains(part), "{part} in\n{told}");
+            assert!(hover.as_str().unwrap().contains(part), "{part} in\n{hover}");
         }
     }
     let mut offered = |words: &str| -> Vec<String> {
@@ -356,8 +356,8 @@ fn a_lone_carriage_return_is_refused_as_fmt_does() {
             "options": { "tabSize": 4, "insertSpaces": true },
         });
         let answer = client.ask("textDocument/formatting", params);
-        let told = answer["error"]["message"].as_str().unwrap_or_default();
-        assert!(told.contains("syntax errors"), "{answer}");
+        let message = answer["error"]["message"].as_str().unwrap_or_default();
+        assert!(message.contains("syntax errors"), "{answer}");
     }
 }
 

@@ -131,10 +131,10 @@ fn a_scene_is_not_renamed_so_that_others_run_in_another() {
         let mut params = place(URI, &text, &format!("{old} from"), 0);
         params["newName"] = json!(new);
         let answer = client.ask("textDocument/rename", params);
-        let told = answer["error"]["message"].as_str();
-        assert_eq!(told.is_none(), is_right, "{answer}");
+        let message = answer["error"]["message"].as_str();
+        assert_eq!(message.is_none(), is_right, "{answer}");
         assert!(
-            told.is_none_or(|told| told.contains("run in another")),
+            message.is_none_or(|message| message.contains("run in another")),
             "{answer}"
         );
     }

@@ -12,8 +12,8 @@ fn an_aggregate_has_the_sections_that_fit_and_none_that_are_empty() {
     let text = "scene three from magnet_tank { free 3 ring 20cm }\naggregate trio in three to 3 timeout 317 s\n";
     fs::write(&program, text).unwrap();
     let out = path(folder.path(), "out");
-    let said = stochc_with("simulate --quiet --runs 2", &[&program, "--out", &out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("simulate --quiet --runs 2", &[&program, "--out", &out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     let document = parsed(&page);

@@ -5,7 +5,7 @@ use std::path::Path;
 use stochc::files::checksum::sealed;
 use stochc::results::Manifest;
 
-use crate::stochc::{command, path, said, stochc_with};
+use crate::stochc::{command, path, run_command, stochc_with};
 
 /// Removes the checksums of a folder, as if its files had been changed on purpose.
 fn unseal(out: &str) {
@@ -25,8 +25,8 @@ fn renamed(journal: &str, before: &str, after: &str) -> String {
 fn simulated(folder: &Path, name: &str, more: &[&str]) -> String {
     let out = path(folder, name);
     let simulate = "simulate --quiet --model shuffle --runs 4 tests/fixtures/tower.sa";
-    let said = stochc_with(simulate, &[&["--out", &out], more].concat());
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(simulate, &[&["--out", &out], more].concat());
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     out
 }
 
@@ -36,9 +36,9 @@ fn a_report_is_in_its_folder_and_the_folder_stays_whole() {
     let out = simulated(folder.path(), "out", &[]);
     let before = stochc_with("show", &[&out]).out;
     for _ in 0..2 {
-        let said = stochc_with("report", &[&out]);
+        let outcome = stochc_with("report", &[&out]);
         let page = path(out.as_ref(), "report.html");
-        assert_eq!((said.status, said.out), (0, format!("{page}\n")));
+        assert_eq!((outcome.status, outcome.out), (0, format!("{page}\n")));
         assert!(
             Path::new(&out)
                 .join("report-figures/survival.svg")
@@ -93,9 +93,9 @@ fn several_folders_make_one_page_here() {
         simulated(folder.path(), name, &["--seed", seed]);
     }
     let mut report = command(["report", "one", "two", "one/"]);
-    let said = said(report.current_dir(folder.path()));
-    assert_eq!((said.status, said.out.as_str()), (0, "report.html\n"));
-    assert_eq!(said.err, "note: `one/` is given twice\n");
+    let outcome = run_command(report.current_dir(folder.path()));
+    assert_eq!((outcome.status, outcome.out.as_str()), (0, "report.html\n"));
+    assert_eq!(outcome.err, "note: `one/` is given twice\n");
     let page = fs::read_to_string(folder.path().join("report.html")).unwrap();
     for label in ["tower (one)", "tower (two)"] {
         assert!(page.contains(label), "{label}");
@@ -143,25 +143,25 @@ fn what_is_no_results_folder_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out", &[]);
     for wrong in ["tests/fixtures", "Cargo.toml", "no/such/folder"] {
-        let said = stochc_with("report", &[&out, wrong]);
-        assert_eq!((said.status, said.out.as_str()), (2, ""), "{wrong}");
-        let told = format!("`{wrong}` contains no results; give a folder");
-        assert!(said.err.contains(&told), "{}", said.err);
+        let outcome = stochc_with("report", &[&out, wrong]);
+        assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{wrong}");
+        let expected = format!("`{wrong}` contains no results; give a folder");
+        assert!(outcome.err.contains(&expected), "{}", outcome.err);
     }
     assert_eq!(stochc_with("report", &[]).status, 2, "no folder at all");
     // The manifest differs only in whitespace.
     let manifest = path(out.as_ref(), "manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();
     fs::write(&manifest, text.replace("\"format\": 1", "\"format\": 99")).unwrap();
-    let said = stochc_with("report", &[&out]);
-    assert!(said.err.contains("changed by hand"), "{}", said.err);
+    let outcome = stochc_with("report", &[&out]);
+    assert!(outcome.err.contains("changed by hand"), "{}", outcome.err);
     unseal(&out);
-    let said = stochc_with("report", &[&out]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with("report", &[&out]);
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err.contains("its format is 99, and this is 1"),
+        outcome.err.contains("its format is 99, and this is 1"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -177,10 +177,10 @@ fn an_ensemble_that_is_not_finished_is_told_of_as_such() {
     // The journal has two runs and half of the third.
     let half = &lines[3][..lines[3].len() / 2];
     fs::write(&journal, format!("{}\n{half}", lines[..3].join("\n"))).unwrap();
-    let said = stochc_with("report", &[&out]);
-    assert_eq!(said.status, 0);
+    let outcome = stochc_with("report", &[&out]);
+    assert_eq!(outcome.status, 0);
     assert_eq!(
-        said.err,
+        outcome.err,
         format!("note: `{out}` is not finished: 2 of 4 runs\n")
     );
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
@@ -192,12 +192,14 @@ fn an_ensemble_that_is_not_finished_is_told_of_as_such() {
     assert!(page.contains("No run of it is finished."));
     // The journal belongs to another ensemble.
     fs::write(&journal, "{\"ensemble\":\"0\"}\n").unwrap();
-    let said = stochc_with("report", &[&out]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with("report", &[&out]);
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err.contains("does not belong to the `manifest.json`"),
+        outcome
+            .err
+            .contains("does not belong to the `manifest.json`"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -219,10 +221,10 @@ fn another_version_is_told_of() {
     )
     .unwrap();
     let page = path(folder.path(), "both.html");
-    let said = stochc_with("report --quiet", &[&old, &new, "--out", &page]);
-    assert_eq!(said.status, 0);
+    let outcome = stochc_with("report --quiet", &[&old, &new, "--out", &page]);
+    assert_eq!(outcome.status, 0);
     let versions = format!("0.0.1, {}", env!("CARGO_PKG_VERSION"));
-    assert!(said.err.contains(&versions), "{}", said.err);
+    assert!(outcome.err.contains(&versions), "{}", outcome.err);
     let page = fs::read_to_string(&page).unwrap();
     assert!(
         page.contains("were made by stochc <bdi>0.0.1</bdi>"),
@@ -264,8 +266,8 @@ fn a_report_that_was_stopped_is_made_again() {
     fs::write(figures.join("survival.svg"), "<svg").unwrap();
     let draft = figures.join(".stochc-partial-9f3a");
     fs::write(&draft, "program,").unwrap();
-    let said = stochc_with("report", &[&out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("report", &[&out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(!draft.exists() && Path::new(&out).join("report.html").exists());
     let figure = fs::read_to_string(figures.join("survival.svg")).unwrap();
     assert!(figure.ends_with("</svg>\n"), "{figure}");
@@ -278,13 +280,14 @@ fn other_peoples_files_stay() {
     let out = simulated(folder.path(), "out", &[]);
     let page = path(folder.path(), "thesis.html");
     fs::write(&page, "<!DOCTYPE html><!-- mine -->").unwrap();
-    let said = stochc_with("report", &[&out, "--out", &page]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with("report", &[&out, "--out", &page]);
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err
+        outcome
+            .err
             .contains("is not a report of stochc; choose another name"),
         "{}",
-        said.err
+        outcome.err
     );
     assert_eq!(
         fs::read_to_string(&page).unwrap(),
@@ -294,9 +297,9 @@ fn other_peoples_files_stay() {
     fs::create_dir(&figures).unwrap();
     fs::write(figures.join("survival.svg"), "mine").unwrap();
     let page = path(folder.path(), "page.html");
-    let said = stochc_with("report", &[&out, "--out", &page]);
-    assert_eq!(said.status, 2);
-    assert!(said.err.contains("holds other files"), "{}", said.err);
+    let outcome = stochc_with("report", &[&out, "--out", &page]);
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains("holds other files"), "{}", outcome.err);
     assert_eq!(
         fs::read_to_string(figures.join("survival.svg")).unwrap(),
         "mine"
@@ -352,8 +355,8 @@ fn figures_are_in_seconds_with_labels_of_programs() {
     let simulate = "simulate --quiet --substeps 1 --runs 3 --record all examples/five_tower_reconfigured.sa --out";
     assert_eq!(stochc_with(simulate, &[&out]).status, 0);
     let label = "five_tower_reconfigured=Five towers";
-    let said = stochc_with("report --quiet --unit s", &["--label", label, &out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("report --quiet --unit s", &["--label", label, &out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     let figures = path(out.as_ref(), "report-figures");
     let mut shown = 0;
     let names = ["survival", "phases-1", "waits-1", "before-1", "near-1"];
@@ -366,12 +369,12 @@ fn figures_are_in_seconds_with_labels_of_programs() {
         shown += usize::from(text.contains("Five towers"));
     }
     assert!(shown >= 3, "{shown}");
-    let said = stochc_with("report --label other=One", &[&out]);
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with("report --label other=One", &[&out]);
+    assert_eq!(outcome.status, 2);
     assert!(
-        said.err.contains("`other` is not the name of a program"),
+        outcome.err.contains("`other` is not the name of a program"),
         "{}",
-        said.err
+        outcome.err
     );
 }
 
@@ -381,15 +384,15 @@ fn a_sweep_of_several_programs_is_told_to_have_them() {
     let out = path(folder.path(), "out");
     let sweep = "sweep --quiet --model shuffle --runs 2 --vary free=20,30 --vary drag=1,2Hz \
                     tests/fixtures/tower.sa tests/fixtures/importing.sa --out";
-    let said = stochc_with(sweep, &[&out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(sweep, &[&out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     let (_, rest) = page.split_once("These are runs of ").unwrap();
-    let told = rest.split_once("</p>").unwrap().0;
+    let sentence = rest.split_once("</p>").unwrap().0;
     assert!(
-        told.contains("; runs of one program differ only in ")
-            && told.contains("free</bdi></code> and <code"),
-        "{told}"
+        sentence.contains("; runs of one program differ only in ")
+            && sentence.contains("free</bdi></code> and <code"),
+        "{sentence}"
     );
 }

@@ -19,9 +19,9 @@ fn the_command_writes_figures_for_print() {
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     assert!(!is_there("survival.pdf") && is_there("survival.svg"));
     for wrong in ["89", "20mm", "wide"] {
-        let said = stochc_with("report --figure-width", &[wrong, &out]);
-        assert_eq!(said.status, 2, "{wrong}");
-        assert!(said.err.contains("give "), "{}", said.err);
+        let outcome = stochc_with("report --figure-width", &[wrong, &out]);
+        assert_eq!(outcome.status, 2, "{wrong}");
+        assert!(outcome.err.contains("give "), "{}", outcome.err);
     }
 }
 
@@ -46,8 +46,8 @@ fn figures_of_a_sweep_are_for_print_as_well() {
     let out = path(folder.path(), "out");
     let sweep =
         "sweep --quiet --model shuffle --runs 3 --vary free=50,100,150 tests/fixtures/tower.sa";
-    let said = stochc_with(sweep, &[&["--out", &out], &PRINTED[..]].concat());
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(sweep, &[&["--out", &out], &PRINTED[..]].concat());
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     is_printed(&out, "sweep");
     is_printed(&out, "sweep-completed");
     assert_eq!(stochc_with("fsck", &[&out]).status, 0);
@@ -58,8 +58,8 @@ fn figures_of_a_sweep_are_for_print_as_well() {
     // The options are rejected without a sweep and without a folder.
     let alone = "simulate --quiet --model shuffle --runs 3 tests/fixtures/tower.sa";
     let none = path(folder.path(), "none");
-    let said = stochc_with(alone, &[&["--out", &none], &PRINTED[..]].concat());
-    assert_eq!(said.status, 2);
+    let outcome = stochc_with(alone, &[&["--out", &none], &PRINTED[..]].concat());
+    assert_eq!(outcome.status, 2);
     assert!(!std::path::Path::new(&none).exists());
     assert_eq!(stochc_with(sweep, &PRINTED).status, 2);
 }
@@ -69,8 +69,8 @@ fn figures_of_a_trade_are_for_print_as_well() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let trade = "trade --quiet --runs 3 --finest 2 tests/fixtures/dense.sa";
-    let said = stochc_with(trade, &[&["--out", &out], &PRINTED[..]].concat());
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(trade, &[&["--out", &out], &PRINTED[..]].concat());
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     is_printed(&out, "trade");
     assert_eq!(stochc_with(trade, &PRINTED).status, 2);
 }
@@ -87,8 +87,8 @@ phase grow { M.up -> A } }
     std::fs::write(&data, "program,n,mean_ticks,sd_ticks\none,100,300,250\n").unwrap();
     let fit = "fit --quiet --vary free=8..60 --points 8 --rounds 1 --runs 4";
     let given = ["--data", &data, &file];
-    let said = stochc_with(fit, &[&given[..], &["--out", &out], &PRINTED].concat());
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(fit, &[&given[..], &["--out", &out], &PRINTED].concat());
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     is_printed(&out, "fit");
     assert_eq!(stochc_with(fit, &[&given[..], &PRINTED].concat()).status, 2);
 }

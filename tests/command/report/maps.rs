@@ -18,14 +18,14 @@ const RUNS: u64 = 3;
 fn simulated(folder: &Path, more: &[&str]) -> String {
     let out = path(folder, "out");
     let simulate = "simulate --quiet --runs 3 --seed 4 tests/fixtures/tower.sa";
-    let said = stochc_with(simulate, &[&["--out", &out], more].concat());
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with(simulate, &[&["--out", &out], more].concat());
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     out
 }
 
 fn page(out: &str) -> String {
-    let said = stochc_with("report", &[out]);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("report", &[out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     fs::read_to_string(path(out.as_ref(), "report.html")).unwrap()
 }
 

@@ -11,8 +11,8 @@ fn the_commands_on_the_page_work() {
     let simulate =
         "simulate --quiet --model shuffle --runs 3 --max-ticks 50 tests/fixtures/tower.sa";
     assert_eq!(stochc_with(simulate, &["--out", &out]).status, 0);
-    let said = stochc_with("report", &[&out]);
-    assert_eq!((said.status, said.err.as_str()), (0, ""));
+    let outcome = stochc_with("report", &[&out]);
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     let page = std::fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     let document = parsed(&page);
     let commands: Vec<String> = (document.descendants())
@@ -57,8 +57,8 @@ fn a_long_chain_of_equal_waits_is_told_in_one_sentence() {
     assert_eq!(stochc_with(simulate, &["--out", &out]).status, 0);
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     let page = std::fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
-    let told = "<ol>\n<li>13 waits of at most 1 tick (20.0 ms), one after the other, took 13 ticks \
+    let expected = "<ol>\n<li>13 waits of at most 1 tick (20.0 ms), one after the other, took 13 ticks \
                 (260 ms), from tick 0 to 13.</li>\n</ol>";
-    assert!(page.contains(told), "{page}");
+    assert!(page.contains(expected), "{page}");
     assert!(page.contains("has no physics: its times mean nothing"));
 }

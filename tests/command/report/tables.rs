@@ -139,13 +139,13 @@ fn a_report_says_what_the_tables_say() {
         .iter()
         .filter(|bond| bond.origin == "released")
         .count();
-    let told = csv(&out, "origins.csv").into_iter();
-    let told = told.filter(|row| row["origin"] == "released");
-    let told: usize = told
+    let reported = csv(&out, "origins.csv").into_iter();
+    let reported = reported.filter(|row| row["origin"] == "released");
+    let reported: usize = reported
         .map(|row| row["captured"].parse::<usize>().unwrap())
         .sum();
     assert!(released > 0);
-    assert_eq!(told, released);
+    assert_eq!(reported, released);
 
     // The share of a capture is the sum of its segments divided by the total time.
     let chains = csv(&out, "chains.csv");
@@ -173,17 +173,17 @@ fn stopped_runs_have_the_same_waits_in_every_table() {
     let simulate = "simulate --quiet --model shuffle --runs 12 --max-ticks 12";
     assert_eq!(stochc_with(simulate, &[&file, "--out", &out]).status, 3);
     assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
-    let said = stochc_with("show --captures --json", &[&out]);
-    let said = said.json();
-    assert_eq!(said["captures"][0]["program"], name);
-    let captures = said["captures"][0]["captures"].as_array().unwrap();
+    let outcome = stochc_with("show --captures --json", &[&out]);
+    let outcome = outcome.json();
+    assert_eq!(outcome["captures"][0]["program"], name);
+    let captures = outcome["captures"][0]["captures"].as_array().unwrap();
     let bonds = table(&out, "bonds.parquet", name);
     let waits = csv(&out, "waits.csv");
     let waited = |row: &&BTreeMap<String, String>| !row["wait"].is_empty();
     assert_eq!(waits.iter().filter(waited).count(), captures.len());
     let mut stopped = 0;
-    for told in captures {
-        let field = |name: &str| told[name].as_str().unwrap();
+    for reported in captures {
+        let field = |name: &str| reported[name].as_str().unwrap();
         let what = format!(
             "{}.{} -> {}",
             field("parent"),
@@ -202,7 +202,7 @@ fn stopped_runs_have_the_same_waits_in_every_table() {
         });
         let times: Vec<Observation> = times.collect();
         let expected = Time::new(&times).unwrap();
-        assert_eq!(told["wait"], serde_json::json!(expected), "{what}");
+        assert_eq!(reported["wait"], serde_json::json!(expected), "{what}");
         let row = waits
             .iter()
             .find(|row| row["capture"] == what && row["phase"] == phase);
@@ -240,8 +240,8 @@ fn chains_fill_the_runs_of_every_small_program() {
     assert!(files.len() > 25, "{}", files.len());
     let mut arguments: Vec<&str> = files.iter().map(String::as_str).collect();
     arguments.extend(["--out", &out]);
-    let said = stochc_with("simulate --quiet --model shuffle --runs 5", &arguments);
-    assert_eq!(said.status, 0, "{}", said.err);
+    let outcome = stochc_with("simulate --quiet --model shuffle --runs 5", &arguments);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
     let chains = csv(&out, "chains.csv");
     let mut programs: Vec<&String> = chains.iter().map(|link| &link["program"]).collect();

@@ -16,12 +16,12 @@ impl<'a> SceneReader<'a, '_> {
     pub(super) fn number(
         &mut self,
         number: &'static SchemaNumber,
-        said: &mut ClauseContent,
+        content: &mut ClauseContent,
     ) -> Option<()> {
         let quantity = self.quantity(number)?;
         let [value] = self.values([quantity], number)?;
         self.within(number, quantity, value)?;
-        said.numbers.push((number, value));
+        content.numbers.push((number, value));
         Some(())
     }
 
@@ -45,10 +45,10 @@ impl<'a> SceneReader<'a, '_> {
         &mut self,
         low: &'static SchemaNumber,
         high: &'static SchemaNumber,
-        said: &mut ClauseContent,
+        content: &mut ClauseContent,
     ) -> Option<()> {
         let Some(Term::Range(first, last)) = self.terms.peek() else {
-            return self.number(high, said);
+            return self.number(high, content);
         };
         self.terms.next();
         self.place = last.span;
@@ -56,7 +56,7 @@ impl<'a> SceneReader<'a, '_> {
         if low.range.contains(from) && from <= to {
             self.within(low, first, from)?;
             self.within(high, last, to)?;
-            said.numbers.extend([(high, to), (low, from)]);
+            content.numbers.extend([(high, to), (low, from)]);
             return Some(());
         }
         let location = self.location(first.span.to(last.span));

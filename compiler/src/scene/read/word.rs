@@ -13,9 +13,9 @@ impl SceneReader<'_, '_> {
         &mut self,
         known: &'static [SchemaEntry],
         noun: &str,
-        said: &[Name],
+        present: &[Name],
     ) -> Option<(Name, &'static SchemaEntry)> {
-        let mut told = false;
+        let mut reported = false;
         loop {
             let term = self.terms.next()?;
             if let Term::Word(name) = term {
@@ -24,13 +24,13 @@ impl SceneReader<'_, '_> {
                 if let Some(entry) = known.iter().find(|entry| entry.word == word) {
                     return Some((*name, entry));
                 }
-                if !told {
+                if !reported {
                     let location = self.location(name.span);
                     let title = format!("`{word}` is not a {noun}");
                     let mut meant = nearest(word, words(known));
                     if let Some(meant) = &mut meant {
                         // A word that the scene already has is not suggested as a safe fix.
-                        meant.clear &= named(said, &meant.word, self.symbols).is_none();
+                        meant.clear &= named(present, &meant.word, self.symbols).is_none();
                     }
                     let diagnostic = Diagnostic::new(Code::UnknownTerm, title)
                         .label(location, "unknown word")
@@ -39,7 +39,7 @@ impl SceneReader<'_, '_> {
                         });
                     report(self.diagnostics, diagnostic);
                 }
-            } else if !told {
+            } else if !reported {
                 let span = span(term);
                 let help = format!("write one of {}", words(known).join(", "));
                 let title = format!("expected a {noun}");
@@ -51,7 +51,7 @@ impl SceneReader<'_, '_> {
                     help,
                 );
             }
-            told = true;
+            reported = true;
         }
     }
 

@@ -105,7 +105,7 @@ fn values_are_told_in_both_units() {
         contact { stiffness 400 N/m  damping 8 N s/m  friction 0.3 }
     }";
     let terms = terms(&scene(text));
-    let told: Vec<_> = terms
+    let computed: Vec<_> = terms
         .iter()
         .flat_map(|term| &term.laws)
         .flat_map(|law| &law.values)
@@ -113,7 +113,7 @@ fn values_are_told_in_both_units() {
         .collect();
     let inertia = 0.04 / 6.0;
     // In block units a force of 15 N is 15 * 0.02^2 / (1 * 0.2), a speed 0.44 * 0.02 / 0.2.
-    let by_hand = [
+    let expected = [
         ("τ", 0.02, 1.0),
         ("a", 0.2, 1.0),
         ("m", 1.0, 1.0),
@@ -136,12 +136,14 @@ fn values_are_told_in_both_units() {
         ("d", 0.001, 0.005),
         ("α", 0.453786, 0.453786),
     ];
-    assert_eq!(told.len(), by_hand.len(), "{told:?}");
-    for (told, by_hand) in told.iter().zip(by_hand) {
+    assert_eq!(computed.len(), expected.len(), "{computed:?}");
+    for (computed, expected) in computed.iter().zip(expected) {
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-5 * b.abs();
         assert!(
-            told.0 == by_hand.0 && close(told.1, by_hand.1) && close(told.2, by_hand.2),
-            "{told:?} and not {by_hand:?}"
+            computed.0 == expected.0
+                && close(computed.1, expected.1)
+                && close(computed.2, expected.2),
+            "{computed:?} and not {expected:?}"
         );
     }
 }

@@ -16,18 +16,18 @@ fn values(scene: &Scene) -> Vec<(&'static str, f64)> {
     groups.iter().map(|it| (it.symbol, it.value)).collect()
 }
 
-fn close(told: f64, by_hand: f64) -> bool {
-    (told / by_hand - 1.0).abs() < 1e-4
+fn close(computed: f64, expected: f64) -> bool {
+    (computed / expected - 1.0).abs() < 1e-4
 }
 
 #[track_caller]
-fn are(told: &[(&str, f64)], by_hand: &[(&str, f64)]) {
-    let right = told.len() == by_hand.len()
-        && told
+fn are(computed: &[(&str, f64)], expected: &[(&str, f64)]) {
+    let right = computed.len() == expected.len()
+        && computed
             .iter()
-            .zip(by_hand)
+            .zip(expected)
             .all(|(a, b)| a.0 == b.0 && close(a.1, b.1));
-    assert!(right, "{told:?} and not {by_hand:?}");
+    assert!(right, "{computed:?} and not {expected:?}");
 }
 
 fn compliant(stiffness: f64, damping: f64) -> Option<Contact> {
@@ -113,9 +113,9 @@ fn with_drag_alone_the_speed_is_that_of_the_stationary_variance() {
         ..hemisphere()
     };
     // γ τ = 0.1: j^2 e^-0.2 / (1 - e^-0.2) = 0.0645333 * 4.516656, in m^2/s^2.
-    let told = speed(&scene);
-    assert_eq!(told.from, SpeedFrom::Drag);
-    assert!(close(told.rms.unwrap(), 0.53989), "{told:?}");
+    let computed = speed(&scene);
+    assert_eq!(computed.from, SpeedFrom::Drag);
+    assert!(close(computed.rms.unwrap(), 0.53989), "{computed:?}");
     are(&values(&scene)[..1], &[("v τ / a", 0.053989)]);
     are(&values(&scene)[2..3], &[("γ τ", 0.1)]);
     let symbols: Vec<_> = values(&scene).iter().map(|it| it.0).collect();
@@ -125,7 +125,7 @@ fn with_drag_alone_the_speed_is_that_of_the_stationary_variance() {
     scene.contact = hemisphere().contact;
     let both = speed(&scene);
     assert_eq!(both.from, SpeedFrom::Collisions);
-    assert!(both.rms < told.rms && both.rms.unwrap() > 0.9 * told.rms.unwrap());
+    assert!(both.rms < computed.rms && both.rms.unwrap() > 0.9 * computed.rms.unwrap());
     scene.drag = Some(Drag { rate: 1e-9 });
     assert!(close(speed(&scene).rms.unwrap(), 2.6360));
 }
@@ -136,8 +136,8 @@ fn without_a_speed_nothing_is_said_that_needs_one() {
         agitation: None,
         ..hemisphere()
     };
-    let told = speed(&still);
-    assert_eq!((told.rms, told.from), (Some(0.0), SpeedFrom::Rest));
+    let computed = speed(&still);
+    assert_eq!((computed.rms, computed.from), (Some(0.0), SpeedFrom::Rest));
     let elastic = Scene {
         contact: Some(Contact {
             law: ContactLaw::Rigid { restitution: 1.0 },
@@ -369,10 +369,10 @@ fn sinking_is_held_against_what_stirs() {
     kicked.contact = bounce(0.0);
     let vertical: f64 = 0.0247851;
     let height = (vertical * 10.0).powi(2) / 2.0;
-    let told = Settling::from_scene(&kicked).unwrap();
+    let computed = Settling::from_scene(&kicked).unwrap();
     assert!(
-        (told.height / height - 1.0).abs() < 1e-3,
-        "{told:?} {height}"
+        (computed.height / height - 1.0).abs() < 1e-3,
+        "{computed:?} {height}"
     );
     kicked.contact = None;
     assert_eq!(Settling::from_scene(&kicked), None, "there is no floor");
@@ -394,13 +394,16 @@ fn sinking_is_held_against_what_stirs() {
     assert!(close(settling.speeds.unwrap(), sinking / 0.1));
     // An eddy of 16 cm lasts 1.6 s. A block leaves it after 0.16 m / √(0.1² + 0.14007²) m/s.
     let through = 0.16 / 0.1_f64.hypot(sinking);
-    let by_hand = 0.01 / (1.0 / 1.6 + 1.0 / through) / sinking;
-    assert!(close(settling.height, by_hand), "{settling:?} {by_hand}");
+    let expected = 0.01 / (1.0 / 1.6 + 1.0 / through) / sinking;
+    assert!(close(settling.height, expected), "{settling:?} {expected}");
     // In a normal distribution 16.1 % exceed the mean by more than 1.40071 standard deviations.
     assert!((settling.lifted - 0.1613).abs() < 1e-4, "{settling:?}");
-    assert!(close(settling.above(by_hand), settling.lifted / 1f64.exp()));
+    assert!(close(
+        settling.above(expected),
+        settling.lifted / 1f64.exp()
+    ));
     assert!(
-        close(settling.mean(), settling.lifted * by_hand),
+        close(settling.mean(), settling.lifted * expected),
         "the others lie on the floor"
     );
     // Without vertical eddies, the liquid does not lift the blocks.
@@ -422,13 +425,13 @@ fn a_sphere_is_a_gas_as_a_hemisphere_is() {
         }),
         ..hemisphere()
     };
-    let told = speed(&in_ball);
-    assert_eq!(told.from, SpeedFrom::Collisions);
+    let computed = speed(&in_ball);
+    assert_eq!(computed.from, SpeedFrom::Collisions);
     // Half of the density and no floor give j^2 = 0.078052 / 2 / 3 v^3.
     let exact = (0.044_f64.powi(2) / 3.0 / (0.078052 / 6.0)).cbrt();
     assert!(
-        (told.rms.unwrap() / (exact * 10.0) - 1.0).abs() < 1e-3,
-        "{told:?}"
+        (computed.rms.unwrap() / (exact * 10.0) - 1.0).abs() < 1e-3,
+        "{computed:?}"
     );
 }
 
@@ -489,11 +492,11 @@ fn energies_of_heat_do_not_depend_on_the_tick() {
 #[test]
 fn heat_and_eddies_give_blocks_their_speed() {
     let mut tank = built_in("magnet_tank").unwrap();
-    let told = speed(&tank);
-    assert_eq!(told.from, SpeedFrom::Eddies);
+    let computed = speed(&tank);
+    assert_eq!(computed.from, SpeedFrom::Eddies);
     // 3 % of the speed of a ring of 8.5 cm at 0.455 turns per second, in three directions.
     let exact = 0.03 * 0.085 * 0.455 * std::f64::consts::TAU * 3f64.sqrt();
-    assert!((told.rms.unwrap() / exact - 1.0).abs() < 1e-12);
+    assert!((computed.rms.unwrap() / exact - 1.0).abs() < 1e-12);
     let Some(Agitation::Turbulence(turbulence)) = &mut tank.agitation else {
         panic!("no turbulence");
     };

@@ -219,7 +219,7 @@ fn scene(number: usize) -> Scene {
 fn with(scene: Scene, changes: &[(&str, f64)]) -> Result<Scene, ScalarError> {
     let changes: Vec<ScalarChange> = (changes.iter())
         .map(|&(of, value)| ScalarChange {
-            of: of.to_owned(),
+            name: of.to_owned(),
             value,
         })
         .collect();
@@ -240,35 +240,35 @@ fn a_range_is_swept_by_its_upper_end() {
     // The order of the changes does not matter.
     let both = [("agitation.speed.low", 0.6), ("agitation.speed", 0.8)];
     assert_eq!(speed(&both, 0), (0.6, 0.8));
-    let told = with(scene(0), &[("agitation.speed.low", 0.5)]).unwrap_err();
+    let error = with(scene(0), &[("agitation.speed.low", 0.5)]).unwrap_err();
     assert_eq!(
-        told.to_string(),
+        error.to_string(),
         "`agitation.speed.low` must be at most the upper end, 0.4 m/s, and is 0.5 m/s"
     );
 }
 
 #[test]
 fn names_that_a_scene_does_not_have_are_told_with_those_it_has() {
-    let told = |number, name| {
+    let error = |number, name| {
         let error = find(&scene(number), name).unwrap_err();
         assert!(error.has().contains(&"bond.pull"), "{error:?}");
         error.to_string()
     };
     assert_eq!(
-        told(0, "bond.pul"),
+        error(0, "bond.pul"),
         "the scene `soft` has no number `bond.pul`; did you mean `bond.pull`?"
     );
     assert_eq!(
-        told(0, "friction"),
+        error(0, "friction"),
         "the scene `soft` has no number `friction`; did you mean `contact.friction`?"
     );
-    assert_eq!(told(0, "zeal"), "the scene `soft` has no number `zeal`");
+    assert_eq!(error(0, "zeal"), "the scene `soft` has no number `zeal`");
     assert_eq!(
-        told(1, "drag"),
+        error(1, "drag"),
         "the scene `hard` declares no `drag`, so that there is no `drag.rate` to change"
     );
     assert_eq!(
-        told(1, "contact.damping"),
+        error(1, "contact.damping"),
         "the scene `hard` does not say `contact.damping`"
     );
 }
@@ -280,17 +280,17 @@ fn a_value_of_another_dimension_is_told_with_the_right_one() {
         scalar.accept(WrittenQuantity::parse(text).unwrap().to_si())
     };
     assert_eq!(of("block.side", "20cm"), Ok(0.2));
-    let told = |name, text| of(name, text).unwrap_err().to_string();
+    let error = |name, text| of(name, text).unwrap_err().to_string();
     assert_eq!(
-        told("bond.pull", "3 m"),
+        error("bond.pull", "3 m"),
         "`bond.pull` is a force, such as `15 N`, not a length"
     );
     assert_eq!(
-        told("tick", "3"),
+        error("tick", "3"),
         "`tick` is a time, such as `20ms`, not a number without a unit"
     );
     assert_eq!(
-        told("free", "2.5"),
+        error("free", "2.5"),
         "`free` must be a whole number from 0 to 10000000, and is 2.5"
     );
 }
@@ -305,7 +305,7 @@ fn a_changed_scene_is_compiled_like_one_that_was_written() {
     let checked = |changes: &[(&str, f64)]| {
         let changes: Vec<ScalarChange> = (changes.iter())
             .map(|&(of, value)| ScalarChange {
-                of: of.to_owned(),
+                name: of.to_owned(),
                 value,
             })
             .collect();

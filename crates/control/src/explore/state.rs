@@ -77,11 +77,11 @@ impl<'t> ProgramState<'t> {
                 let effects = state.carry_out(context, |structure, environment| {
                     structure.dock(&docking, environment)
                 });
-                let is_told = !effects.sent.is_empty()
+                let is_noticed = !effects.sent.is_empty()
                     || !effects.faults.is_empty()
                     || !effects.captured.is_empty()
                     || !effects.opened.is_empty();
-                if is_told || effects.closed != [site] {
+                if is_noticed || effects.closed != [site] {
                     return Some(site);
                 }
             }

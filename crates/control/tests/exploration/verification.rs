@@ -118,7 +118,7 @@ fn proof_and_execution_agree_on_every_program() {
     for case in &cases {
         let errors = case.errors();
         let report = case.execute();
-        let said = match errors.first() {
+        let result = match errors.first() {
             None => {
                 right += 1;
                 assert!(report.holds(), "{}: {report:#?}", case.name);
@@ -150,7 +150,7 @@ fn proof_and_execution_agree_on_every_program() {
         }
         let _ = writeln!(
             page,
-            "| `{}` | {} | {} | {said} | {} |",
+            "| `{}` | {} | {} | {result} | {} |",
             case.name.trim_end_matches(".sa"),
             case.idea,
             titles.join("; "),

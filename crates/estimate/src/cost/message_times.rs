@@ -247,9 +247,9 @@ impl<'a> MessageTimes<'a> {
         let first = edge.first;
         let actor = self.events.actors[edge.then.0 as usize];
         let witness = self.parents[first.0 as usize];
-        let is_told = matches!(edge.why, Dependency::After | Dependency::Freed);
+        let needs_message = matches!(edge.why, Dependency::After | Dependency::Freed);
         // A block notices events at its own faces and its own anchoring without news.
-        if !is_told || actor == witness || actor.1 == Some(first) {
+        if !needs_message || actor == witness || actor.1 == Some(first) {
             return MessagePath::default();
         }
         let from = if self.events.is_capture(first) {

@@ -156,11 +156,11 @@ impl Comparison {
 
 impl Pair {
     fn differences(&mut self) -> impl Iterator<Item = &mut Difference> {
-        let told = match &mut self.verdict {
+        let known = match &mut self.verdict {
             PairwiseResult::Known(difference) => Some(difference),
             _ => None,
         };
-        self.difference.iter_mut().chain(told)
+        self.difference.iter_mut().chain(known)
     }
 }
 

@@ -272,9 +272,9 @@ mod tests {
         assert_eq!(found.unit, Unit::Seconds);
         let (_, first) = &found.programs[0];
         assert_eq!((first.n, first.stopped, first.mean), (4, 2, 16.0));
-        let told = MeasuredTimes::read(b"program,ticks,stopped\na,10,maybe\n").unwrap_err();
+        let error = MeasuredTimes::read(b"program,ticks,stopped\na,10,maybe\n").unwrap_err();
         let expected = "line 2: `maybe` in `stopped` is neither `true` nor `false`";
-        assert_eq!(told.to_string(), expected);
+        assert_eq!(error.to_string(), expected);
     }
 
     #[test]
@@ -299,26 +299,26 @@ mod tests {
 
     #[test]
     fn what_is_not_understood_is_told_with_its_line() {
-        let told = |text: &str| {
+        let error = |text: &str| {
             MeasuredTimes::read(text.as_bytes())
                 .unwrap_err()
                 .to_string()
         };
-        assert!(told("a,b\n1,2\n").contains("`a,b`"));
+        assert!(error("a,b\n1,2\n").contains("`a,b`"));
         assert_eq!(
-            told("program,ticks\na,x\n"),
+            error("program,ticks\na,x\n"),
             "line 2: `x` is not a number above 0 and up to 1e15"
         );
         assert_eq!(
-            told("program,ticks\na,1\na\n"),
+            error("program,ticks\na,1\na\n"),
             "line 3: the number of cells differs from the number of columns"
         );
-        assert_eq!(told("program,ticks\n"), "it contains no times");
-        assert!(told("program,ticks\na,1\n").contains("fewer than two runs"));
-        assert!(told("program,n,mean_ticks,sd_ticks\na,1,2,3\n").contains("number of runs"));
+        assert_eq!(error("program,ticks\n"), "it contains no times");
+        assert!(error("program,ticks\na,1\n").contains("fewer than two runs"));
+        assert!(error("program,n,mean_ticks,sd_ticks\na,1,2,3\n").contains("number of runs"));
         assert!(
-            told("program,ticks\na,1e155\na,2\n").starts_with("line 2: `1e155` is not a number")
+            error("program,ticks\na,1e155\na,2\n").starts_with("line 2: `1e155` is not a number")
         );
-        assert!(told("program,n,mean_ticks,sd_ticks\na,9,2,3\na,9,2,3\n").contains("already"));
+        assert!(error("program,n,mean_ticks,sd_ticks\na,9,2,3\na,9,2,3\n").contains("already"));
     }
 }

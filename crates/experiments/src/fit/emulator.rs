@@ -8,7 +8,7 @@ use super::statistics::TimeStatistics;
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmulatorPrediction {
     /// Predicted statistics in the order of [`TimeStatistics`].
-    pub of: Vec<f64>,
+    pub values: Vec<f64>,
     /// Variance of the emulator's error for each statistic.
     pub variance: Vec<f64>,
 }
@@ -72,7 +72,7 @@ impl Emulator {
         let matrix = DMatrix::from_row_slice(known.len(), terms, &rows);
         let inverse = (matrix.transpose() * &matrix).cholesky()?.inverse();
         let statistics: Vec<TimeStatistics> = known.into_iter().map(|(_, it)| it).collect();
-        let count = statistics.first()?.of.len();
+        let count = statistics.first()?.values.len();
         let fit = |which: usize| Polynomial::fit(&statistics, which, &matrix, &inverse);
         let covariances = statistics.iter().map(|it| &it.unit_covariance);
         let sum = covariances.fold(DMatrix::zeros(count, count), |sum, it| sum + it);
@@ -90,7 +90,7 @@ impl Emulator {
         let features = self.features(at);
         let leverage = features.dot(&(&self.inverse * &features));
         EmulatorPrediction {
-            of: self.values(&features).collect(),
+            values: self.values(&features).collect(),
             variance: self.variances(leverage).collect(),
         }
     }
@@ -148,7 +148,7 @@ impl Polynomial {
         inverse: &DMatrix<f64>,
     ) -> Polynomial {
         let points = statistics.len();
-        let values = DVector::from_iterator(points, statistics.iter().map(|it| it.of[which]));
+        let values = DVector::from_iterator(points, statistics.iter().map(|it| it.values[which]));
         let coefficients = inverse * matrix.transpose() * &values;
         let freedom = (points - matrix.ncols()) as f64;
         let residual = (&values - matrix * &coefficients).norm_squared() / freedom;
@@ -209,12 +209,12 @@ mod tests {
             |at: &[f64]| (5.0 + 0.8 * at[0] - 0.3 * at[1] * at[0] + 0.2 * at[1] * at[1]).exp();
         let emulator = Emulator::new(&points(law), None).unwrap();
         for at in [[0.5, 0.5], [0.1, 0.9], [0.0, 0.0]] {
-            let found = emulator.estimate(&at).of[0];
+            let found = emulator.estimate(&at).values[0];
             assert!((found - law(&at).ln()).abs() < 0.01, "{at:?}: {found}");
         }
         // The coefficient of variation of a gamma distribution of shape 4 is one half.
         let spread = emulator.estimate(&[0.5, 0.5]);
-        assert!((spread.of[1] - spread.of[0] - 0.5f64.ln()).abs() < 0.05);
+        assert!((spread.values[1] - spread.values[0] - 0.5f64.ln()).abs() < 0.05);
         // The variance of the logarithm of a mean is CV² / n.
         let of_mean = emulator.sampling_variances(100.0)[0];
         assert!((of_mean * 100.0 / 0.25 - 1.0).abs() < 0.15, "{of_mean}");

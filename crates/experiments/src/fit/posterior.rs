@@ -34,7 +34,7 @@ pub struct Posterior {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Marginal {
     /// Name of the parameter.
-    pub of: String,
+    pub name: String,
     /// Unit of the values. Empty if the parameter has no unit.
     pub unit: String,
     /// Median of the posterior.
@@ -114,7 +114,7 @@ impl Posterior {
         let is_crowded = |end| near(end) as f64 > 3.0 * MIN * shares.len() as f64;
         let (low, high) = prior.outward((low, high));
         Marginal {
-            of: prior.of.clone(),
+            name: prior.name.clone(),
             unit: prior.unit.clone(),
             median: prior.value(prior.possible(at(0.5))),
             interval: (prior.value(low), prior.value(high)),

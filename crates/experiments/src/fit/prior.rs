@@ -8,7 +8,7 @@ use stochc_results::Varied;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prior {
     /// Name of the scene parameter, such as `bond.pull`.
-    pub of: String,
+    pub name: String,
     /// Lower end of the range, in `unit`.
     pub from: f64,
     /// Upper end of the range, in `unit`.
@@ -48,7 +48,7 @@ impl Prior {
             return Err(RangeError::PriorWithLog);
         }
         Ok(Prior {
-            of: name.trim().to_owned(),
+            name: name.trim().to_owned(),
             from,
             to,
             unit,
@@ -63,12 +63,12 @@ impl Prior {
     ///
     /// If the scene lacks the parameter, an end is out of range, or an integer range is too short.
     pub fn of_scene(self, scene: &Scene) -> Result<Prior, RangeError> {
-        let number = number(scene, &self.of)?;
+        let number = number(scene, &self.name)?;
         for end in [self.from, self.to] {
             varied(number, end, &self.unit)?;
         }
         if number.is_whole() && self.to - self.from < MIN_SPAN {
-            return Err(RangeError::ShortRange(self.of));
+            return Err(RangeError::ShortRange(self.name));
         }
         Ok(Prior {
             is_whole: number.is_whole(),
@@ -143,14 +143,14 @@ impl Prior {
     /// # Errors
     ///
     /// See [`Prior::varied`].
-    pub fn varied_to(&self, said: f64, scene: &Scene) -> Result<Varied, RangeError> {
-        let number = number(scene, &self.of)?;
-        let said = if number.is_whole() {
-            said.round()
+    pub fn varied_to(&self, value: f64, scene: &Scene) -> Result<Varied, RangeError> {
+        let number = number(scene, &self.name)?;
+        let value = if number.is_whole() {
+            value.round()
         } else {
-            digits(said, 7)
+            digits(value, 7)
         };
-        varied(number, said, &self.unit)
+        varied(number, value, &self.unit)
     }
 }
 
@@ -174,7 +174,7 @@ mod tests {
         assert!(prior.is_logarithmic);
         let scene = built_in("hemisphere").unwrap();
         let varied = prior.varied(0.5, &scene).unwrap();
-        assert_eq!((varied.of.as_str(), varied.said), ("free", 500.0));
+        assert_eq!((varied.name.as_str(), varied.given), ("free", 500.0));
     }
 
     #[test]
@@ -202,8 +202,8 @@ mod tests {
             "free=8..60.5",
             "free=50..53 log",
         ] {
-            let told = of(text).unwrap_err().to_string();
-            assert!(told.contains("whole number"), "{text}: {told}");
+            let message = of(text).unwrap_err().to_string();
+            assert!(message.contains("whole number"), "{text}: {message}");
         }
         let pull = of("bond.pull=2..3 N").unwrap();
         assert_eq!(
@@ -226,11 +226,11 @@ mod tests {
             assert!(Prior::parse(text).is_err(), "{text}");
         }
         let scene = built_in("hemisphere").unwrap();
-        let told = Prior::parse("frei=1..2")
+        let message = Prior::parse("frei=1..2")
             .unwrap()
             .varied(0.5, &scene)
             .unwrap_err()
             .to_string();
-        assert!(told.contains("free"), "{told}");
+        assert!(message.contains("free"), "{message}");
     }
 }

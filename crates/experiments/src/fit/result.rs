@@ -96,7 +96,7 @@ impl Interval {
 pub struct Prediction {
     /// Data of the program.
     #[serde(flatten)]
-    pub of: Measurement,
+    pub measurement: Measurement,
     /// Mean of the times. Each time is limited by the horizon.
     pub mean: Interval,
     /// Standard deviation. `None` if there is a horizon.
@@ -108,19 +108,19 @@ pub struct Prediction {
 impl Prediction {
     /// Returns whether the measured mean is within its predicted interval.
     pub fn has_mean(&self) -> bool {
-        let observed = self.of.observed.as_ref();
+        let observed = self.measurement.observed.as_ref();
         observed.is_none_or(|observed| self.mean.has(observed.mean))
     }
 
     /// Returns whether the measured standard deviation is within its predicted interval.
     pub fn has_sd(&self) -> bool {
-        let pair = self.of.observed.as_ref().zip(self.sd);
+        let pair = self.measurement.observed.as_ref().zip(self.sd);
         pair.is_none_or(|(observed, sd)| sd.has(observed.sd))
     }
 
     /// Returns whether the measured fraction of incomplete runs is within its predicted interval.
     pub fn has_incomplete(&self) -> bool {
-        let pair = self.of.observed.as_ref().zip(self.incomplete);
+        let pair = self.measurement.observed.as_ref().zip(self.incomplete);
         pair.is_none_or(|(observed, incomplete)| incomplete.has(observed.incomplete))
     }
 }
@@ -176,7 +176,7 @@ impl Posterior {
                     let sd = (estimate.variance[which] + chance[which]).sqrt();
                     // The errors are at evenly spread quantiles, from a deterministic sequence.
                     let share = (i as f64 * 0.618_033_988_749_894_9 + 0.5).fract();
-                    estimate.of[which] + sd * normal_at(share)
+                    estimate.values[which] + sd * normal_at(share)
                 })
                 .collect();
             Interval::from_values(&values)
@@ -194,7 +194,7 @@ impl Posterior {
             }
         };
         Prediction {
-            of: measurement.clone(),
+            measurement: measurement.clone(),
             mean,
             sd,
             incomplete,

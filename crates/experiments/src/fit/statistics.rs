@@ -11,7 +11,7 @@ use super::simulated::Simulated;
 /// runs, even if nearly all are censored.
 pub struct TimeStatistics {
     /// Values of the two or three statistics.
-    pub of: DVector<f64>,
+    pub values: DVector<f64>,
     /// Covariance of the statistics, multiplied by the number of runs.
     pub unit_covariance: DMatrix<f64>,
     /// Number of runs.
@@ -60,7 +60,7 @@ impl TimeStatistics {
         // The covariance of the statistics is (n - 1) / n times the sum.
         let unit_covariance = spread.sum::<Matrix2<f64>>() * (n - 1.0);
         Some(TimeStatistics {
-            of: DVector::from_column_slice(of.as_slice()),
+            values: DVector::from_column_slice(of.as_slice()),
             unit_covariance: DMatrix::from_column_slice(2, 2, unit_covariance.as_slice()),
             n,
         })
@@ -87,7 +87,7 @@ impl TimeStatistics {
             sum + (it - &mean) * (it - &mean).transpose()
         });
         Some(TimeStatistics {
-            of: mean,
+            values: mean,
             unit_covariance: scatter / (n - 1.0) + least,
             n,
         })
@@ -111,7 +111,7 @@ mod tests {
             (0.0625 + 0.5625 + 2.0) / 4.0,
             0.5,
         ];
-        for (found, expected) in found.of.iter().zip(expected) {
+        for (found, expected) in found.values.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
         // The sample has four runs, two of them incomplete.
@@ -123,7 +123,7 @@ mod tests {
             ..simulated
         };
         let none = TimeStatistics::new(&none, Some(40.0)).unwrap();
-        assert_eq!(none.of.as_slice(), [1.0, 1.0, 1.0]);
+        assert_eq!(none.values.as_slice(), [1.0, 1.0, 1.0]);
         assert!(none.unit_covariance.try_inverse().is_some());
     }
 }

@@ -76,8 +76,8 @@ impl Axis {
     /// If a value is out of range, is not an integer for an integer parameter, or occurs twice.
     pub fn values(&self, number: &SchemaNumber) -> Result<Vec<Varied>, RangeError> {
         let mut out: Vec<Varied> = Vec::new();
-        for said in self.said(number)? {
-            let varied = varied(number, said, &self.unit)?;
+        for given_values in self.given_values(number)? {
+            let varied = varied(number, given_values, &self.unit)?;
             if out.iter().any(|other| other.value == varied.value) {
                 return Err(RangeError::ValueTwice {
                     name: number.name(),
@@ -89,7 +89,7 @@ impl Axis {
         Ok(out)
     }
 
-    fn said(&self, number: &SchemaNumber) -> Result<Vec<f64>, RangeError> {
+    fn given_values(&self, number: &SchemaNumber) -> Result<Vec<f64>, RangeError> {
         Ok(match self.values {
             AxisValues::Settings(_) => return Err(RangeError::Setting(self.name.clone())),
             AxisValues::List(ref values) => values.clone(),
@@ -147,18 +147,18 @@ pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
 /// # Errors
 ///
 /// If the parameter cannot have this value.
-pub(crate) fn varied(number: &SchemaNumber, said: f64, unit: &str) -> Result<Varied, RangeError> {
-    let given = format!("{said} {unit}");
-    let mut quantity = WrittenQuantity::parse(&given)?.to_si();
+pub(crate) fn varied(number: &SchemaNumber, given: f64, unit: &str) -> Result<Varied, RangeError> {
+    let text = format!("{given} {unit}");
+    let mut quantity = WrittenQuantity::parse(&text)?.to_si();
     // Zero is the same in all units.
-    if said == 0.0 && unit.is_empty() {
+    if given == 0.0 && unit.is_empty() {
         quantity.1 = number.kind.dimension;
     }
     let value = number.accept(quantity)?;
     Ok(Varied {
-        of: number.name().to_owned(),
+        name: number.name().to_owned(),
         value,
-        said,
+        given,
         unit: unit.to_owned(),
     })
 }
@@ -273,35 +273,35 @@ mod tests {
         let scene = built_in("hemisphere").unwrap();
         let scalar = find(&scene, &axis.name)?;
         let values = axis.values(scalar)?;
-        let said = values.iter().map(|varied| varied.said).collect();
-        Ok((said, values.iter().map(|varied| varied.value).collect()))
+        let given = values.iter().map(|varied| varied.given).collect();
+        Ok((given, values.iter().map(|varied| varied.value).collect()))
     }
 
-    fn told(text: &str) -> String {
+    fn error(text: &str) -> String {
         values(text).unwrap_err().to_string()
     }
 
     #[test]
     fn values_are_spaced_evenly_by_ratio_or_listed() {
-        let said = |text: &str| values(text).unwrap().0;
-        assert_eq!(said("free=50..550/6"), [50., 150., 250., 350., 450., 550.]);
+        let given = |text: &str| values(text).unwrap().0;
+        assert_eq!(given("free=50..550/6"), [50., 150., 250., 350., 450., 550.]);
         assert_eq!(
-            said("bond.pull = 2 .. 12 N / 5"),
+            given("bond.pull = 2 .. 12 N / 5"),
             [2.0, 4.5, 7.0, 9.5, 12.0]
         );
-        assert_eq!(said("bond.pull=0.1..0.4 N/4"), [0.1, 0.2, 0.3, 0.4]);
-        assert_eq!(said("contact.friction=1..0/3"), [1.0, 0.5, 0.0]);
-        assert_eq!(said("enclosure.wall=1..100 N/m/3 log"), [1.0, 10.0, 100.0]);
-        assert_eq!(said("enclosure.wall=1..3 N/m/3 log"), [1.0, 1.732, 3.0]);
-        assert_eq!(said("free=50..600/4 log"), [50.0, 114.0, 262.0, 600.0]);
-        assert_eq!(said("free=50,100,300"), [50.0, 100.0, 300.0]);
-        assert_eq!(said("tick=10 ms"), [10.0]);
+        assert_eq!(given("bond.pull=0.1..0.4 N/4"), [0.1, 0.2, 0.3, 0.4]);
+        assert_eq!(given("contact.friction=1..0/3"), [1.0, 0.5, 0.0]);
+        assert_eq!(given("enclosure.wall=1..100 N/m/3 log"), [1.0, 10.0, 100.0]);
+        assert_eq!(given("enclosure.wall=1..3 N/m/3 log"), [1.0, 1.732, 3.0]);
+        assert_eq!(given("free=50..600/4 log"), [50.0, 114.0, 262.0, 600.0]);
+        assert_eq!(given("free=50,100,300"), [50.0, 100.0, 300.0]);
+        assert_eq!(given("tick=10 ms"), [10.0]);
     }
 
     #[test]
     fn units_are_kept_and_values_are_in_si() {
-        let (said, si) = values("block.side=10,20,25 cm").unwrap();
-        assert_eq!((said, si), (vec![10., 20., 25.], vec![0.1, 0.2, 0.25]));
+        let (given, si) = values("block.side=10,20,25 cm").unwrap();
+        assert_eq!((given, si), (vec![10., 20., 25.], vec![0.1, 0.2, 0.25]));
         assert_eq!(values("tick=10ms,20ms").unwrap().1, [0.01, 0.02]);
         assert_eq!(values("contact.damping=5 N s/m").unwrap().1, [5.0]);
     }
@@ -309,13 +309,13 @@ mod tests {
     #[test]
     fn whole_numbers_stay_whole() {
         assert_eq!(
-            told("free=50..600/7"),
+            error("free=50..600/7"),
             "`free` is a whole number, and 7 values from 50 to 600 are not all: 141.667 is one; \
              2, 3, 6, 11 values are all whole, `log` rounds, or give a list"
         );
-        assert!(told("free=50.5..600/2").contains("give whole numbers as ends"));
-        assert!(told("free=50,60.5").contains("must be a whole number from 0"));
-        assert!(told("free=1..4/9 log").contains("twice"));
+        assert!(error("free=50.5..600/2").contains("give whole numbers as ends"));
+        assert!(error("free=50,60.5").contains("must be a whole number from 0"));
+        assert!(error("free=1..4/9 log").contains("twice"));
     }
 
     #[test]
@@ -334,8 +334,8 @@ mod tests {
             ("substeps=1,2,1", "`substeps=1` is given twice"),
             ("precision=", "give one of"),
         ] {
-            let told = Axis::parse(text).unwrap_err().to_string();
-            assert!(told.contains(reason), "{text}: {told}");
+            let message = Axis::parse(text).unwrap_err().to_string();
+            assert!(message.contains(reason), "{text}: {message}");
         }
     }
 
@@ -366,7 +366,7 @@ mod tests {
             ("free=50..50/3", "`free` has the value 50 twice"),
             ("fre=50", "did you mean `free`?"),
         ] {
-            assert!(told(text).contains(reason), "{text}: {}", told(text));
+            assert!(error(text).contains(reason), "{text}: {}", error(text));
         }
     }
 }

@@ -30,7 +30,7 @@ pub struct Sweep {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct SweptNumber {
     /// Name of the parameter, such as `bond.pull`.
-    pub of: String,
+    pub name: String,
     /// Unit of the values. Empty if the parameter has no unit.
     pub unit: String,
 }
@@ -86,17 +86,17 @@ impl SweptNumber {
     /// Returns the label of the parameter's axis, such as `bond.pull [N]`.
     pub fn label(&self) -> String {
         match &*self.unit {
-            "" => self.of.clone(),
-            unit => format!("{} [{unit}]", self.of),
+            "" => self.name.clone(),
+            unit => format!("{} [{unit}]", self.name),
         }
     }
 
     /// Returns the parameter with a value, such as `bond.pull=4.5 N`.
     pub fn at(&self, value: SweptValue) -> String {
         let varied = Varied {
-            of: self.of.clone(),
+            name: self.name.clone(),
             value: value.si,
-            said: value.value,
+            given: value.value,
             unit: self.unit.clone(),
         };
         varied.text()
@@ -150,7 +150,7 @@ impl<'a> SweepTally<'a> {
             .filter(|(program, _)| program.varied.iter().map(dial).eq(axes.iter().cloned()));
         let point = |(program, tally): (&EnsembleProgram, PointTally)| {
             let values = program.varied.iter().map(|varied| SweptValue {
-                value: varied.said,
+                value: varied.given,
                 si: varied.value,
             });
             let names = (program.name.clone(), program.name_without_numbers());
@@ -177,7 +177,7 @@ impl<'a> SweepTally<'a> {
 
 fn dial(varied: &Varied) -> SweptNumber {
     SweptNumber {
-        of: varied.of.clone(),
+        name: varied.name.clone(),
         unit: varied.unit.clone(),
     }
 }

@@ -123,24 +123,24 @@ mod tests {
                 "free=60 substeps=2"
             ]
         );
-        let told = combined(&["model=rigid", "model=rate"])
+        let message = combined(&["model=rigid", "model=rate"])
             .unwrap_err()
             .to_string();
-        assert_eq!(told, "`model` is swept twice");
+        assert_eq!(message, "`model` is swept twice");
     }
 
     #[test]
     fn too_many_points_and_names_twice_are_refused() {
         assert!(combined(&["free=1..400/400"]).is_ok());
-        let told = combined(&["free=1..400/400", "tick=1,2 ms"])
+        let message = combined(&["free=1..400/400", "tick=1,2 ms"])
             .unwrap_err()
             .to_string();
-        assert!(told.contains("800 or more points"), "{told}");
-        let told = combined(&["agitation=1 m/s", "agitation.speed=2 m/s"])
+        assert!(message.contains("800 or more points"), "{message}");
+        let message = combined(&["agitation=1 m/s", "agitation.speed=2 m/s"])
             .unwrap_err()
             .to_string();
-        assert_eq!(told, "`agitation.speed` is swept twice");
-        let told = combined(&["gravitty=1"]).unwrap_err().to_string();
-        assert!(told.contains("it has tick, block.side"), "{told}");
+        assert_eq!(message, "`agitation.speed` is swept twice");
+        let message = combined(&["gravitty=1"]).unwrap_err().to_string();
+        assert!(message.contains("it has tick, block.side"), "{message}");
     }
 }

@@ -113,8 +113,8 @@ fn absent_fields(entry: &SchemaEntry, scene: &Scene, within: &str, out: &mut Vec
 fn written(entry: &SchemaEntry, scene: &Scene) -> String {
     let mut out = entry.word.to_owned();
     let all = |entries: &[SchemaEntry]| -> Vec<String> {
-        let said = entries.iter().filter(|entry| entry.is_in(scene));
-        said.map(|entry| written(entry, scene)).collect()
+        let present = entries.iter().filter(|entry| entry.is_in(scene));
+        present.map(|entry| written(entry, scene)).collect()
     };
     for part in entry.parts {
         let more = match part {

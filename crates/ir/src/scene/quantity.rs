@@ -160,14 +160,14 @@ mod tests {
                 for value in [1.0, 2.5, 7.0, 0.3, 1.018, 94.5, 920.05, 33.0, 0.07] {
                     let (si, dimension) = to_si(value, factors(unit));
                     assert_eq!(dimension, kind.dimension, "{unit}");
-                    let told = kind.write(si);
-                    let (number, _) = told.split_once(' ').unwrap();
+                    let written = kind.write(si);
+                    let (number, _) = written.split_once(' ').unwrap();
                     let digits = number.split('e').next().unwrap();
                     let digits = digits.chars().filter(char::is_ascii_digit).count();
                     // Minutes and hours are not decimal fractions of a second.
                     let is_decimal =
                         factors(unit).all(|(symbol, _)| !["min", "h"].contains(&symbol));
-                    let spelling = format!("{value} {unit} is written as {told}");
+                    let spelling = format!("{value} {unit} is written as {written}");
                     assert!(!is_decimal || digits <= 10, "{spelling}");
                     assert!(!number.contains("0000000"), "{spelling}");
                     assert!(!number.contains("9999999"), "{spelling}");

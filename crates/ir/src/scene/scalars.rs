@@ -69,7 +69,7 @@ pub fn find(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, ScalarEr
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScalarChange {
     /// Name of the parameter, such as `bond.pull`.
-    pub of: String,
+    pub name: String,
     /// Value in SI units.
     pub value: f64,
 }
@@ -82,7 +82,7 @@ pub struct ScalarChange {
 pub fn changed(mut scene: Scene, changes: &[ScalarChange]) -> Result<Scene, ScalarError> {
     let mut found = Vec::new();
     for change in changes {
-        found.push((find(&scene, &change.of)?, change.value));
+        found.push((find(&scene, &change.name)?, change.value));
     }
     let place = |name: &str| all().position(|number| number.name() == name);
     found.sort_by_key(|(number, _)| place(number.name()));

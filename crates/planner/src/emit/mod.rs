@@ -197,7 +197,7 @@ impl ExplainedComments {
             .map(|&(cell, _)| cell)
             .collect();
         let turns = after.len() - ways.len();
-        let said = match (ways.len(), turns) {
+        let comment = match (ways.len(), turns) {
             (0, 0) if captures[statement.first()].is_temporary => {
                 if std::mem::replace(&mut self.mast, true) {
                     return;
@@ -234,6 +234,6 @@ impl ExplainedComments {
                 format!("Comes later, because {listed} {verb} reached through here.")
             }
         };
-        let _ = writeln!(out, "/// {said}");
+        let _ = writeln!(out, "/// {comment}");
     }
 }

@@ -11,7 +11,7 @@ use crate::target::error::listed_cells;
 use crate::timing::precedence::Why;
 
 /// Largest number of critical captures in the explanation.
-const MAX_TOLD: usize = 6;
+const MAX_LISTED: usize = 6;
 
 /// Largest number of cells of a picture along x.
 const WIDEST: i32 = 24;
@@ -86,7 +86,7 @@ pub fn explanation(plan: &BuildPlan) -> String {
     let weight = |capture: &Capture| f64::from(capture.decides) * capture.wait;
     critical.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
     out += "what decides when a run ends: in how many runs, and the mean wait\n";
-    for capture in critical.iter().take(MAX_TOLD) {
+    for capture in critical.iter().take(MAX_LISTED) {
         let _ = writeln!(
             out,
             "  {:<14} {:>4.0} %  {:>6.0} ticks",

@@ -49,12 +49,12 @@ impl LoosePart {
 }
 
 /// Largest number of cells in a list.
-const MAX_TOLD: usize = 8;
+const MAX_LISTED: usize = 8;
 
 /// Lists cells: `(0, 0, 1), (1, 0, 1) and 5 more`.
 pub fn listed_cells(cells: &[Cell]) -> String {
-    let told: Vec<String> = cells.iter().take(MAX_TOLD).map(Cell::to_string).collect();
-    listed(&told, cells.len())
+    let names: Vec<String> = cells.iter().take(MAX_LISTED).map(Cell::to_string).collect();
+    listed(&names, cells.len())
 }
 
 fn cells(count: usize) -> String {
@@ -67,16 +67,16 @@ fn loose(parts: &[LoosePart]) -> String {
     let all: usize = parts.iter().map(|part| part.cells.len()).sum();
     let verb = if all == 1 { "is" } else { "are" };
     if let [part] = parts {
-        let told = listed_cells(&part.cells);
-        return format!("{} of the target, {told}, {verb} {HOLDER}", cells(all));
+        let names = listed_cells(&part.cells);
+        return format!("{} of the target, {names}, {verb} {HOLDER}", cells(all));
     }
-    let told: Vec<String> = (parts.iter().take(MAX_TOLD))
+    let names: Vec<String> = (parts.iter().take(MAX_LISTED))
         .map(|part| match &part.cells[..] {
             [cell] => cell.to_string(),
             several => format!("{} at {}", cells(several.len()), several[0]),
         })
         .collect();
-    let (count, listed) = (parts.len(), listed(&told, parts.len()));
+    let (count, listed) = (parts.len(), listed(&names, parts.len()));
     format!(
         "{count} parts of the target, {} in all, {verb} {HOLDER}: {listed}",
         cells(all)

@@ -59,10 +59,13 @@ fn a_serpentine_grows_from_masts() {
         insta::assert_snapshot!("program_serpentine", planned.text);
     });
     // Blocks that are handed over are captured twice.
-    let told = stochc_planner::explanation(&planned.plan);
+    let explanation = stochc_planner::explanation(&planned.plan);
     let checked = check_text("planned.sa", &planned.text);
     let captures = checked.programs[0].plan.counts().0;
-    assert!(told.starts_with(&format!("{captures} captures")), "{told}");
+    assert!(
+        explanation.starts_with(&format!("{captures} captures")),
+        "{explanation}"
+    );
     executed(&planned, Model::Shuffle, 3);
     // With physics, blocks that are handed over stay in place, so no other block has to arrive.
     let executables = compile(check_text("planned.sa", &planned.text));

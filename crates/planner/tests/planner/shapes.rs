@@ -121,9 +121,9 @@ fn no_plan_is_estimated_longer_than_one_that_needs_no_thought_and_has_no_finding
 #[test]
 fn explanations_are_told() {
     let planned = tried(&named("five_towers"), 300).unwrap();
-    let told = stochc_planner::explanation(&planned.plan);
+    let explanation = stochc_planner::explanation(&planned.plan);
     insta::with_settings!({ omit_expression => true }, {
-        insta::assert_snapshot!("explanation_five_towers", told);
+        insta::assert_snapshot!("explanation_five_towers", explanation);
     });
 }
 

@@ -387,10 +387,10 @@ mod tests {
     }
 
     fn summary(segments: &[CriticalPathSegment]) -> Vec<(Option<usize>, u64, u64)> {
-        let told = segments
+        let parts = segments
             .iter()
             .map(|segment| (segment.event(), segment.from, segment.to));
-        told.collect()
+        parts.collect()
     }
 
     #[test]

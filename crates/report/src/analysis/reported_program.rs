@@ -212,7 +212,7 @@ impl<'a> ReportedProgram<'a> {
     /// Adds a run to the accumulated data.
     fn add(&mut self, run: &FinishedRun) {
         /// Largest number of failed runs with details.
-        const TOLD: usize = 5;
+        const MAX_FAILURES: usize = 5;
         let record = &run.record;
         self.runs += 1;
         let time = completion_time(record);
@@ -230,7 +230,7 @@ impl<'a> ReportedProgram<'a> {
         match &record.outcome {
             Outcome::Failed { phase, reason } => {
                 self.failed += 1;
-                if self.failures.len() < TOLD {
+                if self.failures.len() < MAX_FAILURES {
                     self.failures.push(FailedRun {
                         run: record.run,
                         phase: *phase,

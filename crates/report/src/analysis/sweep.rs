@@ -45,14 +45,14 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
     }
     let mut sweeps: BTreeMap<&'static str, Vec<SweepPoint>> = BTreeMap::new();
     for group in groups.values() {
-        let Some(of) = difference(group) else {
+        let Some(name) = difference(group) else {
             continue;
         };
         let program = &subjects[group[0].0].program.name;
         let last = group.iter().map(|(i, _)| subjects[*i].point.last_seen());
         let last = last.fold(0.0, f64::max);
         let point = |(i, numbers): &SweepMember| {
-            let (subject, value) = (&subjects[*i], *numbers.get(of)?);
+            let (subject, value) = (&subjects[*i], *numbers.get(name)?);
             Some(subject.point.clone().finish(
                 (subject.label.clone(), program.clone()),
                 vec![SweptValue { value, si: value }],
@@ -63,11 +63,11 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
         };
         let mut points: Vec<SweepPoint> = group.iter().filter_map(point).collect();
         points.sort_by(|a, b| a.values[0].si.total_cmp(&b.values[0].si));
-        sweeps.entry(of).or_default().extend(points);
+        sweeps.entry(name).or_default().extend(points);
     }
-    let sweep = |(of, points): (&str, Vec<SweepPoint>)| Sweep {
+    let sweep = |(name, points): (&str, Vec<SweepPoint>)| Sweep {
         axes: vec![SweptNumber {
-            of: of.to_owned(),
+            name: name.to_owned(),
             unit: "SI".to_owned(),
         }],
         settings: Vec::new(),

@@ -355,7 +355,7 @@ fn differences(
 
 fn swept(sweeps: &[Sweep]) -> String {
     let mut table = CsvTable::new([
-        "of",
+        "parameter",
         "value",
         "at",
         "program",
@@ -379,7 +379,7 @@ fn swept(sweeps: &[Sweep]) -> String {
             let further: Vec<String> = further.map(|(axis, value)| axis.at(*value)).collect();
             let time = point.time.as_ref();
             table.row([
-                axis.of.clone(),
+                axis.name.clone(),
                 value.si.to_string(),
                 further.join("; "),
                 point.name.clone(),

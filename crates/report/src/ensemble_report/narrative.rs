@@ -39,7 +39,7 @@ pub(super) fn tick_of(replay: Option<&str>, tick: u64) -> String {
 }
 
 /// Largest number of described segments. A longer path is reduced to its longest segments.
-const TOLD: usize = 12;
+const MAX_SEGMENTS: usize = 12;
 
 /// Returns the heading of a run as HTML: its number, its description and its time.
 pub(super) fn heading(of: &NarrativeContext, what: &str, run: &FinishedRun) -> String {
@@ -76,8 +76,8 @@ pub(super) fn narrative(of: &NarrativeContext, run: &FinishedRun) -> Vec<String>
     // Segments without duration are left out first.
     longest.retain(|&ticks| ticks > 0);
     longest.sort_unstable_by(|a, b| b.cmp(a));
-    let least = longest.get(TOLD).copied();
-    let told = |segment: &&CriticalPathSegment| match least {
+    let least = longest.get(MAX_SEGMENTS).copied();
+    let is_long = |segment: &&CriticalPathSegment| match least {
         None => true,
         // Segments of equal length are treated alike. A sequence of short waits is described as one
         // item.
@@ -86,7 +86,7 @@ pub(super) fn narrative(of: &NarrativeContext, run: &FinishedRun) -> Vec<String>
     let mut items = Vec::new();
     let mut passed: Vec<&CriticalPathSegment> = Vec::new();
     for segment in &run.critical_path {
-        if told(&segment) {
+        if is_long(&segment) {
             items.extend(between(of, &passed));
             passed.clear();
             items.push(item(of, run, segment));
@@ -108,11 +108,11 @@ pub(super) fn lead(of: &NarrativeContext, run: &FinishedRun) -> Option<String> {
         .max_by_key(|segment| segment.ticks())?;
     let share = longest.ticks() as f64 / total.max(1) as f64;
     let text = |event: usize| code(&of.events.events[event].text(of.program));
-    let told = match (longest.kind, longest.since) {
+    let subject = match (longest.kind, longest.since) {
         (SegmentKind::News, Some((first, _))) => format!("The news of {}", text(first)),
         _ => text(longest.event()?),
     };
-    (share >= 0.25).then(|| format!("{told} alone took {} of it.", whole_percent(share)))
+    (share >= 0.25).then(|| format!("{subject} alone took {} of it.", whole_percent(share)))
 }
 
 /// Returns the times when the largest group of an aggregate reached each size, as list items of

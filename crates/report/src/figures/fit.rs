@@ -20,7 +20,7 @@ pub fn fit(medium: Medium, fit: &Fit, priors: &[Prior]) -> Drawing {
         .map(|it| {
             format!(
                 "{}: {} to {}",
-                it.of,
+                it.name,
                 number(it.interval.0),
                 number(it.interval.1)
             )
@@ -32,7 +32,7 @@ pub fn fit(medium: Medium, fit: &Fit, priors: &[Prior]) -> Drawing {
     for (prior, (i, known)) in priors.iter().zip(fit.numbers.iter().enumerate()) {
         let median = format!(
             "{}: {} ({} .. {})",
-            known.of,
+            known.name,
             number(known.median),
             number(known.interval.0),
             number(known.interval.1)
@@ -68,21 +68,21 @@ fn histogram(out: &mut Drawing, fit: &Fit, prior: &Prior, i: usize, top: f64) ->
         let corner = (left + width * bin as f64, bottom - height);
         out.rectangle("bar s0", corner, (width - 0.5, height), "");
     }
-    let of = PlotAxis::new(&known.of, &known.unit);
+    let of = PlotAxis::new(&known.name, &known.unit);
     out.across(&scale, (left, right), bottom, bottom, &of)
 }
 
 /// Draws measured and predicted mean times. Returns the baseline of the next line of text.
 fn predictions(out: &mut Drawing, fit: &Fit, top: f64) -> f64 {
     let ends = fit.predictions.iter().flat_map(|it| {
-        let measured = it.of.observed.as_ref().map_or(0.0, |it| it.mean);
+        let measured = it.measurement.observed.as_ref().map_or(0.0, |it| it.mean);
         [it.mean.high, measured]
     });
     let most = ends.fold(0.0, f64::max);
-    let name = |it: &Prediction| match (&it.of.observed, it.of.is_fitted) {
-        (_, true) => it.of.program.clone(),
-        (Some(_), false) => format!("{} (held out)", it.of.program),
-        (None, false) => format!("{} (not measured)", it.of.program),
+    let name = |it: &Prediction| match (&it.measurement.observed, it.measurement.is_fitted) {
+        (_, true) => it.measurement.program.clone(),
+        (Some(_), false) => format!("{} (held out)", it.measurement.program),
+        (None, false) => format!("{} (not measured)", it.measurement.program),
     };
     let names: Vec<String> = fit.predictions.iter().map(name).collect();
     let all = out.size().0;
@@ -99,11 +99,15 @@ fn predictions(out: &mut Drawing, fit: &Fit, top: f64) -> f64 {
     for (i, (it, name)) in fit.predictions.iter().zip(&names).enumerate() {
         let y = top + ROW * (i as f64 + 0.5);
         let Interval { low, high, .. } = it.mean;
-        let class = if it.of.is_fitted { "s0" } else { "s1" };
+        let class = if it.measurement.is_fitted { "s0" } else { "s1" };
         let style = Style::line(5.0).faint(0.5);
         out.stroke(class, (scale.at(low), y), (scale.at(high), y), style);
-        if let Some(observed) = &it.of.observed {
-            let tooltip = format!("{}: measured {}", it.of.program, number(observed.mean));
+        if let Some(observed) = &it.measurement.observed {
+            let tooltip = format!(
+                "{}: measured {}",
+                it.measurement.program,
+                number(observed.mean)
+            );
             out.disc("ink", (scale.at(observed.mean), y), 4.0, &tooltip);
         }
         out.text("ink", (EDGE, y + 4.0), &fitted(name, column));

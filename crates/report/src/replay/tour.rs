@@ -28,11 +28,11 @@ pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
     lengths.sort_unstable_by(|a, b| b.cmp(a));
     // The description of the waiting event mentions segments without duration.
     let least = lengths.get(MAX).map_or(1, |&ticks| ticks + 1);
-    let told = run
+    let longest = run
         .critical_path
         .iter()
         .filter(|segment| segment.ticks() >= least);
-    let steps = told.map(|segment| {
+    let steps = longest.map(|segment| {
         let cell = segment.event().and_then(|event| {
             let event = &events.events[event];
             let graph = &program.compiled.graph;

@@ -105,7 +105,7 @@ impl Style {
     }
 
     /// Returns the name and value of each property that is set, as in SVG.
-    fn said(&self) -> impl Iterator<Item = (&'static str, String)> {
+    fn properties(&self) -> impl Iterator<Item = (&'static str, String)> {
         let paint = |paint: Option<Paint>| {
             paint.map(|paint| match paint {
                 Paint::Colour(colour) => colour.to_string(),
@@ -126,16 +126,18 @@ impl Style {
 
     /// Returns the style as declarations of a stylesheet.
     fn css(&self) -> String {
-        let said = self.said().map(|(name, value)| format!("{name}:{value}"));
-        said.collect::<Vec<_>>().join(";")
+        let declarations = self
+            .properties()
+            .map(|(name, value)| format!("{name}:{value}"));
+        declarations.collect::<Vec<_>>().join(";")
     }
 
     /// Returns the style as attributes of an SVG element, each after a space.
     pub fn attributes(&self) -> String {
-        let said = self
-            .said()
+        let attributes = self
+            .properties()
             .map(|(name, value)| format!(" {name}=\"{value}\""));
-        said.collect()
+        attributes.collect()
     }
 }
 

@@ -67,11 +67,11 @@ pub(super) fn pair_sentences(comparison: &Comparison) -> impl Iterator<Item = St
         .iter()
         .filter(|pair| pair.difference.is_some())
         .count();
-    let told = move |pair: &Pair| {
+    let sentence_of_pair = move |pair: &Pair| {
         let names = [&*pair.first, &*pair.second];
         sentence(names, &pair.verdict, comparison.unit, tested)
     };
-    comparison.pairs.iter().map(told)
+    comparison.pairs.iter().map(sentence_of_pair)
 }
 
 /// Note about runs that timed out.

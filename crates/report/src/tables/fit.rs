@@ -50,7 +50,7 @@ fn numbers(fit: &Fit, priors: &[Prior]) -> TextTable {
     columns.push(TextColumn::words("", remarks.collect()));
     TextTable {
         label: "number".to_owned(),
-        labels: fit.numbers.iter().map(|it| it.of.clone()).collect(),
+        labels: fit.numbers.iter().map(|it| it.name.clone()).collect(),
         columns,
         ..TextTable::default()
     }
@@ -61,7 +61,7 @@ fn predictions(fit: &Fit) -> TextTable {
         TextColumn::figures(header, fit.predictions.iter().map(cell).collect())
     };
     let measured = |of: fn(&Observed) -> String| {
-        move |it: &Prediction| it.of.observed.as_ref().map_or_else(absent, of)
+        move |it: &Prediction| it.measurement.observed.as_ref().map_or_else(absent, of)
     };
     let interval = |it: Interval| format!("{} .. {}", number(it.low), number(it.high));
     let shares = |it: Interval| {
@@ -72,7 +72,7 @@ fn predictions(fit: &Fit) -> TextTable {
         )
     };
     let mut columns = vec![
-        column("n", &|it| it.of.n.to_string()),
+        column("n", &|it| it.measurement.n.to_string()),
         column("mean", &measured(|it| number(it.mean))),
         column("predicted", &|it| interval(it.mean)),
     ];
@@ -100,7 +100,7 @@ fn predictions(fit: &Fit) -> TextTable {
     TextTable {
         label: "program".to_owned(),
         labels: (fit.predictions.iter())
-            .map(|it| it.of.program.clone())
+            .map(|it| it.measurement.program.clone())
             .collect(),
         columns,
         ..TextTable::default()
@@ -117,12 +117,15 @@ fn has_horizon(fit: &Fit) -> bool {
 }
 
 fn remark(it: &Prediction) -> String {
-    let used = match (&it.of.observed, it.of.is_fitted) {
+    let used = match (&it.measurement.observed, it.measurement.is_fitted) {
         (None, _) => Some("not measured"),
         (Some(_), false) => Some("held out"),
         (Some(_), true) => None,
     };
-    let until = it.of.horizon().map(|end| format!("up to {}", number(end)));
+    let until = it
+        .measurement
+        .horizon()
+        .map(|end| format!("up to {}", number(end)));
     let missed = [
         (it.has_mean(), "mean missed"),
         (it.has_sd(), "SD missed"),
@@ -165,7 +168,12 @@ fn notes(fit: &Fit) -> Vec<String> {
     }
     let together: Vec<String> = pairs(fit)
         .into_iter()
-        .map(|(i, j, r)| format!("{} and {} ({r:.2})", fit.numbers[i].of, fit.numbers[j].of))
+        .map(|(i, j, r)| {
+            format!(
+                "{} and {} ({r:.2})",
+                fit.numbers[i].name, fit.numbers[j].name
+            )
+        })
         .collect();
     if !together.is_empty() {
         notes.push(format!(

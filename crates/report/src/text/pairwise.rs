@@ -76,7 +76,7 @@ pub fn probability(p: f64) -> String {
     if (0.0495..SIGNIFICANT).contains(&p) {
         let digits = (4..).map(|digits| format!("{p:.digits$}"));
         let mut below =
-            digits.filter(|told| told.parse().is_ok_and(|told: f64| told < SIGNIFICANT));
+            digits.filter(|text| text.parse().is_ok_and(|text: f64| text < SIGNIFICANT));
         return below.next().expect("enough digits give the exact value");
     }
     match p {
@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn what_is_below_the_limit_of_a_difference_is_told_so() {
-        for (p, told) in [
+        for (p, expected) in [
             (0.0497, "0.0497"),
             (0.04999, "0.04999"),
             (0.05, "0.050"),
@@ -102,7 +102,7 @@ mod tests {
             (0.00004, "< 0.0001"),
             (0.5, "0.50"),
         ] {
-            assert_eq!(probability(p), told);
+            assert_eq!(probability(p), expected);
         }
     }
 }

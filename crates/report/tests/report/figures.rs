@@ -124,7 +124,7 @@ fn swept_over(numbers: &[(&str, &[f64])], power: f64) -> Sweep {
         }
     });
     let axis = |name: &str| SweptNumber {
-        of: name.into(),
+        name: name.into(),
         unit: "N".into(),
     };
     Sweep {

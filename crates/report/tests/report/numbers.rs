@@ -134,12 +134,12 @@ fn waits_are_averaged_and_censored_ones_are_not_left_out() {
         .iter()
         .filter(|row| row["capture"] == "M.up -> F")
         .collect();
-    let told: Vec<_> = f
+    let reported: Vec<_> = f
         .iter()
         .map(|row| (&*row["origin"], &*row["role"], &*row["captured"]))
         .collect();
     // Among the runs that captured F, only run 1 is odd. Run 3 was stopped.
-    assert_eq!(told, [("free", "", "3"), ("released", "E", "1")]);
+    assert_eq!(reported, [("free", "", "3"), ("released", "E", "1")]);
 }
 
 /// Checks a paired test. The differences of the pairs are -10, -30, -20, -40. Their mean is -25 and
@@ -235,7 +235,7 @@ fn the_same_runs_are_told_in_folders_that_differ() {
 /// Checks that shares and counts on the page exclude failed runs, as the data do.
 #[test]
 fn a_failed_run_counts_nowhere() {
-    let told = |runs: Vec<Finished>| {
+    let summarize = |runs: Vec<Finished>| {
         let mut input = five(0.2);
         input.finished = runs.into();
         let report = report_of(&[input]);
@@ -261,9 +261,9 @@ fn a_failed_run_counts_nowhere() {
         reason: "a block is nowhere".into(),
     };
     let with_failed = runs.iter().cloned().chain([failed]).collect();
-    let sound = told(runs);
-    assert!(sound[1].contains("5 of 5"), "{}", sound[1]);
-    assert_eq!(told(with_failed), sound);
+    let complete = summarize(runs);
+    assert!(complete[1].contains("5 of 5"), "{}", complete[1]);
+    assert_eq!(summarize(with_failed), complete);
 }
 
 #[test]
@@ -289,7 +289,10 @@ fn one_number_that_differs_is_a_sweep() {
     let rows = rows(&report, "sweeps.csv");
     let values: Vec<&str> = rows.iter().map(|row| &*row["value"]).collect();
     assert_eq!(values, ["0.1", "0.2", "0.3"]);
-    assert!(rows.iter().all(|row| row["of"] == "contact.friction"));
+    assert!(
+        rows.iter()
+            .all(|row| row["parameter"] == "contact.friction")
+    );
     assert!(report.page.contains("contact.friction"));
     // If two scene parameters differ, there is no sweep.
     let mut inputs = [0.1, 0.2].map(five);

@@ -20,7 +20,7 @@ fn text(page: &str) -> String {
             let mut above = node.ancestors().skip(1);
             above.any(|above| names.contains(&above.tag_name().name()))
         };
-        let told = [
+        let texts = [
             "h1",
             "h2",
             "h3",
@@ -32,7 +32,7 @@ fn text(page: &str) -> String {
             "figcaption",
             "summary",
         ];
-        if !told.contains(&name) || within(&["details", "svg", "li", "nav"]) {
+        if !texts.contains(&name) || within(&["details", "svg", "li", "nav"]) {
             continue;
         }
         let cells = node.descendants().filter(|node| node.is_text());
@@ -118,21 +118,21 @@ fn the_waits_have_a_mark_for_every_capture() {
     let report = report_of(&[five(0.2)]);
     let picture = crate::sample::file(&report, "waits-1.svg");
     let document = parsed(picture);
-    let told = document
+    let steps = document
         .descendants()
         .filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "circle")));
-    let told: Vec<_> = told
+    let steps: Vec<_> = steps
         .filter_map(|node| node.children().find_map(|child| child.text()))
         .collect();
-    let captures: Vec<&str> = told
+    let captures: Vec<&str> = steps
         .iter()
-        .filter_map(|told| told.split(':').next())
+        .filter_map(|steps| steps.split(':').next())
         .collect();
     assert_eq!(
         captures,
         ["A.up -> C", "C.up -> E", "B.up -> D", "M.up -> F"]
     );
-    assert!(told[3].contains("at least 166 ± "), "{told:?}");
+    assert!(steps[3].contains("at least 166 ± "), "{steps:?}");
 }
 
 #[test]
@@ -206,14 +206,14 @@ fn sentences_link_to_their_ticks() {
         ends += 1;
     }
     assert_eq!(ends, 3);
-    let told = document.descendants().filter(|node| {
+    let items = document.descendants().filter(|node| {
         node.has_tag_name("li")
             && node
                 .parent_element()
                 .is_some_and(|it| it.has_tag_name("ol"))
     });
     let mut sentences = 0;
-    for sentence in told {
+    for sentence in items {
         let words: String = sentence
             .descendants()
             .filter_map(|node| node.text())

@@ -509,19 +509,19 @@ pub(crate) fn keep_sound_lines(path: &Path, manifest: &Manifest) -> Result<(), F
 /// messages about its journal.
 fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
     let (checksums, damage) = FolderChecksums::read(path);
-    let mut told = journal;
-    told.extend(damage);
+    let mut messages = journal;
+    messages.extend(damage);
     let Some(checksums) = checksums else {
-        return told;
+        return messages;
     };
     for name in checksums.names() {
         // Messages about single lines are more specific.
         let is_journal = name == JOURNAL;
-        if !is_journal || told.is_empty() {
-            told.extend(checksums.damage(path, name, is_journal));
+        if !is_journal || messages.is_empty() {
+            messages.extend(checksums.damage(path, name, is_journal));
         }
     }
-    told
+    messages
 }
 
 /// Removes a file of the results folder if it exists.

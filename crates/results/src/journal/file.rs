@@ -73,7 +73,7 @@ pub(crate) struct ShardHeader {
     /// Number of the shard, from 0.
     pub number: u64,
     /// Number of all shards.
-    pub of: u64,
+    pub shards: u64,
     /// Number of runs of each program in all shards.
     pub runs: u64,
     /// Build that made the shard.
@@ -88,7 +88,7 @@ pub(crate) struct Journal {
     /// Position of the end of the last complete line \[bytes\].
     end: Mutex<u64>,
     /// Whether the thread that syncs has been notified of new lines.
-    is_told: Arc<AtomicBool>,
+    is_notified: Arc<AtomicBool>,
     wake: SyncSender<()>,
     syncer: JoinHandle<io::Result<()>>,
 }
@@ -333,15 +333,15 @@ impl Journal {
         file.sync_all()?;
         let file = Arc::new(file);
         let (wake, woken) = sync_channel(1);
-        let is_told = Arc::new(AtomicBool::new(false));
+        let is_notified = Arc::new(AtomicBool::new(false));
         let syncer = std::thread::Builder::new().name("journal".into()).spawn({
-            let (file, is_told) = (file.clone(), is_told.clone());
-            move || sync(&file, &is_told, &woken)
+            let (file, is_notified) = (file.clone(), is_notified.clone());
+            move || sync(&file, &is_notified, &woken)
         })?;
         Ok(Journal {
             file,
             end: Mutex::new(end),
-            is_told,
+            is_notified,
             wake,
             syncer,
         })
@@ -364,10 +364,10 @@ impl Journal {
         }
         let at = *end;
         *end += line.len() as u64;
-        if !self.is_told.swap(true, Ordering::AcqRel)
+        if !self.is_notified.swap(true, Ordering::AcqRel)
             && let Err(TrySendError::Disconnected(())) = self.wake.try_send(())
         {
-            self.is_told.store(false, Ordering::Release);
+            self.is_notified.store(false, Ordering::Release);
             // [`Journal::close`] returns the error.
             return Err(io::Error::other("writing has stopped").into());
         }
@@ -397,12 +397,12 @@ impl Journal {
 }
 
 /// Writes new lines to the disk periodically, until the sender of `woken` is dropped.
-fn sync(file: &File, is_told: &AtomicBool, woken: &Receiver<()>) -> io::Result<()> {
+fn sync(file: &File, is_notified: &AtomicBool, woken: &Receiver<()>) -> io::Result<()> {
     // Everything is on the disk here, so wait for a new line.
     while woken.recv().is_ok() {
         // Later lines send no message. The wait therefore ends early only if the sender is dropped.
         let _ = woken.recv_timeout(SYNC_EVERY);
-        is_told.store(false, Ordering::Release);
+        is_notified.store(false, Ordering::Release);
         file.sync_data()?;
     }
     Ok(())

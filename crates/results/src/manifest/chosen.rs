@@ -50,7 +50,7 @@ pub enum InvalidSetting {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChosenSetting {
     /// Option of `simulate`, such as `substeps`.
-    of: String,
+    name: String,
     /// Value, such as `2/8`.
     value: String,
 }
@@ -65,9 +65,9 @@ impl ChosenSetting {
     ///
     /// # Errors
     /// If the setting cannot have the value.
-    pub fn new(of: &str, value: &str) -> Result<ChosenSetting, InvalidSetting> {
+    pub fn new(name: &str, value: &str) -> Result<ChosenSetting, InvalidSetting> {
         let chosen = ChosenSetting {
-            of: of.to_owned(),
+            name: name.to_owned(),
             value: value.to_owned(),
         };
         chosen.apply(&mut Settings::default()).map(|()| chosen)
@@ -89,9 +89,9 @@ impl ChosenSetting {
             reduction,
         ];
         let values = NAMES.into_iter().zip(values);
-        let chosen = |(of, value): (&str, Option<String>)| {
+        let chosen = |(name, value): (&str, Option<String>)| {
             value.map(|value| ChosenSetting {
-                of: of.to_owned(),
+                name: name.to_owned(),
                 value,
             })
         };
@@ -100,13 +100,13 @@ impl ChosenSetting {
 
     /// Returns the position of the setting in the order of [`ChosenSetting::all_of`].
     pub fn place(&self) -> usize {
-        let place = NAMES.iter().position(|it| *it == self.of);
+        let place = NAMES.iter().position(|it| *it == self.name);
         place.unwrap_or(NAMES.len())
     }
 
     /// Returns the name of the setting, such as `substeps`.
-    pub fn of(&self) -> &str {
-        &self.of
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// Returns the value of the setting, such as `2/8`.
@@ -116,7 +116,7 @@ impl ChosenSetting {
 
     /// Returns name and value, such as `substeps=2/8`.
     pub fn text(&self) -> String {
-        format!("{}={}", self.of, self.value)
+        format!("{}={}", self.name, self.value)
     }
 
     /// Changes settings to the chosen value.
@@ -124,7 +124,7 @@ impl ChosenSetting {
     /// # Errors
     /// If the setting cannot have the value.
     pub(super) fn apply(&self, settings: &mut Settings) -> Result<(), InvalidSetting> {
-        match &*self.of {
+        match &*self.name {
             "model" => settings.model = self.named(&Model::ALL, Model::name)?,
             "substeps" => {
                 let steps: Substeps =
@@ -175,7 +175,7 @@ mod tests {
             ("precision", "double"),
             ("without", "corners"),
         ];
-        let chosen = written.map(|(of, value)| ChosenSetting::new(of, value).unwrap());
+        let chosen = written.map(|(name, value)| ChosenSetting::new(name, value).unwrap());
         let mut settings = Settings::new(Model::Rapier, 1);
         for choice in &chosen {
             choice.apply(&mut settings).unwrap();
@@ -195,7 +195,7 @@ mod tests {
 
     #[test]
     fn values_that_a_setting_cannot_have_are_rejected() {
-        for (of, value, reason) in [
+        for (name, value, reason) in [
             ("model", "rigit", "give one of `rigid`, `rapier`, `rate`"),
             ("substeps", "3/8", "say from 1 to"),
             ("solver-iterations", "0", "a number from 1 to 1000"),
@@ -203,8 +203,8 @@ mod tests {
             ("without", "gravity", "`rotation`"),
             ("threads", "2", "no setting `threads`"),
         ] {
-            let told = ChosenSetting::new(of, value).unwrap_err().to_string();
-            assert!(told.contains(reason), "{told}");
+            let message = ChosenSetting::new(name, value).unwrap_err().to_string();
+            assert!(message.contains(reason), "{message}");
         }
     }
 }

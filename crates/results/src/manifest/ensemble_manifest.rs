@@ -202,8 +202,8 @@ impl Manifest {
     pub fn swept(&self) -> SweepAxes<'_> {
         let mut settings: Vec<&str> = Vec::new();
         for chosen in self.programs.iter().flat_map(|program| &program.chosen) {
-            if !settings.contains(&chosen.of()) {
-                settings.push(chosen.of());
+            if !settings.contains(&chosen.name()) {
+                settings.push(chosen.name());
             }
         }
         SweepAxes {

@@ -101,17 +101,17 @@ impl EnsembleProgram {
 
     /// Returns the value that a sweep has chosen for a setting. Returns `None` if the setting is
     /// not varied.
-    pub fn chosen_value(&self, of: &str) -> Option<&str> {
+    pub fn chosen_value(&self, name: &str) -> Option<&str> {
         let mut chosen = self.chosen.iter();
-        chosen.find(|it| it.of() == of).map(ChosenSetting::value)
+        chosen.find(|it| it.name() == name).map(ChosenSetting::value)
     }
 
     /// Returns the program's value on an axis of a sweep, in the unit of the axis. Returns `None`
     /// if the program is not a point on this axis.
     pub fn on_axis(&self, axis: &Varied) -> Option<f64> {
         let mut varied = self.varied.iter();
-        let here = varied.find(|varied| varied.of == axis.of && varied.unit == axis.unit);
-        here.map(|varied| varied.said)
+        let here = varied.find(|varied| varied.name == axis.name && varied.unit == axis.unit);
+        here.map(|varied| varied.given)
     }
 
     /// Creates a program of an ensemble. `sources` are its file, then all imported files.

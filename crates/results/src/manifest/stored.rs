@@ -151,7 +151,7 @@ impl Manifest {
             let (scene, name) = (program.scene, program.name);
             scene.validate().map_err(|reason| damaged(&reason))?;
             let mut chosen = program.chosen.iter();
-            let is_known = |it: &ChosenSetting| ChosenSetting::new(it.of(), it.value()).map(drop);
+            let is_known = |it: &ChosenSetting| ChosenSetting::new(it.name(), it.value()).map(drop);
             (chosen.try_for_each(is_known)).map_err(|reason| damaged(&reason))?;
             let compiled = compiled.get(program.compiled).cloned();
             let compiled = compiled.ok_or_else(missing)?;

@@ -5,11 +5,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Varied {
     /// Name of the scene parameter, such as `bond.pull`.
-    pub of: String,
+    pub name: String,
     /// Value of the scene parameter in SI units.
     pub value: f64,
     /// Value in `unit`, as the user wrote it.
-    pub said: f64,
+    pub given: f64,
     /// Unit as the user wrote it. Empty if the value has no unit.
     pub unit: String,
 }
@@ -27,18 +27,18 @@ impl Varied {
     /// Returns the value as the user wrote it, such as `4.5 N`.
     pub fn value(&self) -> String {
         match &*self.unit {
-            "" => self.said.to_string(),
-            unit => format!("{} {unit}", self.said),
+            "" => self.given.to_string(),
+            unit => format!("{} {unit}", self.given),
         }
     }
 
     /// Returns the name and value of the scene parameter, such as `bond.pull=4.5 N`.
     pub fn text(&self) -> String {
-        format!("{}={}", self.of, self.value())
+        format!("{}={}", self.name, self.value())
     }
 
     /// Returns the name of the scene parameter's column in tables, such as `scene_bond_pull`.
     pub fn column(&self) -> String {
-        format!("scene_{}", self.of.replace('.', "_"))
+        format!("scene_{}", self.name.replace('.', "_"))
     }
 }

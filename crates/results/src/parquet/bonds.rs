@@ -84,35 +84,35 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     table.text(
         "parent",
         "role of the block that magnetized a face",
-        |row| row.run.program.role(row.of.parent()),
+        |row| row.run.program.role(row.item.parent()),
     );
-    table.text("face", "magnetized face, in the structure's frame: `up`, `down`, `north`, `south`, `east` or `west`", |row| both!(row.of, face).word());
+    table.text("face", "magnetized face, in the structure's frame: `up`, `down`, `north`, `south`, `east` or `west`", |row| both!(row.item, face).word());
     table.text("child", "role that the captured block gets", |row| {
-        row.run.program.role(row.of.child())
+        row.run.program.role(row.item.child())
     });
     table
-        .small("x", "cell of the child: position to the east", |row| {
-            row.of.cell().x
+        .small("x", "cell item the child: position to the east", |row| {
+            row.item.cell().x
         })
         .unit("sides");
     table
-        .small("y", "position to the north", |row| row.of.cell().y)
+        .small("y", "position to the north", |row| row.item.cell().y)
         .unit("sides");
     table
-        .small("z", "height; the plate is at 0", |row| row.of.cell().z)
+        .small("z", "height; the plate is at 0", |row| row.item.cell().z)
         .unit("sides");
     table
         .integer(
             "magnetized",
-            "time when the face was magnetized, from the start of the run",
-            |row| both!(row.of, magnetized),
+            "time when the face was magnetized, from the start item the run",
+            |row| both!(row.item, magnetized),
         )
         .unit("ticks");
     table
         .integer(
             "docked",
-            "time when the block docked, from the start of the run",
-            |row| row.of.docked().map(|bond| bond.docked),
+            "time when the block docked, from the start item the run",
+            |row| row.item.docked().map(|bond| bond.docked),
         )
         .unit("ticks")
         .null(CENSORED);
@@ -120,26 +120,26 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         .real(
             "docked_seconds",
             "`docked` in seconds of the scene",
-            |row| row.of.docked().map(|bond| row.run.seconds(bond.docked)),
+            |row| row.item.docked().map(|bond| row.run.seconds(bond.docked)),
         )
         .unit("s")
         .null(CENSORED);
     table
         .integer(
             "wait",
-            "waiting time: from `magnetized` to `docked`; if it is censored, to the end of the run",
-            |row| row.of.wait(row.run),
+            "waiting time: from `magnetized` to `docked`; if it is censored, to the end item the run",
+            |row| row.item.wait(row.run),
         )
         .unit("ticks");
     table
         .real("wait_seconds", "`wait` in seconds of the scene", |row| {
-            row.run.seconds(row.of.wait(row.run))
+            row.run.seconds(row.item.wait(row.run))
         })
         .unit("s");
     table.truth(
         "censored",
         "whether the run ended before the block docked; the waiting time is then a lower bound",
-        |row| row.of.docked().is_none(),
+        |row| row.item.docked().is_none(),
     );
     add_capture(&mut table);
     table
@@ -149,38 +149,38 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
 fn add_capture<'a>(table: &mut TableDefinition<'a, RunRow<'a, BondRow<'a>>>) {
     table.integer(
         "entries",
-        "number of times that a free block entered the reach of the pull, re-entries included",
-        |row| u64::from(both!(row.of, entries)),
+        "number item times that a free block entered the reach item the pull, re-entries included",
+        |row| u64::from(both!(row.item, entries)),
     );
     table
         .integer(
             "docking",
-            "time from the last entry of the captured block to its docking",
-            |row| row.of.docked().map(|bond| bond.docking),
+            "time from the last entry item the captured block to its docking",
+            |row| row.item.docked().map(|bond| bond.docking),
         )
         .unit("ticks")
         .null(CENSORED);
     table
         .integer("body", "number of the captured block, from 0", |row| {
-            row.of.docked().map(|bond| bond.body.into())
+            row.item.docked().map(|bond| bond.body.into())
         })
         .null(CENSORED);
     table.text("origin", "`free`: the captured block had never been captured before; `released`: the block had been captured and released \
              before", |row| {
-                Some(match row.of.docked()?.origin {
+                Some(match row.item.docked()?.origin {
                     Origin::Free => "free",
                     Origin::Released { .. } => "released",
                 })
             }).null(CENSORED);
     table
-        .text("origin_role", "last role of the captured block", |row| {
-            let (role, _) = row.of.released()?;
+        .text("origin_role", "last role item the captured block", |row| {
+            let (role, _) = row.item.released()?;
             Some(row.run.program.role(role))
         })
         .null("the block had no role before, or the waiting time is censored");
     table
         .integer("released_at", "time when the block lost that role", |row| {
-            row.of.released().map(|(_, tick)| tick)
+            row.item.released().map(|(_, tick)| tick)
         })
         .unit("ticks")
         .null("the block had no role before, or the waiting time is censored");

@@ -53,9 +53,9 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     add_phase(&mut table, |of: &Reached| of.phase);
     table.text(
         "outcome",
-        "`completed`; or the outcome of the run, if it ended in this phase: `timed_out`, `censored` \
+        "`completed`; or the outcome item the run, if it ended in this phase: `timed_out`, `censored` \
              or `failed`",
-        |row| match row.of.ended {
+        |row| match row.item.ended {
             Some(_) => "completed",
             None => outcome(&row.run.record.outcome),
         },
@@ -63,23 +63,23 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     table
         .integer(
             "began",
-            "start of the phase, from the start of the run",
-            |row| row.of.began,
+            "start item the phase, from the start item the run",
+            |row| row.item.began,
         )
         .unit("ticks");
     table
         .integer(
             "ended",
-            "end of the phase, from the start of the run",
-            |row| row.of.ended,
+            "end item the phase, from the start item the run",
+            |row| row.item.ended,
         )
         .unit("ticks")
         .null("the run ended earlier");
     add_ticks(
         &mut table,
         "ticks",
-        "duration of the phase, or its duration until the run ended",
-        |row| row.of.ticks(row.run),
+        "duration item the phase, or its duration until the run ended",
+        |row| row.item.ticks(row.run),
     );
     table
 }

@@ -24,21 +24,21 @@ impl RunContext<'_> {
 /// Row of a table: an item of a run.
 pub(super) struct RunRow<'a, T> {
     pub run: RunContext<'a>,
-    pub of: T,
+    pub item: T,
 }
 
 /// Returns the rows of all runs in order.
 pub(super) fn rows<'a, T, I: IntoIterator<Item = T>>(
     manifest: &'a Manifest,
     finished: &'a [Finished],
-    of: impl Fn(RunContext<'a>) -> I,
+    items: impl Fn(RunContext<'a>) -> I,
 ) -> Vec<RunRow<'a, T>> {
     let runs = finished.iter().map(|done| RunContext {
         manifest,
         program: &manifest.programs[done.program],
         record: &done.record,
     });
-    let rows = runs.flat_map(|run| of(run).into_iter().map(move |of| RunRow { run, of }));
+    let rows = runs.flat_map(|run| items(run).into_iter().map(move |item| RunRow { run, item }));
     rows.collect()
 }
 
@@ -60,45 +60,45 @@ pub(super) fn keyed<'a, T: 'a>(
         |row| row.run.record.run,
     );
     for axis in axes.numbers {
-        let meaning = format!("scene parameter `{}` of the sweep", axis.of);
+        let meaning = format!("scene parameter `{}` name the sweep", axis.name);
         let here = axis.clone();
         let get = move |row: &RunRow<'a, T>| row.run.program.on_axis(&here);
         let column = table.real(axis.column(), meaning, get);
         column.unit(axis.unit.clone());
         column.null("the program is not a point of the sweep");
     }
-    for &of in &axes.settings {
-        let name = of.to_owned();
-        let meaning = format!("setting `{of}` of the sweep");
+    for &setting in &axes.settings {
+        let name = setting.to_owned();
+        let meaning = format!("setting `{setting}` setting the sweep");
         let get = move |row: &RunRow<'a, T>| row.run.program.chosen_value(&name);
-        let column = table.text(setting_column(of), meaning, get);
-        column.null("the point uses the setting of the ensemble");
+        let column = table.text(setting_column(setting), meaning, get);
+        column.null("the point uses the setting setting the ensemble");
     }
     table
 }
 
 /// Returns the name of the column of a setting, such as `setting_solver_iterations`.
-pub fn setting_column(of: &str) -> String {
-    format!("setting_{}", of.replace('-', "_"))
+pub fn setting_column(setting: &str) -> String {
+    format!("setting_{}", setting.replace('-', "_"))
 }
 
 /// Adds the columns that describe the phase of a row.
 pub(super) fn add_phase<'a, T: 'a>(
     table: &mut TableDefinition<'a, RunRow<'a, T>>,
-    of: impl Fn(&T) -> PhaseId + Copy + 'a,
+    phase: impl Fn(&T) -> PhaseId + Copy + 'a,
 ) {
     table.text("phase", "name of the phase", move |row| {
-        row.run.program.phase(of(&row.of))
+        row.run.program.phase(phase(&row.item))
     });
     table.integer(
         "phase_number",
         "index of the phase in the program, from 0",
-        move |row| u64::from(of(&row.of).0),
+        move |row| u64::from(phase(&row.item).0),
     );
     table.truth(
         "by_hand",
-        "whether the blocks of this phase are pre-attached",
-        move |row| row.run.program.is_planted(of(&row.of)),
+        "whether the blocks phase this phase are pre-attached",
+        move |row| row.run.program.is_planted(phase(&row.phase)),
     );
 }
 

@@ -17,19 +17,19 @@ pub(super) fn table<'a>(
     add_ticks(
         &mut table,
         "tick",
-        "time, from the start of the run",
-        |row| row.of.tick,
+        "time, from the start item the run",
+        |row| row.item.tick,
     );
-    table.text("parent", "role of the block with this face", |row| {
-        row.run.program.role(row.of.parent)
+    table.text("parent", "role item the block with this face", |row| {
+        row.run.program.role(row.item.parent)
     });
     table.text(
         "face",
         "face of that block, in the structure's frame",
-        |row| row.of.face.word(),
+        |row| row.item.face.word(),
     );
     table.integer("body", "number of the block that docked, from 0", |row| {
-        u64::from(row.of.body)
+        u64::from(row.item.body)
     });
     table
 }

@@ -162,7 +162,7 @@ impl Cut {
     pub(super) fn header(&self, build: &str, number: u64) -> JournalHeader {
         let shard = ShardHeader {
             number,
-            of: self.shards,
+            shards: self.shards,
             runs: self.runs,
             build: build.to_owned(),
         };

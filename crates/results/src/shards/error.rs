@@ -91,7 +91,7 @@ pub enum ShardError {
     },
     /// Some shards are missing or corrupted.
     #[error(
-        "`{path}`: {} of {of} shards are missing or corrupted ({}); run them: {}",
+        "`{path}`: {} of {total} shards are missing or corrupted ({}); run them: {}",
         .shards.len(),
         list_numbers(.shards),
         commands(.path, .shards.iter().copied())
@@ -102,7 +102,7 @@ pub enum ShardError {
         /// Numbers of these shards.
         shards: Vec<u64>,
         /// Number of all shards.
-        of: u64,
+        total: u64,
     },
     /// A run of the shard could not be made or stored.
     #[error(transparent)]
@@ -119,21 +119,21 @@ impl From<JournalError> for ShardError {
 }
 
 /// Largest number of shards that a message lists.
-const TOLD: usize = 10;
+const MAX_LISTED: usize = 10;
 
 fn list_reasons(shards: &[(u64, String)]) -> String {
-    let each = shards.iter().take(TOLD);
+    let each = shards.iter().take(MAX_LISTED);
     let each: Vec<String> = each
         .map(|(number, what)| format!("shard {number} {what}"))
         .collect();
-    match shards.len().saturating_sub(TOLD) {
+    match shards.len().saturating_sub(MAX_LISTED) {
         0 => each.join("; "),
         more => format!("{} and {more} more", each.join("; ")),
     }
 }
 
 fn list_numbers(shards: &[u64]) -> String {
-    let each: Vec<String> = shards.iter().take(TOLD).map(u64::to_string).collect();
+    let each: Vec<String> = shards.iter().take(MAX_LISTED).map(u64::to_string).collect();
     listed(&each, shards.len())
 }
 

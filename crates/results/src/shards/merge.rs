@@ -79,7 +79,7 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
         return Err(ShardError::Missing {
             path,
             shards: missing,
-            of: cut.shards,
+            total: cut.shards,
         });
     }
     Ok(draft.keep().map_err(io)?)

@@ -351,7 +351,8 @@ pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<ShardFile,
     Ok(match (&found.shard, &header.shard) {
         (Some(there), Some(here)) if there == here => ShardFile::Whole,
         (Some(there), Some(here))
-            if (there.number, there.of, there.runs) == (here.number, here.of, here.runs) =>
+            if (there.number, there.shards, there.runs)
+                == (here.number, here.shards, here.runs) =>
         {
             ShardFile::Foreign(format!(
                 "was made by another build of `stochc` ({}, and that of the manifest is {})",
@@ -360,7 +361,7 @@ pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<ShardFile,
         }
         (Some(there), _) => ShardFile::Foreign(format!(
             "is in fact shard {} of {}, for {} runs of each program",
-            there.number, there.of, there.runs
+            there.number, there.shards, there.runs
         )),
         (None, _) => ShardFile::Foreign("is in fact the journal of a whole ensemble".to_owned()),
     })

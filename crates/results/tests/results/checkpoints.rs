@@ -105,10 +105,10 @@ fn a_damaged_checkpoint_is_moved_aside_and_its_run_begins_anew() {
             stopped(folder.path(), &manifest);
             put(&checkpoint(folder.path()), damaged);
             let health = verify(folder.path()).unwrap();
-            let is_told = |file: &stochc_results::integrity::FileIntegrity| {
+            let is_reported = |file: &stochc_results::integrity::FileIntegrity| {
                 file.name.ends_with(".state") && file.health.is_damaged()
             };
-            assert!(health.iter().any(is_told), "{at}");
+            assert!(health.iter().any(is_reported), "{at}");
             let notes = resumed(folder.path(), &manifest);
             let [note] = &notes[..] else {
                 panic!("{at}: {notes:?}");
@@ -224,10 +224,10 @@ fn a_checkpoint_of_something_else_is_not_used() {
             &state,
         );
         let notes = resumed(folder.path(), &manifest);
-        let told = format!(
+        let expected = format!(
             "the checkpoint of run 2 of `right` is not used because it is {what}; the run restarts"
         );
-        assert_eq!(notes, [told]);
+        assert_eq!(notes, [expected]);
         assert!(bytes(folder.path()) == undisturbed(&manifest));
     }
 }
@@ -250,7 +250,7 @@ fn a_shard_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
         let progress: Progress = shard.progress(std::num::NonZeroUsize::MIN);
         shard.make(&progress, &stop, simulate).unwrap()
     };
-    let told = |program, run, watch: &RunWatch| {
+    let run_one = |program, run, watch: &RunWatch| {
         if (program, run) == LAST {
             stop.store(true, Ordering::Relaxed);
             return stopped_run(watch);
@@ -258,7 +258,7 @@ fn a_shard_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
         simulate(program, run, watch)
     };
     assert!(make(&open(0), &simulate));
-    assert!(!make(&open(1), &told));
+    assert!(!make(&open(1), &run_one));
     stop.store(false, Ordering::Relaxed);
     // Opening other shards does not report the checkpoint.
     assert_eq!(open(0).checkpoints().unwrap().notes(), [""; 0]);
@@ -289,7 +289,7 @@ fn how_often_is_a_time_or_a_number_of_ticks() {
         assert!(parsed(wrong).is_err(), "{wrong}");
     }
     for text in ["5m", "90s", "7ticks", "never"] {
-        let told = parsed(text).unwrap().to_string();
-        assert_eq!(told, text);
+        let message = parsed(text).unwrap().to_string();
+        assert_eq!(message, text);
     }
 }

@@ -16,7 +16,7 @@ const FILES: [&str; 5] = [
 ];
 
 /// Returns whether reading or resuming a folder reports that it is corrupted.
-fn is_told(folder: &Path) -> bool {
+fn is_reported(folder: &Path) -> bool {
     let read = Folder::read(folder).map_or(true, |contents| !contents.damage.is_empty());
     let opened =
         Folder::open(folder, &manifest(4), true).map_or(true, |it| !it.damage().is_empty());
@@ -34,7 +34,7 @@ fn damaged(folder: &Path) -> Vec<String> {
 fn every_flipped_bit_is_found() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(4), 1);
-    assert!(!is_told(folder.path()));
+    assert!(!is_reported(folder.path()));
     assert!(damaged(folder.path()).is_empty());
     for name in FILES {
         let path = folder.path().join(name);
@@ -45,7 +45,7 @@ fn every_flipped_bit_is_found() {
             let mut flipped = whole.clone();
             flipped[bit / 8] ^= 1 << (bit % 8);
             put(&path, &flipped);
-            assert!(is_told(folder.path()), "bit {bit} of {name}");
+            assert!(is_reported(folder.path()), "bit {bit} of {name}");
             assert_eq!(damaged(folder.path()), [name], "bit {bit}");
             // Opening may have removed a partial line at the end of a journal.
             put(&path, &whole);
@@ -109,8 +109,11 @@ fn what_is_no_file_is_moved_aside_or_named() {
         Folder::read(folder.path()).map(drop).unwrap_err(),
         verify(folder.path()).map(drop).unwrap_err(),
     ] {
-        let told = error.to_string();
-        assert!(told.ends_with("manifest.json`: it is a folder"), "{told}");
+        let message = error.to_string();
+        assert!(
+            message.ends_with("manifest.json`: it is a folder"),
+            "{message}"
+        );
     }
 }
 

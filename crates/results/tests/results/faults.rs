@@ -304,7 +304,9 @@ type Work = fn(&Path, &Manifest) -> Result<(), String>;
 fn patiently(work: Work, root: &Path, manifest: &Manifest) -> Result<(), String> {
     loop {
         match work(root, manifest) {
-            Err(told) if told.starts_with("another process is writing") => std::thread::yield_now(),
+            Err(message) if message.starts_with("another process is writing") => {
+                std::thread::yield_now()
+            }
             done => return done,
         }
     }
@@ -323,7 +325,7 @@ fn in_one_shard(root: &Path, manifest: &Manifest) -> Result<(), String> {
 }
 
 fn in_shards(root: &Path, manifest: &Manifest) -> Result<(), String> {
-    let told = |error: ShardError| error.to_string();
+    let text = |error: ShardError| error.to_string();
     match Folder::read(root) {
         // The shards are already merged. The tables may be missing.
         Ok(contents) if contents.finished.len() as u64 == manifest.total() => {
@@ -332,19 +334,19 @@ fn in_shards(root: &Path, manifest: &Manifest) -> Result<(), String> {
         Ok(_) | Err(FolderError::Absent(_) | FolderError::Cut { .. }) => {}
         Err(error) => return Err(error.to_string()),
     }
-    prepare(root, manifest, 2).map_err(told)?;
+    prepare(root, manifest, 2).map_err(text)?;
     let never = AtomicBool::new(false);
     for number in 0..2 {
         let shard = Shard::open(root, number).and_then(|shard| shard.with_checkpoints(EVERY));
-        let shard = shard.map_err(told)?;
+        let shard = shard.map_err(text)?;
         let progress = shard.progress(NonZeroUsize::MIN);
         let made = shard
             .make(&progress, &never, runs_of(manifest))
-            .map_err(told)?;
+            .map_err(text)?;
         assert!(made);
     }
     let none = |_: &Manifest, _: &Records| Ok(Vec::new());
-    merge(root, none).map(|_| ()).map_err(told)
+    merge(root, none).map(|_| ()).map_err(text)
 }
 
 /// Counts of outcomes.
@@ -431,10 +433,10 @@ fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
                 None => {}
             }
             let again = patiently(work, &root, &manifest);
-            if let Err(told) = again {
+            if let Err(error) = again {
                 // A disk that ignores a sync may lose data without a copy. The loss must be
                 // reported.
-                assert_eq!(fault, Fault::LostSync, "{what}: {told}");
+                assert_eq!(fault, Fault::LostSync, "{what}: {error}");
                 let none = |_: &Manifest, _: &Records| Ok(Vec::new());
                 let repaired =
                     repair(&root, none).is_ok() && patiently(work, &root, &manifest).is_ok();

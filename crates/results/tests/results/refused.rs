@@ -52,10 +52,10 @@ fn runs_without_a_manifest_are_not_touched() {
     fs::remove_file(folder.path().join("manifest.json")).unwrap();
     let before = content(folder.path());
     assert_snapshot!(error(folder.path(), &manifest(2), true), @"`DIR` contains runs, but no `manifest.json`, which is needed to read them; restore it, or choose another folder");
-    let told = Folder::read(folder.path()).unwrap_err().to_string();
-    assert!(told.contains("no `manifest.json`"), "{told}");
-    let told = verify(folder.path()).unwrap_err().to_string();
-    assert!(told.contains("no `manifest.json`"), "{told}");
+    let message = Folder::read(folder.path()).unwrap_err().to_string();
+    assert!(message.contains("no `manifest.json`"), "{message}");
+    let message = verify(folder.path()).unwrap_err().to_string();
+    assert!(message.contains("no `manifest.json`"), "{message}");
     assert_eq!(content(folder.path()), before);
 }
 

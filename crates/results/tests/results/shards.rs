@@ -179,8 +179,8 @@ fn a_stopped_shard_goes_on() {
             record.hops += 1;
             Ok(record)
         };
-        let told = shard.check_stored(other).unwrap_err().to_string();
-        assert!(told.contains("does not come out as it is"), "{told}");
+        let message = shard.check_stored(other).unwrap_err().to_string();
+        assert!(message.contains("does not come out as it is"), "{message}");
     }
     assert!(make(folder.path(), 1, 2));
     assert!(make(folder.path(), 0, 2));
@@ -301,8 +301,8 @@ fn a_merge_removes_shards_and_nothing_else() {
 /// Checks that operations on the folder are rejected and change no file.
 fn refused(folder: &Path, expected: &str) {
     let before = files(folder);
-    let told = put_together(folder).unwrap_err().to_string();
-    assert!(told.contains(expected), "{told}");
+    let message = put_together(folder).unwrap_err().to_string();
+    assert!(message.contains(expected), "{message}");
     let mut after = files(folder);
     after.remove(".lock");
     let mut before = before;
@@ -335,7 +335,7 @@ fn holes_are_refused_and_named() {
     refused(folder.path(), "stochc shard");
     assert!(matches!(
         put_together(folder.path()),
-        Err(ShardError::Missing { shards, of: 5, .. }) if shards == [3]
+        Err(ShardError::Missing { shards, total: 5, .. }) if shards == [3]
     ));
 }
 
@@ -373,8 +373,8 @@ fn shards_of_something_else_are_refused() {
         make(&place, number, 1);
         fs::copy(place.join(format!("shards/{number}.jsonl")), &shard).unwrap();
         refused(folder.path(), expected);
-        let told = Shard::open(folder.path(), 1).unwrap_err().to_string();
-        assert!(told.contains(expected), "{told}");
+        let message = Shard::open(folder.path(), 1).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
         let state = &status(folder.path()).unwrap().states[1];
         assert!(matches!(state, ShardState::Foreign { .. }), "{state:?}");
         assert_eq!(missing(folder.path()), [1]);
@@ -409,15 +409,15 @@ fn an_ensemble_of_another_build_gets_no_shards() {
     ] {
         manifest.builds = builds;
         put(&folder.path().join("manifest.json"), manifest.to_json());
-        let told = Shard::open(folder.path(), 0).unwrap_err().to_string();
+        let message = Shard::open(folder.path(), 0).unwrap_err().to_string();
         assert!(
-            told.contains("run its shards with the `stochc` that split it"),
-            "{told}"
+            message.contains("run its shards with the `stochc` that split it"),
+            "{message}"
         );
-        let told = prepare(folder.path(), &self::manifest(RUNS), 2)
+        let message = prepare(folder.path(), &self::manifest(RUNS), 2)
             .unwrap_err()
             .to_string();
-        assert!(told.contains("another build"), "{told}");
+        assert!(message.contains("another build"), "{message}");
     }
 }
 
@@ -426,8 +426,8 @@ fn what_cannot_be_cut_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("new");
     for asked in [0, 2 * RUNS + 1, 1_000_000_000, u64::MAX] {
-        let told = prepare(&place, &manifest(RUNS), asked).unwrap_err();
-        assert!(matches!(told, ShardError::Uncuttable { .. }), "{told}");
+        let error = prepare(&place, &manifest(RUNS), asked).unwrap_err();
+        assert!(matches!(error, ShardError::Uncuttable { .. }), "{error}");
         assert!(!place.exists());
     }
     let many = prepare(&place, &manifest(10_000_000), MAX_SHARDS + 1);
@@ -439,48 +439,49 @@ fn what_cannot_be_cut_is_refused() {
     );
     let before = files(&place);
     for (runs, shards) in [(RUNS, 3), (RUNS + 1, 4), (RUNS - 1, 4)] {
-        let told = prepare(&place, &manifest(runs), shards)
+        let message = prepare(&place, &manifest(runs), shards)
             .unwrap_err()
             .to_string();
         assert!(
-            told.contains("is split into 4 shards of 12 runs of each program"),
-            "{told}"
+            message.contains("is split into 4 shards of 12 runs of each program"),
+            "{message}"
         );
     }
     for number in [4, u64::MAX] {
-        let told = Shard::open(&place, number).unwrap_err().to_string();
-        assert!(told.ends_with("shards are 0 to 3"), "{told}");
+        let message = Shard::open(&place, number).unwrap_err().to_string();
+        assert!(message.ends_with("shards are 0 to 3"), "{message}");
     }
     for resume in [false, true] {
-        let told = Folder::open(&place, &manifest(RUNS), resume).unwrap_err();
-        assert!(matches!(told, FolderError::Cut { .. }), "{told}");
+        let error = Folder::open(&place, &manifest(RUNS), resume).unwrap_err();
+        assert!(matches!(error, FolderError::Cut { .. }), "{error}");
     }
     assert!(files(&place) == before);
     // Test folders without shards, finished or not, and a missing folder.
     let plain = folder.path().join("plain");
     complete(&plain, &manifest(RUNS), 1);
     let before = files(&plain);
-    let told = prepare(&plain, &manifest(RUNS), 4).unwrap_err().to_string();
+    let message = prepare(&plain, &manifest(RUNS), 4).unwrap_err().to_string();
     assert!(
-        told.contains("holds 24 runs of this ensemble already"),
-        "{told}"
+        message.contains("holds 24 runs of this ensemble already"),
+        "{message}"
     );
-    for told in [
+    for message in [
         put_together(&plain).unwrap_err(),
         Shard::open(&plain, 0).unwrap_err(),
         status(&plain).unwrap_err(),
     ] {
         assert!(
-            told.to_string()
+            message
+                .to_string()
                 .contains("has no shards: it holds 24 of 24 runs"),
-            "{told}"
+            "{message}"
         );
     }
     assert!(files(&plain) == before);
-    let told = status(&folder.path().join("nothing"))
+    let message = status(&folder.path().join("nothing"))
         .unwrap_err()
         .to_string();
-    assert!(told.contains("contains no results"), "{told}");
+    assert!(message.contains("contains no results"), "{message}");
 }
 
 #[test]

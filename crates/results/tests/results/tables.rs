@@ -298,11 +298,11 @@ fn an_ensemble_without_runs_has_empty_tables() {
 fn numbers_of_a_sweep_are_columns_of_every_table() {
     let folder = tempfile::tempdir().unwrap();
     let mut manifest = manifest(6);
-    for (program, said) in manifest.programs.iter_mut().zip([2.5, 4.0]) {
+    for (program, given) in manifest.programs.iter_mut().zip([2.5, 4.0]) {
         program.varied = vec![Varied {
-            of: "bond.pull".into(),
-            value: said / 1000.0,
-            said,
+            name: "bond.pull".into(),
+            value: given / 1000.0,
+            given,
             unit: "mN".into(),
         }];
     }
@@ -311,8 +311,8 @@ fn numbers_of_a_sweep_are_columns_of_every_table() {
         let rows = table(folder.path(), &shape.name);
         assert!(!rows.is_empty(), "{}", shape.name);
         for row in rows {
-            let said = if row["program"] == "left" { 2.5 } else { 4.0 };
-            assert_eq!(row["scene_bond_pull"], said, "{row}");
+            let given = if row["program"] == "left" { 2.5 } else { 4.0 };
+            assert_eq!(row["scene_bond_pull"], given, "{row}");
         }
         let columns = metadata(folder.path(), &shape.name)["stochc.columns"].clone();
         let columns: Vec<Value> = serde_json::from_str(&columns).unwrap();

@@ -167,20 +167,20 @@ mod tests {
     /// Checks that the narrow interval of many runs is not printed as zero.
     #[test]
     fn a_narrow_interval_is_not_told_as_none() {
-        let told = |seconds, half| Tick(1.0).interval(seconds, Some(half));
-        assert_eq!(told(155.2, 0.37), "155.2 ± 0.4 s");
-        assert_eq!(told(155.2, 0.51), "155 ± 1 s");
-        assert_eq!(told(155.2, 0.04), "155.20 ± 0.04 s");
-        assert_eq!(told(15.52, 0.04), "15.52 ± 0.04 s");
-        assert_eq!(told(155.2, 0.0), "155 ± 0 s");
-        assert_eq!(told(155.2, 1e-9), "155 ± 0 s");
+        let interval = |seconds, half| Tick(1.0).interval(seconds, Some(half));
+        assert_eq!(interval(155.2, 0.37), "155.2 ± 0.4 s");
+        assert_eq!(interval(155.2, 0.51), "155 ± 1 s");
+        assert_eq!(interval(155.2, 0.04), "155.20 ± 0.04 s");
+        assert_eq!(interval(15.52, 0.04), "15.52 ± 0.04 s");
+        assert_eq!(interval(155.2, 0.0), "155 ± 0 s");
+        assert_eq!(interval(155.2, 1e-9), "155 ± 0 s");
     }
 
     #[test]
     fn times_are_told_in_words() {
-        let told = [0, 89, 90, 3600, 5400, 7800].map(|s| words(Duration::from_secs(s)));
+        let texts = [0, 89, 90, 3600, 5400, 7800].map(|s| words(Duration::from_secs(s)));
         assert_eq!(
-            told,
+            texts,
             ["0 s", "89 s", "2 min", "60 min", "1 h 30 min", "2 h 10 min"]
         );
     }

@@ -50,8 +50,8 @@ mod tests {
 
     #[test]
     fn a_share_that_is_not_nothing_is_not_told_as_nothing() {
-        let told = [0.0, 0.0001, 0.05, 0.0996, 0.125, 1.0].map(percent);
-        assert_eq!(told, ["0 %", "< 0.1 %", "5 %", "10 %", "12.5 %", "100 %"]);
+        let texts = [0.0, 0.0001, 0.05, 0.0996, 0.125, 1.0].map(percent);
+        assert_eq!(texts, ["0 %", "< 0.1 %", "5 %", "10 %", "12.5 %", "100 %"]);
         let whole = [0.0, 0.0049, 0.126, 1.0].map(whole_percent);
         assert_eq!(whole, ["0 %", "0 %", "13 %", "100 %"]);
     }

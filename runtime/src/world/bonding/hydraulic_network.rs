@@ -160,8 +160,8 @@ mod tests {
             let open: Vec<BlockFace> = faces[..n].iter().map(|&face| free(0, face)).collect();
             let shared = pressures(&open, &[(seed(Face::Up), 0)]);
             let each = shared.at(Body::Free(0)) / SUCTION.valve;
-            let told = 6.0 / (1.5 + 2.0 / n as f64) / n as f64;
-            assert!((each - told).abs() < 1e-12, "{n}: {each} {told}");
+            let expected = 6.0 / (1.5 + 2.0 / n as f64) / n as f64;
+            assert!((each - expected).abs() < 1e-12, "{n}: {each} {expected}");
             assert!(each < before);
             before = each;
         }

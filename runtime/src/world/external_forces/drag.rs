@@ -107,8 +107,11 @@ mod tests {
                 let slope = |v: f64| -rate * v - wake * v * v;
                 speed += h * slope(speed + 0.5 * h * slope(speed));
             }
-            let told = 1.7 * Decay::new(rate, wake, dt).left(1.7, dt);
-            assert!((told - speed).abs() < 1e-9, "{rate} {wake}: {told} {speed}");
+            let expected = 1.7 * Decay::new(rate, wake, dt).left(1.7, dt);
+            assert!(
+                (expected - speed).abs() < 1e-9,
+                "{rate} {wake}: {expected} {speed}"
+            );
         }
     }
 

@@ -103,14 +103,17 @@ mod tests {
         let outside = wind(&VORTEX, Vector3::new(0.0, 4.0, 5.0));
         assert!((outside.velocity - Vector3::new(-0.1, 0.0, 0.0)).norm() < 1e-12);
         for place in [Vector3::new(0.3, 1.0, 0.0), Vector3::new(3.0, -1.0, 2.0)] {
-            let told = wind(&VORTEX, place);
-            assert!((told.spin - spin(&VORTEX, place)).norm() < 1e-8, "{place}");
+            let computed = wind(&VORTEX, place);
+            assert!(
+                (computed.spin - spin(&VORTEX, place)).norm() < 1e-8,
+                "{place}"
+            );
             // In steady flow, the acceleration is (u . grad) u.
-            let (h, u) = (1e-5, told.velocity);
+            let (h, u) = (1e-5, computed.velocity);
             let ahead = wind(&VORTEX, place + u * h).velocity;
             let behind = wind(&VORTEX, place - u * h).velocity;
             let slope = (ahead - behind) / (2.0 * h);
-            assert!((told.acceleration - slope).norm() < 1e-8, "{place}");
+            assert!((computed.acceleration - slope).norm() < 1e-8, "{place}");
         }
     }
 
@@ -141,9 +144,12 @@ mod tests {
         assert!((far / tube - 1.0).abs() < 0.1, "{far} {tube}");
         for place in [Vector3::new(2.0, 0.3, 3.1), Vector3::new(-1.0, -0.5, 2.6)] {
             // The gradient along the jet is neglected.
-            let told = wind(&jets, place).spin;
+            let computed = wind(&jets, place).spin;
             let exact = spin(&jets, place);
-            assert!((told - exact).norm() < 0.2 * exact.norm(), "{told} {exact}");
+            assert!(
+                (computed - exact).norm() < 0.2 * exact.norm(),
+                "{computed} {exact}"
+            );
         }
     }
 }

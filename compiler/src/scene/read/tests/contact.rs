@@ -12,8 +12,9 @@ fn contact(fields: &str) -> Option<Contact> {
 fn reported(clause: &str) -> Vec<(Code, String)> {
     let (scene, diagnostics) = scene(clause);
     assert_eq!(scene, None, "{clause}");
-    let told = diagnostics.into_iter();
-    told.map(|diagnostic| (diagnostic.code, diagnostic.title))
+    let diagnostics = diagnostics.into_iter();
+    diagnostics
+        .map(|diagnostic| (diagnostic.code, diagnostic.title))
         .collect()
 }
 

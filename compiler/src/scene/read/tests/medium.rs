@@ -6,8 +6,8 @@ use crate::diagnostic::Code;
 /// Returns a scene from `hemisphere` with these clauses, and its diagnostics.
 fn scene(clauses: &str) -> (Option<Scene>, Vec<(Code, String)>) {
     let (scene, diagnostics) = sample::scene(clauses);
-    let told = diagnostics.into_iter();
-    (scene, told.map(|it| (it.code, it.title)).collect())
+    let diagnostics = diagnostics.into_iter();
+    (scene, diagnostics.map(|it| (it.code, it.title)).collect())
 }
 
 #[test]

@@ -158,10 +158,10 @@ mod tests {
                 damping,
                 load: 0.0,
             };
-            let (told, solved) = (spring.depth(1.0), solved(spring));
+            let (estimated, solved) = (spring.depth(1.0), solved(spring));
             assert!(
-                (told / solved - 1.0).abs() < 1e-3,
-                "{damping}: {told}, {solved}"
+                (estimated / solved - 1.0).abs() < 1e-3,
+                "{damping}: {estimated}, {solved}"
             );
         }
     }

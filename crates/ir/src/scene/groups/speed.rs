@@ -318,8 +318,11 @@ mod tests {
         };
         assert_eq!(rebound(0.0), 1.0);
         for ratio in [0.01, 0.2, 0.7, 0.999, 1.0, 1.001, 3.0] {
-            let (told, solved) = (rebound(ratio), solved(ratio));
-            assert!((told - solved).abs() < 1e-4, "{ratio}: {told}, {solved}");
+            let (estimated, solved) = (rebound(ratio), solved(ratio));
+            assert!(
+                (estimated - solved).abs() < 1e-4,
+                "{ratio}: {estimated}, {solved}"
+            );
         }
     }
 

@@ -202,15 +202,15 @@ mod tests {
             "1\n2",
             "∞",
         ] {
-            let told = WrittenQuantity::parse(text).unwrap_err().to_string();
-            assert!(told.contains("is no value"), "{text}: {told}");
+            let error = WrittenQuantity::parse(text).unwrap_err().to_string();
+            assert!(error.contains("is no value"), "{text}: {error}");
         }
-        let told = |text| WrittenQuantity::parse(text).unwrap_err().to_string();
+        let error = |text| WrittenQuantity::parse(text).unwrap_err().to_string();
         assert_eq!(
-            told("3 newton"),
+            error("3 newton"),
             "`newton` is not a unit; did you mean `N`?"
         );
-        assert_eq!(told("2 atm"), "`atm` is not a unit; write `202650 Pa`");
-        assert!(told("3 furlongs").contains("of the SI"));
+        assert_eq!(error("2 atm"), "`atm` is not a unit; write `202650 Pa`");
+        assert!(error("3 furlongs").contains("of the SI"));
     }
 }

@@ -126,15 +126,15 @@ pub enum UnreadableVoxels {
 const LISTED: usize = 8;
 
 fn several(models: &[(u32, usize)]) -> String {
-    let told = models.iter().take(LISTED);
-    let told: Vec<String> = told
+    let names = models.iter().take(LISTED);
+    let names: Vec<String> = names
         .map(|(model, voxels)| format!("{model} ({})", counted(*voxels, "voxel")))
         .collect();
-    let listed = listed(&told, models.len());
+    let listed = listed(&names, models.len());
     format!("{} and no scene: {listed}", counted(models.len(), "model"))
 }
 
 fn numbers(models: &[u32]) -> String {
-    let told: Vec<String> = models.iter().take(LISTED).map(u32::to_string).collect();
-    listed(&told, models.len())
+    let names: Vec<String> = models.iter().take(LISTED).map(u32::to_string).collect();
+    listed(&names, models.len())
 }

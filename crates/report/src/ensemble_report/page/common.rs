@@ -59,12 +59,12 @@ pub(super) fn sentence(parts: &Parts, contrast: &PairwiseTest) -> String {
     const NAMES: [&str; 2] = ["\u{e000}", "\u{e001}"];
     let is_tested = |it: &&PairwiseTest| matches!(it.verdict, PairwiseResult::Known(_));
     let tested = parts.pairwise_tests.iter().filter(is_tested).count();
-    let told = in_words(NAMES, &contrast.verdict, parts.clock.unit(), tested);
-    let mut told = escaped(&told.replace('~', "\u{a0}"));
+    let sentence = in_words(NAMES, &contrast.verdict, parts.clock.unit(), tested);
+    let mut sentence = escaped(&sentence.replace('~', "\u{a0}"));
     for (sign, i) in NAMES.into_iter().zip([contrast.first, contrast.second]) {
-        told = told.replace(sign, &name(&parts.subjects[i].label));
+        sentence = sentence.replace(sign, &name(&parts.subjects[i].label));
     }
-    told
+    sentence
 }
 
 /// Returns the length of a tick if times on the page are in ticks. Returns `None` if they are in

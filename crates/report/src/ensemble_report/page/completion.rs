@@ -103,7 +103,7 @@ fn failures(parts: &Parts, subject: &ReportedProgram, out: &mut Html) {
     out.paragraph(&format!(
         "{n} runs of {label} failed, and no figure counts them:"
     ));
-    let told = |failed: &FailedRun| {
+    let item = |failed: &FailedRun| {
         let replay = (parts.surroundings.replay)(subject.folder, subject.number, failed.run);
         format!(
             "run {} in phase {}, at tick {}: {}",
@@ -113,7 +113,7 @@ fn failures(parts: &Parts, subject: &ReportedProgram, out: &mut Html) {
             name(&failed.reason)
         )
     };
-    let mut items: Vec<String> = subject.failures.iter().map(told).collect();
+    let mut items: Vec<String> = subject.failures.iter().map(item).collect();
     if n > items.len() {
         items.push(format!("{} more", n - items.len()));
     }

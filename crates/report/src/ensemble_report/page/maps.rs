@@ -12,19 +12,19 @@ use crate::svg::{Drawing, PlotAxis};
 /// move.
 pub(super) fn maps(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
     /// Largest number of recordings that are listed one by one.
-    const TOLD: usize = 3;
+    const MAX_REASONS: usize = 3;
     let (subject, n) = (&parts.subjects[index], index + 1);
     let Some(maps) = &parts.maps[index] else {
         return;
     };
     out.heading(3, &format!("maps-of-{n}"), "Positions of blocks");
     let mut warn = |text: String| out.raw(&format!("<p class=\"warn\">{text}</p>\n"));
-    for (run, reason) in maps.left_out.iter().take(TOLD) {
+    for (run, reason) in maps.left_out.iter().take(MAX_REASONS) {
         let reason = name(reason);
         warn(format!("The recording of run {run} is left out: {reason}."));
     }
-    if maps.left_out.len() > TOLD {
-        let rest = maps.left_out.len() - TOLD;
+    if maps.left_out.len() > MAX_REASONS {
+        let rest = maps.left_out.len() - MAX_REASONS;
         warn(format!("{rest} more recordings are left out."));
     }
     if maps.runs == 0 {
@@ -61,10 +61,10 @@ fn before(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut V
             unit: 100.0,
         })
         .collect();
-    let told = "Two slices for each of three times before a capture, around the cell in which the block \
+    let description = "Two slices for each of three times before a capture, around the cell in which the block \
                 then sits.";
     let file = format!("before-{n}");
-    let figure = |medium| picture(medium, &file, (&title, told), &columns);
+    let figure = |medium| picture(medium, &file, (&title, description), &columns);
     let caption = "Around the cell of their capture, which is at 0: above in a horizontal slice of two \
                    sides, below in a vertical one. Blocks that were part of the structure then are left out.";
     show(parts, out, drawings, figure, caption, &["maps.csv"]);
@@ -91,10 +91,10 @@ fn near(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut Vec
         });
     let columns: Vec<MapColumn> = columns.collect();
     let title = format!("{label}: free blocks near the structure");
-    let told = "Free blocks in each cell on average over time, and how often blocks enter the reach of a \
+    let description = "Free blocks in each cell on average over time, and how often blocks enter the reach of a \
                 face that waits, at the cell that it fills.";
     let file = format!("near-{n}");
-    let figure = |medium| picture(medium, &file, (&title, told), &columns);
+    let figure = |medium| picture(medium, &file, (&title, description), &columns);
     let slices = maps.occupation.iter().flatten().map(|map| match map.slice {
         Slice::Horizontal(z) => format!("layer {z} (above)"),
         Slice::Vertical(y) => format!("the plane {y} north (below)"),

@@ -159,12 +159,12 @@ pub(super) fn simulate(manifest: &stochc_results::Manifest) -> Option<String> {
             .iter()
             .filter_map(|it| it.varied.get(number))
         {
-            let value = varied.said.to_string();
+            let value = varied.given.to_string();
             if !values.contains(&value) {
                 values.push(value);
             }
         }
-        let text = format!("{}={} {}", axis.of, values.join(","), axis.unit);
+        let text = format!("{}={} {}", axis.name, values.join(","), axis.unit);
         words.push(format!("--vary {}", shell::visible(text.trim_end())));
     }
     let vary = |(of, values): (&str, Vec<&str>)| format!("--vary {of}={}", values.join(","));
@@ -184,8 +184,8 @@ fn setting_axes(manifest: &stochc_results::Manifest) -> Option<Vec<(&str, Vec<&s
     }
     let mut axes: Vec<(&str, Vec<&str>)> = Vec::new();
     for chosen in points.iter().copied().flatten() {
-        match axes.iter_mut().find(|(of, _)| *of == chosen.of()) {
-            None => axes.push((chosen.of(), vec![chosen.value()])),
+        match axes.iter_mut().find(|(of, _)| *of == chosen.name()) {
+            None => axes.push((chosen.name(), vec![chosen.value()])),
             Some((_, values)) if values.contains(&chosen.value()) => {}
             Some((_, values)) => values.push(chosen.value()),
         }

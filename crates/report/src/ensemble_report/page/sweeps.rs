@@ -43,7 +43,7 @@ fn differences(sweep: &Sweep) -> String {
         let settings: Vec<String> = sweep.settings.iter().map(|of| code(of)).collect();
         return format!("These runs differ in {}.", series(&settings, "and"));
     }
-    let numbers: Vec<String> = sweep.axes.iter().map(|axis| code(&axis.of)).collect();
+    let numbers: Vec<String> = sweep.axes.iter().map(|axis| code(&axis.name)).collect();
     let programs: Vec<String> = sweep.programs().into_iter().map(name).collect();
     let differing = match programs.len() {
         1 => ", which",

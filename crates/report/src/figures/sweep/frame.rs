@@ -86,7 +86,7 @@ impl<'a> Panel<'a> {
     /// Returns the axis of scene parameter `i`.
     pub fn axis(&self, i: usize) -> PlotAxis {
         let number = &self.sweep.axes[i];
-        PlotAxis::new(&number.of, &number.unit)
+        PlotAxis::new(&number.name, &number.unit)
     }
 
     /// Draws the axes and the legend of a figure. The first scene parameter is the horizontal axis,

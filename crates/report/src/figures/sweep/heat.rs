@@ -28,8 +28,8 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
     let axes = &panel.sweep.axes;
     let title = format!(
         "Mean time to completion of {program} over {} and {}{}",
-        axes[0].of,
-        axes[1].of,
+        axes[0].name,
+        axes[1].name,
         panel.at()
     );
     let tooltip: Vec<String> = own()

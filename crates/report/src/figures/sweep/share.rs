@@ -9,7 +9,7 @@ use crate::svg::{Drawing, PlotAxis, Style, class, dashes};
 pub(super) fn share(panel: &Panel) -> Option<Drawing> {
     let curves = panel.curves();
     panel.points.iter().find(|point| point.share.is_some())?;
-    let of = &panel.sweep.axes[0].of;
+    let of = &panel.sweep.axes[0].name;
     let title = format!("Runs that completed, over {of}");
     let words = description(&curves, described);
     let name = format!("{}-completed", panel.name);

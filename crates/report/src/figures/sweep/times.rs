@@ -26,7 +26,7 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     if is_absent {
         notes.push("×: no run has a time");
     }
-    let of = &panel.sweep.axes[0].of;
+    let of = &panel.sweep.axes[0].name;
     let title = format!("Mean time to completion over {of}");
     let words = description(&curves, |point| described(point, unit));
     let axis = PlotAxis::new("mean time to completion", unit);
