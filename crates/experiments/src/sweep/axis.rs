@@ -76,8 +76,8 @@ impl Axis {
     /// If a value is out of range, is not an integer for an integer parameter, or occurs twice.
     pub fn values(&self, number: &SchemaNumber) -> Result<Vec<Varied>, RangeError> {
         let mut out: Vec<Varied> = Vec::new();
-        for given_values in self.given_values(number)? {
-            let varied = varied(number, given_values, &self.unit)?;
+        for given in self.given_values(number)? {
+            let varied = varied(number, given, &self.unit)?;
             if out.iter().any(|other| other.value == varied.value) {
                 return Err(RangeError::ValueTwice {
                     name: number.name(),

@@ -103,7 +103,9 @@ impl EnsembleProgram {
     /// not varied.
     pub fn chosen_value(&self, name: &str) -> Option<&str> {
         let mut chosen = self.chosen.iter();
-        chosen.find(|it| it.name() == name).map(ChosenSetting::value)
+        chosen
+            .find(|it| it.name() == name)
+            .map(ChosenSetting::value)
     }
 
     /// Returns the program's value on an axis of a sweep, in the unit of the axis. Returns `None`
