@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_that_has_changed_meanwhile_is_left_alone() {
+    fn a_concurrently_changed_file_is_left_alone() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.sa");
         let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } phaze p { M.up -> A } }";

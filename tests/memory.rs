@@ -69,7 +69,7 @@ fn program(towers: usize, in_one: bool) -> String {
 }
 
 #[test]
-fn showing_a_program_takes_no_more_memory_than_compiling_it_has() {
+fn showing_a_program_needs_no_more_memory_than_compiling() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let json = |document: Json| peak(|| serde_json::to_writer_pretty(sink(), &document).unwrap()).1;
     let text = |text: &dyn Display| peak(|| write!(sink(), "{text}").unwrap()).1;
@@ -104,7 +104,7 @@ fn showing_a_program_takes_no_more_memory_than_compiling_it_has() {
 }
 
 #[test]
-fn a_program_beyond_the_limits_takes_little_memory() {
+fn a_program_beyond_the_limits_needs_little_memory() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let phase = |body: &str| {
         format!("assembly a {{ seed plate 3 x 3 {{ A at (0, 0) }} phase p {{ {body} }} }}")
@@ -208,7 +208,7 @@ fn of_ensemble(runs: u64) -> usize {
 
 /// Checks short programs at the limits of the language.
 #[test]
-fn no_short_text_takes_more_than_300_mib() {
+fn no_short_text_needs_more_than_300_mib() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let scene = "scene w from hemisphere { free 10000000 uniform enclosure hemisphere { radius 1e7 m wall 250 N/m } }";
     let seed = "seed plate 1 x 1 { M at (0, 0) }";

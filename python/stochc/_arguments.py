@@ -140,13 +140,13 @@ def axes(values: Mapping[str, str | float | Sequence[float]]) -> list[str]:
     for name in values:
         if "=" in word("vary", name):
             raise UsageError(f"vary: there is no parameter {told(name)}")
-    return [f"{name}={_values(name, said)}" for name, said in values.items()]
+    return [f"{name}={_values(name, given)}" for name, given in values.items()]
 
 
-def _values(name: str, said: object) -> str:
-    if isinstance(said, str):
-        return word("vary", said)
-    listed = [said] if isinstance(said, (int, float)) else _listed("vary", said)
+def _values(name: str, given: object) -> str:
+    if isinstance(given, str):
+        return word("vary", given)
+    listed = [given] if isinstance(given, (int, float)) else _listed("vary", given)
     texts: list[str] = []
     for value in listed:
         if isinstance(value, bool):

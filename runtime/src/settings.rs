@@ -372,7 +372,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_of_other_models_differ_in_what_both_use() {
+    fn only_shared_settings_are_compared_between_models() {
         let of = |model: Model| {
             Settings {
                 model,

@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_are_rare() {
+    fn progress_lines_are_rare() {
         let at = |done: u32| WorkProgress {
             share: f64::from(done) / 100.0,
             ..WorkProgress::default()

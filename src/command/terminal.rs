@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn a_terminal_is_shown_what_is_invisible_however_it_comes() {
+    fn invisible_characters_are_escaped_on_terminals() {
         let text = "é\u{1b}[2J\u{202e}∞\r\n\tend\n".as_bytes();
         for size in 1..=text.len() {
             let mut out = Vec::new();

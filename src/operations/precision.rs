@@ -132,7 +132,7 @@ mod tests {
     use super::wanted;
 
     #[test]
-    fn runs_grow_with_the_square_of_what_is_missing() {
+    fn needed_runs_grow_with_the_square_of_the_precision() {
         let of = |programs: &[(u64, f64)], runs| wanted(programs.iter().copied(), runs, 0.05);
         assert_eq!(of(&[(30, 0.05), (30, 0.01)], 30), None);
         assert_eq!(of(&[(30, 0.075), (30, 0.01)], 30), Some(68));

@@ -21,7 +21,7 @@ fn the_shard_of_a_killed_task_is_submitted_again() {
 }
 
 #[test]
-fn a_lost_node_is_done_without() {
+fn a_lost_node_is_tolerated() {
     let Some(cluster) = cluster() else { return };
     let ensemble = Ensemble::cut(SLOW, 2);
     let name = cluster.name(&ensemble.path);

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use crate::emulated::{Cluster, Ensemble, FAST, cluster, end, members, until};
 
 #[test]
-fn of_two_that_submit_one_does() {
+fn only_one_of_two_processes_submits() {
     let Some(cluster) = cluster() else { return };
     // The cluster allows five tasks per array.
     let ensemble = Ensemble::cut(FAST, 12);

@@ -6,7 +6,7 @@ use crate::stochc::{path, stochc, stochc_with};
 const FILE: &str = "tests/fixtures/aggregate.sa";
 
 #[test]
-fn an_aggregate_is_summed_up_in_a_line() {
+fn an_aggregate_is_summarized_in_a_line() {
     let outcome = stochc("check --cost=3 tests/fixtures/aggregate.sa");
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     for line in [
@@ -24,7 +24,7 @@ fn an_aggregate_is_summed_up_in_a_line() {
 }
 
 #[test]
-fn every_stage_of_it_can_be_shown() {
+fn every_stage_of_an_aggregate_can_be_printed() {
     for (emit, format) in [
         ("graph", "text"),
         ("graph", "json"),
@@ -67,7 +67,7 @@ fn every_stage_of_it_can_be_shown() {
 }
 
 #[test]
-fn its_phases_are_the_sizes_that_it_reaches() {
+fn phases_of_an_aggregate_are_its_sizes() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "runs");
     let arguments = [FILE, "--runs", "30", "--out", &out, "--captures"];
@@ -151,7 +151,7 @@ fn a_size_that_is_not_reached_in_time_is_censored() {
 }
 
 #[test]
-fn it_goes_through_the_worlds_of_bodies() {
+fn an_aggregate_runs_in_the_physical_models() {
     let folder = tempfile::tempdir().unwrap();
     for (model, substeps) in [("rigid", "4"), ("rapier", "1")] {
         let out = path(folder.path(), model);
@@ -176,7 +176,7 @@ fn it_goes_through_the_worlds_of_bodies() {
 }
 
 #[test]
-fn its_rest_is_not_planned() {
+fn an_aggregate_cannot_be_completed_by_a_plan() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let simulate = "simulate --model shuffle --runs 1 --quiet --out";
@@ -193,7 +193,7 @@ fn its_rest_is_not_planned() {
 }
 
 #[test]
-fn what_cannot_be_one_is_told() {
+fn impossible_aggregates_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "wrong.sa");
     for (text, code) in [

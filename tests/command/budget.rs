@@ -80,7 +80,7 @@ fn sparse(path: &Path, begins: &str, length: u64) {
 }
 
 #[test]
-fn a_journal_without_an_end_is_refused() {
+fn an_endless_journal_is_rejected() {
     let results = Results::new();
     let journal = fs::read_to_string(results.path.join("journal.jsonl")).unwrap();
     let header = journal.lines().next().unwrap().to_owned() + "\n";
@@ -105,7 +105,7 @@ fn a_journal_without_an_end_is_refused() {
 }
 
 #[test]
-fn a_manifest_of_more_than_there_can_be_is_refused() {
+fn a_manifest_beyond_its_limit_is_rejected() {
     let results = Results::new();
     let manifest = results.path.join("manifest.json");
     for outcome in results.with("manifest.json", "{", 3 << 30) {
@@ -147,7 +147,7 @@ fn a_manifest_of_more_than_there_can_be_is_refused() {
 }
 
 #[test]
-fn other_files_of_more_than_there_can_be_are_refused() {
+fn other_files_beyond_their_limits_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     let path = file.to_str().unwrap();
@@ -197,7 +197,7 @@ fn packed(begins: &str, pattern: &[u8], times: usize) -> Vec<u8> {
 }
 
 #[test]
-fn a_recording_that_unpacks_to_gigabytes_is_refused() {
+fn a_recording_that_unpacks_to_gigabytes_is_rejected() {
     let results = Results::new();
     let file = results.path.join("recordings/0-0.rec");
     let whole = fs::read(&file).unwrap();

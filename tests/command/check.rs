@@ -18,14 +18,14 @@ fn tower_of_several() -> String {
 }
 
 #[test]
-fn a_right_program_is_summed_up() {
+fn a_valid_program_is_summarized() {
     let outcome = stochc("check tests/fixtures/tower.sa");
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     assert_eq!(outcome.out, TOWER);
 }
 
 #[test]
-fn what_takes_the_time_is_told() {
+fn the_critical_captures_are_printed() {
     let outcome = stochc("check --cost=3 examples/five_tower.sa");
     assert_eq!(outcome.status, 0);
     let rows = |from: &str| {
@@ -72,7 +72,7 @@ fn what_takes_the_time_is_told() {
 }
 
 #[test]
-fn a_timeout_that_some_runs_come_to_is_told() {
+fn a_timeout_reached_by_some_runs_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "a.sa");
     for (timeout, is_stopped) in [("", false), ("timeout 2500 ticks", true)] {
@@ -107,7 +107,7 @@ fn a_timeout_that_some_runs_come_to_is_told() {
 }
 
 #[test]
-fn a_timeout_that_most_runs_come_to_is_told() {
+fn a_timeout_reached_by_most_runs_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "a.sa");
     let text =
@@ -172,7 +172,7 @@ fn times_need_the_rates_of_the_scene() {
 }
 
 #[test]
-fn a_file_without_an_assembly_is_right() {
+fn a_file_without_an_assembly_is_valid() {
     let outcome = stochc("check tests/fixtures/importing_tower.sa");
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     assert!(outcome.out.ends_with("no assembly or aggregate to check\n"));
@@ -182,7 +182,7 @@ fn a_file_without_an_assembly_is_right() {
 }
 
 #[test]
-fn findings_are_drawn_on_standard_error() {
+fn diagnostics_are_printed_on_standard_error() {
     let outcome = stochc("check tests/fixtures/wrong.sa");
     assert_eq!((outcome.status, outcome.out.as_str()), (1, ""));
     for part in ["unknown-name", "wrong.sa:5:", "│", "help:"] {
@@ -198,7 +198,7 @@ fn findings_are_drawn_on_standard_error() {
 }
 
 #[test]
-fn a_warning_is_no_error() {
+fn a_warning_is_not_an_error() {
     let outcome = stochc("check tests/fixtures/careless.sa");
     assert_eq!(outcome.status, 0);
     assert!(outcome.err.contains("seed `N` is never used"));
@@ -237,7 +237,7 @@ assembly calm {
 }
 
 #[test]
-fn a_warning_in_a_pattern_counts_for_each_assembly_that_has_it() {
+fn a_warning_in_a_pattern_counts_for_each_assembly() {
     let text = "\
 pattern row(base) { base.up -> A after base }
 assembly one { seed plate 3 x 3 { M at (1, 1) } phase grow { row(M) as a } }
@@ -369,7 +369,7 @@ fn the_option_with_two_letters_swapped_is_suggested() {
 /// Tests links to programs and folders, and file names that are not UTF-8.
 #[test]
 #[cfg(target_os = "linux")]
-fn nothing_of_a_folder_is_skipped_in_silence() {
+fn skipped_files_of_a_folder_are_reported() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt as _;
     use std::os::unix::fs::symlink;
@@ -535,7 +535,7 @@ fn the_standard_input_is_a_program() {
 }
 
 #[test]
-fn the_last_line_counts_the_findings_of_all_files() {
+fn the_last_line_counts_all_diagnostics() {
     let outcome = stochc("check tests/fixtures/wrong.sa tests/fixtures/careless.sa");
     assert!(
         outcome.err
@@ -557,7 +557,7 @@ fn the_last_line_counts_the_findings_of_all_files() {
 
 #[test]
 #[cfg(unix)]
-fn a_file_that_may_not_be_read_is_told_of() {
+fn an_unreadable_file_is_reported() {
     use std::fs::Permissions;
     use std::os::unix::fs::PermissionsExt as _;
     let folder = tempfile::tempdir().unwrap();
@@ -573,7 +573,7 @@ fn a_file_that_may_not_be_read_is_told_of() {
 }
 
 #[test]
-fn bytes_that_are_no_text_are_a_finding() {
+fn bytes_that_are_not_text_are_a_diagnostic() {
     let folder = tempfile::tempdir().unwrap();
     let file = crate::stochc::path(folder.path(), "bytes.sa");
     std::fs::write(&file, b"assembly x {\n \xff }").unwrap();
@@ -583,7 +583,7 @@ fn bytes_that_are_no_text_are_a_finding() {
 }
 
 #[test]
-fn several_files_are_checked_to_the_last() {
+fn all_files_are_checked() {
     let outcome = stochc("check tests/fixtures/wrong.sa tests/fixtures/tower.sa");
     assert_eq!(outcome.status, 1);
     assert_eq!(outcome.out, tower_of_several());
@@ -595,7 +595,7 @@ fn several_files_are_checked_to_the_last() {
 }
 
 #[test]
-fn short_findings_are_one_to_a_line() {
+fn short_diagnostics_are_one_per_line() {
     let outcome = stochc("check --format short tests/fixtures/wrong.sa tests/fixtures/tower.sa");
     assert_eq!((outcome.status, outcome.err.as_str()), (1, ""));
     let lines = "\
@@ -693,7 +693,7 @@ fn event_tables_are_run_in_every_order() {
 }
 
 #[test]
-fn too_many_orders_are_told_of_and_some_are_tried() {
+fn too_many_orders_are_reported_and_sampled() {
     let outcome = stochc("verify --states 5 tests/fixtures/tower.sa");
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     let tried = "stopped after 5 states, without a fault.
@@ -706,7 +706,7 @@ fn too_many_orders_are_told_of_and_some_are_tried() {
 /// Checks that output of `stochc` in place of a program causes one diagnostic, not one for each
 /// line.
 #[test]
-fn json_is_told_as_such() {
+fn json_without_extension_is_recognized() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "hemisphere.sa");
     fs::copy("crates/estimate/src/data/hemisphere.rates", &file).unwrap();
@@ -727,7 +727,7 @@ fn json_is_told_as_such() {
 
 /// Checks that messages about numbers use words for users, not words of a parser.
 #[test]
-fn numbers_of_the_command_line_are_told_of_in_words() {
+fn invalid_numbers_of_options_are_reported() {
     for (number, words) in [
         ("abc", "a whole number is needed, with digits alone"),
         ("1.5", "a whole number is needed, with digits alone"),
@@ -742,7 +742,7 @@ fn numbers_of_the_command_line_are_told_of_in_words() {
 }
 
 #[test]
-fn a_scene_that_is_not_built_in_is_told_with_those_that_are() {
+fn an_unknown_scene_is_reported_with_the_built_in_ones() {
     let outcome = stochc("calibrate hemispere");
     assert_eq!(outcome.status, 2);
     assert!(
@@ -759,7 +759,7 @@ fn a_scene_that_is_not_built_in_is_told_with_those_that_are() {
 
 /// Checks that offsets in a file include its byte order mark.
 #[test]
-fn offsets_are_those_of_the_file() {
+fn offsets_refer_to_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "marked.sa");
     let text = "\u{feff}assembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A let z = 2 }\n}\n";

@@ -109,7 +109,7 @@ fn resume<'a>(more: &'a str, out: &'a str) -> Vec<&'a str> {
 }
 
 #[test]
-fn runs_that_are_recorded_at_points_of_a_sweep_go_on() {
+fn recorded_runs_of_a_sweep_resume() {
     let place = tempfile::tempdir().unwrap();
     let [out, straight] = ["out", "straight"].map(|name| path(place.path(), name));
     let of = |out| {
@@ -135,7 +135,7 @@ fn runs_that_are_recorded_at_points_of_a_sweep_go_on() {
 }
 
 #[test]
-fn runs_in_double_precision_and_without_rotation_go_on() {
+fn runs_in_double_precision_and_without_rotation_resume() {
     for more in [
         "--max-ticks 3000 --precision double",
         "--max-ticks 3000 --without rotation",
@@ -150,7 +150,7 @@ fn runs_in_double_precision_and_without_rotation_go_on() {
 }
 
 #[test]
-fn shards_go_on() {
+fn shards_resume() {
     let place = tempfile::tempdir().unwrap();
     let [out, straight] = ["out", "straight"].map(|name| path(place.path(), name));
     let of = |out| simulate(TOWER, "--max-ticks 3000", out);

@@ -108,7 +108,7 @@ fn warnings_stay_out_of_the_output() {
 }
 
 #[test]
-fn an_executable_is_simulated_without_its_text() {
+fn an_executable_is_simulated_without_its_source() {
     let folder = tempfile::tempdir().unwrap();
     let [program, there, here] = ["X", "there", "here"].map(|name| path(folder.path(), name));
     let compile = "compile --emit executable tests/fixtures/importing.sa";
@@ -143,7 +143,7 @@ fn an_executable_is_simulated_without_its_text() {
 }
 
 #[test]
-fn an_executable_of_nothing_is_neither_written_nor_run() {
+fn an_empty_executable_is_neither_written_nor_run() {
     let folder = tempfile::tempdir().unwrap();
     let [empty, out, none] =
         ["empty.sa", "out.json", "none.json"].map(|it| path(folder.path(), it));
@@ -169,7 +169,7 @@ fn an_executable_of_nothing_is_neither_written_nor_run() {
 }
 
 #[test]
-fn a_damaged_executable_is_refused() {
+fn a_corrupted_executable_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let program = path(folder.path(), "X");
     let compile = "compile --emit executable tests/fixtures/tower.sa --out";

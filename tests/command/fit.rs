@@ -41,7 +41,7 @@ fn measured(folder: &std::path::Path) -> String {
 }
 
 #[test]
-fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
+fn recovers_a_parameter_and_predicts_held_out_programs() {
     let folder = tempfile::tempdir().unwrap();
     let (file, data, out) = (
         path(folder.path(), "small.sa"),
@@ -99,7 +99,7 @@ fn a_number_is_found_again_and_what_was_held_out_is_predicted() {
 }
 
 #[test]
-fn what_does_not_fit_together_is_told() {
+fn mismatched_inputs_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let (file, data) = (
         path(folder.path(), "small.sa"),
@@ -201,7 +201,7 @@ fn what_does_not_fit_together_is_told() {
 }
 
 #[test]
-fn times_that_no_run_reaches_are_told_of() {
+fn unreachable_times_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let (file, data) = (
         path(folder.path(), "small.sa"),
@@ -222,7 +222,7 @@ fn times_that_no_run_reaches_are_told_of() {
 }
 
 #[test]
-fn a_scene_that_cannot_be_at_a_point_is_told_of() {
+fn an_impossible_scene_at_a_point_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let (file, data) = (
         path(folder.path(), "small.sa"),
@@ -254,7 +254,7 @@ fn fitted(output: &str) -> (f64, f64) {
 }
 
 #[test]
-fn a_number_is_found_again_although_runs_were_stopped() {
+fn recovers_a_parameter_from_censored_runs() {
     let folder = tempfile::tempdir().unwrap();
     let (file, out) = (path(folder.path(), "small.sa"), path(folder.path(), "out"));
     fs::write(&file, programs(8)).unwrap();

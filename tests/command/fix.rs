@@ -39,7 +39,7 @@ fn file(text: &[u8]) -> (tempfile::TempDir, String) {
 }
 
 #[test]
-fn changes_are_shown_and_made_and_the_rest_is_told() {
+fn fixes_are_applied_and_the_rest_is_reported() {
     let (_folder, file) = file(WRONG.as_bytes());
     let outcome = stochc_with("check --fix", &[&file]);
     assert_eq!(outcome.status, 0, "{}", outcome.err);
@@ -93,7 +93,7 @@ fn a_dry_run_writes_nothing() {
 }
 
 #[test]
-fn the_mark_and_the_ends_of_lines_stay() {
+fn byte_order_mark_and_line_endings_are_preserved() {
     let windows = format!("\u{feff}{}", WRONG.replace('\n', "\r\n"));
     let (_folder, file) = file(windows.as_bytes());
     // With `--json`, the diff is still printed to standard error.
@@ -117,7 +117,7 @@ fn documents_are_not_mixed_with_the_diff() {
 }
 
 #[test]
-fn imported_files_are_left_to_themselves() {
+fn imported_files_are_not_fixed() {
     let (folder, file) = file(b"import \"b.sa\"\n");
     let imported = path(folder.path(), "b.sa");
     fs::write(&imported, "let n = 1;\n").unwrap();
@@ -129,7 +129,7 @@ fn imported_files_are_left_to_themselves() {
 }
 
 #[test]
-fn what_cannot_be_read_or_is_no_file_is_told_of_as_ever() {
+fn unreadable_files_are_reported_as_by_check() {
     for file in ["tests/fixtures/none.sa", "/dev/null"] {
         let plain = stochc(&format!("check {file}"));
         let fixed = stochc(&format!("check --fix {file}"));

@@ -9,7 +9,7 @@ assembly a {
 ";
 
 #[test]
-fn files_are_laid_out_in_place() {
+fn files_are_formatted_in_place() {
     let folder = tempfile::tempdir().unwrap();
     let inner = folder.path().join("deep/er");
     std::fs::create_dir_all(&inner).unwrap();
@@ -31,7 +31,7 @@ fn files_are_laid_out_in_place() {
 }
 
 #[test]
-fn check_shows_what_would_change_and_changes_nothing() {
+fn check_prints_a_diff_and_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "a.sa");
     std::fs::write(&file, LAID_OUT.replace("M.up -> A", "M.up->A")).unwrap();
@@ -48,7 +48,7 @@ fn check_shows_what_would_change_and_changes_nothing() {
 }
 
 #[test]
-fn a_wrong_program_is_left_as_it_is_and_the_others_are_laid_out() {
+fn a_program_with_errors_is_left_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let (a, b) = (path(folder.path(), "a.sa"), path(folder.path(), "b.sa"));
     std::fs::write(&a, "assembly a  {").unwrap();
@@ -68,7 +68,7 @@ fn a_wrong_program_is_left_as_it_is_and_the_others_are_laid_out() {
 
 #[test]
 #[cfg(unix)]
-fn permissions_and_links_stay() {
+fn permissions_and_links_are_preserved() {
     use std::fs::Permissions;
     use std::os::unix::fs::{PermissionsExt as _, symlink};
     let folder = tempfile::tempdir().unwrap();
@@ -84,13 +84,13 @@ fn permissions_and_links_stay() {
 }
 
 #[test]
-fn the_standard_input_goes_to_the_standard_output() {
+fn standard_input_is_formatted_to_standard_output() {
     assert_eq!(stochc_reading("fmt -", CARELESS).out, LAID_OUT);
     assert_eq!(run_command(&mut command(["fmt", "-"])).out, "");
 }
 
 #[test]
-fn the_mark_of_the_byte_order_goes() {
+fn the_byte_order_mark_is_removed() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "a.sa");
     std::fs::write(&file, format!("\u{feff}{LAID_OUT}")).unwrap();
@@ -101,7 +101,7 @@ fn the_mark_of_the_byte_order_goes() {
 
 /// Checks that `fmt` does not change files that `check` rejects.
 #[test]
-fn a_lone_carriage_return_is_refused() {
+fn a_lone_carriage_return_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "a.sa");
     let text = LAID_OUT.replacen('\n', "\r", 1);
@@ -117,7 +117,7 @@ fn a_lone_carriage_return_is_refused() {
 }
 
 #[test]
-fn the_programs_of_this_project_are_laid_out() {
+fn the_programs_of_this_project_are_formatted() {
     let outcome = stochc("fmt --check examples compiler/src/scene/hemisphere.sa");
     assert_eq!(
         (outcome.status, outcome.out.as_str(), outcome.err.as_str()),

@@ -15,7 +15,7 @@ fn flip(folder: &str, name: &str, at: usize) {
 }
 
 #[test]
-fn damage_is_told_and_what_is_sound_is_saved() {
+fn corruption_is_reported_and_valid_parts_are_saved() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     assert_eq!(stochc_with(SIMULATE, &[&out]).status, 0);
@@ -91,7 +91,7 @@ fn damage_is_told_and_what_is_sound_is_saved() {
 }
 
 #[test]
-fn a_damaged_manifest_is_not_repaired() {
+fn a_corrupted_manifest_is_not_repaired() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     assert_eq!(stochc_with(SIMULATE, &[&out]).status, 0);
@@ -107,7 +107,7 @@ fn a_damaged_manifest_is_not_repaired() {
 }
 
 #[test]
-fn what_is_no_folder_of_results_is_told_of() {
+fn a_folder_without_results_is_reported() {
     let outcome = stochc_with("fsck", &["tests/fixtures"]);
     assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
     assert!(

@@ -7,7 +7,7 @@ use crate::stochc::{path, stochc, stochc_with};
 const ATTACHED: &str = "tests/fixtures/attached.sa";
 
 #[test]
-fn what_is_attached_is_summed_up_apart() {
+fn pre_attached_blocks_are_summarized_separately() {
     let outcome = stochc("check --cost=9 tests/fixtures/attached.sa");
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     let (reject, suction) = outcome.out.split_once("\nsucked: ").unwrap();
@@ -36,7 +36,7 @@ fn what_is_attached_is_summed_up_apart() {
 }
 
 #[test]
-fn runs_count_what_docks_where_nobody_expects_it() {
+fn runs_count_unplanned_bonds() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "runs");
     let arguments = [ATTACHED, "--runs", "20", "--out", &out, "--captures"];
@@ -91,7 +91,7 @@ fn runs_count_what_docks_where_nobody_expects_it() {
 }
 
 #[test]
-fn tables_say_how_to_capture_and_to_let_go() {
+fn tables_list_captures_and_releases() {
     let outcome = stochc("compile tests/fixtures/attached.sa");
     for line in [
         "plate 1 x 1, every face always attracts\notherwise: reject what docks on any other face\n",
@@ -108,7 +108,7 @@ fn tables_say_how_to_capture_and_to_let_go() {
 }
 
 #[test]
-fn blocks_attached_by_hand_grow_in_a_physical_world() {
+fn pre_attached_blocks_grow_in_a_physical_model() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "planted.sa");
     let text = "import \"dense.sa\"\n\nassembly planted in dense {\n    seed plate 2 x 1 {\n        \
@@ -141,7 +141,7 @@ fn blocks_attached_by_hand_grow_in_a_physical_world() {
 }
 
 #[test]
-fn nothing_else_is_done_by_hand() {
+fn only_the_first_phase_may_be_pre_attached() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "wrong.sa");
     for (seed, part) in [

@@ -29,7 +29,7 @@ fn assert_harmless(outcome: &Outcome, is_data: bool) {
 const TOWER: &str = include_str!("../fixtures/tower.sa");
 
 #[test]
-fn names_of_files_are_shown_as_what_they_are() {
+fn names_of_files_are_escaped() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| path(folder.path(), name);
     let [good, wrong, missing, plain] =
@@ -83,7 +83,7 @@ fn names_of_files_are_shown_as_what_they_are() {
 
 /// Checks names in a file of compiled programs, which may be any text.
 #[test]
-fn names_in_files_are_shown_as_what_they_are() {
+fn names_in_files_are_escaped() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| path(folder.path(), name);
     let (tower, results) = (at("tower.json"), at("results"));
@@ -142,7 +142,7 @@ fn rename(value: &mut serde_json::Value, key: &str) -> usize {
 /// Checks that output on a terminal is escaped, and that files keep the original text.
 #[test]
 #[cfg(target_os = "linux")]
-fn a_terminal_is_shown_what_a_pipe_gets_as_it_is() {
+fn pipes_get_names_unescaped() {
     let there = Command::new("script").arg("--version").output();
     if !there.is_ok_and(|output| output.status.success()) {
         return crate::skipped::skipped("bsdutils", "script");
@@ -253,7 +253,7 @@ fn imports_stay_within_the_folder_of_the_program() {
 }
 
 #[test]
-fn a_file_is_read_once_by_whatever_path_it_is_imported() {
+fn a_file_imported_by_two_paths_is_read_once() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| path(folder.path(), name);
     std::fs::create_dir(at("lib")).unwrap();

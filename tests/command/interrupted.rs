@@ -55,7 +55,7 @@ fn interrupt(child: Child, signal: &str) -> Outcome {
 }
 
 #[test]
-fn what_is_finished_is_kept() {
+fn finished_runs_are_saved() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let journal = path(out.as_ref(), "journal.jsonl");
@@ -125,7 +125,7 @@ fn listens(child: &mut Child) {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn without_a_folder_nothing_is_kept() {
+fn without_a_folder_nothing_is_saved() {
     let still = [
         "simulate",
         "tests/fixtures/still.sa",
@@ -146,7 +146,7 @@ fn without_a_folder_nothing_is_kept() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_trade_tells_what_it_has_measured() {
+fn an_interrupted_trade_prints_its_measurements() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let trade = [
@@ -206,7 +206,7 @@ fn an_ignored_signal_stays_ignored() {
 /// Checks an interrupted search at any time: the command prints the best plan so far, or none.
 #[test]
 #[cfg(target_os = "linux")]
-fn the_best_plan_is_kept() {
+fn the_best_plan_is_written() {
     let plan = ["plan", "examples/five_tower.sa", "--time", "24h", "--quiet"];
     let mut child = start(&plan);
     let threads = format!("/proc/{}/task", child.id());

@@ -223,7 +223,7 @@ fn stages_of_the_compiler_have_schemas() {
 
 /// Checks that the validator itself detects errors.
 #[test]
-fn a_document_that_differs_from_its_schema_is_refused() {
+fn a_document_that_differs_from_its_schema_is_rejected() {
     let schemas = Schemas::new();
     let errors = |value: &Value| schemas.errors(schemas.definition("status"), value, "");
     let sound = json!({

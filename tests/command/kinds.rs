@@ -27,7 +27,7 @@ fn refused(outcome: &Outcome, status: i32, what: &str) {
 }
 
 #[test]
-fn only_ordinary_files_are_read() {
+fn only_regular_files_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let here = |name: &str| path(folder.path(), name);
     pipe(&here("pipe"));
@@ -69,7 +69,7 @@ fn only_ordinary_files_are_read() {
 }
 
 #[test]
-fn only_ordinary_files_belong_to_a_folder_of_results() {
+fn results_folders_contain_only_regular_files() {
     let folder = tempfile::tempdir().unwrap();
     let simulate = "simulate --quiet tests/fixtures/dense.sa --runs 1 --record 0 --out";
     let (report, page) = (

@@ -37,7 +37,7 @@ fn a_denied_warning_is_an_error_for_every_command() {
 }
 
 #[test]
-fn an_allowed_warning_is_counted_and_not_told() {
+fn an_allowed_warning_is_counted_but_not_printed() {
     let outcome = stochc(&format!("check --allow unused-seed {CARELESS}"));
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     assert!(
@@ -48,7 +48,7 @@ fn an_allowed_warning_is_counted_and_not_told() {
 }
 
 #[test]
-fn the_last_word_of_the_command_line_counts() {
+fn the_last_level_on_the_command_line_applies() {
     for (options, status) in [
         ("--deny warnings --warn unused-seed", 0),
         ("--warn unused-seed --deny warnings", 1),
@@ -82,7 +82,7 @@ fn codes_of_the_command_line_are_checked() {
 }
 
 #[test]
-fn the_file_counts_more_than_the_command_line() {
+fn levels_in_the_file_override_the_command_line() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "levels.sa");
     let program = |statement: &str| {

@@ -43,7 +43,7 @@ fn a_manifest_reruns_its_folder() {
 }
 
 #[test]
-fn what_is_no_manifest_is_refused() {
+fn an_invalid_manifest_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "manifest.json");
     for (text, reason) in [
@@ -63,7 +63,7 @@ fn what_is_no_manifest_is_refused() {
 
 /// Checks manifests that request too many runs, or none.
 #[test]
-fn a_manifest_beyond_all_bounds_is_refused() {
+fn a_manifest_beyond_all_limits_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     stochc_with(TOWER, &["--runs", "1", "--out", &out]);
@@ -110,7 +110,7 @@ fn more_runs_are_added() {
 }
 
 #[test]
-fn what_a_kill_has_left_goes_on() {
+fn a_killed_ensemble_resumes() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, torn] = ["whole", "torn"].map(|name| path(folder.path(), name));
     stochc_with(TOWER, &["--runs", "8", "--out", &whole]);
@@ -157,7 +157,7 @@ fn made_by(folder: &std::path::Path, builds: &[&str]) -> String {
 }
 
 #[test]
-fn runs_of_another_build_are_told_of_once() {
+fn runs_of_another_build_are_reported_once() {
     let (build, warning) = (
         "0123456789abcdef",
         "another build of `stochc` (0123456789abcdef",
@@ -193,7 +193,7 @@ fn runs_of_another_build_are_told_of_once() {
 /// Checks that runs with different physics are never mixed: before resuming, one existing run is
 /// repeated.
 #[test]
-fn a_run_that_comes_out_differently_ends_the_resuming() {
+fn a_run_with_a_different_result_stops_resuming() {
     let folder = tempfile::tempdir().unwrap();
     let this = stochc::results::this_build();
     for (build, more) in [(&this[..], &[][..]), ("other", &["--mixed-builds"])] {
@@ -230,7 +230,7 @@ fn a_run_that_comes_out_differently_ends_the_resuming() {
 
 /// Checks that a wrong folder name is reported before runs are made.
 #[test]
-fn a_folder_without_runs_to_resume_is_told_of() {
+fn a_folder_without_runs_to_resume_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let expected = format!("there is nothing to resume in `{out}`; `stochc simulate`");
@@ -242,7 +242,7 @@ fn a_folder_without_runs_to_resume_is_told_of() {
 
 /// Checks that resuming recognizes a program, whatever its path.
 #[test]
-fn a_folder_goes_on_by_whatever_path_its_program_is_given() {
+fn a_folder_resumes_with_any_path_of_its_program() {
     let folder = tempfile::tempdir().unwrap();
     let [out, at_once] = ["out", "at_once"].map(|name| path(folder.path(), name));
     let here = std::env::current_dir().unwrap();
@@ -270,7 +270,7 @@ fn a_folder_goes_on_by_whatever_path_its_program_is_given() {
 }
 
 #[test]
-fn a_folder_goes_on_without_its_program() {
+fn a_folder_resumes_without_its_program() {
     let folder = tempfile::tempdir().unwrap();
     let [out, at_once, other] = ["out", "at_once", "other"].map(|name| path(folder.path(), name));
     let sweep = ["--vary", "free=50,60", "--seed", "7"];

@@ -40,7 +40,7 @@ fn the_next_commands_work() {
 }
 
 #[test]
-fn what_is_no_name_is_refused() {
+fn an_invalid_name_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["", "2towers", "a-b", "a b"] {
         let refused = run_command(command(["new", name]).current_dir(folder.path()));

@@ -36,7 +36,7 @@ fn a_program_is_planned_and_passes_every_check() {
 }
 
 #[test]
-fn a_plan_is_a_document_as_well() {
+fn a_plan_is_available_as_json() {
     let document = stochc(&format!("{FIVE} --json --minimize p90")).json();
     assert_eq!(document["plan"]["captures"].as_array().unwrap().len(), 10);
     assert!(
@@ -50,7 +50,7 @@ fn a_plan_is_a_document_as_well() {
 /// Checks that the estimate of a plan equals the estimate of `check --cost`, with built-in rates or
 /// with given rates.
 #[test]
-fn the_estimate_is_that_of_the_program() {
+fn the_estimate_agrees_with_the_program() {
     let folder = tempfile::tempdir().unwrap();
     let planned = |name: &str, more: &[&str]| -> (f64, f64) {
         let out = path(folder.path(), name);
@@ -214,7 +214,7 @@ fn shapes_plates_and_scenes_are_chosen() {
 
 /// Checks a shape in the air, above the seed of another assembly's plate. It cannot be attached.
 #[test]
-fn what_cannot_be_built_is_told_on_one_line_and_what_would_help_on_the_next() {
+fn impossible_shapes_are_reported_with_a_help() {
     let folder = tempfile::tempdir().unwrap();
     let drawn = path(folder.path(), "drawn.txt");
     fs::write(&drawn, "# . .\n\n# . #\n").unwrap();
@@ -237,7 +237,7 @@ fn what_cannot_be_built_is_told_on_one_line_and_what_would_help_on_the_next() {
 
 /// Checks that an output file that cannot be written is reported before planning.
 #[test]
-fn where_the_program_goes_is_looked_at_first() {
+fn the_output_path_is_checked_first() {
     let folder = tempfile::tempdir().unwrap();
     let there = path(folder.path(), "there.sa");
     fs::write(&there, "mine").unwrap();
@@ -260,7 +260,7 @@ fn where_the_program_goes_is_looked_at_first() {
 /// Checks that the message about a file that is not a program is about the file, not about
 /// generated source.
 #[test]
-fn what_cannot_be_planned_is_told_with_a_way_out() {
+fn targets_that_cannot_be_planned_are_reported_with_a_help() {
     let folder = tempfile::tempdir().unwrap();
     let compiled = path(folder.path(), "line.json");
     let made = stochc_with(
@@ -346,7 +346,7 @@ assembly a in lab { seed plate 2 x 1 { A at (0, 0) } phase rest { A.up -> B.east
 
 /// Checks that a text with layers may begin with a byte order mark, as a program may.
 #[test]
-fn layers_may_begin_with_a_mark() {
+fn layers_may_begin_with_a_byte_order_mark() {
     let folder = tempfile::tempdir().unwrap();
     let layers = path(folder.path(), "one.txt");
     fs::write(&layers, "\u{feff}#\n").unwrap();
@@ -422,7 +422,7 @@ fn a_program_is_completed() {
 }
 
 #[test]
-fn a_run_that_was_stopped_is_finished() {
+fn a_censored_run_is_completed() {
     let folder = tempfile::tempdir().unwrap();
     let results = path(folder.path(), "results");
     let simulate =
@@ -465,7 +465,7 @@ fn a_run_that_was_stopped_is_finished() {
 }
 
 #[test]
-fn times_of_a_scene_that_nobody_has_measured_are_told_as_such() {
+fn uncalibrated_estimates_are_marked() {
     let planned = |scene: &str| {
         let line =
             format!("plan examples/five_tower.sa --tries 10 --quiet --explain --scene {scene}");
@@ -483,7 +483,7 @@ fn times_of_a_scene_that_nobody_has_measured_are_told_as_such() {
 /// Checks scenes with warnings, and scenes whose faces always attract. The result is a program or
 /// an error.
 #[test]
-fn a_warning_is_no_reason_for_no_program() {
+fn a_warning_does_not_prevent_a_plan() {
     let folder = tempfile::tempdir().unwrap();
     let cube = "layer 1..2 { # #\n # # }";
     for (name, scene, shape) in [
@@ -514,7 +514,7 @@ fn a_warning_is_no_reason_for_no_program() {
 /// Checks the completion of a program that has other claims, which are not true yet, and all kinds
 /// of comments.
 #[test]
-fn a_completed_program_keeps_its_other_claims_and_its_comments() {
+fn a_completed_program_retains_claims_and_comments() {
     let folder = tempfile::tempdir().unwrap();
     let (part, whole) = (
         path(folder.path(), "part.sa"),
@@ -561,7 +561,7 @@ assembly x {
 /// Checks a forged record with a valid checksum. It is ignored if no run of the program could have
 /// this record.
 #[test]
-fn a_forged_record_is_left_out() {
+fn a_forged_record_is_ignored() {
     let folder = tempfile::tempdir().unwrap();
     let results = path(folder.path(), "results");
     let program = path(folder.path(), "chain.sa");

@@ -93,7 +93,7 @@ fn an_assembly_is_named() {
 }
 
 #[test]
-fn output_is_replaced_if_that_is_asked_for() {
+fn output_is_replaced_on_request() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "two.txt");
     fs::write(&file, "##\n").unwrap();
@@ -124,7 +124,7 @@ fn output_is_replaced_if_that_is_asked_for() {
 }
 
 #[test]
-fn what_scaffolds_gain_is_reported() {
+fn the_gain_of_scaffolds_is_reported() {
     let explained = |more: &[&str]| {
         let shape = "lab/planner/shapes/line.txt";
         let outcome = stochc_with("plan --quiet --explain", &[&[shape], more].concat());

@@ -24,7 +24,7 @@ fn checked(text: &str, option: &str) -> (Vec<String>, Vec<Value>) {
 }
 
 #[test]
-fn what_is_proved_is_reported() {
+fn proved_properties_are_reported() {
     let text = "shape pair { layer 1..2 { # } }
         assembly tower {
             seed plate 1 x 1 { M at (0, 0) }

@@ -18,7 +18,7 @@ assembly tower in small {
 ";
 
 #[test]
-fn rates_are_measured_kept_and_used() {
+fn rates_are_calibrated_saved_and_used() {
     let folder = tempfile::tempdir().unwrap();
     let here = |name: &str| path(folder.path(), name);
     fs::write(here("small.sa"), SMALL).unwrap();
@@ -98,7 +98,7 @@ fn rates_are_measured_kept_and_used() {
 }
 
 #[test]
-fn the_line_takes_by_rates_what_it_takes_with_physics() {
+fn the_rate_model_agrees_with_physics_for_the_line() {
     let outcome = stochc("simulate --model rate --runs 400 --quiet --json examples/line.sa");
     assert_eq!(outcome.status, 0, "{}", outcome.err);
     let value: Value = serde_json::from_str(&outcome.out).unwrap();
@@ -115,7 +115,7 @@ fn the_line_takes_by_rates_what_it_takes_with_physics() {
 }
 
 #[test]
-fn estimates_say_when_and_why() {
+fn estimates_name_the_critical_captures() {
     let outcome =
         stochc("estimate --json --quiet examples/line.sa examples/five_tower_reconfigured.sa");
     assert_eq!(outcome.status, 0, "{}", outcome.err);
@@ -171,7 +171,7 @@ fn estimates_say_when_and_why() {
 }
 
 #[test]
-fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
+fn estimates_sample_runs_if_requested_or_needed() {
     let mean = |outcome: &Outcome| {
         assert_eq!(outcome.status, 0, "{}", outcome.err);
         let value: Value = serde_json::from_str(&outcome.out).unwrap();
@@ -206,7 +206,7 @@ fn runs_by_rates_are_made_where_they_are_asked_for_or_needed() {
 /// Checks a program that times out in its first phase in a third of all runs. The graph, runs by
 /// rates, and `simulate` agree.
 #[test]
-fn what_comes_to_a_timeout_is_slower_than_all_others() {
+fn a_program_that_times_out_is_the_slowest() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "a.sa");
     let text = "assembly a { seed plate 1 x 1 { M at (0, 0) }
@@ -249,7 +249,7 @@ fn what_comes_to_a_timeout_is_slower_than_all_others() {
 }
 
 #[test]
-fn scenes_that_nobody_has_measured_are_guessed_and_say_so() {
+fn uncalibrated_scenes_are_estimated_and_marked() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "small.sa");
     fs::write(&file, SMALL).unwrap();
@@ -277,7 +277,7 @@ const UNKNOWN: [(&str, &str); 5] = [
 ];
 
 #[test]
-fn what_rates_do_not_speak_of_is_refused_by_name() {
+fn unsupported_terms_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let heavy = path(folder.path(), "heavy.sa");
     let text = SMALL.replace("free 60 uniform", "free 60 uniform  gravity 1 m/s^2");
@@ -317,7 +317,7 @@ fn what_rates_do_not_speak_of_is_refused_by_name() {
 }
 
 #[test]
-fn nothing_is_recorded_of_blocks_that_have_no_places() {
+fn models_without_positions_are_not_recorded() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "runs");
     let outcome = stochc_with(
@@ -339,7 +339,7 @@ fn nothing_is_recorded_of_blocks_that_have_no_places() {
 
 /// Checks that both commands print the same mean and interval for the same few runs.
 #[test]
-fn an_estimate_by_runs_is_as_sure_as_an_ensemble() {
+fn a_sampled_estimate_has_the_interval_of_an_ensemble() {
     let line = "--runs 5 --seed 3 --quiet --json";
     let runs = stochc(&format!("simulate examples/line.sa --model rate {line}")).json();
     let estimate = stochc(&format!("estimate examples/line.sa {line}")).json();

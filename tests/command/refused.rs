@@ -6,7 +6,7 @@ use crate::stochc::{path, stochc, stochc_with, tables};
 const TOWER: &str = "simulate --model shuffle --quiet tests/fixtures/tower.sa --runs 3";
 
 #[test]
-fn wrong_command_lines_are_told_of() {
+fn invalid_command_lines_are_reported() {
     for line in [
         "",
         "chekc",
@@ -55,7 +55,7 @@ fn wrong_command_lines_are_told_of() {
 /// Checks that an option without effect is rejected, even if another option excludes the option
 /// that it needs.
 #[test]
-fn an_option_without_effect_is_refused() {
+fn an_option_without_effect_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     for line in [
@@ -170,7 +170,7 @@ fn help_and_version_are_output() {
 }
 
 #[test]
-fn a_wrong_program_is_not_run() {
+fn a_program_with_errors_is_not_run() {
     let outcome = stochc("simulate tests/fixtures/tower.sa tests/fixtures/wrong.sa");
     assert_eq!((outcome.status, outcome.out.as_str()), (1, ""));
     assert!(outcome.err.contains("unknown-name"), "{}", outcome.err);
@@ -206,7 +206,7 @@ fn a_scene_with_a_term_that_the_model_lacks_is_not_run() {
 }
 
 #[test]
-fn the_other_model_has_what_rapier_lacks() {
+fn the_rigid_model_supports_what_rapier_lacks() {
     let outcome = stochc("simulate --model rigid tests/fixtures/soft.sa --runs 2 --quiet");
     assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(outcome.out.contains("Mean time"), "{}", outcome.out);
@@ -277,7 +277,7 @@ fn other_results_are_never_overwritten() {
 }
 
 #[test]
-fn files_of_others_are_left_alone() {
+fn foreign_files_are_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     let note = path(folder.path(), "note.txt");
     fs::write(&note, "mine").unwrap();
@@ -296,7 +296,7 @@ fn files_of_others_are_left_alone() {
 }
 
 #[test]
-fn a_run_to_record_that_is_not_to_be_made_is_refused() {
+fn recording_a_run_beyond_the_ensemble_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     for (runs, record, expected) in [
@@ -314,7 +314,7 @@ fn a_run_to_record_that_is_not_to_be_made_is_refused() {
 }
 
 #[test]
-fn none_of_something_is_no_number_to_show_or_to_try() {
+fn zero_is_not_a_valid_count() {
     for line in [
         "check --cost=0 tests/fixtures/tower.sa",
         "verify --states 0 tests/fixtures/tower.sa",
@@ -327,7 +327,7 @@ fn none_of_something_is_no_number_to_show_or_to_try() {
 /// Checks arguments that are not UTF-8. If one of several is invalid, the message names it.
 #[test]
 #[cfg(unix)]
-fn an_argument_that_is_no_text_is_named() {
+fn an_argument_that_is_not_text_is_named() {
     use std::os::unix::ffi::OsStrExt as _;
     let mut command = crate::stochc::command(["check", "tests/fixtures/tower.sa"]);
     command.arg(std::ffi::OsStr::from_bytes(b"caf\xe9.sa"));

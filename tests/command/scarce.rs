@@ -46,7 +46,7 @@ fn ends_well(outcome: &Outcome, statuses: &[i32]) {
 }
 
 #[test]
-fn without_memory_a_command_says_so_and_ends() {
+fn without_memory_a_command_fails_with_a_message() {
     let place = tempfile::tempdir().unwrap();
     let [large, out, cut] = ["large.sa", "out", "cut"].map(|name| path(place.path(), name));
     fs::write(&large, LARGE).unwrap();
@@ -95,7 +95,7 @@ fn without_memory_a_command_says_so_and_ends() {
 }
 
 #[test]
-fn without_memory_no_recording_is_called_damaged() {
+fn without_memory_no_recording_is_called_corrupted() {
     let place = tempfile::tempdir().unwrap();
     let out = path(place.path(), "recorded");
     let line = "simulate examples/line.sa --runs 2 --record all --quiet --out";
@@ -117,7 +117,7 @@ fn without_memory_no_recording_is_called_damaged() {
 const NOBODY: u32 = 61_234;
 
 #[test]
-fn without_threads_a_command_goes_on_or_says_so() {
+fn without_threads_a_command_continues_or_fails() {
     let place = tempfile::tempdir().unwrap();
     let is_root = fs::metadata("/proc/self").unwrap().uid() == 0;
     let setpriv = Command::new("setpriv").arg("--version").output();

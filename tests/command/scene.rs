@@ -28,7 +28,7 @@ fn a_scene_of_the_program_is_listed() {
 }
 
 #[test]
-fn scenes_come_as_json_beside_the_findings() {
+fn scenes_are_part_of_the_json_document() {
     let outcome =
         stochc("check --physics --json tests/fixtures/careless.sa tests/fixtures/soft.sa");
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
@@ -119,7 +119,7 @@ fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
 /// Checks that `simulate` warns about a long time step, and that a sweep checks each point only
 /// once.
 #[test]
-fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
+fn an_unresolved_scene_is_reported_by_simulate() {
     let line = "simulate --runs 1 --max-ticks 1 tests/fixtures/dense.sa --substeps";
     let errors_with = |steps: &str| stochc_with(line, &[steps]).err;
     assert!(!errors_with("4").contains("warning"));
@@ -155,7 +155,7 @@ fn a_scene_that_steps_do_not_resolve_is_told_of_where_it_is_simulated() {
 
 /// Checks that drag counts: the steps of `microns.sa` suffice for the motion of its blocks.
 #[test]
-fn a_scene_in_which_drag_rules_is_resolved() {
+fn a_scene_dominated_by_drag_is_resolved() {
     let outcome = stochc("check --physics --json examples/microns.sa").json();
     let scene = &outcome["scenes"][0];
     assert_eq!(scene["warnings"], serde_json::json!([]));
@@ -177,7 +177,7 @@ fn a_scene_in_which_drag_rules_is_resolved() {
 /// Checks a scene whose blocks are 1.8 % heavier than the stirred fluid, so that they lie on the
 /// floor.
 #[test]
-fn a_tank_whose_blocks_sink_is_told_of() {
+fn warns_of_sinking_blocks() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "tank.sa");
     let text = "scene tank from suction_tank { block cube { side 10cm  mass 1018g  faces 5 }\n fluid \
@@ -222,7 +222,7 @@ fn tank(wall: &str, density: &str, contact: &str) -> String {
 /// Checks walls that hold floating or sinking blocks. The net force on a block is (8 kg - 1 kg) g,
 /// or -0.2 g times 1 kg. A wall balances it with its stiffness times 20 cm.
 #[test]
-fn walls_that_cannot_hold_what_floats_or_sinks_are_told_of() {
+fn warns_of_walls_too_soft_for_buoyant_blocks() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "tank.sa");
     let contact = "contact { stiffness 250 N/m  damping 6 N s/m  friction 1 }";
@@ -266,7 +266,7 @@ impl Observer for Last {
 
 /// Checks the position of a block at rest against its closed form.
 #[test]
-fn a_block_at_rest_is_as_far_outside_of_the_shell_as_is_told() {
+fn the_reported_depth_in_the_wall_is_right() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "tank.sa");
     for (wall, density, depth) in [
@@ -293,7 +293,7 @@ fn a_block_at_rest_is_as_far_outside_of_the_shell_as_is_told() {
 /// Checks a compiled file with a scene without motion. It has no source, but the warning can be
 /// denied.
 #[test]
-fn a_scene_in_which_nothing_moves_is_refused_if_that_is_denied() {
+fn a_scene_without_motion_can_be_denied() {
     let folder = tempfile::tempdir().unwrap();
     let [text, compiled] = ["a.sa", "a.json"].map(|name| path(folder.path(), name));
     let program = "scene still from hemisphere { agitation kicks { speed 0 .. 0 m/s } }\n\

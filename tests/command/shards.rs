@@ -28,7 +28,7 @@ fn files(folder: &str) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn shards_put_together_are_the_folder_of_one_machine() {
+fn merged_shards_equal_the_folder_of_one_machine() {
     let folder = tempfile::tempdir().unwrap();
     for (number, command) in [TOWER, SWEEP].into_iter().enumerate() {
         let [plain, shards] =
@@ -71,7 +71,7 @@ fn shards_put_together_are_the_folder_of_one_machine() {
 }
 
 #[test]
-fn a_shell_loop_makes_what_is_missing() {
+fn a_shell_loop_runs_missing_shards() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     stochc_with(
@@ -105,7 +105,7 @@ fn a_shell_loop_makes_what_is_missing() {
 
 /// Checks that each rejection has a reason, advice and an exit status, and changes no file.
 #[test]
-fn what_cannot_be_is_refused() {
+fn impossible_shards_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let refused = |line: &str, more: &[&str], status, reason: &str| {
@@ -199,7 +199,7 @@ fn damage(out: &str, shard: &str) {
 
 /// Checks a shard whose first line is still valid, so that `status` does not detect the corruption.
 #[test]
-fn damaged_shards_are_made_again_by_what_is_proposed() {
+fn corrupted_shards_are_rerun_by_the_proposed_command() {
     let folder = tempfile::tempdir().unwrap();
     let [plain, out] = ["plain", "out"].map(|name| path(folder.path(), name));
     stochc_with(TOWER, &["--quiet", "--threads", "1", "--out", &plain]);
@@ -242,7 +242,7 @@ fn damaged_shards_are_made_again_by_what_is_proposed() {
 }
 
 #[test]
-fn shards_are_kept_whose_cut_is_lost() {
+fn shards_without_their_split_are_not_removed() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     stochc_with(

@@ -3,7 +3,7 @@ use std::fs;
 use crate::stochc::{path, stochc_with};
 
 #[test]
-fn a_folder_tells_what_was_told_when_it_was_filled() {
+fn show_repeats_the_output_of_simulate() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let simulate =
@@ -29,7 +29,7 @@ fn a_folder_tells_what_was_told_when_it_was_filled() {
 /// Checks random impulses that break the physics. Without a results folder, only the terminal can
 /// show the reason.
 #[test]
-fn the_first_reason_of_runs_that_fail_is_told() {
+fn the_first_reason_of_failed_runs_is_printed() {
     let folder = tempfile::tempdir().unwrap();
     let text = "scene wild from hemisphere { agitation kicks { speed 1e20 m/s } }\n\
                 assembly tower in wild { seed plate 1 x 1 { M at (0, 0) } phase foot { M.up -> A } }\n";
@@ -230,7 +230,7 @@ fn a_sweep_is_shown_point_by_point_with_the_label_of_its_program() {
 /// Compares two runs of similar programs. The difference is not significant, and the sentence
 /// states a sufficient number of runs.
 #[test]
-fn a_difference_that_is_not_significant_is_told_with_the_runs_that_it_needs() {
+fn prints_the_runs_needed_for_a_difference() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "two.sa");
     let program = |name: &str, last: &str| {
@@ -263,7 +263,7 @@ fn a_difference_that_is_not_significant_is_told_with_the_runs_that_it_needs() {
 }
 
 #[test]
-fn a_corrupted_folder_ends_with_2_and_its_sound_runs_are_shown() {
+fn valid_runs_of_a_corrupted_folder_are_shown_with_status_2() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let simulate = "simulate --quiet --model shuffle --runs 4 tests/fixtures/tower.sa --out";
@@ -319,7 +319,7 @@ fn a_replay_without_a_number_shows_the_median_run() {
 }
 
 #[test]
-fn what_holds_no_results_is_told_of() {
+fn a_folder_without_results_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let missing = path(folder.path(), "missing");
     for place in [

@@ -50,7 +50,7 @@ fn a_dry_run_forecasts_the_cpu_time() {
 }
 
 #[test]
-fn figures_come_as_json_too() {
+fn results_are_available_as_json() {
     let figures = stochc_with(TOWER, &["--runs", "4", "--json"]).json();
     assert_eq!(figures["programs"][0]["completed"], 4);
     assert_eq!(figures["programs"][0]["time"]["mean"], 3.0);
@@ -62,7 +62,7 @@ fn figures_come_as_json_too() {
 }
 
 #[test]
-fn captures_are_told_on_request() {
+fn captures_are_printed_on_request() {
     let outcome = stochc_with(TOWER, &["--runs", "4", "--captures"]);
     let (_, captures) = outcome
         .out
@@ -74,7 +74,7 @@ fn captures_are_told_on_request() {
 }
 
 #[test]
-fn a_timeout_is_told_and_a_status() {
+fn a_timeout_is_reported_with_its_status() {
     let outcome = stochc("simulate --model shuffle --runs 3 tests/fixtures/late.sa");
     assert_eq!(outcome.status, 3);
     let expected = "3 of 3 runs, 3 stopped in ";
@@ -93,7 +93,7 @@ fn a_timeout_is_told_and_a_status() {
 }
 
 #[test]
-fn a_run_that_is_stopped_tells_by_what_and_what_it_waited_for() {
+fn a_stopped_run_reports_its_limit_and_its_wait() {
     const LATE: &str = "trace --model shuffle --run 0 tests/fixtures/late.sa";
     for (limit, end) in [
         ("9", "timed out in phase grow after 2 ticks (40.0 ms)"),
@@ -115,7 +115,7 @@ fn a_run_that_is_stopped_tells_by_what_and_what_it_waited_for() {
 
 /// Checks that the record of a run can be understood without another file.
 #[test]
-fn a_run_in_json_has_names_beside_indices() {
+fn a_run_in_json_has_names_and_indices() {
     let outcome = stochc("trace --model shuffle --run 0 --json tests/fixtures/late.sa");
     let record = &outcome.json()["runs"][0];
     assert_eq!(record["program"], "late");
@@ -156,7 +156,7 @@ fn a_run_in_json_has_names_beside_indices() {
 }
 
 #[test]
-fn threads_do_not_matter() {
+fn results_do_not_depend_on_threads() {
     let folder = tempfile::tempdir().unwrap();
     let [one, four] = ["1", "4"].map(|threads| {
         let out = path(folder.path(), threads);
@@ -189,7 +189,7 @@ fn threads_do_not_matter() {
 }
 
 #[test]
-fn one_run_is_that_of_the_ensemble() {
+fn trace_repeats_a_run_of_the_ensemble() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     stochc_with(TOWER, &["--runs", "4", "--seed", "7", "--out", &out]);
@@ -213,7 +213,7 @@ fn one_run_is_that_of_the_ensemble() {
 }
 
 #[test]
-fn a_run_is_told_capture_by_capture() {
+fn trace_prints_every_capture() {
     let outcome = stochc("trace --model shuffle --run 1 tests/fixtures/tower.sa");
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     let printed = without_blocks(&outcome.out);

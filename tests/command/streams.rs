@@ -50,7 +50,7 @@ fn on_a_terminal_called(kind: &str, arguments: &str) -> Option<String> {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_terminal_that_can_only_print_gets_no_colours_and_no_bar() {
+fn a_dumb_terminal_gets_no_colours_and_no_bar() {
     for line in [
         "check tests/fixtures/wrong.sa",
         "simulate --model shuffle --runs 3 tests/fixtures/tower.sa",
@@ -90,7 +90,7 @@ fn a_terminal_gets_the_next_command() {
 }
 
 #[test]
-fn a_reader_that_leaves_is_no_trouble() {
+fn a_closed_pipe_is_not_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "long.sa");
     // The output is larger than the buffer of a pipe.
@@ -123,7 +123,7 @@ fn a_reader_that_leaves_is_no_trouble() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_full_disk_is_told_of() {
+fn a_full_disk_is_reported() {
     for line in [
         "--help",
         "simulate --help",
@@ -148,7 +148,7 @@ fn a_full_disk_is_told_of() {
 /// Checks that files are written before messages: a closed output changes neither files nor the
 /// exit status.
 #[test]
-fn a_reader_that_leaves_costs_no_file() {
+fn a_closed_pipe_loses_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let [out, trade] = ["out", "trade"].map(|name| path(folder.path(), name));
     let unsuccessful = [
@@ -205,7 +205,7 @@ fn a_reader_that_leaves_costs_no_file() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_limit_on_the_size_of_files_is_told_of() {
+fn a_limit_on_file_sizes_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "graph.json");
     let line = format!(

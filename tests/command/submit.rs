@@ -99,7 +99,7 @@ echo \"$* ${SBATCH_ARRAY_INX-}\" >>calls";
 }
 
 #[test]
-fn without_slurm_there_is_a_way_out() {
+fn without_slurm_the_shell_loop_is_proposed() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     stochc_with(&shard_new(TOWER), &["--shards", "4", "--out", &out]);
@@ -112,7 +112,7 @@ fn without_slurm_there_is_a_way_out() {
 }
 
 #[test]
-fn without_a_configuration_there_is_a_way_out() {
+fn without_a_configuration_the_shell_loop_is_proposed() {
     let fatal = "echo 'squeue: fatal: Could not establish a configuration source' >&2; exit 1";
     let slurm = FakeSlurm::new(ACCEPTS, fatal);
     let outcome = slurm.submit("");
@@ -280,7 +280,7 @@ fn shards_are_merged_if_none_is_missing() {
 }
 
 #[test]
-fn the_environment_does_not_decide_what_is_submitted() {
+fn the_environment_does_not_change_submissions() {
     let slurm = FakeSlurm::new(ACCEPTS, LISTS);
     let outcome_with = |name: &str, value: &str| run_command(slurm.command("").env(name, value));
     let refused = outcome_with("SBATCH_CLUSTERS", "east");
@@ -414,7 +414,7 @@ fn the_scripts_are_plain_shell() {
 }
 
 #[test]
-fn what_cannot_be_submitted_is_refused() {
+fn folders_that_cannot_be_submitted_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let refused = |arguments: &[&str], reason: &str| {
@@ -474,7 +474,7 @@ fn what_cannot_be_submitted_is_refused() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_name_that_is_no_text_is_refused() {
+fn a_name_that_is_not_text_is_rejected() {
     use std::os::unix::ffi::OsStrExt as _;
     let folder = tempfile::tempdir().unwrap();
     let [out, odd] =

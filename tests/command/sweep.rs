@@ -17,7 +17,7 @@ fn json(folder: &str, name: &str) -> Value {
 }
 
 #[test]
-fn a_number_is_swept_in_one_folder() {
+fn a_parameter_is_swept_in_one_folder() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let sweep = ["--vary", "free=50..150/3", "--out", &out];
@@ -75,7 +75,7 @@ fn a_number_is_swept_in_one_folder() {
 /// Checks that a pre-attached block does not count as captured. Only one of the two blocks of a run
 /// is captured.
 #[test]
-fn what_is_attached_by_hand_is_no_capture() {
+fn pre_attached_blocks_are_not_captures() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "hand.sa");
     let text =
@@ -92,7 +92,7 @@ fn what_is_attached_by_hand_is_no_capture() {
 }
 
 #[test]
-fn two_numbers_meet_each_other() {
+fn two_parameters_are_combined() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let axes = ["--vary", "bond.pull=2..12 N/3", "--vary", "free=50,80"];
@@ -140,7 +140,7 @@ fn two_numbers_meet_each_other() {
 
 /// Checks that each value of a third parameter has its own figures, and that many values have none.
 #[test]
-fn a_third_number_makes_more_figures() {
+fn a_third_parameter_makes_more_figures() {
     let folder = tempfile::tempdir().unwrap();
     let figures = |name: &str, ticks: &str| {
         let out = path(folder.path(), name);
@@ -251,7 +251,7 @@ fn timeouts_follow_the_tick_and_are_shown_as_bounds() {
 }
 
 #[test]
-fn a_swept_folder_is_made_again_and_goes_on() {
+fn a_swept_folder_is_rerun_and_resumed() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, torn, again] = ["whole", "torn", "again"].map(|name| path(folder.path(), name));
     // Values with a ratio of three have many digits.
@@ -307,7 +307,7 @@ fn a_swept_folder_is_made_again_and_goes_on() {
 }
 
 #[test]
-fn a_point_can_be_watched() {
+fn a_point_can_be_replayed() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let simulate = "sweep --quiet --runs 2 tests/fixtures/dense.sa";
@@ -326,7 +326,7 @@ fn a_point_can_be_watched() {
 }
 
 #[test]
-fn what_a_scene_does_not_have_is_told() {
+fn a_missing_parameter_is_reported() {
     for (sweep, reason) in [
         (
             "fre=50",
@@ -388,7 +388,7 @@ fn what_a_scene_does_not_have_is_told() {
 }
 
 #[test]
-fn a_sweep_that_would_never_end_is_refused() {
+fn an_endless_sweep_is_rejected() {
     let axes = ["--vary", "free=100..199/100", "--vary", "tick=1..5 ms/5"];
     let outcome = stochc_with(TOWER, &axes);
     assert_eq!(outcome.status, 2);
@@ -410,7 +410,7 @@ fn a_sweep_that_would_never_end_is_refused() {
 }
 
 #[test]
-fn a_point_at_which_the_program_is_wrong_is_told() {
+fn a_point_with_an_invalid_program_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let outcome = stochc_with(TOWER, &["--vary", "free=1,2,3", "--out", &out]);

@@ -33,7 +33,7 @@ fn every_physical_example_runs_in_both_models() {
 }
 
 #[test]
-fn units_that_find_each_other_do_so_alike_at_any_number_of_threads() {
+fn aggregates_do_not_depend_on_threads() {
     let run = |threads| {
         let arguments = ["--threads", threads, "--json"];
         let outcome = stochc_with(
@@ -48,7 +48,7 @@ fn units_that_find_each_other_do_so_alike_at_any_number_of_threads() {
 }
 
 #[test]
-fn a_tank_is_recorded_and_shown_with_its_shell() {
+fn a_tank_is_recorded_and_shown_with_its_enclosure() {
     let folder = tempfile::tempdir().unwrap();
     let (out, page) = (path(folder.path(), "runs"), path(folder.path(), "run.html"));
     let arguments = ["--out", &out, "--record", "0"];

@@ -42,7 +42,7 @@ fn without_costs(value: &mut Value) {
 }
 
 #[test]
-fn every_setting_is_measured_and_kept() {
+fn every_setting_is_measured_and_saved() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let outcome = stochc_with(DENSE, &["--out", &out]);
@@ -161,7 +161,7 @@ fn the_picture_has_a_mark_for_every_setting() {
 }
 
 #[test]
-fn it_depends_on_nothing_but_its_inputs() {
+fn a_trade_depends_only_on_its_inputs() {
     let of = |threads: &str| {
         let mut trade = stochc_with(DENSE, &["--json", "--threads", threads]).json();
         without_costs(&mut trade);
@@ -175,7 +175,7 @@ fn it_depends_on_nothing_but_its_inputs() {
 }
 
 #[test]
-fn a_model_that_cannot_do_a_scene_is_told_of_with_the_reason() {
+fn an_unsupported_model_is_reported_with_the_reason() {
     let outcome = stochc("trade tests/fixtures/soft.sa --runs 2 --finest 1");
     assert_eq!(outcome.status, 0, "{}", outcome.err);
     let note = "note: left out, soft [model=rapier, substeps=1]: the model `rapier` does not support contact with a `stiffness`";
@@ -194,7 +194,7 @@ fn programs_are_ranked() {
 }
 
 #[test]
-fn censored_runs_are_told_of() {
+fn censored_runs_are_reported() {
     let outcome =
         stochc("trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet");
     assert_eq!(outcome.status, 0, "{}", outcome.err);
@@ -211,7 +211,7 @@ fn censored_runs_are_told_of() {
 }
 
 #[test]
-fn more_runs_make_none_again() {
+fn more_runs_repeat_none() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let line = "trade tests/fixtures/dense.sa --finest 2 --quiet --json --runs";
@@ -228,7 +228,7 @@ fn more_runs_make_none_again() {
 
 /// Checks that no run is started after the time limit. The trade of the finished runs is printed.
 #[test]
-fn a_budget_is_kept() {
+fn a_budget_is_respected() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "trade");
     let line = "trade tests/fixtures/dense.sa --finest 8 --quiet --json --time";
@@ -318,7 +318,7 @@ fn a_sweep_over_settings_is_a_trade() {
 }
 
 #[test]
-fn wrong_command_lines_are_told_of() {
+fn invalid_command_lines_are_reported() {
     for line in [
         "trade",
         "trade tests/fixtures/dense.sa --tries 10",
@@ -343,7 +343,7 @@ fn wrong_command_lines_are_told_of() {
 }
 
 #[test]
-fn a_reduced_model_is_told_of() {
+fn a_reduced_model_is_reported() {
     let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --substeps 2 --seed 2 --without friction --allow coarse-step";
     let outcome = stochc(line);
     assert_eq!(outcome.status, 0);

@@ -50,7 +50,7 @@ fn the_report_is_rewritten_until_the_command_ends() {
 }
 
 #[test]
-fn the_results_are_the_same_and_the_last_report_is_that_of_the_folder() {
+fn watching_changes_no_results() {
     let folder = tempfile::tempdir().unwrap();
     let [alone, watched] = ["alone", "watched"].map(|name| path(folder.path(), name));
     let line = "simulate tests/fixtures/tower.sa --runs 6 --threads 1 --record 0..1 --quiet --out";
@@ -81,7 +81,7 @@ fn the_results_are_the_same_and_the_last_report_is_that_of_the_folder() {
 }
 
 #[test]
-fn it_needs_a_folder_with_room_for_its_report() {
+fn watching_needs_a_folder() {
     for (more, expected) in [
         ("--watch", "--out <DIR>"),
         ("--watch --until 3% --out nowhere", "cannot be used with"),

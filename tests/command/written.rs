@@ -27,7 +27,7 @@ fn writers(results: &str) -> Vec<(String, Vec<&str>, bool)> {
 }
 
 #[test]
-fn nothing_but_a_file_of_our_own_is_replaced() {
+fn only_files_of_stochc_are_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let here = |name: &str| path(folder.path(), name);
     let results = here("results");
@@ -99,7 +99,7 @@ fn nothing_but_a_file_of_our_own_is_replaced() {
 }
 
 #[test]
-fn an_ensemble_goes_on_through_no_link() {
+fn an_ensemble_follows_no_link() {
     let folder = tempfile::tempdir().unwrap();
     let document = path(folder.path(), "document");
     let simulate = "simulate --quiet tests/fixtures/dense.sa --substeps 1 --record all --out";
@@ -141,7 +141,7 @@ fn an_ensemble_goes_on_through_no_link() {
 }
 
 #[test]
-fn what_a_kill_has_left_goes_and_what_is_being_written_stays() {
+fn leftovers_of_a_kill_are_removed() {
     let folder = tempfile::tempdir().unwrap();
     let left = folder.path().join(".stochc-partial-left");
     let busy = folder.path().join(".stochc-partial-busy");
@@ -155,7 +155,7 @@ fn what_a_kill_has_left_goes_and_what_is_being_written_stays() {
 }
 
 #[test]
-fn a_text_keeps_its_names_its_owner_and_its_mode() {
+fn a_rewritten_file_retains_links_owner_and_mode() {
     let careless = "assembly a{seed plate 1 x 1{M at(0,0)}phaze p{M.up->A}}";
     let laid_out = careless.replace("phaze", "phase");
     for (line, text) in [("fmt", &laid_out[..]), ("check --fix", careless)] {

@@ -32,7 +32,7 @@ fn is_allowed(expression: &str, allowed: &[String]) -> bool {
 }
 
 #[test]
-fn expressions_hold_with_one_of_either_and_all_of_both() {
+fn license_expressions_are_evaluated() {
     let allowed = ["MIT", "Zlib"].map(str::to_owned);
     for (expression, expected) in [
         ("MIT", true),
@@ -50,7 +50,7 @@ fn expressions_hold_with_one_of_either_and_all_of_both() {
 }
 
 #[test]
-fn dependencies_come_from_one_registry_under_licences_that_are_allowed() {
+fn dependencies_have_allowed_sources_and_licences() {
     let cargo = std::env::var("CARGO").unwrap_or("cargo".to_owned());
     let output = Command::new(cargo)
         .args(["metadata", "--format-version", "1", "--locked", "--offline"])

@@ -201,7 +201,7 @@ fn every_link_leads_to_a_file() {
 }
 
 #[test]
-fn what_is_not_run_is_known() {
+fn skipped_commands_are_listed() {
     let (mut list, mut run) = (String::new(), 0);
     for (name, page) in &documents() {
         for block in blocks(page) {
@@ -231,7 +231,7 @@ fn what_is_not_run_is_known() {
 }
 
 #[test]
-fn a_command_goes_on_until_a_shell_understands_it() {
+fn a_command_may_span_several_lines() {
     let block =
         "# a note\nfor i in 1 2; do\n    echo $i\ndone\necho a \\\n    b   # exit status 3: why\n";
     let found = commands(block, is_whole);
@@ -244,7 +244,7 @@ fn a_command_goes_on_until_a_shell_understands_it() {
 }
 
 #[test]
-fn a_command_that_fails_or_shows_something_else_is_told() {
+fn a_command_with_other_output_is_reported() {
     let wrong = follow(
         "page",
         "```sh\nfalse\n```\n```sh\necho one\n```\nsays\n```text\ntwo\n```\n```sh\nfalse   # exit status 1\n```\n\
@@ -263,6 +263,6 @@ fn a_command_that_fails_or_shows_something_else_is_told() {
 
 #[test]
 #[should_panic(expected = "`not run` stands above no block")]
-fn a_mark_without_its_block_is_told() {
+fn a_marker_without_its_block_is_reported() {
     blocks("<!-- not run: too long -->\nA sentence.\n");
 }

@@ -41,7 +41,7 @@ fn agree(names: &[&str], interaction: Interaction) {
 }
 
 #[test]
-fn where_faces_wait_apart_it_is_the_same() {
+fn distant_faces_agree_with_independent_waits() {
     agree(
         &[
             "examples/line.sa",
@@ -57,7 +57,7 @@ fn where_faces_wait_apart_it_is_the_same() {
 }
 
 #[test]
-fn blocks_that_are_let_go_have_their_head_start() {
+fn released_blocks_have_a_head_start() {
     agree(
         &[
             "examples/five_tower_reconfigured.sa",
@@ -71,7 +71,7 @@ fn blocks_that_are_let_go_have_their_head_start() {
 }
 
 #[test]
-fn messages_take_their_time() {
+fn messages_take_time() {
     agree(&["tests/fixtures/messages/apart.sa"], Interaction::Apart);
     agree(
         &[
@@ -84,7 +84,7 @@ fn messages_take_their_time() {
 
 /// Checks a released block that several faces could capture. Only one of them captures it.
 #[test]
-fn a_block_that_is_let_go_docks_once() {
+fn a_released_block_docks_once() {
     let checked = stochc::check("lab/rates/releases/turned.sa");
     assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
     let program = &checked.programs[0];
@@ -110,7 +110,7 @@ fn a_block_that_is_let_go_docks_once() {
 }
 
 #[test]
-fn faces_beside_each_other_are_half_known() {
+fn adjacent_faces_are_approximated() {
     agree(
         &["lab/rates/races/overtaken.sa", "lab/rates/races/stair.sa"],
         Interaction::Racing,
@@ -118,7 +118,7 @@ fn faces_beside_each_other_are_half_known() {
 }
 
 #[test]
-fn chains_that_take_many_blocks_leave_few_to_the_last() {
+fn long_chains_deplete_free_blocks() {
     agree(
         &[
             "lab/rates/sixteen.sa",

@@ -30,7 +30,7 @@ fn examples() -> Vec<String> {
 }
 
 #[test]
-fn what_is_read_is_what_was_written() {
+fn an_executable_survives_a_round_trip() {
     let mut count = 0;
     for path in examples() {
         let programs = executables(&path);
@@ -47,7 +47,7 @@ fn what_is_read_is_what_was_written() {
 }
 
 #[test]
-fn another_file_is_told_from_a_damaged_one() {
+fn distinguishes_foreign_from_corrupted_files() {
     let read = |bytes: &[u8]| Executable::read_all(bytes).unwrap_err();
     assert!(matches!(
         read(b"assembly a { }"),
@@ -88,7 +88,7 @@ fn another_file_is_told_from_a_damaged_one() {
 
 /// Checks files whose parts are each valid, but inconsistent with each other.
 #[test]
-fn parts_that_do_not_go_together_are_refused_by_name() {
+fn mismatched_parts_are_named() {
     type Edit<'a> = &'a dyn Fn(&mut Value);
     let file = written(&executables("examples/line.sa"));
     let line: Value = serde_json::from_slice(&file).unwrap();
@@ -153,7 +153,7 @@ proptest! {
 
     /// Checks that a file with changed numbers is rejected, or can be run.
     #[test]
-    fn an_edited_file_is_refused_or_run(
+    fn an_edited_file_is_rejected_or_run(
         example in 0usize..6,
         edits in prop::collection::vec((any::<prop::sample::Index>(), 0u32..40), 1..4),
     ) {

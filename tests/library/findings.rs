@@ -2,7 +2,7 @@
 use stochc::diagnostics::{Format, show};
 
 #[test]
-fn messages_read_as_before() {
+fn messages_are_unchanged() {
     insta::glob!("../findings", "*.sa", |path| {
         let text = String::from_utf8(std::fs::read(path).unwrap()).unwrap();
         let name = path.file_name().unwrap().to_str().unwrap();

@@ -42,7 +42,7 @@ fn is_of_programs(folder: &str) -> bool {
 static TURN: Mutex<()> = Mutex::new(());
 
 #[test]
-fn every_kept_file_is_read_or_refused() {
+fn every_corpus_file_is_read_or_rejected() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     for (folder, read) in READERS {
         let paths = kept(folder);
@@ -120,7 +120,7 @@ fn changed(bytes: &[u8], numbers: &mut Numbers) -> Vec<u8> {
 /// Checks inputs of the corpus after random changes. `STOCHC_CHANGES` is the number of changes of
 /// each kind. docs/validation/stability.md reports a longer run.
 #[test]
-fn changed_files_are_read_or_refused() {
+fn mutated_files_are_read_or_rejected() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let changes = std::env::var("STOCHC_CHANGES");
     let changes: u64 = changes.map_or(2_000, |text| text.parse().unwrap());

@@ -265,7 +265,7 @@ fn entry(code: Code) -> String {
 }
 
 #[test]
-fn every_finding_is_in_the_gallery_as_it_is_told() {
+fn every_diagnostic_is_in_the_gallery() {
     let page = gallery();
     for &code in Code::ALL {
         assert!(page.contains(&format!("\n### {code}\n")), "{code}");

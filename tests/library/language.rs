@@ -12,7 +12,7 @@ const MODEL: &str = include_str!("../../docs/concepts/physical-model.md");
 const README: &str = include_str!("../../README.md");
 
 #[test]
-fn every_example_of_the_reference_is_right() {
+fn every_example_of_the_reference_is_valid() {
     let programs = programs(REFERENCE);
     assert!(programs.len() >= 15, "{} examples", programs.len());
     for (line, program) in programs {
@@ -21,14 +21,14 @@ fn every_example_of_the_reference_is_right() {
 }
 
 #[test]
-fn every_example_of_the_readme_is_right() {
+fn every_example_of_the_readme_is_valid() {
     for (line, program) in programs(README) {
         no_diagnostics(&format!("README.md:{line}"), program);
     }
 }
 
 #[test]
-fn the_reference_shows_the_built_in_scenes_as_they_are() {
+fn the_reference_shows_the_built_in_scenes() {
     for (name, text) in BUILT_IN {
         let scene = text.find("scene ").map(|at| text[at..].trim_end());
         assert!(
@@ -40,7 +40,7 @@ fn the_reference_shows_the_built_in_scenes_as_they_are() {
 
 /// Checks the table of scenes. `STOCHC_WRITE_DOCS=1` updates it instead.
 #[test]
-fn the_table_of_scenes_is_that_of_the_schema() {
+fn the_table_of_scenes_matches_the_schema() {
     let mut table =
         "| clause and fields | value and meaning | absent |\n|---|---|---|\n".to_owned();
     for clause in &CLAUSES {
@@ -51,7 +51,7 @@ fn the_table_of_scenes_is_that_of_the_schema() {
 
 /// Checks the table of scene parameters for sweeps. `STOCHC_WRITE_DOCS=1` updates it instead.
 #[test]
-fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
+fn the_table_of_sweepable_parameters_matches_the_schema() {
     let mut table = "| name | short | values |\n|---|---|---|\n".to_owned();
     for number in scalars::all() {
         let (name, short) = number.names.split_first().expect("each has a name");
@@ -65,7 +65,7 @@ fn the_table_of_what_can_be_swept_is_that_of_the_schema() {
 
 /// Checks that each clause of the schema has an equation on the page about the model.
 #[test]
-fn the_model_has_an_equation_for_every_number_of_a_scene() {
+fn every_scene_parameter_has_an_equation() {
     let table = MODEL.split_once("| clause | equation").expect("the table");
     let table = table.1.split_once("\n\n").expect("the end of the text").0;
     let clauses: Vec<Vec<&str>> = (table.lines())
@@ -95,13 +95,13 @@ fn the_model_has_an_equation_for_every_number_of_a_scene() {
 }
 
 #[test]
-fn what_cannot_be_checked_alone_is_rare() {
+fn few_examples_cannot_be_checked_alone() {
     let excerpts = REFERENCE.matches("```sa,fragment").count();
     assert!(excerpts <= 1, "{excerpts} excerpts that no test checks");
 }
 
 #[test]
-fn every_example_is_laid_out() {
+fn every_example_is_formatted() {
     for (page, text) in [
         ("docs/reference/language.md", REFERENCE),
         ("README.md", README),

@@ -7,7 +7,7 @@ use crate::mutations::{explore_twice, mutants};
 /// Checks each possible error of the compiler. If an event is missing in all tables, only a
 /// comparison with the graph detects it.
 #[test]
-fn no_mistake_of_the_compiler_reaches_a_user() {
+fn internal_errors_never_reach_users() {
     let mut checked = stochc::check("examples/five_tower_reconfigured.sa");
     assert!(!checked.has_errors());
     let right = checked.programs[0].tables.clone().unwrap();

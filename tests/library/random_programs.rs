@@ -78,7 +78,7 @@ proptest! {
     }
 
     #[test]
-    fn what_may_be_lost_and_is_not_costs_nothing(
+    fn resending_costs_nothing_without_losses(
         choices in prop::collection::vec(any::<u32>(), 0..160),
         faces in 1u8..=5,
         hop in 0u32..=4,
@@ -103,7 +103,7 @@ proptest! {
     /// negligible. If a name passes to another block meanwhile, its message may take a detour over
     /// the old block.
     #[test]
-    fn messages_take_as_long_as_is_estimated(
+    fn messages_take_the_estimated_time(
         choices in prop::collection::vec(any::<u32>(), 0..160),
         reuse in prop::sample::select(vec![Reuse::Later, Reuse::AtOnce]),
         faces in 1u8..=5,
@@ -140,7 +140,7 @@ proptest! {
 /// Checks programs that reuse names. The programs are the same each time. `STOCHC_CASES` is their
 /// number. A larger number adds programs at the end.
 #[test]
-fn reuse_holds_in_every_order() {
+fn reuse_works_in_every_order() {
     let cases = std::env::var("STOCHC_CASES").map_or(3_000, |cases| cases.parse().unwrap());
     let config = ProptestConfig {
         cases,

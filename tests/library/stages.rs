@@ -35,7 +35,7 @@ fn examples_compile_as_before() {
 }
 
 #[test]
-fn the_longest_serial_chains_are_those_of_the_paper() {
+fn critical_paths_agree_with_the_paper() {
     for (file, length, serial) in [
         ("examples/five_tower.sa", 2, 4),
         ("examples/five_tower_reconfigured.sa", 4, 11),

@@ -187,7 +187,7 @@ assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A.east -> B  yie
 ];
 
 #[test]
-fn mistakes_of_beginners_read_as_before() {
+fn messages_for_beginners_are_unchanged() {
     let mut all = String::new();
     for (mistake, text) in MISTAKES {
         let mut reader = |_: &str| Ok(text.as_bytes().to_vec());

@@ -157,7 +157,7 @@ fn assert_rows(words: &[String], rows: Vec<(Value, String)>) {
 }
 
 #[test]
-fn every_trigger_condition_and_action_is_in_the_page() {
+fn every_trigger_condition_and_action_is_documented() {
     assert_rows(&words::<Trigger>(), trigger_rows());
     assert_rows(&words::<Condition>(), condition_rows());
     assert_rows(&words::<Action>(), action_rows());

@@ -455,7 +455,7 @@ fn check_target(page: &mut impl Page, program: &str) {
 }
 
 #[test]
-fn cells_that_are_filled_in_the_end_are_those_of_the_compiler() {
+fn final_cells_match_the_compiler() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
@@ -478,7 +478,7 @@ pub fn check_all(page: &mut impl Page, results: &Results) {
 }
 
 #[test]
-fn what_is_around_the_arena_is_right_at_its_tick() {
+fn captions_match_the_tick() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };

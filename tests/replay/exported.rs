@@ -141,7 +141,7 @@ impl Glb {
 }
 
 #[test]
-fn an_animation_moves_every_block_as_the_run_did() {
+fn an_animation_moves_every_block_as_in_the_run() {
     let results = Results::from_records(PROGRAM, "--record 0 --record-every 40");
     let glb = Glb::read(&export(&results, "--format gltf --every 40", "ways.glb"));
     let recording = results.recording(0);
@@ -201,7 +201,7 @@ fn an_animation_moves_every_block_as_the_run_did() {
 }
 
 #[test]
-fn what_cannot_be_written_is_told() {
+fn impossible_exports_are_reported() {
     let results = Results::from_records("tests/fixtures/dense.sa", "");
     for form in ["parquet", "gltf"] {
         let line = format!("export --run 0 --format {form} --out /nowhere/at/all");

@@ -268,7 +268,7 @@ fn firefox_shows_the_same() {
 }
 
 #[test]
-fn firefox_is_used_the_same_way() {
+fn firefox_accepts_the_same_input() {
     let Some(mut firefox) = Firefox::start() else {
         return;
     };

@@ -237,7 +237,7 @@ pub fn check_all(page: &mut impl Page, results: &Results) {
 }
 
 #[test]
-fn groups_are_those_of_the_recording() {
+fn groups_match_the_recording() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };

@@ -50,17 +50,17 @@ fn in_chromium(which: std::ops::Range<usize>) {
 }
 
 #[test]
-fn what_is_clicked_is_chosen() {
+fn a_click_selects_a_block() {
     in_chromium(0..4);
 }
 
 #[test]
-fn strips_keys_and_lost_graphics() {
+fn timelines_keys_and_lost_graphics() {
     in_chromium(4..7);
 }
 
 #[test]
-fn graphs_and_blocks_in_sight() {
+fn graphs_and_visible_blocks() {
     in_chromium(7..9);
 }
 

@@ -44,7 +44,7 @@ fn observed(file: &str, model: Model) -> (RunRecord, RunRecord, Notes) {
 }
 
 #[test]
-fn a_run_is_the_same_whether_somebody_looks_on_or_not() {
+fn observing_does_not_change_a_run() {
     let dense = "tests/fixtures/dense.sa";
     // With an observer, every hop of a report is an event. Otherwise, reports may reach the plate
     // at once.
@@ -61,7 +61,7 @@ fn a_run_is_the_same_whether_somebody_looks_on_or_not() {
 }
 
 #[test]
-fn the_events_tell_what_the_record_counts() {
+fn events_agree_with_the_record() {
     let (record, _, notes) = observed("examples/five_tower_reconfigured.sa", Model::Rigid);
     let count = |wanted: fn(&ObservedEvent) -> bool| {
         notes
@@ -136,7 +136,7 @@ fn entries(notes: &Notes, bond: &BondRecord) -> u32 {
 }
 
 #[test]
-fn whoever_leaves_had_entered() {
+fn every_exit_has_an_entry() {
     let (_, _, notes) = observed("tests/fixtures/dense.sa", Model::Rigid);
     let mut inside: Vec<(u32, Body)> = Vec::new();
     let mut left = 0;
@@ -159,7 +159,7 @@ fn whoever_leaves_had_entered() {
 }
 
 #[test]
-fn a_model_without_places_has_no_observer() {
+fn a_model_without_positions_has_no_observer() {
     let program = stochc::check("tests/fixtures/dense.sa").programs.remove(0);
     let (tables, scene) = (program.tables.unwrap(), program.scene.unwrap());
     let settings = Settings {
@@ -242,7 +242,7 @@ impl Observer for Groups {
 }
 
 #[test]
-fn bonds_among_free_blocks_are_those_of_the_groups() {
+fn bonds_of_free_blocks_match_the_groups() {
     for model in [Model::Rapier, Model::Rigid] {
         for file in ["tests/fixtures/swarm.sa", "tests/fixtures/jets.sa"] {
             let program = stochc::check(file).programs.remove(0);

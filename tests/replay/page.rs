@@ -37,7 +37,7 @@ fn structure(recording: &Recording, tick: u64) -> Vec<(u32, u32)> {
 }
 
 #[test]
-fn the_page_shows_what_was_recorded() {
+fn the_page_shows_the_recording() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
@@ -107,7 +107,7 @@ fn the_page_shows_what_was_recorded() {
 }
 
 #[test]
-fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
+fn a_click_finds_a_block_at_its_position() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
@@ -179,7 +179,7 @@ fn a_block_is_drawn_where_it_is_and_found_by_a_click() {
 }
 
 #[test]
-fn what_was_attached_by_hand_did_not_wait() {
+fn pre_attached_blocks_have_no_wait() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
@@ -208,7 +208,7 @@ fn what_was_attached_by_hand_did_not_wait() {
 }
 
 #[test]
-fn faces_and_pulled_blocks_are_those_of_the_recording() {
+fn faces_and_pulled_blocks_match_the_recording() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
@@ -304,7 +304,7 @@ pub fn check_faces(page: &mut impl Page, recording: &Recording, tables: &Tables)
 }
 
 #[test]
-fn keys_links_and_fingers_move_it() {
+fn keys_links_and_touch_navigate() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };

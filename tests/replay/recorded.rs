@@ -11,7 +11,7 @@ use crate::folder::{PROGRAM, Results, SWARM, stochc};
 const DENSE: &str = "tests/fixtures/dense.sa";
 
 #[test]
-fn a_recording_made_afterwards_is_the_same_to_the_bit() {
+fn a_later_recording_is_bitwise_equal() {
     let [at_once, later] =
         ["--record all", ""].map(|options| Results::from_records(DENSE, options));
     assert!(!later.recording_path(1).exists());
@@ -32,7 +32,7 @@ fn a_recording_made_afterwards_is_the_same_to_the_bit() {
 }
 
 #[test]
-fn only_the_runs_that_were_asked_for_are_recorded() {
+fn only_requested_runs_are_recorded() {
     let results = Results::from_records(DENSE, "--record 1");
     assert_eq!(
         fs::read_dir(results.path().join("recordings"))
@@ -46,7 +46,7 @@ fn only_the_runs_that_were_asked_for_are_recorded() {
 }
 
 #[test]
-fn a_recording_holds_every_tick_of_note() {
+fn a_recording_contains_every_tick_with_an_event() {
     let results = Results::from_records(PROGRAM, "--record 0 --record-every 10");
     let recording = results.recording(0);
     let ticks: Vec<u64> = recording.frames().map(|frame| frame.tick).collect();
@@ -72,7 +72,7 @@ fn a_recording_holds_every_tick_of_note() {
 }
 
 #[test]
-fn anchored_blocks_are_where_their_cells_are() {
+fn anchored_blocks_are_at_their_cells() {
     let results = Results::from_records(PROGRAM, "--record 0");
     let recording = results.recording(0);
     let tables = results.tables();
@@ -96,7 +96,7 @@ fn anchored_blocks_are_where_their_cells_are() {
 }
 
 #[test]
-fn an_ensemble_that_goes_on_records_what_it_makes() {
+fn a_resumed_ensemble_records_its_runs() {
     let results = Results::from_records(DENSE, "--record 1");
     let left = results.path().join("recordings/.stochc-partial-left");
     fs::write(&left, "by a kill").unwrap();
@@ -125,7 +125,7 @@ fn sections(bytes: &[u8]) -> Vec<(&str, &[u8])> {
 }
 
 #[test]
-fn a_long_run_is_written_piece_by_piece() {
+fn a_long_run_is_written_in_chunks() {
     let results = Results::from_records(PROGRAM, "--record 0 --record-every 1");
     let bytes = fs::read(results.recording_path(0)).unwrap();
     let sections = sections(&bytes);
@@ -172,7 +172,7 @@ fn bonds_among_free_blocks_are_recorded() {
 }
 
 #[test]
-fn no_damage_is_more_than_a_message() {
+fn rejects_corrupted_recordings() {
     let results = Results::from_records(DENSE, "--record 0");
     let bytes = fs::read(results.recording_path(0)).unwrap();
     let tables = results.tables();
@@ -201,7 +201,7 @@ fn error(results: &Results) -> String {
 }
 
 #[test]
-fn a_recording_that_cannot_be_used_is_told_of() {
+fn an_unusable_recording_is_reported() {
     let results = Results::from_records(DENSE, "--record all");
     let path = results.recording_path(0);
     let whole = fs::read(&path).unwrap();
@@ -230,7 +230,7 @@ fn a_recording_that_cannot_be_used_is_told_of() {
 }
 
 #[test]
-fn a_program_that_has_changed_is_refused() {
+fn a_changed_program_is_rejected() {
     let results = Results::from_records(DENSE, "");
     let manifest = results.path().join("manifest.json");
     let text = fs::read_to_string(&manifest).unwrap();
@@ -255,7 +255,7 @@ fn a_program_that_has_changed_is_refused() {
 }
 
 #[test]
-fn a_run_that_does_not_come_out_as_it_did_is_refused() {
+fn a_run_with_a_different_result_is_rejected() {
     let results = Results::from_records(DENSE, "");
     let journal = results.path().join("journal.jsonl");
     let text = fs::read_to_string(&journal).unwrap();
@@ -273,7 +273,7 @@ fn a_run_that_does_not_come_out_as_it_did_is_refused() {
 }
 
 #[test]
-fn what_is_asked_wrongly_is_told() {
+fn invalid_requests_are_reported() {
     let results = Results::from_records(DENSE, "");
     let outcome = stochc("replay --run 2", &[&results.path()]);
     assert_eq!(outcome.status, 2);
@@ -316,7 +316,7 @@ fn what_is_asked_wrongly_is_told() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_written_to_is_shown_too() {
+fn a_read_only_folder_is_shown() {
     let results = Results::from_records(DENSE, "");
     // A file with this name prevents creating the folder for recordings, even for root.
     fs::write(results.path().join("recordings"), "").unwrap();

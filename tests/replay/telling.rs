@@ -92,7 +92,7 @@ fn check_two_runs(browser: &mut impl Page) {
 }
 
 #[test]
-fn a_tour_goes_through_what_decided_the_time() {
+fn a_tour_follows_the_critical_path() {
     in_chromium(check_tour);
 }
 
@@ -145,7 +145,7 @@ fn check_tour(browser: &mut impl Page) {
 }
 
 #[test]
-fn views_pictures_and_films_are_taken_along() {
+fn views_pictures_and_videos_are_exported() {
     in_chromium(check_taken_along);
 }
 

@@ -20,7 +20,7 @@ fn message(browser: &mut impl Page, page: &Path, text: &str) -> String {
 }
 
 #[test]
-fn what_is_wrong_with_a_page_is_told() {
+fn errors_of_a_page_are_reported() {
     let Some(mut browser) = browser(&[]) else {
         return;
     };
@@ -81,7 +81,7 @@ pub fn check(browser: &mut impl Page) {
 }
 
 #[test]
-fn a_browser_without_graphics_says_so() {
+fn a_browser_without_graphics_shows_a_message() {
     let Some(mut browser) = browser(&["--disable-3d-apis"]) else {
         return;
     };

@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_of_two_overlapping_changes_counts() {
+    fn the_first_of_two_overlapping_changes_applies() {
         let applied = |fixes: &[Fix]| apply_fixes("0123456789", FileId(0), fixes);
         assert_eq!(
             applied(&[fix(&[(1, 3, "a")]), fix(&[(2, 4, "b")])]),
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_is_made_as_a_whole_or_not_at_all() {
+    fn a_change_is_atomic() {
         let two = fix(&[(8, 9, "x"), (1, 2, "y")]);
         assert_eq!(
             apply_fixes("0123456789", FileId(0), &[fix(&[(1, 3, "a")]), two.clone()]),
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn places_are_carried_through_a_change() {
+    fn positions_are_mapped_through_a_change() {
         let fixes = [
             fix(&[(1, 3, "abcd")]),
             fix(&[(5, 5, "xy")]),
@@ -262,7 +262,7 @@ mod tests {
     /// Checks that byte order marks and bytes that are not text stay unchanged, in the changed file
     /// and in others.
     #[test]
-    fn what_is_read_again_is_what_was_read() {
+    fn unchanged_sources_are_read_again() {
         let files: [(&str, &[u8]); 3] = [
             ("own.sa", b"\xef\xbb\xbfimport \"b.sa\" import \"c.sa\""),
             ("b.sa", b"\xef\xbb\xbf\xef\xbb\xbflet m = 2"),

@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn blanks_go_with_a_statement() {
+    fn spaces_are_removed_with_a_statement() {
         for (before, after) in [
             ("a\n  X\n  b", "a\n  b"),
             ("a\n  X\r\nb", "a\nb"),

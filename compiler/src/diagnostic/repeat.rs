@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_for_one_of_several_is_dropped() {
+    fn a_fix_for_one_of_several_places_is_dropped() {
         let fix = |name: &str| {
             let diagnostic = at(0, "no `{}`", &[name]);
             let location = diagnostic.labels[0].location;

@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_are_one_range() {
+    fn consecutive_indices_are_one_range() {
         let some = |text: &str| Some(text.to_owned());
         assert_eq!(shown(&[4], &[&[1], &[2], &[3]]), some("`T[1..3]`"));
         assert_eq!(
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn other_numbers_of_indices_are_told_where_there_are_no_better_ones() {
+    fn lists_other_numbers_of_indices_if_nothing_better_exists() {
         let some = |text: &str| Some(text.to_owned());
         assert_eq!(shown(&[], &[&[1], &[2]]), some("`T[1..2]`"));
         assert_eq!(shown(&[1], &[&[]]), some("`T`"));
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn many_are_counted() {
+    fn long_lists_are_counted() {
         let known: Vec<[i32; 1]> = (0..20).map(|i| [2 * i]).collect();
         let known: Vec<&[i32]> = known.iter().map(|key| &key[..]).collect();
         assert_eq!(

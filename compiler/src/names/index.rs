@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_hidden_by_inner_ones() {
+    fn inner_numbers_shadow_outer_ones() {
         let text = "let n = 1 let k = n + -(n) assembly a { seed plate n x (n) { M[n] at (0, 0) }
             let n = n phase p[n] { for n in n..2 { let n = n M[n].up -> T[( n )] } } }";
         assert_eq!(
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn what_may_be_either_is_one() {
+    fn ambiguous_names_are_merged() {
         let text = "let n = 1 pattern t(base) { base.up -> T[n] }
             assembly a { let n = 2 seed plate n x 1 { A at (0, 0) } phase p { t(A) } }
             assembly b { let m = 3 pattern s(base) { base.up -> T[m] } seed plate 1 x 1 { A at (0, 0) }

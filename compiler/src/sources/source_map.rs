@@ -185,7 +185,7 @@ assembly a {
     }
 
     #[test]
-    fn a_place_stands_for_its_blocks() {
+    fn a_location_maps_to_its_blocks() {
         let checked = checked();
         assert_eq!(names(&checked, "tower(A"), ["A"]);
         assert_eq!(names(&checked, "{ A"), ["A"]);

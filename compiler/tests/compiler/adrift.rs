@@ -9,7 +9,7 @@ fn checked(phases: &str) -> Checked {
 }
 
 #[test]
-fn the_help_says_what_can_be_released_and_when() {
+fn the_help_names_possible_releases() {
     for (wrong, help, right) in [
         (
             "phase p { M.up -> A.up -> B } phase q { release A }",

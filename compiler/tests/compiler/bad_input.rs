@@ -240,19 +240,19 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
 
     #[test]
-    fn random_bytes_are_answered(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+    fn random_bytes_get_diagnostics(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         run(&bytes, SMALL);
     }
 
     #[test]
-    fn random_words_are_answered(tokens in prop::collection::vec(select(&TOKENS[..]), 0..80)) {
+    fn random_words_get_diagnostics(tokens in prop::collection::vec(select(&TOKENS[..]), 0..80)) {
         let text = tokens.join(" ");
         run(text.as_bytes(), SMALL);
         run(program(&text).as_bytes(), SMALL);
     }
 
     #[test]
-    fn spoilt_examples_are_answered(
+    fn corrupted_examples_get_diagnostics(
         example in select(&EXAMPLES[..]),
         slips in prop::collection::vec(slip(), 1..6),
     ) {
@@ -262,7 +262,7 @@ proptest! {
 }
 
 #[test]
-fn signs_by_the_million_are_answered() {
+fn a_million_characters_get_diagnostics() {
     const MANY: usize = 1_000_000;
     for sign in [
         "(", ")", "{", "}", "[", "]", "\"", "/", "-", ">", "#", ".", ",", "\0", "é", "a ",
@@ -289,7 +289,7 @@ fn signs_by_the_million_are_answered() {
 }
 
 #[test]
-fn nesting_has_a_bound_and_the_stack_none_to_fear() {
+fn nesting_is_limited_and_never_overflows_the_stack() {
     const DEEP: usize = 100_000;
     let nested = |open: &str, close: &str| format!("{}{}", open.repeat(DEEP), close.repeat(DEEP));
     for (text, code) in [
@@ -337,7 +337,7 @@ fn nesting_has_a_bound_and_the_stack_none_to_fear() {
 
 /// A sum of a hundred terms is compiled. A sum beyond the limit is reported.
 #[test]
-fn long_sums_are_worked_out() {
+fn long_sums_are_evaluated() {
     let sum = format!("let n = 1{}\nA.up ->> T[1..n]", "+1".repeat(500));
     let checked = run(program(&sum).as_bytes(), SMALL);
     assert_eq!(checked.programs[0].plan.events.len(), 501);
@@ -396,7 +396,7 @@ fn programs_that_multiply_stop_at_the_limit() {
 }
 
 #[test]
-fn mistakes_in_loops_are_told_a_bounded_number_of_times() {
+fn mistakes_in_loops_are_reported_a_limited_number_of_times() {
     for statement in [
         "A.up -> T[i]",
         "X[i].up -> Y[i]",
@@ -434,7 +434,7 @@ fn mistakes_in_loops_are_told_a_bounded_number_of_times() {
 
 /// The evaluation of an expression counts, in addition to its statement.
 #[test]
-fn long_expressions_in_loops_meet_the_limit() {
+fn long_expressions_in_loops_reach_the_limit() {
     let sum = vec!["1"; 800].join(" + ");
     for (rounds, has_enough) in [(100, false), (1_000, true)] {
         let text = program(&format!("for i in 1..{rounds} {{ let _x = {sum} }}"));
@@ -445,7 +445,7 @@ fn long_expressions_in_loops_meet_the_limit() {
 }
 
 #[test]
-fn recursive_patterns_are_told_of() {
+fn recursive_patterns_are_reported() {
     let patterns = "pattern p(a) { q(a) } pattern q(a) { a.up -> b r(b) } pattern r(a) { p(a) }";
     let checked = run(format!("{patterns} {}", program("p(A)")).as_bytes(), SMALL);
     assert!(codes(&checked).contains(&Code::RecursivePattern));
@@ -463,7 +463,7 @@ fn recursive_patterns_are_told_of() {
 }
 
 #[test]
-fn circles_of_imports_are_told_of_once() {
+fn import_cycles_are_reported_once() {
     let circle = |count: usize, all: bool| {
         let mut reads = BTreeMap::new();
         let mut reader = |path: &str| {
@@ -496,7 +496,7 @@ fn circles_of_imports_are_told_of_once() {
 }
 
 #[test]
-fn files_that_import_themselves_under_new_names_come_to_an_end() {
+fn files_that_import_themselves_under_new_names_are_limited() {
     let mut reads = 0;
     let mut reader = |path: &str| {
         reads += 1;
@@ -514,7 +514,7 @@ fn files_that_import_themselves_under_new_names_come_to_an_end() {
 }
 
 #[test]
-fn long_words_are_shown_in_part() {
+fn long_words_are_shortened() {
     let long = "a".repeat(1_000_000);
     let digits = "1".repeat(1_000_000);
     for text in [
@@ -545,7 +545,7 @@ fn long_words_are_shown_in_part() {
 }
 
 #[test]
-fn unusual_characters_are_told_of_visibly() {
+fn unusual_characters_are_escaped() {
     for (sign, shown) in [
         ("\u{200b}", r"`\u{200b}`"),
         ("\u{202e}", r"`\u{202e}`"),
@@ -574,7 +574,7 @@ fn unusual_characters_are_told_of_visibly() {
 }
 
 #[test]
-fn encodings_other_than_utf_8_are_told_of() {
+fn encodings_other_than_utf_8_are_reported() {
     let good = EXAMPLES[0];
     let sixteen =
         |bytes: fn(u16) -> [u8; 2]| good.encode_utf16().flat_map(bytes).collect::<Vec<u8>>();
@@ -689,7 +689,7 @@ fn numbers_at_the_edges_do_not_wrap() {
 }
 
 #[test]
-fn what_grows_with_the_program_grows_in_proportion() {
+fn work_grows_linearly_with_the_program() {
     const MANY: usize = 100_000;
     let many = |one: &dyn Fn(usize) -> String| (0..MANY).map(one).collect::<String>();
     // A cycle of events, and a chain of events.
@@ -782,7 +782,7 @@ fn what_grows_with_the_program_grows_in_proportion() {
 /// Files of a hundred megabytes: a valid one, one with a single line, and garbage.
 #[test]
 #[ignore = "takes minutes and 8 GB without optimization; run it by hand in release mode"]
-fn files_of_a_hundred_megabytes_are_answered() {
+fn files_of_a_hundred_megabytes_get_diagnostics() {
     const SIZE: usize = 100_000_000;
     let head = "scene wide from hemisphere { free 10000000 uniform \
                 enclosure hemisphere { radius 10000000m wall 25 N/m } } \
@@ -817,7 +817,7 @@ fn files_of_a_hundred_megabytes_are_answered() {
 }
 
 #[test]
-fn mistakes_in_declarations_are_told_a_bounded_number_of_times() {
+fn mistakes_in_declarations_are_reported_a_limited_number_of_times() {
     for one in [
         "import \"x.sa\" import \"y%.sa\"\n",
         "pattern p() { }\n",

@@ -63,7 +63,7 @@ fn every_sealed_cavity_is_counted() {
 }
 
 #[test]
-fn an_after_that_helps_all_rounds_of_a_loop_comes_first() {
+fn an_after_that_helps_every_iteration_comes_first() {
     let checked = checked(&chimneys(2));
     let [sealed] = with_code(&checked, Code::SealedCavity)[..] else {
         panic!("{:#?}", checked.diagnostics);
@@ -75,7 +75,7 @@ fn an_after_that_helps_all_rounds_of_a_loop_comes_first() {
 }
 
 #[test]
-fn a_statement_that_stands_alone_is_not_told_to() {
+fn a_lone_statement_is_not_split_again() {
     // This is more than the number of tried fixes.
     let checked = checked(&written_out(100));
     let sealed = with_code(&checked, Code::SealedCavity);
@@ -99,7 +99,7 @@ fn pit(depth: usize, phases: usize) -> String {
 }
 
 #[test]
-fn measuring_gaps_counts_as_search() {
+fn measuring_gaps_counts_toward_the_search_limit() {
     let limits = Limits {
         search: 10,
         ..Limits::default()
@@ -115,7 +115,7 @@ fn measuring_gaps_counts_as_search() {
 }
 
 #[test]
-fn shapes_that_are_claimed_have_a_limit_together() {
+fn claimed_shapes_share_one_limit() {
     let shapes: String = (0..3)
         .map(|i| format!("shape s{i} {{ layer 1..2000000 {{ # }} }}\n"))
         .collect();
@@ -128,7 +128,7 @@ fn shapes_that_are_claimed_have_a_limit_together() {
 }
 
 #[test]
-fn a_plate_has_to_lie_inside_the_enclosure() {
+fn a_plate_must_lie_inside_the_enclosure() {
     let outside = |enclosure: &str, plate: usize| {
         let checked = checked(&format!(
             "scene w from hemisphere {{ free 3 uniform enclosure {enclosure} {{ radius 1 m wall 25 N/m }} }}

@@ -45,7 +45,7 @@ fn programs() -> Vec<String> {
 }
 
 #[test]
-fn a_check_is_asked_once_per_event_in_every_stage() {
+fn a_check_polls_once_per_event_in_every_stage() {
     let row = &programs()[0];
     let (count, events) = asked(row, u64::MAX);
     assert_eq!(events, Ok(300));
@@ -54,7 +54,7 @@ fn a_check_is_asked_once_per_event_in_every_stage() {
 }
 
 #[test]
-fn a_check_ends_wherever_it_is_cancelled() {
+fn a_check_ends_when_it_is_cancelled() {
     for text in programs() {
         let (all, result) = asked(&text, u64::MAX);
         assert!(result.is_ok());

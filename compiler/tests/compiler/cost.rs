@@ -27,7 +27,7 @@ fn mean(text: &str) -> f64 {
 }
 
 #[test]
-fn what_decides_most_of_the_time_comes_first() {
+fn critical_captures_are_sorted_by_share() {
     let (_, cost, order) = program(include_str!("../../../examples/five_tower.sa"));
     assert_eq!(order[..2], ["M.up -> N", "N.up -> O"]);
     assert!(cost.captures.is_sorted_by(|a, b| a.share >= b.share));
@@ -56,7 +56,7 @@ fn a_chain_takes_the_sum_of_its_waits() {
 }
 
 #[test]
-fn lines_have_no_order_and_a_block_let_go_counts_wherever_that_is_written() {
+fn released_blocks_count_for_earlier_statements_too() {
     let [first, last] = ["release B A.west -> C", "A.west -> C release B"].map(|lines| {
         mean(&format!(
             "assembly one {{ seed plate 3 x 1 {{ S at (1, 0) }}
@@ -68,7 +68,7 @@ fn lines_have_no_order_and_a_block_let_go_counts_wherever_that_is_written() {
 }
 
 #[test]
-fn the_wait_of_a_capture_includes_blocks_that_are_let_go_near_it() {
+fn the_waiting_time_includes_blocks_released_nearby() {
     let (_, cost, order) = program(
         "assembly chain { seed plate 3 x 1 { S at (1, 0) }
             phase hold { S.up -> A.east -> B }
@@ -90,7 +90,7 @@ fn the_wait_of_a_capture_includes_blocks_that_are_let_go_near_it() {
 }
 
 #[test]
-fn of_captures_side_by_side_the_last_counts() {
+fn the_last_of_adjacent_captures_decides() {
     let alone = mean("assembly a { seed plate 21 x 1 { A at (0, 0) } phase p { A.up -> E } }");
     let four = mean(
         "assembly a { seed plate 21 x 21 { A at (0, 0) B at (20, 0) C at (0, 20) D at (20, 20) } \
@@ -116,7 +116,7 @@ fn a_block_released_above_the_open_face_docks_there_at_once() {
 }
 
 #[test]
-fn without_a_block_for_each_capture_nothing_is_said_of_times() {
+fn without_enough_blocks_there_are_no_times() {
     let mut checked = checked(include_str!("../../../examples/line.sa"));
     let mut program = checked.programs.remove(0);
     let scene = program.scene.as_mut().unwrap();
@@ -129,7 +129,7 @@ fn without_a_block_for_each_capture_nothing_is_said_of_times() {
 }
 
 #[test]
-fn without_rates_nothing_is_said_of_times() {
+fn without_rates_there_are_no_times() {
     let text = include_str!("../../../examples/line.sa")
         .replace("assembly line", "assembly line in hemisphere_soft");
     let (_, cost, order) = program(&text);
@@ -138,7 +138,7 @@ fn without_rates_nothing_is_said_of_times() {
 }
 
 #[test]
-fn a_phase_that_comes_to_its_timeout_is_not_complete() {
+fn a_phase_that_reaches_its_timeout_is_incomplete() {
     let cost = |timeout: u32| {
         let text = format!(
             "assembly a {{ seed plate 21 x 1 {{ A at (0, 0) }} phase p timeout {timeout} ticks {{ A.up -> E }} }}"
@@ -162,7 +162,7 @@ fn a_phase_that_comes_to_its_timeout_is_not_complete() {
 }
 
 #[test]
-fn what_a_sum_leaves_out_is_known() {
+fn neglected_parts_of_a_sum_are_bounded() {
     let interaction = |text: &str| program(text).1.interaction;
     let beside = |other: &str| {
         format!(
@@ -181,7 +181,7 @@ fn what_a_sum_leaves_out_is_known() {
 }
 
 #[test]
-fn a_capture_decides_the_time_until_a_timeout_as_well() {
+fn a_capture_may_decide_the_time_to_a_timeout() {
     let (_, cost, _) = program(
         "assembly one { seed plate 3 x 1 { A at (0, 0) } phase half timeout 900 ticks { A.up -> B } }",
     );
@@ -195,7 +195,7 @@ fn a_capture_decides_the_time_until_a_timeout_as_well() {
 /// Tests two towers of three. The last one's top reports. A message crosses the plate to its foot,
 /// and requests release blocks.
 #[test]
-fn messages_take_time_by_hops() {
+fn messages_take_time_per_hop() {
     let mean = |messages: &str, body: &str| {
         let (_, cost, _) = program(&format!(
             "scene slow from hemisphere {{ {messages} }}
@@ -271,7 +271,7 @@ fn a_program_that_may_jam_has_a_lower_bound() {
 }
 
 #[test]
-fn a_timeout_that_ends_most_runs_is_warned_of() {
+fn warns_of_a_timeout_that_ends_most_runs() {
     let found = |timeout: &str| {
         let text = format!(
             "assembly a {{ seed plate 1 x 1 {{ M at (0, 0) }}

@@ -38,7 +38,7 @@ fn every_page_has_a_title_of_one_line() {
 }
 
 #[test]
-fn every_wrong_program_of_a_page_has_its_finding_and_no_other() {
+fn every_wrong_program_of_a_page_has_only_its_diagnostic() {
     for &code in Code::ALL {
         let Some(program) = fence(code.page(), "Wrong:") else {
             assert!(
@@ -53,7 +53,7 @@ fn every_wrong_program_of_a_page_has_its_finding_and_no_other() {
 }
 
 #[test]
-fn every_right_program_of_a_page_has_no_finding() {
+fn every_right_program_of_a_page_has_no_diagnostic() {
     for &code in Code::ALL {
         let program = fence(code.page(), "Right:");
         assert_eq!(
@@ -72,7 +72,7 @@ fn every_right_program_of_a_page_has_no_finding() {
 }
 
 #[test]
-fn bytes_that_are_no_text() {
+fn bytes_that_are_not_text() {
     let mut reader = |_: &str| Ok(b"let n = 3 // caf\xe9".to_vec());
     assert_eq!(codes(&checked("a.sa", &mut reader)), [Code::NotUtf8]);
 }
@@ -176,13 +176,13 @@ fn a_program_that_grows_too_large() {
 }
 
 #[test]
-fn equal_findings_in_two_places_are_two() {
+fn equal_diagnostics_in_two_places_are_not_merged() {
     let program = "scene a from hemisphere { tick 1m }\nscene b from hemisphere { tick 1m }";
     assert_eq!(codes(&text(program)), [Code::WrongDimension; 2]);
 }
 
 #[test]
-fn misplaced_seeds_are_misplaced_and_nothing_worse() {
+fn misplaced_seeds_have_one_diagnostic() {
     let no_plate = "assembly a { phase p { A at (0, 0) } }";
     assert!(codes(&text(no_plate)).contains(&Code::Misplaced));
     let release_first = "assembly a {
@@ -200,7 +200,7 @@ fn misplaced_seeds_are_misplaced_and_nothing_worse() {
 }
 
 #[test]
-fn phases_and_plates_in_patterns_and_phases_are_misplaced_and_nothing_worse() {
+fn misplaced_phases_and_plates_have_one_diagnostic() {
     let in_pattern = "pattern t(b) {
         seed plate 1 x 1 { N at (0, 0) }
         phase inner { b.up -> X }
@@ -216,7 +216,7 @@ fn phases_and_plates_in_patterns_and_phases_are_misplaced_and_nothing_worse() {
 }
 
 #[test]
-fn a_face_that_is_used_as_a_name_is_told_of_once_each_time() {
+fn a_face_used_as_a_name_is_reported_once_per_use() {
     let seeds = "seed plate 1 x 1 { M at (0, 0) }";
     let pattern = "pattern t(base) { base.up -> T }";
     for (text, expected) in [
@@ -250,7 +250,7 @@ fn a_face_that_is_used_as_a_name_is_told_of_once_each_time() {
 }
 
 #[test]
-fn what_is_missing_may_be_what_uses_a_seed() {
+fn a_missing_statement_may_use_a_seed() {
     let found = codes(&text(
         "shape gate { layer 1 {\n # #\n} }
         assembly keep { seed plate 2 x 1 { A at (0, 0) B at (1, 0) } phase rest { A.up -> L yields gate } }",
@@ -259,7 +259,7 @@ fn what_is_missing_may_be_what_uses_a_seed() {
 }
 
 #[test]
-fn an_after_that_one_round_needs_is_not_redundant_in_another() {
+fn an_after_needed_in_one_iteration_is_not_redundant() {
     let program = |rounds: &str| {
         codes(&text(&format!(
             "assembly m {{
@@ -275,7 +275,7 @@ fn an_after_that_one_round_needs_is_not_redundant_in_another() {
 }
 
 #[test]
-fn degrees_reach_a_right_angle() {
+fn angles_are_limited_to_a_right_angle() {
     let scene = |degrees: &str| {
         codes(&text(&format!(
             "scene s from hemisphere {{
@@ -375,7 +375,7 @@ fn missing_clauses_are_one_diagnostic_with_a_template_that_can_be_pasted() {
 }
 
 #[test]
-fn a_statement_that_is_wrong_many_times_is_told_of_once() {
+fn a_statement_with_repeated_mistakes_is_reported_once() {
     let program = |seeds: &str, statement: &str| {
         let text = format!(
             "assembly a {{ seed plate 20 x 1 {{ {seeds} }} phase p {{ S.up -> B {statement} }} }}"
@@ -414,7 +414,7 @@ fn a_statement_that_is_wrong_many_times_is_told_of_once() {
 }
 
 #[test]
-fn a_statement_that_is_wrong_many_times_does_not_hide_another() {
+fn a_statement_with_repeated_mistakes_hides_no_other() {
     let text = text(
         "assembly a { seed plate 1 x 1 { M at (0, 0) }
         phase p { M.up -> A  for i in 1..100000 { X[i].up -> Y[i] } }
@@ -511,7 +511,7 @@ const NAMES_AND_ARGUMENTS: [(&str, &str); 24] = [
 ];
 
 #[test]
-fn mistakes_with_names_and_arguments_read_as_before() {
+fn messages_about_names_and_arguments_are_unchanged() {
     let mut all = String::new();
     for (declarations, phase) in NAMES_AND_ARGUMENTS {
         let (message, help, labels) = only(declarations, phase);
@@ -526,7 +526,7 @@ fn mistakes_with_names_and_arguments_read_as_before() {
 }
 
 #[test]
-fn parameters_that_are_used_in_two_ways_or_not_at_all_take_anything() {
+fn parameters_of_unclear_kind_accept_anything() {
     let free = "pattern free(base, spare) { base.up -> T }";
     let codes = |text: &str| self::codes(&self::text(text));
     let program = |pattern: &str, phase: &str| {
@@ -548,7 +548,7 @@ fn parameters_that_are_used_in_two_ways_or_not_at_all_take_anything() {
 }
 
 #[test]
-fn what_hangs_on_a_wrong_instance_is_no_further_mistake() {
+fn children_of_a_wrong_instance_are_not_reported() {
     for wrong in ["tower(3, M)", "tower(M)", "tower(M, N)", "tower(M, 3, 3)"] {
         let text = text(&format!(
             "{TOWER} assembly a {{ seed plate 2 x 1 {{ M at (0, 0)  N at (1, 0) }}
@@ -559,7 +559,7 @@ fn what_hangs_on_a_wrong_instance_is_no_further_mistake() {
 }
 
 #[test]
-fn a_number_is_known_from_its_let_on() {
+fn a_number_is_defined_after_its_let() {
     let below = |text: &str, name: &str| {
         let checked = self::text(text);
         let diagnostic = &checked.diagnostics[0];
@@ -591,7 +591,7 @@ fn a_number_is_known_from_its_let_on() {
 }
 
 #[test]
-fn a_scene_may_take_the_place_of_the_built_in_one() {
+fn a_scene_may_override_the_built_in_one() {
     let program = "scene hemisphere from hemisphere { free 5 uniform }
         assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up ->> A[1..6] } }";
     assert_eq!(codes(&text(program)), [Code::TooFewBlocks]);
@@ -722,7 +722,7 @@ fn assert_changes_hold(program: &str) {
     clippy::disallowed_methods,
     reason = "it reads the programs of tests/findings"
 )]
-fn a_help_that_is_a_change_holds() {
+fn fixes_of_helps_work() {
     for &code in Code::ALL {
         let Some(program) = fence(code.page(), "Wrong:") else {
             continue;
@@ -792,7 +792,7 @@ const HELPED: [&str; 11] = [
 ];
 
 #[test]
-fn changes_that_are_offered_read_as_before_and_hold() {
+fn offered_changes_are_unchanged_and_work() {
     let mut all = String::new();
     for phase in HELPED {
         let (help, changed) = help_tried(phase);
@@ -806,7 +806,7 @@ fn changes_that_are_offered_read_as_before_and_hold() {
 }
 
 #[test]
-fn a_capture_in_a_loop_outside_of_phases_is_told_where_the_loop_belongs() {
+fn a_loop_outside_of_phases_is_reported_with_its_place() {
     let text = text(
         "assembly a { seed plate 3 x 1 { for i in 0..2 { M[i] at (i, 0) } }
         for i in 0..2 { M[i].up -> A[i] }
@@ -824,7 +824,7 @@ fn a_capture_in_a_loop_outside_of_phases_is_told_where_the_loop_belongs() {
 }
 
 #[test]
-fn distances_are_told_with_the_digits_that_differ() {
+fn distances_are_shown_with_differing_digits() {
     let page = fence(Code::OutsideEnclosure.page(), "Wrong:").unwrap();
     let label = text(page).diagnostics[0].labels[0].text.clone();
     let (_, distances) = label.split_once(" reaches ").unwrap();
@@ -837,7 +837,7 @@ fn distances_are_told_with_the_digits_that_differ() {
 
 /// The title names the block, and the help closes it at the end of the indentation.
 #[test]
-fn a_block_that_is_not_closed_is_named() {
+fn an_unclosed_brace_is_named() {
     let program = "assembly one {
     seed plate 1 x 1 { M at (0, 0) }
     phase p { M.up -> A }

@@ -67,7 +67,7 @@ fn assert_fixed(slips: &[(&str, &str)]) {
 }
 
 #[test]
-fn slips_in_a_phase_are_mended() {
+fn typos_in_a_phase_are_fixed() {
     assert_fixed(&[
         ("phaze p { N.up -> B }", "phase p { N.up -> B }"),
         (
@@ -157,7 +157,7 @@ fn slips_in_a_phase_are_mended() {
 }
 
 #[test]
-fn misspelt_names_and_unneeded_parts_are_mended() {
+fn misspelt_names_and_unneeded_parts_are_fixed() {
     assert_fixed(&[
         (
             "phase p { N.up -> B\n    /// one\n    /// two\n    }",
@@ -221,7 +221,7 @@ fn misspelt_names_and_unneeded_parts_are_mended() {
 
 /// Most editors show a line end, so the source after a comment looks like a part of the program.
 #[test]
-fn a_carriage_return_alone_is_no_end_of_a_line() {
+fn a_lone_carriage_return_does_not_end_a_line() {
     let text = program("phase rest { A.up -> B N.up -> C }").replace('\n', "\r");
     let found = checked(&text);
     let first = &found.diagnostics[0];
@@ -236,7 +236,7 @@ fn a_carriage_return_alone_is_no_end_of_a_line() {
 }
 
 #[test]
-fn slips_outside_of_phases_are_mended() {
+fn typos_outside_of_phases_are_fixed() {
     for (wrong, right) in [
         (
             "asembly a { seed plate 1 x 1 { } }",
@@ -297,7 +297,7 @@ fn slips_outside_of_phases_are_mended() {
 }
 
 #[test]
-fn what_is_not_certain_is_left_alone() {
+fn uncertain_fixes_are_not_applied() {
     for text in [
         // The name of another block may be intended.
         program("phase p { N.up -> top }  phase q { tip.up -> B }"),
@@ -323,7 +323,7 @@ fn what_is_not_certain_is_left_alone() {
 }
 
 #[test]
-fn a_fix_that_brings_something_new_is_only_offered() {
+fn a_fix_that_causes_a_diagnostic_is_only_offered() {
     for (wrong, code) in [
         // If this became a comment, `wall` would have no value.
         (
@@ -350,7 +350,7 @@ fn a_fix_that_brings_something_new_is_only_offered() {
 }
 
 #[test]
-fn warnings_that_could_not_be_looked_for_do_not_count() {
+fn unchecked_warnings_do_not_count_as_new() {
     let wrong = format!("{PLATE}    phaze base {{ M.up -> A }}\n}}\n");
     let right = wrong.replace("phaze", "phase").replace("  N at (1, 0)", "");
     assert_eq!(fixed(&wrong), right);
@@ -400,7 +400,7 @@ fn many_fixes_are_tried_together() {
 }
 
 #[test]
-fn more_slips_than_are_told_at_once_are_mended_round_by_round() {
+fn many_typos_are_fixed_in_rounds() {
     let lets = |end: &str| {
         (0..250)
             .map(|n| format!("let n{n} = {n}{end}\n"))
@@ -410,7 +410,7 @@ fn more_slips_than_are_told_at_once_are_mended_round_by_round() {
 }
 
 #[test]
-fn every_fixture_and_page_is_only_bettered() {
+fn fixes_never_worsen_fixtures_and_pages() {
     let mut programs: Vec<String> = Vec::new();
     for &code in Code::ALL {
         let wrong = code.page().split_once("Wrong:\n\n```sa\n");
@@ -503,7 +503,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 600, ..ProptestConfig::default() })]
 
     #[test]
-    fn a_slip_is_mended_or_left_alone(
+    fn a_typo_is_fixed_or_left_alone(
         example in 0usize..4,
         at in any::<prop::sample::Index>(),
         how in any::<u8>(),
@@ -517,7 +517,7 @@ proptest! {
     }
 
     #[test]
-    fn several_slips_end_and_keep_the_comments(
+    fn fixing_several_typos_preserves_comments(
         example in 0usize..4,
         slips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 2..9),
     ) {
@@ -532,7 +532,7 @@ proptest! {
 
 /// A program with more warnings than the limit can be run, and all warnings can be fixed.
 #[test]
-fn more_warnings_than_are_told_refuse_nothing() {
+fn many_warnings_prevent_no_fix() {
     let rest = ", A".repeat(1_500);
     let text = program(&format!("phase p {{ N.up -> B after A{rest} }}"));
     let found = checked(&text);
@@ -553,7 +553,7 @@ fn more_warnings_than_are_told_refuse_nothing() {
 
 /// `after release A` may be intended, but not for the release of A itself.
 #[test]
-fn a_release_is_not_told_to_wait_for_itself() {
+fn no_fix_lets_a_release_wait_for_itself() {
     let help = |event: &str| {
         let text = program(&format!("phase p {{ release A  N.up -> B {event} }}"));
         let mut reported = checked(&text).diagnostics.into_iter();
@@ -574,7 +574,7 @@ fn a_release_is_not_told_to_wait_for_itself() {
 
 /// If faces attract by themselves, removing a seed changes the program.
 #[test]
-fn a_seed_that_attracts_is_not_taken_away_unasked() {
+fn an_attracting_seed_is_not_removed_automatically() {
     let text = |scene: &str| {
         format!(
             "assembly a{scene} {{ seed plate 3 x 1 {{ P at (0, 0) R at (2, 0) }} phase p {{ P.up -> B }} }}"

@@ -38,7 +38,7 @@ fn program([file, assembly, plate, phase, other]: [&str; 5]) -> String {
 }
 
 #[test]
-fn a_statement_reaches_over_the_block_around_it() {
+fn a_level_applies_to_the_enclosing_block() {
     let seed = "allow unused-seed \"a mark\"";
     let phase = "allow empty-phase \"waits for the next version\"";
     let no = "";
@@ -62,7 +62,7 @@ fn a_statement_reaches_over_the_block_around_it() {
 }
 
 #[test]
-fn the_innermost_statement_counts() {
+fn the_innermost_level_applies() {
     let deny = "deny empty-phase \"each phase builds\"";
     let allow = "allow empty-phase \"this one does not\"";
     let seed = "allow unused-seed \"a mark\"";
@@ -83,7 +83,7 @@ fn the_innermost_statement_counts() {
 
 /// The source right after a block is outside of the block.
 #[test]
-fn a_statement_does_not_reach_over_the_end_of_its_block() {
+fn a_level_ends_with_its_block() {
     let text = "assembly a { seed plate 2 x 1 { for i in 0..0 { allow unused-seed \"x\" M at (0, 0) }N at (1, 0) } \
                 phase p { M.up -> A } }";
     let reported = reported(text);
@@ -91,7 +91,7 @@ fn a_statement_does_not_reach_over_the_end_of_its_block() {
 }
 
 #[test]
-fn of_a_thousand_outdated_allows_the_rest_is_not_told() {
+fn many_outdated_allows_are_not_all_listed() {
     let phases: String = (0..3000)
         .map(|i| {
             format!(
@@ -125,7 +125,7 @@ fn an_outdated_allow_can_be_allowed_itself() {
 }
 
 #[test]
-fn an_allow_in_doubt_is_not_held_against_its_author() {
+fn an_uncertain_allow_is_not_reported() {
     let allow = "allow redundant-after \"x\"";
     // Another file may use the pattern, and the error may hide the warning.
     let pattern = format!(
@@ -144,7 +144,7 @@ fn an_allow_in_doubt_is_not_held_against_its_author() {
 }
 
 #[test]
-fn a_file_speaks_for_itself_only() {
+fn a_level_applies_only_to_its_file() {
     let tower = "pattern tower(base, other) { other.up -> T after base }";
     let own = |statement: &str| {
         format!(
@@ -171,7 +171,7 @@ fn a_file_speaks_for_itself_only() {
 }
 
 #[test]
-fn what_is_allowed_is_kept_with_its_reason() {
+fn allowed_warnings_are_listed_with_their_reason() {
     let text = program(["allow unused-seed \"a mark\"", "", "", "", ""]);
     let mut levels = LintLevels::default();
     levels.set(Some(Code::EmptyPhase), Level::Allow);
@@ -197,7 +197,7 @@ fn a_denied_program_has_no_tables() {
 }
 
 #[test]
-fn what_nobody_uses_is_told_of() {
+fn unused_declarations_are_reported() {
     let program = "assembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }";
     for (declared, code) in [
         ("let n = 1", "unused-let"),
@@ -244,7 +244,7 @@ fn what_nobody_uses_is_told_of() {
 }
 
 #[test]
-fn what_is_used_anywhere_is_not_told_of() {
+fn used_declarations_are_not_reported() {
     for program in [
         "let n = 2 let m = n assembly a { seed plate m x 1 { M at (n - 2, 0) } phase p { M.up -> A } }",
         "let n = 2 pattern t(b) { b.up ->> T[1..n] } pattern u(b) { t(b) }
@@ -265,7 +265,7 @@ fn what_is_used_anywhere_is_not_told_of() {
 }
 
 #[test]
-fn only_a_number_that_no_other_file_sees_is_removed_unasked() {
+fn only_a_private_number_is_removed_automatically() {
     let text = "let n = 1\nassembly a {\n    let k = 1\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n";
     let checked = files(&[("a.sa", text)], &LintLevels::default());
     let safe: Vec<_> = (checked.diagnostics.iter())

@@ -214,7 +214,7 @@ fn for_programs(test: impl Fn(&str, &Checked, &Names) -> Result<usize, TestCaseE
 }
 
 #[test]
-fn a_thing_can_have_any_name_and_nothing_else_changes() {
+fn names_do_not_affect_the_result() {
     for_programs(|text, checked_before, names| {
         let before = structure(checked_before);
         let mut definitions: Vec<Definition> =
@@ -237,7 +237,7 @@ fn a_thing_can_have_any_name_and_nothing_else_changes() {
 }
 
 #[test]
-fn a_name_of_blocks_is_written_out_to_blocks_of_that_thing() {
+fn a_name_expands_to_its_blocks() {
     for_programs(|text, checked, names| {
         let mut count = 0;
         // Each block belongs to exactly one definition, whose name is the stem of the block's name.

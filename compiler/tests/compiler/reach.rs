@@ -421,7 +421,7 @@ proptest! {
 
     /// Any capture of a block may leave a face free for the cell.
     #[test]
-    fn choices_of_faces_change_nothing_of_that(
+    fn choices_of_faces_leave_the_verdict_exact(
         choices in prop::collection::vec(any::<u32>(), 10..120),
         faces in 2u8..=4,
         releases: bool,
@@ -436,7 +436,7 @@ proptest! {
     }
 
     #[test]
-    fn caves_are_searched_to_their_ends(
+    fn caves_are_searched_completely(
         choices in prop::collection::vec(any::<u32>(), 200..500),
     ) {
         let text = program(&choices, LARGE, false);
@@ -471,7 +471,7 @@ proptest! {
     }
 
     #[test]
-    fn with_releases_nothing_is_passed_over(
+    fn with_releases_no_cavity_is_missed(
         choices in prop::collection::vec(any::<u32>(), 10..120),
     ) {
         let text = program(&choices, SMALL, true);
@@ -483,7 +483,7 @@ proptest! {
     }
 
     #[test]
-    fn never_is_said_of_what_no_order_reaches(
+    fn never_is_reported_if_no_order_reaches_a_cell(
         choices in prop::collection::vec(any::<u32>(), 10..120),
         faces in 1u8..=4,
         releases: bool,
@@ -517,7 +517,7 @@ proptest! {
     }
 
     #[test]
-    fn an_order_that_is_shown_can_come_about_and_closes_the_cell(
+    fn the_order_shown_is_possible_and_closes_the_cell(
         choices in prop::collection::vec(any::<u32>(), 10..120),
         faces in 1u8..=4,
     ) {
@@ -1066,7 +1066,7 @@ fn hall(edge: i32, door: bool, inner_first: bool) -> String {
 }
 
 #[test]
-fn halls_are_open_by_their_doors_alone() {
+fn halls_are_reached_only_through_doors() {
     for (edge, door, inner_first, expected) in [
         (7, false, true, 0),
         (7, true, true, 0),
@@ -1107,7 +1107,7 @@ assembly hall {
 ";
 
 #[test]
-fn in_a_roofed_hall_never_is_said_of_what_hangs_from_the_roof_alone() {
+fn in_a_roofed_hall_only_hanging_blocks_are_never_reached() {
     let checked = checked(LAMPS);
     assert!(others(&checked).is_empty(), "{:#?}", others(&checked));
     let never: BTreeSet<&str> = (sealed(&checked).into_iter())
@@ -1142,7 +1142,7 @@ fn in_a_roofed_hall_never_is_said_of_what_hangs_from_the_roof_alone() {
 }
 
 #[test]
-fn a_cure_is_safe_though_the_way_that_it_leaves_is_narrow() {
+fn a_fix_is_safe_with_a_narrow_access_path() {
     let text = "\
 assembly well {
     seed plate 3 x 3 { W at (0, 1) E at (2, 1) S at (1, 0) N at (1, 2) M at (1, 1) }
@@ -1183,7 +1183,7 @@ fn crowded(phase: &str) -> Vec<String> {
 }
 
 #[test]
-fn three_of_a_square_at_the_same_time_are_told_of() {
+fn three_open_faces_of_a_square_are_reported() {
     let foot = |x: i32, y: i32| format!("M[{x}, {y}].up -> A[{x}, {y}] ");
     let grow = |feet: &str| format!("phase grow {{ {feet} }}");
     let corner = foot(0, 0) + &foot(1, 0) + &foot(0, 1);
@@ -1213,7 +1213,7 @@ fn three_of_a_square_at_the_same_time_are_told_of() {
 
 /// Two wells with separately written walls. One loop captures the core of each.
 #[test]
-fn rounds_of_a_loop_that_need_different_cures_are_told_each() {
+fn iterations_that_need_different_fixes_are_listed() {
     let wells = |count: i32| {
         let well = |k: i32| {
             let (west, east) = (4 * k, 4 * k + 2);
@@ -1272,7 +1272,7 @@ assembly grid {
 ";
 
 #[test]
-fn what_a_loop_cannot_wait_for_is_cured_elsewhere() {
+fn waits_that_a_loop_cannot_express_are_fixed_elsewhere() {
     let now = checked(GRID);
     let found = sealed(&now);
     assert_eq!(found.len(), 1, "{found:#?}");
@@ -1290,7 +1290,7 @@ fn what_a_loop_cannot_wait_for_is_cured_elsewhere() {
 }
 
 #[test]
-fn a_statement_of_its_own_is_told_where_nothing_else_helps() {
+fn a_separate_statement_is_the_last_resort() {
     let text = GRID.replace(
         "        W[0, 1].up -> V.east -> LID\n",
         "        for x in 0..2 { W[x, 0].up -> V[x] } V[1].north -> LID.north -> END\n",
@@ -1313,7 +1313,7 @@ fn a_statement_of_its_own_is_told_where_nothing_else_helps() {
 }
 
 #[test]
-fn counters_name_what_every_turn_of_a_loop_waits_for() {
+fn loop_counters_name_the_wait_of_each_iteration() {
     let text = "\
 assembly wells {
     seed plate 12 x 3 {
@@ -1336,7 +1336,7 @@ assembly wells {
 
 /// Two pockets. Each is closed by the block that has to dock before the core of the other one.
 #[test]
-fn two_that_close_each_other_in_are_no_never() {
+fn two_mutually_closing_cells_are_not_never_reached() {
     let pocket = |x: i32| {
         let (middle, end) = (x + 1, x + 2);
         format!(
@@ -1378,7 +1378,7 @@ fn two_that_close_each_other_in_are_no_never() {
 /// The middle of a beam has no wide path. A block that is handed over needs none if it is captured
 /// at once.
 #[test]
-fn what_is_handed_over_stays_where_it_is() {
+fn handed_over_blocks_stay_in_place() {
     let codes = |hand_over: &str| {
         let text = format!(
             "assembly beam in hemisphere_soft {{
@@ -1417,7 +1417,7 @@ fn what_is_handed_over_stays_where_it_is() {
 
 /// The rule applies only to scenes with such rates, and only along the normal of the face.
 #[test]
-fn gaps_between_a_face_and_a_block_ahead_are_passed_in_the_default_scene() {
+fn the_default_scene_passes_gaps_ahead_of_a_face() {
     let codes = |scene: &str, walls: &str, capture: &str| {
         let text = format!(
             "assembly beam in {scene} {{

@@ -52,7 +52,7 @@ fn lab(density: &str, speed: &str, layers: u32) -> String {
 }
 
 #[test]
-fn blocks_that_stay_away_from_the_structure_are_warned_of() {
+fn warns_of_blocks_that_stay_away_from_the_structure() {
     let buoyant = [Code::BuoyantBlocks];
     for (text, expected) in [
         (lab("1.02 g/cm^3", "2 cm/s", 1), &buoyant[..]),
@@ -69,7 +69,7 @@ fn blocks_that_stay_away_from_the_structure_are_warned_of() {
 }
 
 #[test]
-fn scenes_in_which_nothing_moves_are_warned_of() {
+fn warns_of_scenes_without_motion() {
     let still = [Code::NoAgitation];
     for (clauses, expected) in [
         ("agitation kicks { speed 0 .. 0 m/s }", &still[..]),
@@ -104,7 +104,7 @@ fn scenes_in_which_nothing_moves_are_warned_of() {
 }
 
 #[test]
-fn contacts_and_walls_that_give_way_are_warned_of() {
+fn warns_of_soft_contacts_and_walls() {
     let soft = [Code::SoftContact];
     for (clauses, expected) in [
         (
@@ -146,7 +146,7 @@ fn contacts_and_walls_that_give_way_are_warned_of() {
 }
 
 #[test]
-fn fast_blocks_in_a_fluid_without_a_density_are_warned_of() {
+fn warns_of_fast_blocks_in_a_fluid_without_density() {
     let stokes = [Code::StokesDrag];
     let eddies = "agitation turbulence { speed 1 m/s  length 1 m }";
     for (clauses, expected) in [
@@ -169,7 +169,7 @@ fn fast_blocks_in_a_fluid_without_a_density_are_warned_of() {
 }
 
 #[test]
-fn the_reynolds_number_is_that_of_the_expected_speed() {
+fn the_reynolds_number_uses_the_expected_speed() {
     // m v / (a² η) is 10 at a = 20 cm and m = 1 kg.
     let with = |viscosity: f64| {
         let clauses = format!("fluid {{ viscosity {viscosity} mPa s }}");
@@ -186,7 +186,7 @@ fn the_reynolds_number_is_that_of_the_expected_speed() {
 }
 
 #[test]
-fn levels_hold_for_warnings_of_scenes() {
+fn levels_apply_to_scene_warnings() {
     let text = program("agitation kicks { speed 0 .. 0 m/s }", "");
     let mut levels = LintLevels::default();
     levels.set(None, Level::Deny);
@@ -221,7 +221,7 @@ fn a_check_judges_the_steps_of_the_runs() {
 }
 
 #[test]
-fn steps_that_turn_by_less_than_a_digit_are_warned_of() {
+fn warns_of_rotations_below_a_digit() {
     let mut scene = scene(include_str!("../../../examples/microns.sa"));
     let double = Stepping {
         smallest_turn: 0.0,
@@ -239,7 +239,7 @@ fn steps_that_turn_by_less_than_a_digit_are_warned_of() {
 }
 
 #[test]
-fn what_is_advised_resolves_all_and_keeps_the_steps_near_faces() {
+fn the_advised_steps_resolve_every_limit() {
     let scene = scene(&program("tick 60 ms", ""));
     let with = |steps: Substeps| -> Vec<SceneWarning> {
         let stepping = Stepping {
@@ -271,7 +271,7 @@ fn what_is_advised_resolves_all_and_keeps_the_steps_near_faces() {
 
 /// The examples of these tanks capture in the first layer.
 #[test]
-fn built_in_tanks_are_not_warned_of() {
+fn built_in_tanks_have_no_warnings() {
     for name in ["hemisphere", "magnet_tank", "jet_tank", "suction_tank"] {
         let scene = built_in(name).expect("a built-in scene");
         assert_eq!(

@@ -86,7 +86,7 @@ mod tests {
 
     /// Compares with test vectors from the authors' table.
     #[test]
-    fn the_hash_is_that_of_its_authors() {
+    fn the_hash_matches_the_published_vectors() {
         for (text, hash) in [
             ("", 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d_u128),
             ("a", 0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964),

@@ -38,7 +38,7 @@ fn waits(rates: &Rates) -> [f64; 5] {
 }
 
 #[test]
-fn guesses_are_as_far_off_as_is_said() {
+fn uncalibrated_estimates_have_the_stated_error() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
     let mut names: Vec<String> = fs::read_dir(folder)
         .unwrap()

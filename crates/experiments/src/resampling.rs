@@ -113,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn draws_are_those_of_poisson_and_of_their_run() {
+    fn draws_are_poisson_and_keyed_by_run() {
         let mut counts = [0_u32; 4];
         let runs = 500;
         for run in 0..runs {
@@ -137,7 +137,7 @@ mod tests {
 
     /// Checks that the interval covers the mean with about its nominal probability.
     #[test]
-    fn intervals_hold_the_mean_in_19_of_20() {
+    fn intervals_contain_the_mean_in_19_of_20() {
         let ensembles = 400;
         let mut inside = 0;
         for seed in 0..ensembles {
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn the_order_of_runs_changes_nothing_and_one_run_says_nothing_of_others() {
+    fn the_order_of_runs_does_not_matter() {
         let sum = |runs: &[u64]| {
             let mut sum = Replicates::default();
             for &run in runs {

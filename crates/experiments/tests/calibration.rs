@@ -46,7 +46,7 @@ fn found(scene: &Scene, truth: &Rates, runs: u64) -> Rates {
 }
 
 #[test]
-fn the_parameters_of_the_law_are_found_again() {
+fn recovers_the_parameters_of_the_rate_model() {
     let scene = built_in("hemisphere").expect("a built-in scene");
     let mut truth = Rates::built_in(&scene)
         .expect("the files are shipped")
@@ -83,7 +83,7 @@ fn the_parameters_of_the_law_are_found_again() {
 }
 
 #[test]
-fn too_few_captures_are_not_enough() {
+fn rejects_too_few_captures() {
     let scene = built_in("hemisphere").expect("a built-in scene");
     let calibration = Calibration::new(&scene, vec![1.0]);
     let error = calibration.rates(&Settings::default(), 0).unwrap_err();

@@ -506,7 +506,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_edit_made_meanwhile_stays() {
+    fn a_concurrent_edit_is_not_overwritten() {
         let folder = tempfile::tempdir().unwrap();
         let [path, twin] = ["a.sa", "twin"].map(|name| folder.path().join(name));
         fs::write(&path, "mine").unwrap();
@@ -519,7 +519,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_appeared_meanwhile_stays() {
+    fn a_concurrently_created_file_is_not_overwritten() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("page");
         let never = Replaces::Ours(|_| Ok(false));
@@ -534,7 +534,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_link_that_leads_nowhere_is_named() {
+    fn a_dangling_link_is_named() {
         let folder = tempfile::tempdir().unwrap();
         let link = folder.path().join("link");
         std::os::unix::fs::symlink(folder.path().join("gone"), &link).unwrap();
@@ -548,7 +548,7 @@ mod tests {
     }
 
     #[test]
-    fn folders_are_made_by_several_at_once() {
+    fn folders_can_be_created_concurrently() {
         let folder = tempfile::tempdir().unwrap();
         for round in 0..200 {
             let path = folder.path().join(format!("{round}/results/recordings"));
@@ -563,7 +563,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mark_is_found_wherever_it_is() {
+    fn a_marker_is_found_anywhere() {
         let mark = b"a mark of ours";
         for before in [0, 1, 8191, 8192 - 7, 8192, 20_000] {
             let text = [&vec![b'a'; before][..], mark, b"a"].concat();

@@ -71,7 +71,7 @@ mod tests {
     use super::{CsvTable, original};
 
     #[test]
-    fn no_text_is_a_formula_and_numbers_stay() {
+    fn texts_are_never_formulas() {
         let mut table = CsvTable::new(["=a", "b"]);
         for text in ["=1+1", "+cmd|' /C calc'!A0", "-a", "@b", "\tc", "\rd"] {
             table.row([text, "'=e"]);
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_field_may_hold_anything() {
+    fn a_field_may_contain_anything() {
         let mut table = CsvTable::new(["plain", "a,\"b\"\n"]);
         table.row(["", "ä"]);
         assert_eq!(table.finish(), "plain,\"a,\"\"b\"\"\n\"\r\n,ä\r\n");

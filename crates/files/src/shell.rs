@@ -39,7 +39,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_needs_them_gets_quotes() {
+    fn quotes_only_if_needed() {
         assert_eq!(quoted("results/five_tower"), "results/five_tower");
         assert_eq!(quoted("a b"), "'a b'");
         assert_eq!(quoted("it's $HOME"), r"'it'\''s $HOME'");

@@ -273,7 +273,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn orders_build_by_ways_that_are_there(
+        fn orders_use_existing_access_paths(
             cells in proptest::collection::vec((0..5, 0..5, 1..5), 1..70),
             has_gaps: bool,
         ) {

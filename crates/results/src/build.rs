@@ -33,7 +33,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_another_build_is_told_of() {
+    fn warns_only_of_other_builds() {
         let this = this_build();
         assert_eq!(this.len(), 16);
         assert_eq!(other_build(std::slice::from_ref(&this)), None);

@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_of_a_list_is_told_by_a_conjunction_or_by_how_many_there_are() {
+    fn lists_end_with_a_conjunction_or_a_count() {
         assert_eq!(series(&[""; 0], "or"), "");
         assert_eq!(series(&["a"], "or"), "a");
         assert_eq!(series(&["a", "b", "c"], "or"), "a, b or c");
@@ -49,7 +49,7 @@ mod tests {
     }
 
     #[test]
-    fn one_is_one_and_the_rest_are_many() {
+    fn nouns_agree_with_their_number() {
         let counts = [
             (0, "block"),
             (1, "block"),

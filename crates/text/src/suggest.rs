@@ -120,7 +120,7 @@ mod tests {
     use super::nearest;
 
     #[test]
-    fn near_words_are_suggested_and_far_ones_not() {
+    fn suggests_similar_words_only() {
         let help = |unknown, known: &[&str]| nearest(unknown, known).map(|meant| meant.help());
         let known = ["tower", "bridge", "T[2]"];
         let meant = |word: &str| Some(format!("did you mean `{word}`?"));
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_slip_of_a_letter_is_clear() {
+    fn only_a_typo_of_one_letter_is_clear() {
         let clear = |unknown, known: &[&str]| nearest(unknown, known).map(|meant| meant.clear);
         assert_eq!(clear("phaze", &["phase", "shape"]), Some(true));
         assert_eq!(clear("relese", &["release", "scene"]), Some(true));

@@ -168,7 +168,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_tree_and_the_comments_stay(
+    fn formatting_preserves_tree_and_comments(
         tree in crate::trees::tree(),
         bytes in prop::collection::vec(any::<u8>(), 1..200),
     ) {
@@ -197,7 +197,7 @@ proptest! {
     }
 
     #[test]
-    fn what_is_printed_is_laid_out(tree in crate::trees::tree()) {
+    fn printed_trees_are_formatted(tree in crate::trees::tree()) {
         let printed = print(&tree, &crate::trees::symbols());
         prop_assert_eq!(format(&printed), Ok(printed));
     }
@@ -250,7 +250,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 4_000, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_text_is_laid_out_or_refused(
+    fn any_text_is_formatted_or_rejected(
         pieces in prop::collection::vec(prop::sample::select(&PIECES[..]), 0..30),
         blanks in any::<bool>(),
     ) {
@@ -262,7 +262,7 @@ proptest! {
     }
 
     #[test]
-    fn a_program_without_some_of_its_text_is_laid_out_or_refused(
+    fn a_truncated_program_is_formatted_or_rejected(
         start in 0usize..900,
         length in 0usize..40,
     ) {
@@ -285,7 +285,7 @@ fn becomes(text: &str, expected: &str) {
 }
 
 #[test]
-fn words_are_set_apart_in_one_way() {
+fn tokens_are_separated_consistently() {
     becomes(
         "let n=2*( 3+-4 )\nassembly a in s{seed plate n x 1{A   at( 0,0 )}phase p[ n ]timeout 3   min{\
          A.up->B[ 1 , n-1 ].east->>C[1 .. 3]after release D,E}}",
@@ -300,7 +300,7 @@ assembly a in s {
 }
 
 #[test]
-fn seeds_stand_in_columns_where_they_share_lines() {
+fn seeds_on_one_line_are_aligned() {
     becomes(
         "assembly a { seed plate 9 x 9 {
             A at (0, 0) Longer at (2, 0)
@@ -323,7 +323,7 @@ fn seeds_stand_in_columns_where_they_share_lines() {
 }
 
 #[test]
-fn comments_stay_with_what_they_stand_at() {
+fn comments_stay_at_their_statements() {
     becomes(
         "
 // of the file
@@ -369,7 +369,7 @@ assembly a {   // after the head
 }
 
 #[test]
-fn long_statements_break_before_arrows_and_behind_commas() {
+fn long_statements_break_before_arrows_and_after_commas() {
     becomes(
         "pattern p(a, b) {
             a.up ->> First[1..100].east ->> Second[1..100].north ->> Third[1..100].west ->> Fourth[1..100] after release Fifth
@@ -386,7 +386,7 @@ fn long_statements_break_before_arrows_and_behind_commas() {
 }
 
 #[test]
-fn rows_are_close_or_apart_within_a_layer() {
+fn rows_of_a_layer_are_spaced_consistently() {
     becomes(
         "shape s at(-1,0){layer 1{
  ##.
@@ -421,7 +421,7 @@ fn rows_are_close_or_apart_within_a_layer() {
 }
 
 #[test]
-fn scenes_keep_their_lines_and_wide_gaps() {
+fn scenes_retain_their_lines_and_wide_gaps() {
     becomes(
         "scene s from t{tick   20ms\tblock cube{side 20cm    mass 1   kg\tfaces 1}free 3 uniform
          bond attract {
@@ -446,7 +446,7 @@ fn scenes_keep_their_lines_and_wide_gaps() {
 }
 
 #[test]
-fn a_word_does_not_become_the_unit_of_the_value_before_it() {
+fn a_word_does_not_become_a_unit() {
     becomes(
         "scene z {\n tick 20\rs 3\n}",
         "scene z {\n    tick 20\n    s 3\n}\n",
@@ -458,7 +458,7 @@ fn a_word_does_not_become_the_unit_of_the_value_before_it() {
 }
 
 #[test]
-fn a_tab_stands_before_a_unit_and_within_one_as_a_blank_does() {
+fn a_tab_before_or_in_a_unit_is_a_space() {
     becomes(
         "scene z {\n\ttick\t20\tms\n\twall 25 \tN\t/\tm\n\tof\t3\tmPa\ts ..\t4 mPa  s\n}\n\
          assembly a in z {\n\tphase p\ttimeout\t3\tmin {}\n}",
@@ -476,7 +476,7 @@ assembly a in z {
 }
 
 #[test]
-fn lines_end_as_they_did() {
+fn line_endings_are_preserved() {
     assert_eq!(
         format("let  a = 1\r\n\r\n\r\n// b \r\n").unwrap(),
         "let a = 1\r\n\r\n// b\r\n"
@@ -486,7 +486,7 @@ fn lines_end_as_they_did() {
 }
 
 #[test]
-fn documentation_stands_right_above_what_it_belongs_to() {
+fn documentation_stands_directly_above_its_item() {
     becomes(
         "let n = 6 /// first
 
@@ -503,7 +503,7 @@ let m = 2
 }
 
 #[test]
-fn what_is_attached_by_hand_may_stand_beside_its_seed() {
+fn pre_attached_blocks_may_share_the_line_of_their_seed() {
     becomes(
         "aggregate  four in\ntank to 2*2 timeout 317  s // c
 aggregate two to(2)
@@ -527,7 +527,7 @@ assembly a {
 }
 
 #[test]
-fn a_wrong_text_is_refused() {
+fn a_text_with_errors_is_rejected() {
     for wrong in [
         "assembly a {",
         "let n = ;",
@@ -545,7 +545,7 @@ fn a_wrong_text_is_refused() {
 }
 
 #[test]
-fn programs_of_this_project_keep_their_trees() {
+fn formatting_preserves_the_trees_of_this_project() {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
     let mut seen = 0;
     for folder in ["examples", "tests/fixtures"] {

@@ -41,7 +41,7 @@ proptest! {
 }
 
 #[test]
-fn a_doc_behind_a_number_is_no_division() {
+fn a_doc_comment_after_a_number_is_not_a_division() {
     for (text, items) in [
         ("let n = 6\n/// doc\nlet m = 2", 2),
         ("let n = 6 /// doc\nlet m = 2", 2),
@@ -55,7 +55,7 @@ fn a_doc_behind_a_number_is_no_division() {
 }
 
 #[test]
-fn a_scene_s_word_behind_a_value_is_no_unit() {
+fn a_clause_after_a_value_is_not_a_unit() {
     let text = "scene s { tick 20 ms\ns 3\nm }";
     let mut symbols = Symbols::new();
     let parsed = parse(text, &mut symbols);
@@ -65,7 +65,7 @@ fn a_scene_s_word_behind_a_value_is_no_unit() {
 }
 
 #[test]
-fn a_value_in_ticks_before_another_is_no_clause() {
+fn a_value_in_ticks_is_not_a_clause() {
     for text in [
         "scene s { wait 3 tick^1 4 }",
         "scene s { wait 0 .. 3 tick^1 4 .. 5 s }",
@@ -79,7 +79,7 @@ fn a_value_in_ticks_before_another_is_no_clause() {
 }
 
 #[test]
-fn allow_and_deny_are_names_as_well() {
+fn allow_and_deny_may_be_names() {
     let text = "pattern allow(deny) { deny.up -> allow.up -> deny2 }
         assembly a {
             allow unused-seed \"kept\"

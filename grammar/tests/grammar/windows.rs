@@ -56,7 +56,7 @@ fn repeats(statement: &str, size: usize) {
 }
 
 #[test]
-fn cuts_through_statements_leave_no_trace() {
+fn windows_may_split_statements() {
     for statement in [
         " A.up -> B\n",
         "A.up -> B[1, 2].north ->> T[1..n+1].east -> C after J, release K, L\n",
@@ -78,7 +78,7 @@ fn cuts_through_statements_leave_no_trace() {
 }
 
 #[test]
-fn statements_longer_than_a_window_are_read_whole() {
+fn statements_longer_than_a_window_are_read() {
     let long = format!(
         " A.up{} after C{}\n",
         " -> B.up".repeat(9_000),
@@ -120,7 +120,7 @@ fn one_line_of_megabytes_is_read() {
 
 /// Errors in a long line have the right position and message.
 #[test]
-fn errors_in_a_line_of_megabytes_are_told_as_in_a_short_one() {
+fn errors_in_a_huge_line_read_as_in_a_short_one() {
     for size in [10_usize, 10_000, 2_000_000] {
         let good = "A.up -> B ".repeat(size);
         let text = format!("assembly a {{ phase p {{ {good} ! {good} }} }}");
@@ -138,7 +138,7 @@ fn errors_in_a_line_of_megabytes_are_told_as_in_a_short_one() {
 }
 
 #[test]
-fn a_statement_that_is_too_long_is_called_so() {
+fn a_too_long_statement_is_reported() {
     let text = format!(
         "assembly a {{ phase p {{\nA.up{}\nC.up -> D\n}} }}",
         " -> B".repeat(MAX_STATEMENT)
@@ -150,7 +150,7 @@ fn a_statement_that_is_too_long_is_called_so() {
 }
 
 #[test]
-fn scenes_and_shapes_larger_than_a_window_are_read_whole() {
+fn scenes_and_shapes_larger_than_a_window_are_read() {
     for end in ["\n", "\r\n", " ", " // é }\n"] {
         let words = format!("tick 20 ms {{ speed 0 .. 0.4 m/s x }}{end}").repeat(9_000);
         let text = format!("scene s {{ {words} }} scene t {{ }} let n = 3");
@@ -199,7 +199,7 @@ fn scenes_and_shapes_larger_than_a_window_are_read_whole() {
 
 /// Reads many small scenes and shapes. The text after the end of a block is read again.
 #[test]
-fn blocks_of_all_kinds_in_turn_are_read_whole() {
+fn alternating_blocks_are_read() {
     let text = "scene s from t { tick 20 ms x { y } }\nshape s at (1, -2) { layer 1 { # } }\n\
                 assembly a in s { seed plate 3 x n { A at (0, 0) } phase p timeout 3 s { } }\n\
                 pattern p(a) { for i in 1..2 { } }\nimport \"x\"\n"
@@ -215,7 +215,7 @@ fn blocks_of_all_kinds_in_turn_are_read_whole() {
 
 /// Each kind of error, except exceeded limits, which are not part of the grammar.
 #[test]
-fn an_error_is_of_the_grammar_if_that_refuses_the_text() {
+fn errors_agree_with_the_whole_grammar() {
     let texts = [
         "assembly a { seed }",
         "assembly a {",
@@ -257,7 +257,7 @@ fn an_error_is_of_the_grammar_if_that_refuses_the_text() {
 
 /// One wrong byte is far beyond the first window. Both readers report it, or neither does.
 #[test]
-fn the_verdict_is_that_of_the_whole_grammar() {
+fn acceptance_agrees_with_the_whole_grammar() {
     let good =
         "/// doc\nA.up -> B after C // so\r\ntower(A, 2) as t\nrelease A, B\nfor i in 1..2 { }\n";
     let many = good.repeat(500);
@@ -286,7 +286,7 @@ fn the_verdict_is_that_of_the_whole_grammar() {
 }
 
 #[test]
-fn a_range_of_values_goes_on_behind_a_window() {
+fn a_range_of_values_may_cross_windows() {
     // A value is as long as the first window, and its `..` is at the end of a line.
     for length in 200..300 {
         let zeros = "0".repeat(length);

@@ -143,7 +143,7 @@ mod tests {
     use crate::counter_rng::Draws;
 
     #[test]
-    fn the_draws_are_the_same_in_any_order_of_steps() {
+    fn draws_do_not_depend_on_the_order_of_steps() {
         let (mut one, mut ahead) = (
             Draws::new(u64::MAX - 7, 3, Stream::Shuffle),
             DrawsAhead::new(u64::MAX - 7, 3, Stream::Shuffle),

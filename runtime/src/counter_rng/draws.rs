@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_draw_does_not_depend_on_what_was_drawn_before() {
+    fn a_draw_does_not_depend_on_earlier_draws() {
         let mut all = Draws::new(7, 3, Stream::Kick);
         let mut step = all.step(41);
         let in_order: Vec<_> = (0..50).map(|block| step.block(block)).collect();

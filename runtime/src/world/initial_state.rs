@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_as_fit_do_and_one_more_does_not() {
+    fn places_as_many_blocks_as_fit() {
         let Err(SceneError::NoRoom(NoRoom::DoesNotFit { fits, .. })) = start(9.0, 100_000) else {
             panic!("100,000 blocks cannot fit in a radius of 9 block lengths");
         };
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn an_enclosure_as_wide_as_a_town_takes_no_more_memory_than_its_blocks() {
+    fn memory_does_not_grow_with_the_enclosure() {
         let blocks = start(1e6, 300).expect("300 blocks fit");
         assert_eq!(blocks.len(), 300);
         let farthest = blocks.iter().map(|b| b.position.norm()).fold(0.0, f64::max);

@@ -121,7 +121,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_set_is_that_of_the_library(
+        fn the_set_agrees_with_the_standard_library(
             n in 1usize..40_000,
             is_full: bool,
             changes in prop::collection::vec((any::<prop::sample::Index>(), any::<bool>()), 0..300),
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn a_set_of_no_numbers_is_empty() {
+    fn an_empty_set_is_empty() {
         assert_eq!(
             (RankedSet::empty(0).len(), RankedSet::full(0).len()),
             (0, 0)

@@ -214,7 +214,7 @@ fn errors(case: &Case) -> [[f64; 2]; STEPS.len()] {
 const CHANCE: f64 = 0.01;
 
 #[test]
-fn errors_go_down_as_the_page_says() {
+fn errors_converge_as_documented() {
     let mut table = String::from(
         "| collision | left | 1 step | 2 | 4 | 8 | 16 |\n|---|--:|--:|--:|--:|--:|--:|\n",
     );

@@ -25,7 +25,7 @@ fn the_cone_of_the_kernel_is_the_same_in_all_directions() {
 
 /// The reference is not tested, because its friction deviates too much.
 #[test]
-fn friction_of_the_kernel_opposes_the_sliding() {
+fn friction_of_the_kernel_opposes_sliding() {
     friction_at_a_corner_opposes_the_sliding::<Single>();
     friction_at_a_corner_opposes_the_sliding::<Double>();
 }

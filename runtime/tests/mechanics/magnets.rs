@@ -152,7 +152,7 @@ fn a_block_next_to_the_middle_of_a_magnet_stays_there<K: Kind>() {
 
 /// `check --physics` also reports docking times below one tick.
 #[test]
-fn a_docking_takes_as_long_as_a_constant_force_says() {
+fn the_docking_time_follows_from_the_force() {
     const CASES: u32 = 32;
     // The reach is one block length.
     let within = 0.005;

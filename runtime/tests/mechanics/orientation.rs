@@ -18,7 +18,7 @@ fn normal(face: Face) -> Vector3<f64> {
 }
 
 #[test]
-fn there_are_24_proper_ones() {
+fn there_are_24_orientations() {
     let all: std::collections::BTreeSet<_> = Orientation::all().collect();
     assert_eq!(all.len(), 24);
     assert_eq!(Orientation::all().next(), Some(Orientation::IDENTITY));
@@ -29,7 +29,7 @@ fn there_are_24_proper_ones() {
 
 proptest! {
     #[test]
-    fn they_are_a_group(a in orientation(), b in orientation(), c in orientation()) {
+    fn orientations_are_a_group(a in orientation(), b in orientation(), c in orientation()) {
         prop_assert_eq!(a.after(b).after(c), a.after(b.after(c)));
         prop_assert_eq!(a.after(Orientation::IDENTITY), a);
         prop_assert_eq!(Orientation::IDENTITY.after(a), a);
@@ -38,7 +38,7 @@ proptest! {
     }
 
     #[test]
-    fn they_act_on_faces_as_matrices_do(a in orientation(), b in orientation(), own in face()) {
+    fn orientations_act_on_faces_like_matrices(a in orientation(), b in orientation(), own in face()) {
         let there = a.to_structure(own);
         prop_assert_eq!(a.to_own(there), own);
         prop_assert_eq!(a.after(b).to_structure(own), a.to_structure(b.to_structure(own)));

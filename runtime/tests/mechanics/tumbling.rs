@@ -107,7 +107,7 @@ fn a_cube_that_is_watched_turns_as_one_that_is_not<K: Kind>() {
 /// --ignored`.
 #[test]
 #[ignore = "takes a minute without optimization"]
-fn a_million_ticks_do_not_wear_an_orientation_out() {
+fn orientations_stay_normalized_for_a_million_ticks() {
     watched::<crate::scenes::Single>(1_000_000);
     watched::<crate::scenes::Double>(1_000_000);
 }

@@ -40,7 +40,7 @@ fn waits(model: Model, runs: u64) -> Vec<f64> {
 
 /// Chance exceeds each of these limits in one of 1,000 cases.
 #[test]
-fn the_wait_for_a_face_of_the_plate_has_one_distribution() {
+fn models_agree_on_the_wait_of_a_plate_face() {
     let [rigid, rapier] = [Model::Rigid, Model::Rapier].map(|model| waits(model, 200));
     let (a, b) = (mean(&rigid), mean(&rapier));
     let p = kolmogorov_smirnov(&rigid, &rapier);
@@ -50,7 +50,7 @@ fn the_wait_for_a_face_of_the_plate_has_one_distribution() {
 }
 
 #[test]
-fn the_statistics_are_those_of_the_books() {
+fn statistics_agree_with_published_values() {
     let numbers = |from: i32, to: i32| (from..to).map(f64::from).collect::<Vec<f64>>();
     let (a, b) = (numbers(0, 100), numbers(20, 120));
     assert!((gap(&a, &b) - 0.2).abs() < 1e-12);

@@ -54,7 +54,7 @@ const SNAKE: [Face; 8] = [
 ];
 
 #[test]
-fn a_chain_grows_where_the_tables_say_however_its_blocks_are_turned() {
+fn a_chain_grows_with_any_orientation_of_blocks() {
     let (tables, roles) = chain(&SNAKE);
     for run in 0..200 {
         let (record, world) = shuffle(&tables, None, run);
@@ -72,7 +72,7 @@ fn a_chain_grows_where_the_tables_say_however_its_blocks_are_turned() {
 
 proptest! {
     #[test]
-    fn a_block_knows_how_it_sits(run: u64) {
+    fn a_block_knows_its_orientation(run: u64) {
         let (tables, roles) = chain(&SNAKE);
         let mut world = ShuffleWorld::new(&tables, 9, 1, run);
         let mut controller = Controller::new(&tables, None, 1, run);
@@ -92,7 +92,7 @@ proptest! {
 }
 
 #[test]
-fn a_capture_that_waits_is_switched_on_when_the_one_before_it_has_docked() {
+fn a_waiting_capture_starts_after_the_earlier_docking() {
     let mut draft = Draft::default();
     let phase = draft.phase(3);
     let a = draft.seed("A", 1, 1);
@@ -175,7 +175,7 @@ fn release(hop: Option<u32>) -> (RunRecord, ShuffleWorld, [RoleId; 4]) {
 }
 
 #[test]
-fn a_release_is_asked_for_and_frees_children_first() {
+fn a_release_is_requested_and_frees_children_first() {
     let (record, world, [_, b, c, d]) = release(Some(5));
     assert_eq!(record.outcome, Outcome::Completed);
     // C reports over two hops. Then C asks B, and B asks A. D reports over one hop.
@@ -195,7 +195,7 @@ fn a_release_is_asked_for_and_frees_children_first() {
 }
 
 #[test]
-fn without_a_price_messages_arrive_in_the_tick_they_are_sent_in() {
+fn without_delay_messages_arrive_in_the_same_tick() {
     let (record, _, _) = release(None);
     assert_eq!(record.phase_ticks, [2, 0, 1]);
     assert_eq!(record.ticks, 3);
@@ -240,7 +240,7 @@ fn news(hop: Option<u32>, run: u64) -> (RunRecord, [RoleId; 4]) {
 }
 
 #[test]
-fn news_crosses_the_plate_to_other_branches_and_waits_for_its_receiver() {
+fn notifications_cross_the_plate_and_wait_for_their_receiver() {
     for run in 0..50 {
         let (record, [i, j, n, o]) = news(Some(7), run);
         assert_eq!(record.outcome, Outcome::Completed);
@@ -259,7 +259,7 @@ fn news_crosses_the_plate_to_other_branches_and_waits_for_its_receiver() {
 }
 
 #[test]
-fn who_takes_a_role_over_knows_what_its_last_holder_was_told() {
+fn a_new_holder_knows_the_messages_of_the_last() {
     // In the second phase X is released after C has docked, and B captures a new X. The new X
     // captures Y after C has docked. Only the old X received the message that C has docked.
     let mut draft = Draft::default();
@@ -389,7 +389,7 @@ fn passive(mut tables: Tables) -> Tables {
 }
 
 #[test]
-fn a_block_that_docks_where_nobody_expects_it_is_rejected_at_once() {
+fn an_unplanned_block_is_rejected_at_once() {
     let (tables, roles) = chain(&SNAKE);
     let tables = passive(tables);
     let mut all = 0;
@@ -513,7 +513,7 @@ fn planted(by_hand: usize) -> (Tables, Vec<(RoleId, Cell)>) {
 }
 
 #[test]
-fn what_is_attached_by_hand_is_there_at_tick_0() {
+fn pre_attached_blocks_exist_at_tick_0() {
     let (tables, roles) = planted(3);
     let mut world = ShuffleWorld::new(&tables, 9, 5, 1);
     let mut controller = Controller::new(&tables, None, 5, 1);
@@ -576,7 +576,7 @@ fn lossy(hop: u32, loss: f64, run: u64) -> RunRecord {
 }
 
 #[test]
-fn lost_messages_are_sent_again_and_cost_hops_and_time() {
+fn lost_messages_are_resent_and_cost_hops_and_time() {
     let (mut hops, mut ticks) = (0, 0);
     let (runs, hop, loss) = (400, 3, 0.3);
     for run in 0..runs {
@@ -602,7 +602,7 @@ fn lost_messages_are_sent_again_and_cost_hops_and_time() {
 }
 
 #[test]
-fn a_message_that_always_gets_lost_ends_nothing() {
+fn a_message_that_is_always_lost_ends_no_phase() {
     let record = lossy(0, 1.0, 0);
     let (phase, by) = (PhaseId(0), Limit::MaxTicks);
     assert_eq!(record.outcome, Outcome::TimedOut { phase, by });
@@ -611,7 +611,7 @@ fn a_message_that_always_gets_lost_ends_nothing() {
 }
 
 #[test]
-fn a_dead_block_keeps_the_phase_from_ending() {
+fn a_dead_block_prevents_the_end_of_a_phase() {
     let (tables, roles) = chain(&SNAKE);
     for (struck, (role, _)) in roles.iter().enumerate().take(SNAKE.len()).skip(1) {
         let mut world = ShuffleWorld::new(&tables, 9, 1, 0);

@@ -95,7 +95,7 @@ fn a_run_is_the_same_alone_in_sequence_and_on_any_thread() {
 /// A run that is stopped at any tick equals the beginning of the whole run. All its recorded bonds
 /// have docked, and all its recorded waits have begun.
 #[test]
-fn waits_under_way_are_those_that_the_whole_run_ends() {
+fn unfinished_waits_are_finished_by_the_longer_run() {
     // Two towers next to each other, so that two faces are on at once.
     let mut draft = Draft::default();
     let phase = draft.phase(2);
@@ -140,7 +140,7 @@ fn waits_under_way_are_those_that_the_whole_run_ends() {
 }
 
 #[test]
-fn entries_of_a_wait_under_way_are_counted() {
+fn entries_of_an_unfinished_wait_are_counted() {
     counted::<RapierWorld>(Model::Rapier);
     counted::<RigidWorld>(Model::Rigid);
 }
@@ -222,7 +222,7 @@ fn a_captured_block_sits_on_the_lattice_and_a_released_one_starts_from_rest() {
 }
 
 #[test]
-fn of_two_blocks_the_closer_one_docks_and_no_block_docks_twice() {
+fn the_closer_block_docks_and_none_docks_twice() {
     let mut scene = empty();
     scene.bond = attract(0.0, 0.6);
     let above = |x: f64, z: f64| BodyState::at_rest(Vector3::new(x, 0.0, z));
@@ -244,7 +244,7 @@ fn of_two_blocks_the_closer_one_docks_and_no_block_docks_twice() {
 }
 
 #[test]
-fn physics_that_breaks_down_is_a_failed_run() {
+fn broken_physics_fails_the_run() {
     let (tables, _) = chain(&[Face::Up]);
     let mut scene = crowd();
     scene.agitation = Some(Agitation::Kicks {
@@ -261,7 +261,7 @@ fn physics_that_breaks_down_is_a_failed_run() {
 }
 
 #[test]
-fn not_a_number_is_found_at_once_at_the_block_that_has_it() {
+fn not_a_number_fails_at_its_block() {
     found_at_once::<RapierWorld>();
     found_at_once::<RigidWorld>();
 }
@@ -356,7 +356,7 @@ fn blocks_start_evenly_spread_and_apart() {
 }
 
 #[test]
-fn only_dimensionless_groups_matter() {
+fn only_dimensionless_numbers_matter() {
     // The same scene with blocks of 12 um. All factors are powers of two, so results are equal to
     // the bit.
     let (length, mass, time) = (2f64.powi(-14), 2f64.powi(-40), 2f64.powi(-9));

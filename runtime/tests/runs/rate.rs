@@ -90,7 +90,7 @@ const SINGLE: &str =
     "assembly single { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }";
 
 #[test]
-fn a_single_wait_has_the_distribution_of_the_law() {
+fn a_single_wait_has_the_distribution_of_the_model() {
     let (records, rates) = records(SINGLE, 4000);
     let bond = &records[0].bonds[0];
     let mut seen = rates.surroundings(
@@ -121,7 +121,7 @@ fn a_single_wait_has_the_distribution_of_the_law() {
 }
 
 #[test]
-fn a_face_waits_longer_where_fewer_blocks_are_free() {
+fn fewer_free_blocks_lengthen_waits() {
     // Three of the four blocks are captured when the wait for the last one begins.
     let text = "scene few from hemisphere { free 4 uniform }
         assembly four in few { seed plate 9 x 1 { A at (0, 0) B at (8, 0) }
@@ -146,7 +146,7 @@ fn a_face_waits_longer_where_fewer_blocks_are_free() {
 }
 
 #[test]
-fn a_wait_goes_on_where_its_surroundings_change() {
+fn a_wait_continues_after_its_surroundings_change() {
     // While the top of the tower waits, a block docks next to it and changes the hazard. The mean
     // of the cumulative hazard until the capture is 1, whatever its parts.
     let text = "assembly pair { seed plate 2 x 1 { A at (0, 0) B at (1, 0) } phase both { A.up -> C B.up -> D } }";
@@ -189,7 +189,7 @@ fn a_wait_goes_on_where_its_surroundings_change() {
 }
 
 #[test]
-fn a_block_two_cells_from_the_one_that_captures_changes_a_wait() {
+fn a_block_two_cells_away_changes_a_wait() {
     // The top of the tower waits. A block docks two cells from the block below it, before or after.
     let text = "assembly near { seed plate 3 x 1 { A at (0, 0) B at (2, 0) }
         phase foot { A.up -> C } phase both { C.up -> E B.up -> D } }";
@@ -228,7 +228,7 @@ fn a_block_two_cells_from_the_one_that_captures_changes_a_wait() {
 }
 
 #[test]
-fn a_block_that_is_let_go_into_an_open_face_is_caught_at_once() {
+fn a_block_released_at_an_open_face_is_captured_at_once() {
     let text = "assembly swap { seed plate 3 x 1 { A at (0, 0) M at (1, 0) }
         phase arm { A.up -> B.up -> C.east -> D M.up -> E }
         phase over { release D E.up -> F } }";
@@ -241,7 +241,7 @@ fn a_block_that_is_let_go_into_an_open_face_is_caught_at_once() {
 }
 
 #[test]
-fn a_block_that_is_let_go_before_a_face_opens_has_often_left() {
+fn a_block_released_before_a_face_opens_has_often_left() {
     for hop in [0, 1, 20] {
         let text = format!(
             "scene slow from hemisphere {{ messages {{ hop {hop} ticks }} }}
@@ -339,7 +339,7 @@ fn skipping_time_changes_nothing() {
 }
 
 #[test]
-fn what_the_law_does_not_know_is_refused() {
+fn unsupported_terms_are_rejected() {
     let other = "scene other from hemisphere { free 77 uniform }
         assembly single in other { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }";
     let (tables, scene) = compiled(other);

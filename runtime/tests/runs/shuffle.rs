@@ -119,7 +119,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 500, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_world_does_what_a_plain_one_does(
+    fn the_world_agrees_with_a_reference(
         deeds in prop::collection::vec(
             (
                 prop_oneof![
@@ -233,7 +233,7 @@ impl Towers {
 /// long. It takes two to ten times as long. Only the small program fits into the cache of one core,
 /// and a busy machine leaves little of the shared cache.
 #[test]
-fn an_event_takes_about_as_long_in_a_large_program_as_in_a_small_one() {
+fn the_time_per_event_does_not_grow_with_the_program() {
     let programs = [11, 88].map(Towers::on_a_plate_of);
     // The programs alternate, so that other load slows both. The minimum of several runs is the
     // least disturbed one.

@@ -187,7 +187,7 @@ fn rapier_restores_no_state() {
 }
 
 #[test]
-fn cells() {
+fn rate_and_shuffle_restore_their_state() {
     let mut ways = Vec::new();
     for model in [Model::Rate, Model::Shuffle] {
         ways.push(Settings {
@@ -241,7 +241,7 @@ fn an_aggregate_without_physics() {
 }
 
 #[test]
-fn what_is_no_state_is_refused() {
+fn invalid_states_are_rejected() {
     let program = programs(TOWER).remove(0);
     let mut keeper = Keeper {
         every: 100,

@@ -45,7 +45,7 @@ fn codes(answers: &[Value]) -> Vec<(i64, Option<i64>)> {
 }
 
 #[test]
-fn a_program_is_spoken_of_while_a_large_one_is_checked() {
+fn requests_are_answered_during_a_large_check() {
     let mut client = Client::new(&[]);
     let text = large();
     client.open(LARGE, &text);
@@ -61,7 +61,7 @@ fn a_program_is_spoken_of_while_a_large_one_is_checked() {
 }
 
 #[test]
-fn a_layout_is_given_while_the_program_is_checked() {
+fn formatting_is_answered_during_a_check() {
     let mut client = Client::new(&[]);
     let text = large();
     client.open(LARGE, &text);
@@ -75,7 +75,7 @@ fn a_layout_is_given_while_the_program_is_checked() {
 }
 
 #[test]
-fn edits_end_all_checks_but_the_last() {
+fn edits_cancel_all_checks_except_the_last() {
     let mut client = Client::new(&[]);
     let text = large();
     client.open(LARGE, &text);
@@ -100,7 +100,7 @@ fn edits_end_all_checks_but_the_last() {
 }
 
 #[test]
-fn an_edit_ends_the_checks_of_what_imports_the_file() {
+fn an_edit_cancels_the_checks_of_importing_files() {
     let mut client = Client::new(&[]);
     let text = format!("import \"small.sa\"\n{}", large());
     client.open(SMALL, "let n = 1\n");
@@ -126,7 +126,7 @@ fn an_edit_ends_the_checks_of_what_imports_the_file() {
 }
 
 #[test]
-fn the_conversation_ends_during_a_check() {
+fn the_server_exits_during_a_check() {
     let text = large();
     let mut client = Client::new(&[]);
     client.open(LARGE, &text);
@@ -145,7 +145,7 @@ fn the_conversation_ends_during_a_check() {
 }
 
 #[test]
-fn an_editor_is_told_that_a_program_is_too_large_for_it() {
+fn a_program_too_large_for_the_editor_is_reported() {
     let text = TEXT.replace("-> A", "->> T[1..1300000]");
     let mut client = Client::new(&[]);
     client.open(SMALL, &text);

@@ -79,7 +79,7 @@ fn a_changed_import_is_checked_again_when_a_file_is_saved_or_reported() {
 }
 
 #[test]
-fn the_client_is_asked_to_watch_programs_if_it_offers_that() {
+fn file_watching_is_registered_if_supported() {
     let folder = tempfile::tempdir().unwrap();
     for offers in [true, false] {
         let watching = json!({ "dynamicRegistration": offers });

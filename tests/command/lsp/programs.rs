@@ -50,7 +50,7 @@ fn hover(words: &str, nth: usize) -> String {
 }
 
 #[test]
-fn a_block_is_known_with_its_cell_parent_depth_and_table() {
+fn hover_shows_cell_parent_depth_and_table_of_a_block() {
     let text = hover("D\n", 0);
     for part in [
         "**`D`**, block of `city`",
@@ -73,7 +73,7 @@ fn a_block_is_known_with_its_cell_parent_depth_and_table() {
 }
 
 #[test]
-fn a_name_in_a_pattern_stands_for_all_its_blocks() {
+fn hover_in_a_pattern_lists_all_blocks() {
     let text = hover("T[1..height]", 0);
     for part in [
         "`left.T[1]`",
@@ -90,7 +90,7 @@ fn a_name_in_a_pattern_stands_for_all_its_blocks() {
 }
 
 #[test]
-fn what_is_no_block_is_shown_as_declared() {
+fn hover_shows_other_names_as_declared() {
     for (words, nth, parts) in [
         (
             "tower(",
@@ -127,7 +127,7 @@ fn what_is_no_block_is_shown_as_declared() {
 
 /// Checks that the keywords of a scene are described by its schema.
 #[test]
-fn the_words_of_a_scene_are_known() {
+fn hover_explains_the_clauses_of_a_scene() {
     let text = "scene mine from hemisphere {\n    bond attract {\n        pull 1 N within 5cm\n        anchor gap 1mm tilt 5 deg\n    }\n    f\n}\n";
     let mut client = Client::new(&["utf-16"]);
     client.open(URI, text);
@@ -189,7 +189,7 @@ assembly hook in magnet_tank {
 ";
 
 #[test]
-fn aggregates_and_blocks_attached_by_hand_are_known() {
+fn hover_shows_aggregates_and_pre_attached_blocks() {
     let mut client = Client::new(&["utf-16"]);
     client.open(URI, TANK);
     let mut ask = |method: &str, words: &str| {
@@ -249,7 +249,7 @@ fn definitions_are_seeds_captures_and_declarations() {
 }
 
 #[test]
-fn references_are_all_places_or_all_but_the_declarations() {
+fn references_include_or_exclude_declarations() {
     let mut client = client();
     let mut params = place(URI, TOWER, "C.up", 1);
     for (with, expected) in [
@@ -274,7 +274,7 @@ fn outline(symbols: &Value, depth: usize, out: &mut Vec<String>) {
 }
 
 #[test]
-fn the_outline_has_what_is_declared() {
+fn the_outline_lists_declarations() {
     let params = json!({ "textDocument": { "uri": URI } });
     let answer = client().ask("textDocument/documentSymbol", params);
     let mut names = Vec::new();
@@ -295,7 +295,7 @@ fn the_outline_has_what_is_declared() {
 /// Checks that the range of a declaration ends with its last token, not before the next
 /// declaration.
 #[test]
-fn a_declaration_ends_where_its_words_do() {
+fn a_declaration_ends_with_its_last_token() {
     let text = "let n = 2 *\n    (3 + 1)\n\n// about the program\n\nassembly a {\n    let k = 1\n\n    // of the plate\n    \
                 seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n";
     let mut client = Client::new(&[]);
@@ -340,7 +340,7 @@ fn formatting_touches_the_lines_that_change() {
 
 /// Checks a lone carriage return. It ends a line for the client, but not in the language.
 #[test]
-fn a_lone_carriage_return_is_refused_as_fmt_does() {
+fn a_lone_carriage_return_is_rejected_as_by_fmt() {
     let mut client = client();
     for (nth, text) in [
         "let a = 1\r let b = 2\nassembly m {\n    seed plate a x b { M at (0, 0) }\n        phase p { M.up -> A }\n}\n",
@@ -364,7 +364,7 @@ fn a_lone_carriage_return_is_refused_as_fmt_does() {
 /// Checks a byte order mark. It counts as a character of the first line, and formatting removes it,
 /// as `fmt` does.
 #[test]
-fn a_mark_of_the_byte_order_is_passed_over() {
+fn a_byte_order_mark_is_skipped() {
     let mut client = Client::new(&[]);
     let text = "\u{feff}assembly a { seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up->A } }\n";
     client.open(URI, text);
@@ -382,7 +382,7 @@ fn a_mark_of_the_byte_order_is_passed_over() {
 }
 
 #[test]
-fn a_wrong_program_is_answered_as_far_as_it_makes_sense() {
+fn requests_are_answered_for_programs_with_errors() {
     let mut client = Client::new(&[]);
     let text = "assembly a {\n  seed plate 1 x 1 { M at (0, 0) }\n  phase p {\n    M.up -> A.\n    A.up -> B\n";
     client.open(URI, text);
@@ -441,7 +441,7 @@ fn imports_lead_to_their_files_and_texts_of_the_editor_come_first() {
 }
 
 #[test]
-fn a_slip_is_mended_by_a_change() {
+fn a_typo_is_fixed_by_a_code_action() {
     let text = "// \u{1f9f1}\nassembly a in hemispher {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n";
     let mut client = Client::new(&["utf-16"]);
     client.open(URI, text);
@@ -470,7 +470,7 @@ fn a_slip_is_mended_by_a_change() {
 }
 
 #[test]
-fn what_nobody_uses_is_marked_as_unnecessary() {
+fn unused_names_are_marked_as_unnecessary() {
     let text = "let n = 1\nassembly a {\n    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }\n    \
                 phase p { M.up -> A }\n    phase q { M.up -> B }\n}\n";
     let mut client = Client::new(&["utf-16"]);

@@ -6,7 +6,7 @@ use crate::lsp::client::{Client, place, shown};
 const URI: &str = "file:///nowhere/a%20b.sa";
 
 #[test]
-fn the_exit_status_says_whether_the_client_said_goodbye() {
+fn the_exit_status_depends_on_the_shutdown_request() {
     assert_eq!(Client::new(&[]).leave(), 0);
     assert_eq!(Client::new(&[]).hang_up(), 1);
     let mut client = Client::new(&[]);
@@ -58,7 +58,7 @@ fn requests_come_between_initialize_and_shutdown() {
 }
 
 #[test]
-fn what_nobody_understands_does_no_harm() {
+fn unknown_messages_are_ignored() {
     let mut client = Client::new(&[]);
     client.open(URI, "let n = 1\n");
     client.send_raw(b"Content-Length: 5\r\n\r\n{{{{{");

@@ -37,7 +37,7 @@ fn rename(words: &str, nth: usize, new: &str) -> Result<String, String> {
 }
 
 #[test]
-fn a_thing_is_renamed_wherever_it_is_named_and_nowhere_else() {
+fn a_name_is_renamed_at_all_its_uses() {
     let renamed = rename("T[1..", 0, "Block").unwrap();
     let expected = TEXT
         .replace("->> T[1..height]", "->> Block[1..height]")
@@ -67,7 +67,7 @@ fn a_thing_is_renamed_wherever_it_is_named_and_nowhere_else() {
 }
 
 #[test]
-fn what_would_change_the_program_is_refused() {
+fn a_rename_that_changes_the_program_is_rejected() {
     for (words, nth, new, why) in [
         ("T[1].up", 0, "V", "already has a meaning"),
         ("T[1].up", 0, "n", "already has a meaning"),
@@ -92,7 +92,7 @@ fn what_would_change_the_program_is_refused() {
 
 /// Checks that an underscore can be added to an unused name, as `check` recommends.
 #[test]
-fn an_underscore_before_an_unused_name_is_no_change_of_meaning() {
+fn an_underscore_may_be_added_to_an_unused_name() {
     let unused = format!("let spare = 3\n{TEXT}");
     for (text, new) in [
         (unused.clone(), "_spare"),
@@ -112,7 +112,7 @@ fn an_underscore_before_an_unused_name_is_no_change_of_meaning() {
 /// Checks that a scene cannot be renamed to `hemisphere`, because assemblies without a scene would
 /// then use it.
 #[test]
-fn a_scene_is_not_renamed_so_that_others_run_in_another() {
+fn a_rename_does_not_change_the_scene_of_a_program() {
     let text = |name: &str| {
         format!(
             "scene {name} from hemisphere_soft {{ free 40 uniform }}\n\
@@ -169,7 +169,7 @@ fn programs_that_share_a_file_are_renamed_together() {
 }
 
 #[test]
-fn a_name_is_offered_for_renaming_with_its_place() {
+fn prepare_rename_returns_the_range_of_the_name() {
     let mut client = Client::new(&["utf-16"]);
     client.open(URI, TEXT);
     let answer = client.ask("textDocument/prepareRename", place(URI, TEXT, "eft.T", 0));

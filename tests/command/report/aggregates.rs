@@ -6,7 +6,7 @@ use crate::reading::{fields, parsed};
 use crate::stochc::{path, stochc_with};
 
 #[test]
-fn an_aggregate_has_the_sections_that_fit_and_none_that_are_empty() {
+fn a_report_of_an_aggregate_has_no_empty_sections() {
     let folder = tempfile::tempdir().unwrap();
     let program = path(folder.path(), "three.sa");
     let text = "scene three from magnet_tank { free 3 ring 20cm }\naggregate trio in three to 3 timeout 317 s\n";

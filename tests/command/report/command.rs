@@ -31,7 +31,7 @@ fn simulated(folder: &Path, name: &str, more: &[&str]) -> String {
 }
 
 #[test]
-fn a_report_is_in_its_folder_and_the_folder_stays_whole() {
+fn a_report_is_written_into_its_folder() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out", &[]);
     let before = stochc_with("show", &[&out]).out;
@@ -53,7 +53,7 @@ fn a_report_is_in_its_folder_and_the_folder_stays_whole() {
 
 /// Checks that the segments of a critical path have no gaps and cover the run.
 #[test]
-fn a_chain_has_the_way_of_news_in_it() {
+fn the_critical_path_includes_messages() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "news.sa");
     let text = "scene slow from hemisphere { messages { hop 50 ticks } }\n\
@@ -103,7 +103,7 @@ fn several_folders_make_one_page_here() {
 }
 
 #[test]
-fn a_replay_that_is_there_is_linked() {
+fn an_existing_replay_is_linked() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out 1", &[]);
     fs::write(path(out.as_ref(), "replay-0.html"), "").unwrap();
@@ -139,7 +139,7 @@ fn a_replay_that_is_there_is_linked() {
 }
 
 #[test]
-fn what_is_no_results_folder_is_refused() {
+fn a_folder_without_results_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out", &[]);
     for wrong in ["tests/fixtures", "Cargo.toml", "no/such/folder"] {
@@ -167,7 +167,7 @@ fn what_is_no_results_folder_is_refused() {
 
 /// Checks a report on a truncated journal, which contains fewer runs.
 #[test]
-fn an_ensemble_that_is_not_finished_is_told_of_as_such() {
+fn an_unfinished_ensemble_is_marked() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out", &[]);
     let journal = path(out.as_ref(), "journal.jsonl");
@@ -204,7 +204,7 @@ fn an_ensemble_that_is_not_finished_is_told_of_as_such() {
 }
 
 #[test]
-fn another_version_is_told_of() {
+fn another_version_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let [old, new] = ["old", "new"].map(|name| simulated(folder.path(), name, &[]));
     let file = |name: &str| path(old.as_ref(), name);
@@ -234,7 +234,7 @@ fn another_version_is_told_of() {
 
 /// Checks that a report works without sources, because a folder contains compiled programs.
 #[test]
-fn a_report_needs_no_text() {
+fn a_report_needs_no_source() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out", &[]);
     let file = |name: &str| path(out.as_ref(), name);
@@ -257,7 +257,7 @@ fn a_report_needs_no_text() {
 }
 
 #[test]
-fn a_report_that_was_stopped_is_made_again() {
+fn an_interrupted_report_is_rewritten() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out", &[]);
     // A killed command leaves some figures and a draft, but no page.
@@ -275,7 +275,7 @@ fn a_report_that_was_stopped_is_made_again() {
 }
 
 #[test]
-fn other_peoples_files_stay() {
+fn foreign_files_are_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out", &[]);
     let page = path(folder.path(), "thesis.html");
@@ -315,7 +315,7 @@ fn other_peoples_files_stay() {
 
 /// Checks that figures of an earlier report are removed if the new report does not have them.
 #[test]
-fn figures_of_an_earlier_report_go() {
+fn figures_of_an_earlier_report_are_removed() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), "out", &["tests/fixtures/importing.sa"]);
     let page = path(folder.path(), "page.html");
@@ -379,7 +379,7 @@ fn figures_are_in_seconds_with_labels_of_programs() {
 }
 
 #[test]
-fn a_sweep_of_several_programs_is_told_to_have_them() {
+fn a_sweep_lists_its_programs() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let sweep = "sweep --quiet --model shuffle --runs 2 --vary free=20,30 --vary drag=1,2Hz \

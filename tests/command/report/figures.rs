@@ -41,7 +41,7 @@ fn is_printed(folder: &str, name: &str) {
 const PRINTED: [&str; 4] = ["--figure-width", "89mm", "--figure-format", "svg,pdf"];
 
 #[test]
-fn figures_of_a_sweep_are_for_print_as_well() {
+fn writes_printed_figures_of_a_sweep() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let sweep =
@@ -65,7 +65,7 @@ fn figures_of_a_sweep_are_for_print_as_well() {
 }
 
 #[test]
-fn figures_of_a_trade_are_for_print_as_well() {
+fn writes_printed_figures_of_a_trade() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let trade = "trade --quiet --runs 3 --finest 2 tests/fixtures/dense.sa";
@@ -76,7 +76,7 @@ fn figures_of_a_trade_are_for_print_as_well() {
 }
 
 #[test]
-fn figures_of_a_fit_are_for_print_as_well() {
+fn writes_printed_figures_of_a_fit() {
     let folder = tempfile::tempdir().unwrap();
     let [file, data, out] = ["small.sa", "times.csv", "out"].map(|name| path(folder.path(), name));
     let program = "scene small from hemisphere { free 20 uniform  enclosure hemisphere { radius 1m  wall 25 N/m } }

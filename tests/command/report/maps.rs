@@ -140,7 +140,7 @@ fn maps_are_sums_over_recordings() {
 }
 
 #[test]
-fn a_folder_without_recordings_says_how_to_get_them() {
+fn a_folder_without_recordings_names_the_command() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), &[]);
     let page = page(&out);
@@ -150,7 +150,7 @@ fn a_folder_without_recordings_says_how_to_get_them() {
 }
 
 #[test]
-fn a_damaged_recording_is_told_of_and_left_out() {
+fn a_corrupted_recording_is_reported_and_left_out() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), &["--record", "all"]);
     let [first, second, third] = [0, 1, 2].map(|run| recording_path(Path::new(&out), 0, run));

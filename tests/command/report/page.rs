@@ -50,7 +50,7 @@ fn the_commands_on_the_page_work() {
 
 /// Checks that thirteen waits of one tick each are described in one sentence.
 #[test]
-fn a_long_chain_of_equal_waits_is_told_in_one_sentence() {
+fn equal_waits_in_a_row_are_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let simulate = "simulate --quiet --model shuffle --runs 2 examples/line.sa";

@@ -103,7 +103,7 @@ fn close(found: &str, expected: f64) {
 }
 
 #[test]
-fn a_report_says_what_the_tables_say() {
+fn a_report_agrees_with_the_tables() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let name = "five_tower_reconfigured";
@@ -165,7 +165,7 @@ fn a_report_says_what_the_tables_say() {
 /// Checks that `show --captures`, the report and the table of captures have the same waiting times
 /// if runs are stopped.
 #[test]
-fn stopped_runs_have_the_same_waits_in_every_table() {
+fn censored_runs_have_equal_waits_in_every_table() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let name = "five_tower_reconfigured";
@@ -226,7 +226,7 @@ fn stopped_runs_have_the_same_waits_in_every_table() {
 /// releases. The segments of a run have no gaps, from its first tick to its last. Each segment is a
 /// waiting time in the tables.
 #[test]
-fn chains_fill_the_runs_of_every_small_program() {
+fn critical_paths_cover_whole_runs() {
     let folder = tempfile::tempdir().unwrap();
     let out = path(folder.path(), "out");
     let files = fs::read_dir("tests/verification").unwrap();

@@ -40,7 +40,7 @@ fn clauses(scene: &Scene) -> Vec<String> {
 }
 
 #[test]
-fn clauses_are_written_in_units_in_which_they_are_short() {
+fn clauses_are_written_in_short_units() {
     let hemisphere = built_in("hemisphere_2005").unwrap();
     assert_eq!(
         texts(&hemisphere),
@@ -61,7 +61,7 @@ fn clauses_are_written_in_units_in_which_they_are_short() {
 }
 
 #[test]
-fn what_is_absent_is_told_down_to_the_fields() {
+fn lists_missing_terms_and_fields() {
     let mut bare = built_in("hemisphere_2005").unwrap();
     let Some(Bond::Attract { align, .. }) = &mut bare.bond else {
         panic!("the default scene captures");
@@ -99,7 +99,7 @@ fn what_is_absent_is_told_down_to_the_fields() {
 }
 
 #[test]
-fn values_are_told_in_both_units() {
+fn values_are_given_in_both_units() {
     let text = "scene s from hemisphere {
         drag { rate 0.5 s^-1 }
         contact { stiffness 400 N/m  damping 8 N s/m  friction 0.3 }
@@ -253,7 +253,7 @@ fn is_same(a: &serde_json::Value, b: &serde_json::Value) -> bool {
 
 proptest! {
     #[test]
-    fn what_is_written_reads_as_the_same_scene(declared in any_scene()) {
+    fn a_written_scene_reads_as_the_same_scene(declared in any_scene()) {
         let text = format!("scene s {{\n{}\n}}\n", texts(&declared).join("\n"));
         let read = scene(&text);
         let [a, b] = [&read, &declared].map(|it| serde_json::to_value(it).unwrap());

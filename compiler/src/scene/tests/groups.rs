@@ -38,7 +38,7 @@ fn compliant(stiffness: f64, damping: f64) -> Option<Contact> {
 }
 
 #[test]
-fn the_groups_of_the_default_scene() {
+fn dimensionless_numbers_of_the_default_scene() {
     // In block lengths, blocks and ticks: n = 300 / (2/3 π 25^3) = 0.0091673. The cross-section is
     // (12 + 4.5 π) / 4 = 6.5343, so ℓ = 1 / (√2 n 6.5343) = 11.804. The mean speed is 0.92132 v.
     // There are 0.078052 v collisions per tick, each for v^2 / 3. There are 0.92132 v / 4 * 3 / 50
@@ -65,7 +65,7 @@ fn the_groups_of_the_default_scene() {
 }
 
 #[test]
-fn a_compliant_contact_has_groups_of_its_own() {
+fn a_compliant_contact_has_its_own_numbers() {
     let scene = Scene {
         contact: compliant(400.0, 8.0),
         ..hemisphere()
@@ -106,7 +106,7 @@ fn strong_drag_needs_short_steps() {
 }
 
 #[test]
-fn with_drag_alone_the_speed_is_that_of_the_stationary_variance() {
+fn with_drag_alone_the_speed_follows_from_the_stationary_variance() {
     let mut scene = Scene {
         drag: Some(Drag { rate: 5.0 }),
         contact: None,
@@ -131,7 +131,7 @@ fn with_drag_alone_the_speed_is_that_of_the_stationary_variance() {
 }
 
 #[test]
-fn without_a_speed_nothing_is_said_that_needs_one() {
+fn without_a_speed_dependent_numbers_are_absent() {
     let still = Scene {
         agitation: None,
         ..hemisphere()
@@ -156,7 +156,7 @@ fn without_a_speed_nothing_is_said_that_needs_one() {
 }
 
 #[test]
-fn a_scene_at_another_scale_has_the_same_groups() {
+fn a_scaled_scene_has_the_same_numbers() {
     let scene = Scene {
         drag: Some(Drag { rate: 0.5 }),
         contact: compliant(400.0, 8.0),
@@ -190,7 +190,7 @@ fn a_scene_at_another_scale_has_the_same_groups() {
 }
 
 #[test]
-fn substeps_are_as_many_as_a_limit_needs() {
+fn substeps_satisfy_each_limit() {
     let exceeded: Vec<_> = (groups(&hemisphere()).iter())
         .filter(|group| group.is_exceeded(1))
         .map(|group| (group.symbol, group.substeps()))
@@ -227,7 +227,7 @@ fn microns() -> Scene {
 }
 
 #[test]
-fn where_drag_rules_a_step_is_as_long_as_the_motion_in_it() {
+fn if_drag_dominates_a_step_is_as_long_as_its_motion() {
     let scene = microns();
     let found = |symbol: &str| {
         let mut groups = groups(&scene).into_iter();
@@ -278,7 +278,7 @@ fn where_drag_rules_a_step_is_as_long_as_the_motion_in_it() {
 }
 
 #[test]
-fn drag_that_needs_longer_than_a_step_changes_nothing() {
+fn slow_drag_does_not_shorten_steps() {
     let mut scene = microns();
     scene.tick = 1e-7;
     let found = groups(&scene);
@@ -296,7 +296,7 @@ fn drag_that_needs_longer_than_a_step_changes_nothing() {
 }
 
 #[test]
-fn added_mass_slows_motion_and_changes_no_balance_of_forces() {
+fn added_mass_slows_motion_but_not_the_balance_of_forces() {
     let mut scene = microns();
     scene.gravity = Some(9.81);
     scene.fluid = Some(Fluid {
@@ -320,7 +320,7 @@ fn added_mass_slows_motion_and_changes_no_balance_of_forces() {
 }
 
 #[test]
-fn sinking_is_held_against_what_stirs() {
+fn sinking_is_compared_with_stirring() {
     let mut scene = microns();
     assert_eq!(Settling::from_scene(&scene), None, "without gravity");
     scene.gravity = Some(9.81);
@@ -436,7 +436,7 @@ fn a_sphere_is_a_gas_as_a_hemisphere_is() {
 }
 
 #[test]
-fn the_mean_flow_takes_blocks_along() {
+fn the_mean_flow_carries_blocks() {
     let tank = built_in("magnet_tank").unwrap();
     let carried = |scene: &Scene| {
         let group = groups(scene)
@@ -463,7 +463,7 @@ fn the_mean_flow_takes_blocks_along() {
 
 /// Compares two scenes that are equal except for the length of the tick.
 #[test]
-fn energies_of_heat_do_not_depend_on_the_tick() {
+fn thermal_energies_do_not_depend_on_the_tick() {
     let work = |tick: f64| {
         let scene = Scene {
             tick,
@@ -490,7 +490,7 @@ fn energies_of_heat_do_not_depend_on_the_tick() {
 }
 
 #[test]
-fn heat_and_eddies_give_blocks_their_speed() {
+fn heat_and_eddies_set_the_speed_of_blocks() {
     let mut tank = built_in("magnet_tank").unwrap();
     let computed = speed(&tank);
     assert_eq!(computed.from, SpeedFrom::Eddies);

@@ -137,7 +137,7 @@ fn every_scene_is_written_as_it_is_read() {
 }
 
 #[test]
-fn the_scenes_of_this_test_have_every_number() {
+fn the_tested_scenes_have_every_parameter() {
     let scenes: Vec<_> = texts().map(|text| text.scene().unwrap()).collect();
     for number in CLAUSES.iter().flat_map(numbers) {
         assert!(
@@ -151,7 +151,7 @@ fn the_scenes_of_this_test_have_every_number() {
 /// Checks that a value gives the same scene if it is written in the source or set by the table.
 /// Both reject the same values.
 #[test]
-fn names_and_ranges_are_those_of_the_language() {
+fn names_and_ranges_match_the_language() {
     const DEFAULTS: [&str; 6] = [
         "bond.anchor.tilt",
         "agitation.speed.low",
@@ -227,7 +227,7 @@ fn with(scene: Scene, changes: &[(&str, f64)]) -> Result<Scene, ScalarError> {
 }
 
 #[test]
-fn a_range_is_swept_by_its_upper_end() {
+fn a_range_is_varied_by_its_upper_end() {
     let speed = |changes: &[(&str, f64)], number| {
         let Some(Agitation::Kicks { speed }) = with(scene(number), changes).unwrap().agitation
         else {
@@ -248,7 +248,7 @@ fn a_range_is_swept_by_its_upper_end() {
 }
 
 #[test]
-fn names_that_a_scene_does_not_have_are_told_with_those_it_has() {
+fn an_unknown_parameter_is_reported_with_the_known_ones() {
     let error = |number, name| {
         let error = find(&scene(number), name).unwrap_err();
         assert!(error.has().contains(&"bond.pull"), "{error:?}");
@@ -274,7 +274,7 @@ fn names_that_a_scene_does_not_have_are_told_with_those_it_has() {
 }
 
 #[test]
-fn a_value_of_another_dimension_is_told_with_the_right_one() {
+fn a_wrong_dimension_is_reported_with_the_right_one() {
     let of = |name, text| {
         let scalar = find(&scene(0), name).unwrap();
         scalar.accept(WrittenQuantity::parse(text).unwrap().to_si())
@@ -297,7 +297,7 @@ fn a_value_of_another_dimension_is_told_with_the_right_one() {
 
 /// Checks that timeouts in seconds follow the tick, and inventories the number of free blocks.
 #[test]
-fn a_changed_scene_is_compiled_like_one_that_was_written() {
+fn a_changed_scene_compiles_like_a_written_one() {
     let text = "assembly a {
         seed plate 3 x 3 { M at (1, 1) }
         phase p timeout 10 s { M.up ->> T[1..3] }

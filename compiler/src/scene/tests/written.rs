@@ -21,7 +21,7 @@ fn in_scene(text: &str) -> Option<(f64, Dimension)> {
 }
 
 #[test]
-fn a_value_that_stands_alone_is_read_as_the_grammar_reads_it() {
+fn a_lone_value_is_read_as_by_the_grammar() {
     let bases = || BASES.iter().map(|(base, ..)| (*base).to_owned());
     let prefixed = |sign: char| bases().map(move |base| format!("{sign}{base}"));
     let prefixed = PREFIXES.iter().flat_map(|prefix| prefixed(prefix.sign));

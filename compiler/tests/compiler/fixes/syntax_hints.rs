@@ -144,7 +144,7 @@ fn only_betters(wrong: &str) -> Result<bool, TestCaseError> {
 }
 
 #[test]
-fn any_slip_is_mended_or_left_alone() {
+fn any_typo_is_fixed_or_left_alone() {
     let programs = programs();
     let slip = (0u8..4, any::<usize>(), any::<u8>()).prop_map(|(kind, letter, how)| match kind {
         0 => Slip::Deleted,
@@ -191,7 +191,7 @@ fn braces(text: &str, brace: &str) -> Vec<usize> {
 }
 
 #[test]
-fn a_forgotten_opening_brace_is_all_that_is_told_and_mended() {
+fn a_missing_opening_brace_is_the_only_diagnostic() {
     const HEADS: [&str; 8] = [
         "assembly", "seed", "phase", "for", "pattern", "scene", "shape", "layer",
     ];
@@ -233,7 +233,7 @@ fn a_forgotten_opening_brace_is_all_that_is_told_and_mended() {
 }
 
 #[test]
-fn a_closing_brace_too_many_is_all_that_is_told() {
+fn an_extra_closing_brace_is_the_only_diagnostic() {
     for right in programs() {
         if checked(&right).has_errors() {
             continue;

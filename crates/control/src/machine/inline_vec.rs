@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_a_list() {
+    fn inline_vec_is_a_list() {
         let (mut inline, mut list) = (InlineVec::None, Vec::new());
         for (value, at) in [0, 0, 2, 1, 0].into_iter().enumerate() {
             inline.insert(at, value);

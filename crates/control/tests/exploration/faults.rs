@@ -50,7 +50,7 @@ fn with_hangs(tables: &Tables, faults: Faults) -> ExplorationReport {
 }
 
 #[test]
-fn lost_messages_are_survived() {
+fn survives_lost_messages() {
     for tables in programs() {
         for lost in [1, 2] {
             let report = with(&tables, Faults { lost, ..NONE });
@@ -65,7 +65,7 @@ fn lost_messages_are_survived() {
 }
 
 #[test]
-fn where_nothing_is_sent_again_a_lost_message_is_a_hang_and_nothing_worse() {
+fn without_resending_a_lost_message_only_hangs() {
     let faults = Faults {
         lost: 1,
         sent_again: false,
@@ -83,7 +83,7 @@ fn where_nothing_is_sent_again_a_lost_message_is_a_hang_and_nothing_worse() {
 }
 
 #[test]
-fn a_dead_block_is_a_hang_and_nothing_worse() {
+fn a_dead_block_only_hangs() {
     let dead = Faults { dead: 1, ..NONE };
     // If blocks can die, all orders are explored. That is too much for the larger programs, which
     // use random orders.
@@ -121,7 +121,7 @@ fn a_dead_block_is_a_hang_and_nothing_worse() {
 }
 
 #[test]
-fn a_block_that_dies_when_its_work_is_done_is_survived() {
+fn survives_a_block_that_dies_when_idle() {
     let tables =
         tables("assembly one { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }");
     let dead = Faults { dead: 1, ..NONE };
@@ -134,7 +134,7 @@ fn a_block_that_dies_when_its_work_is_done_is_survived() {
 }
 
 #[test]
-fn a_stray_that_can_be_shaken_off_is_survived() {
+fn survives_an_unplanned_bond() {
     let stray = Faults { strays: 1, ..NONE };
     // All orders are explored until the stray docks. That is too much for the larger programs.
     for tables in small() {
@@ -150,7 +150,7 @@ fn a_stray_that_can_be_shaken_off_is_survived() {
 }
 
 #[test]
-fn a_stray_that_sticks_stands_in_the_way_or_stays() {
+fn a_permanent_unplanned_bond_obstructs_or_stays() {
     let stuck = Faults {
         strays: 1,
         stuck: true,
@@ -188,7 +188,7 @@ fn a_stray_that_sticks_stands_in_the_way_or_stays() {
 }
 
 #[test]
-fn a_block_that_is_mistaken_about_how_it_sits_builds_something_else() {
+fn a_block_with_wrong_orientation_builds_another_shape() {
     let mistaken = Faults {
         mistaken: 1,
         ..NONE
@@ -226,7 +226,7 @@ proptest! {
 
 /// With lost messages, the reduction still reaches the same results as the full exploration.
 #[test]
-fn fewer_orders_find_the_same_with_losses() {
+fn the_reduction_finds_the_same_with_losses() {
     let compared = Cell::new(0);
     let mut runner = fixed_cases(100);
     let choices = prop::collection::vec(any::<u32>(), 0..24);

@@ -16,7 +16,7 @@ fn program(phase: &str) -> String {
 }
 
 #[test]
-fn a_block_is_not_let_go_because_another_one_of_its_name_is() {
+fn a_block_is_not_released_for_a_namesake() {
     for phase in [
         // The first B is released. The second B is attached to a block that is also released.
         "release B  A.east -> B  release A",
@@ -36,7 +36,7 @@ fn a_block_is_not_let_go_because_another_one_of_its_name_is() {
 }
 
 #[test]
-fn a_block_waits_for_all_that_hang_on_it_one_after_the_other() {
+fn a_release_waits_for_all_children() {
     for phase in [
         "release B  A.up -> D  release D, A",
         "release B, A  M.up -> A after release B",

@@ -8,7 +8,7 @@ use crate::programs::{BUSY, tables, tables_of};
 use stochc_ir::table::{Action, Condition, News};
 
 #[test]
-fn every_mistake_that_matters_is_found_with_and_without_the_reduction() {
+fn every_relevant_mutant_is_found() {
     let mut found: BTreeMap<Property, u32> = BTreeMap::new();
     let mut harmless: Vec<String> = Vec::new();
     let mut programs = tables_of("examples/five_tower_reconfigured.sa");
@@ -41,7 +41,7 @@ fn every_mistake_that_matters_is_found_with_and_without_the_reduction() {
 }
 
 #[test]
-fn what_is_found_is_told_in_the_programs_own_names() {
+fn violations_use_the_names_of_the_program() {
     let [original] = &tables_of("examples/five_tower.sa")[..] else {
         panic!("one assembly");
     };

@@ -12,7 +12,7 @@ use crate::programs::{BUSY, ROOT, checked, explore, explore_as, fixed_cases, tab
 use crate::random::declare;
 
 #[test]
-fn every_example_and_fixture_holds() {
+fn every_example_and_fixture_passes() {
     let mut count = 0;
     for folder in ["examples", "tests/fixtures"] {
         for entry in std::fs::read_dir(format!("{ROOT}/{folder}")).unwrap() {
@@ -35,7 +35,7 @@ fn every_example_and_fixture_holds() {
 }
 
 #[test]
-fn all_orders_of_the_five_towers_are_tried() {
+fn explores_all_orders_of_the_five_towers() {
     let [tables] = &tables_of("examples/five_tower.sa")[..] else {
         panic!("one assembly");
     };
@@ -90,7 +90,7 @@ fn states_and_transitions_with_and_without_the_reduction() {
 }
 
 #[test]
-fn twenty_captures_at_once_are_no_matter() {
+fn explores_twenty_concurrent_captures() {
     let text = "scene s from hemisphere { free 300 uniform }
         assembly field in s {
             seed plate 39 x 1 { for i in 0..19 { S[i] at (2 * i, 0) } }
@@ -117,7 +117,7 @@ fn twenty_captures_at_once_are_no_matter() {
 }
 
 #[test]
-fn bounds_are_kept() {
+fn limits_are_respected() {
     let tables = tables(BUSY);
     for (bounds, bound) in [
         (
@@ -148,7 +148,7 @@ fn bounds_are_kept() {
 }
 
 #[test]
-fn chance_tries_what_is_too_much() {
+fn random_walks_sample_large_programs() {
     let tables = tables(BUSY);
     let (expected, bounds, faults) = (
         ProgramGoals::new(&tables),
@@ -166,7 +166,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 500, ..ProptestConfig::default() })]
 
     #[test]
-    fn random_programs_hold(
+    fn random_programs_pass(
         choices in prop::collection::vec(any::<u32>(), 0..160),
         faces in 1u8..=5,
     ) {
@@ -193,7 +193,7 @@ proptest! {
 
 /// Small programs in full: the reduction reaches the same result and the same hangs.
 #[test]
-fn fewer_orders_find_the_same() {
+fn the_reduction_finds_the_same() {
     let [full_states, reduced_states, compared] = [(); 3].map(|()| Cell::new(0));
     let mut runner = fixed_cases(300);
     let choices = prop::collection::vec(any::<u32>(), 0..40);

@@ -33,7 +33,7 @@ fn an_unplanned_bond_changes_nothing_at_any_moment() {
 }
 
 #[test]
-fn one_that_cannot_be_undone_is_found() {
+fn a_permanent_unplanned_bond_is_found() {
     for tables in passive() {
         let report = explore_as(&tables, |all| {
             all.faults = Faults {
@@ -51,7 +51,7 @@ fn one_that_cannot_be_undone_is_found() {
 }
 
 #[test]
-fn what_is_attached_by_hand_is_there_before_anything_happens() {
+fn pre_attached_blocks_exist_before_the_first_event() {
     for tables in tables_of("tests/fixtures/attached.sa") {
         assert!(tables.phases[0].planted);
         assert_eq!(explore(&tables).verdict, ExplorationVerdict::Holds);

@@ -70,7 +70,7 @@ fn a_cell_that_is_closed_in_one_order_is_a_hang() {
 }
 
 #[test]
-fn an_order_that_keeps_the_way_open_holds() {
+fn an_order_that_leaves_the_access_path_open_passes() {
     let well = tables(&WELL.replace("-> roof", "-> roof after foot").replace(
         "A.up -> a[1].up -> a[2].east -> roof after foot",
         "A.up -> a[1].up -> a[2]  a[2].east -> roof after foot",
@@ -98,7 +98,7 @@ fn can_fit(occupied: &BTreeSet<Cell>, cell: Cell) -> bool {
 
 /// If cells can become unreachable, the reduced exploration reaches the same hangs.
 #[test]
-fn fewer_orders_find_the_same_closed_cells() {
+fn the_reduction_finds_the_same_closed_cells() {
     let [hangs, full_states, reduced_states] = [(); 3].map(|()| std::cell::Cell::new(0));
     let mut runner = fixed_cases(200);
     let choices = prop::collection::vec(any::<u32>(), 0..40);

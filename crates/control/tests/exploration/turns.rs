@@ -74,7 +74,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 600, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn circles_chains_and_tables_are_those_of_the_rounds(
+    fn turns_match_cycles_chains_and_tables(
         faces in 1u8..=5,
         order in Just(vec![0usize, 1, 2, 3, 4]).prop_shuffle(),
         links in prop::collection::vec((0usize..5, 0usize..5), 0..5),
@@ -100,7 +100,7 @@ proptest! {
 }
 
 #[test]
-fn a_capture_waits_for_any_of_those_before_it() {
+fn a_capture_waits_for_any_earlier_one() {
     // The third capture begins after any first docking, and the fourth after the next one. The
     // `after` of the fourth is not a cycle, because the first capture may dock last.
     let afters = [vec![3], vec![], vec![], vec![]];

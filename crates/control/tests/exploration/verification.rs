@@ -168,7 +168,7 @@ fn proof_and_execution_agree_on_every_program() {
 
 /// Checks that the execution can fail. Otherwise its success would prove nothing.
 #[test]
-fn execution_without_walls_does_not_see_what_the_check_sees() {
+fn execution_without_walls_misses_cavities() {
     let sealed: Vec<Case> = (cases().into_iter())
         .filter(|case| {
             case.errors()

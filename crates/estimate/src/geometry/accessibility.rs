@@ -178,12 +178,12 @@ mod tests {
     }
 
     #[test]
-    fn as_many_points_are_in_the_sphere_as_are_counted() {
+    fn the_sphere_has_the_counted_points() {
         assert_eq!(points(Face::Up).len(), POINTS);
     }
 
     #[test]
-    fn nothing_around_leaves_all_open() {
+    fn an_empty_neighbourhood_is_fully_open() {
         assert_eq!(with(HIGH, Face::Up, &[]), 1.0);
     }
 
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn surroundings_count_the_same_in_every_direction() {
+    fn accessibility_is_isotropic() {
         // A wall to one side of the open cell, for every face and each of its four sides.
         let mut seen = Vec::new();
         for way in Face::ALL {
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_close_and_never_open() {
+    fn more_blocks_never_increase_accessibility() {
         let parent = HIGH.across(Face::Down).expect("there is one");
         let mut full = vec![parent];
         let mut open = with(HIGH, Face::Up, &full);

@@ -146,7 +146,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_cell_has_a_place_of_its_own_and_the_ground_is_blocked() {
+    fn each_cell_has_its_own_bit_and_the_ground_is_blocked() {
         for z in 1..5 {
             let cell = Cell::new(7, -3, z);
             let is_full = |near: Cell| (near.x + 2 * near.y + 3 * near.z) % 5 == 0;

@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn faces_of_the_same_direction_are_beside_or_across_an_edge_or_behind() {
+    fn faces_of_the_same_direction_are_classified() {
         let up = |offset: [i32; 3]| found(Face::Up, &[(offset, Face::Up)]);
         let counts = |rivals: Rivals| [rivals.beside, rivals.across, rivals.around];
         assert_eq!(counts(up([1, 0, 0])), [1, 0, 0]);
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn faces_of_other_directions_are_around_unless_they_face_away() {
+    fn faces_of_other_directions_are_classified() {
         let around = |offset, other| found(Face::Up, &[(offset, other)]).around;
         assert_eq!(around([1, 0, 0], Face::North), 2);
         assert_eq!(around([1, 0, 0], Face::West), 2);
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pattern_that_is_turned_has_the_same_rivals() {
+    fn a_rotated_pattern_has_the_same_rivals() {
         for way in Face::ALL {
             let [x, y, z] = way.normal().map(i32::abs);
             let beside = [y, z, x];
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_beyond_all_numbers_are_not_near() {
+    fn overflowing_cells_are_not_near() {
         let [low, high] = [i32::MIN, i32::MAX].map(|x| (Cell::new(x, 0, 1), Face::Up));
         assert_eq!(rivalry(low, high), None);
         assert_eq!(rivals(high.0, Face::Up, |_| Some(Face::Up)).beside, 3);

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_count_where_nothing_is_beside_and_rivals_across_edges_one_by_one() {
+    fn counts_open_corners_and_rivals_across_edges() {
         for way in Face::ALL {
             let cell = Cell::new(0, 0, 50);
             let at = |[x, y, z]: [i32; 3]| Cell::new(x, y, 50 + z);
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn a_block_two_cells_from_the_parent_counts_where_none_is_nearer_to_it() {
+    fn counts_a_block_two_cells_from_the_parent() {
         for way in Face::ALL {
             let cell = Cell::new(0, 0, 50);
             let at = |[x, y, z]: [i32; 3]| Cell::new(x, y, 50 + z);
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn no_other_cells_are_looked_at() {
+    fn ignores_distant_cells() {
         for way in Face::ALL {
             let all = crate::geometry::neighbourhood::all();
             let blocked = all.filter(|offset| !feature_cells(way).is_blocked(*offset));

@@ -151,7 +151,7 @@ mod tests {
     use crate::waits::rates::Rates;
 
     #[test]
-    fn blocks_that_are_let_go_leave_the_sooner_the_faster_they_are() {
+    fn fast_released_blocks_leave_sooner() {
         let rates = &Rates::shipped()[0];
         let cell = Cell::new(0, 0, 5);
         let leaves = |speed: f64| {
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_block_in_another_cell_is_no_more_likely_at_a_face_that_waits() {
+    fn a_block_in_another_cell_has_no_head_start() {
         let rates = &Rates::shipped()[0];
         let (cell, beside) = (Cell::new(0, 0, 5), Cell::new(1, 0, 5));
         let starts = rates.head_starts();

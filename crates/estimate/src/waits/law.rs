@@ -237,7 +237,7 @@ mod tests {
     use stochc_ir::{Cell, Face};
 
     #[test]
-    fn rates_follow_the_free_blocks_by_one_factor_and_never_fall_when_more_are_free() {
+    fn rates_grow_with_the_number_of_free_blocks() {
         let at = |free| Surroundings {
             free,
             ..around(Cell::new(0, 0, 5), Face::Up, Neighbourhood::EMPTY, |_| None)

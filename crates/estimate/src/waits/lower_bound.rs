@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_the_rates_were_not_measured_with_is_a_lower_bound() {
+    fn uncalibrated_conditions_give_a_lower_bound() {
         let rates = &Rates::shipped()[0];
         // `calibrate` builds 39 blocks of 300.
         assert_eq!(rates.largest_structure(), Some(39));

@@ -317,7 +317,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_shipped_is_read_and_comes_out_again() {
+    fn built_in_rates_survive_a_round_trip() {
         for text in BUILT_IN {
             let rates = Rates::from_text(text).expect("it is sound");
             assert_eq!(rates.to_text(), text);
@@ -333,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused() {
+    fn rejects_impossible_values() {
         let sound = Rates::from_text(BUILT_IN[0]).expect("it is sound");
         let spoilt: [fn(&mut Rates); 6] = [
             |rates| rates.format += 1,
@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn a_field_that_means_nothing_is_refused() {
+    fn rejects_unknown_fields() {
         let text = BUILT_IN[0].replacen("\"seed\"", "\"sead\": 1, \"seed\"", 1);
         let refused = Rates::from_text(&text)
             .expect_err("it must be rejected")

@@ -132,7 +132,7 @@ mod tests {
 
     /// Compares with `numpy.quantile([1, 2, 4, 8], [0, .1, .5, .9, 1])`: 1, 1.3, 3, 6.8, 8.
     #[test]
-    fn quantiles_are_those_of_numpy() {
+    fn quantiles_agree_with_numpy() {
         for (q, expected) in [(0.0, 1.0), (0.1, 1.3), (0.5, 3.0), (0.9, 6.8), (1.0, 8.0)] {
             let found = quantile(&[1.0, 2.0, 4.0, 8.0], q).unwrap();
             assert!((found - expected).abs() < 1e-12, "{q}: {found}");
@@ -144,7 +144,7 @@ mod tests {
     /// Checks n uniform values in (0, 1). The standard error of a quantile q is the root of q (1 -
     /// q) / n.
     #[test]
-    fn intervals_are_those_of_order_statistics() {
+    fn intervals_agree_with_order_statistics() {
         let n = 4000;
         let times = Times::new((0..n).map(|i| f64::from(i) / f64::from(n)).collect(), 0).unwrap();
         let root = f64::from(n).sqrt();
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_few_values_nothing_is_known_of_the_outer_quantiles() {
+    fn few_values_have_no_outer_quantiles() {
         let times = Times::new((0..20).map(f64::from).collect(), 0).unwrap();
         assert_eq!((times.p10_half_width, times.p90_half_width), (None, None));
         assert!(times.median_half_width.is_some());
@@ -170,7 +170,7 @@ mod tests {
     /// Checks 70 times from 1 to 70 and 30 infinite ones. Quantiles refer to all hundred cases, and
     /// there is no mean.
     #[test]
-    fn cases_that_never_end_are_slower_than_all_others() {
+    fn infinite_times_are_the_slowest() {
         let times = Times::new((1..=70).map(f64::from).collect(), 30).unwrap();
         assert_eq!((times.mean, times.half_width), (None, None));
         assert!((times.p10.unwrap() - 10.9).abs() < 1e-9);

@@ -145,7 +145,7 @@ mod tests {
     };
 
     #[test]
-    fn the_inverse_undoes_the_sum() {
+    fn the_inverse_inverts_the_cumulative_hazard() {
         let mut value = 1e-12;
         while value < 1e9 {
             let time = when_summed(value);
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn functions_are_smooth_where_they_change_their_form() {
+    fn functions_are_continuous_between_branches() {
         for (function, x) in [(docked as fn(f64) -> f64, 0.025), (summed, 0.025)] {
             let (below, above) = (function(x * (1.0 - 1e-9)), function(x * (1.0 + 1e-9)));
             assert!((above - below).abs() < 1e-8 * below, "{below} {above}");
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn the_hazard_is_what_the_sum_grows_by() {
+    fn the_hazard_is_the_derivative_of_the_cumulative_hazard() {
         for ticks in [1.0, 50.0, 200.0, 2000.0] {
             let step = 1e-3;
             let slope = (WAIT.cumulative_hazard(ticks + step)
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn slopes_are_differences() {
+    fn derivatives_agree_with_differences() {
         for ticks in [0.01, 20.0, 200.0, 5000.0] {
             let step: f64 = 1e-5;
             let with = |factor: f64| Wait {
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_those_of_the_distribution() {
+    fn moments_agree_with_the_distribution() {
         for wait in [
             WAIT,
             Wait {
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn where_nobody_comes_a_face_waits_for_ever() {
+    fn with_rate_zero_a_face_waits_forever() {
         let wait = Wait { rate: 0.0, ..WAIT };
         assert_eq!(wait.time_of(1e-9), f64::INFINITY);
         assert_eq!(wait.mean(), f64::INFINITY);

@@ -393,7 +393,7 @@ mod tests {
     /// Checks a sample of five runs, with the last run stopped exactly at its completion. Mean and
     /// interval are unchanged.
     #[test]
-    fn an_interval_is_of_one_kind_whether_or_not_a_run_is_stopped() {
+    fn censoring_does_not_change_the_kind_of_interval() {
         let times = [310.0, 420.0, 500.0, 760.0, 980.0];
         let all = Time::new(&times.map(Observation::completed)).unwrap();
         let mut some = times.map(Observation::completed);

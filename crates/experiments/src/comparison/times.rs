@@ -82,7 +82,7 @@ mod tests {
 
     /// Checks a run that is stopped in its second phase, 30 ticks after the start of the phase.
     #[test]
-    fn a_timeout_ends_a_run_for_ever_and_the_limit_of_ticks_only_hides_its_time() {
+    fn a_timeout_never_completes_and_a_tick_limit_censors() {
         let stopped = |by| {
             let phase = PhaseId(1);
             RunRecord {

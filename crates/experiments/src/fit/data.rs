@@ -253,7 +253,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn runs_are_summed_up_and_sums_are_taken() {
+    fn reads_times_of_runs_and_summaries() {
         let found = MeasuredTimes::read(b"program,ticks\nb,10\na,5\nb,14\na,7\n").unwrap();
         assert_eq!(found.unit, Unit::Ticks);
         let (program, first) = &found.programs[0];
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn stopped_runs_are_marked_in_a_column_of_their_own() {
+    fn reads_the_column_of_stopped_runs() {
         let text = b"program,seconds,stopped\na,10,false\na,14,no\na,20,TRUE\na,20,1\n";
         let found = MeasuredTimes::read(text).unwrap();
         assert_eq!(found.unit, Unit::Seconds);
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn times_that_pile_up_are_found_unless_their_runs_were_stopped() {
+    fn finds_repeated_times_of_runs_that_were_not_stopped() {
         let table = |last: &str| {
             let rows = (0..40).map(|i| format!("a,{},false\n", 100 + 3 * i));
             let table = "program,ticks,stopped\n".to_owned() + &rows.collect::<String>();
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_understood_is_told_with_its_line() {
+    fn errors_name_their_line() {
         let error = |text: &str| {
             MeasuredTimes::read(text.as_bytes())
                 .unwrap_err()

@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quadratic_is_found_again() {
+    fn recovers_a_quadratic() {
         let law =
             |at: &[f64]| (5.0 + 0.8 * at[0] - 0.3 * at[1] * at[0] + 0.2 * at[1] * at[1]).exp();
         let emulator = Emulator::new(&points(law), None).unwrap();
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn the_truth_is_likelier_than_what_is_beside_it() {
+    fn the_true_value_has_the_highest_likelihood() {
         let law = |at: &[f64]| (5.0 + 0.8 * at[0]).exp();
         let emulator = Emulator::new(&points(law), None).unwrap();
         let mean = law(&[0.5, 0.0]);
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_quadratic_can_say_is_known_as_an_error() {
+    fn misfit_of_a_quadratic_is_estimated() {
         let rough = |at: &[f64]| (5.0 + 0.5 * (12.0 * at[0]).sin()).exp();
         let smooth = |at: &[f64]| (5.0 + 0.5 * at[0]).exp();
         let error = |emulator: &Emulator| emulator.estimate(&[0.5, 0.5]).variance[0].sqrt();
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn too_few_points_say_nothing() {
+    fn too_few_points_give_no_emulator() {
         let all = points(|_| 100.0);
         assert!(Emulator::new(&all[..7], None).is_none());
         assert!(Emulator::new(&all[..8], None).is_some());

@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn with_one_limit_times_are_cut_at_it() {
+    fn one_limit_is_the_horizon() {
         let found = Observed::from_runs(&runs(&[10.0, 20.0, 40.0], &[50.0; 3])).unwrap();
         let mean = (10.0 + 20.0 + 40.0 + 150.0) / 6.0;
         let square = (100.0 + 400.0 + 1600.0 + 7500.0) / 6.0;
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_few_early_stops_cost_a_few_runs_and_no_horizon() {
+    fn a_few_early_stops_do_not_shorten_the_horizon() {
         let times: Vec<f64> = (1..=40).map(f64::from).collect();
         let found = Observed::from_runs(&runs(&times, &[3.0, 5.0])).unwrap();
         assert_eq!((found.stopped, found.horizon), (2, None));
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn the_horizon_is_where_half_of_the_runs_are_still_followed() {
+    fn the_horizon_has_half_of_the_runs_at_risk() {
         // Ten of a hundred runs had no limit.
         let longer = [60.0, 70.0, 80.0, 90.0, 95.0];
         let times: Vec<f64> = (1..=45).map(f64::from).chain(longer).collect();
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn what_says_nothing_of_a_spread_is_refused() {
+    fn rejects_times_without_spread() {
         for runs in [runs(&[1.0], &[]), runs(&[2.0, 2.0], &[]), runs(&[], &[1.0])] {
             assert_eq!(Observed::from_runs(&runs), None);
         }

@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_data_say_nothing_of_stays_as_wide_as_before() {
+    fn unconstrained_parameters_keep_their_prior() {
         let likelihood = |x: &[f64]| -0.5 * ((x[0] + 0.2) / 0.1).powi(2);
         let posterior = Posterior::sample(&[(0.0, 1.0); 2], likelihood, 1);
         let [first, second] = [0, 1].map(|i| posterior.marginal(i, &prior("x")));

@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_numbers_are_simulated_and_told_as_such() {
+    fn integer_parameters_stay_integers() {
         let scene = built_in("hemisphere").unwrap();
         let of = |text: &str| Prior::parse(text).unwrap().of_scene(&scene);
         for text in ["free=8..20", "free=8..2000 log"] {
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_range_is_refused() {
+    fn rejects_invalid_ranges() {
         for text in [
             "free",
             "free=5",

@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_hold_what_they_promise() {
+    fn intervals_have_their_coverage() {
         let width = check_coverage(|_| f64::INFINITY);
         assert!(width < 0.5, "the data say something");
     }
@@ -332,7 +332,7 @@ mod tests {
     /// Checks intervals if runs are stopped. The cases are half of the runs, three quarters, a few
     /// at any time, and half of them early.
     #[test]
-    fn intervals_hold_what_they_promise_if_runs_are_stopped() {
+    fn intervals_have_their_coverage_with_censoring() {
         let early = |i: usize| match i % 10 {
             0 => 20.0 * (1 + i / 10) as f64,
             _ => f64::INFINITY,
@@ -354,7 +354,7 @@ mod tests {
     /// Checks a prior range that does not contain the truth. The prediction then misses the data,
     /// usually at the nearest end.
     #[test]
-    fn a_truth_beyond_the_range_is_told() {
+    fn reports_a_true_value_beyond_the_range() {
         let mut at_end = 0;
         for trial in 0..20 {
             let beyond = [2.5, -1.5][trial as usize % 2];

@@ -241,7 +241,7 @@ mod tests {
     /// In R, `t.test(extra ~ group, sleep, paired = TRUE)` gives a mean of -1.58 and p = 0.002833.
     /// The interval is -2.4598858, -0.7001142.
     #[test]
-    fn students_own_example_comes_out() {
+    fn reproduces_students_example() {
         let first = [0.7, -1.6, -0.2, -1.2, -0.1, 3.4, 3.7, 0.8, 0.0, 2.0];
         let second = [1.9, 0.8, 1.1, 0.1, -0.1, 4.4, 5.5, 1.6, 4.6, 3.4];
         // Shifted by a constant to positive times.
@@ -257,7 +257,7 @@ mod tests {
     /// Compares with a calculation by hand. Up to the horizon 5, the difference is (2 + 5) / 2
     /// minus (4 + 5) / 2. The contributions are 2, 5 and 4, 5.
     #[test]
-    fn censored_means_are_compared_as_far_as_both_are_known() {
+    fn censored_means_are_compared_up_to_a_common_horizon() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];
         let second = [Observation::completed(4.0), Observation::censored(5.0)];
         let found = compare(&runs(1, first), &runs(1, second)).unwrap();
@@ -267,7 +267,7 @@ mod tests {
 
     /// Checks a sample whose last run completed. The time of its censored run remains unknown.
     #[test]
-    fn a_sample_with_a_censored_time_is_known_up_to_its_last() {
+    fn a_censored_sample_is_known_up_to_its_last_time() {
         let first = [
             Observation::completed(2.0),
             Observation::censored(3.0),
@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn too_little_says_nothing() {
+    fn small_samples_have_no_test() {
         for seed in [1, 2] {
             let of = |times: &[f64]| completed(seed, times);
             assert_eq!(compare(&completed(1, &[]), &of(&[])), None);
@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn one_that_never_completes_takes_longer() {
+    fn a_program_that_never_completes_takes_longer() {
         let stuck = runs(1, [Observation::censored(1000.0); 20]);
         let times: Vec<f64> = (0..20).map(|i| 100.0 + f64::from(i)).collect();
         let found = compare(&stuck, &completed(1, &times)).unwrap();
@@ -336,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn of_many_differences_a_small_p_is_expected() {
+    fn many_differences_are_corrected() {
         let near = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0].map(|t| 10.0 * t);
         let shift = [-9.0, 2.0, -8.0, 1.0, -7.0, -3.0, -2.0, -4.0];
         let far: Vec<f64> = near.iter().zip(shift).map(|(a, b)| a - b).collect();
@@ -380,7 +380,7 @@ mod tests {
     /// their randomness, and some times are censored. The rate of false positives is about 5 %,
     /// also with censoring.
     #[test]
-    fn the_interval_covers_what_it_says() {
+    fn the_interval_has_its_coverage() {
         // SplitMix64, by G. L. Steele, D. Lea and C. H. Flood (2014).
         let mut state = 5_u64;
         let mut uniform = || {

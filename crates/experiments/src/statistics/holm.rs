@@ -29,7 +29,7 @@ mod tests {
     /// Compares with R 4.3: `p.adjust(c(0.01, 0.04, 0.03, 0.005), "holm")` is 0.03, 0.06, 0.06,
     /// 0.02. By hand: 0.005 x 4, 0.01 x 3, 0.03 x 2, and 0.04 x 1 raised to the previous value.
     #[test]
-    fn the_corrected_values_are_those_of_r() {
+    fn the_corrected_values_agree_with_r() {
         let corrected = holm(&[0.01, 0.04, 0.03, 0.005]);
         for (found, expected) in corrected.iter().zip([0.03, 0.06, 0.06, 0.02]) {
             assert!((found - expected).abs() < 1e-15, "{corrected:?}");

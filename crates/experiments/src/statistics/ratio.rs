@@ -121,7 +121,7 @@ mod tests {
     /// Checks a sample of four runs that do not complete before 300. In the other sample, one run
     /// in twenty does. This is not a significant difference.
     #[test]
-    fn runs_that_show_nothing_exclude_little() {
+    fn uninformative_runs_have_a_wide_interval() {
         let mut reference = vec![Observation::competing(300.0); 95];
         reference.extend(completed(&[150.0; 5]));
         let never = [Observation::competing(300.0); 4];
@@ -136,7 +136,7 @@ mod tests {
     /// Checks the means (2 + 9) / 2 and (4 + 6) / 2. The second mean is known for all times,
     /// because both runs completed.
     #[test]
-    fn a_censored_mean_is_taken_as_far_as_it_is_known() {
+    fn a_censored_mean_is_restricted_to_its_horizon() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];
         let second = completed(&[4.0, 6.0]);
         let found = relative(&first, &second).unwrap();
@@ -148,7 +148,7 @@ mod tests {
 
     /// Checks the means up to a common horizon of 5: (2 + 5) / 2 and (4 + 5) / 2.
     #[test]
-    fn two_censored_means_are_taken_to_one_horizon() {
+    fn two_censored_means_share_a_horizon() {
         let first = [Observation::completed(2.0), Observation::censored(9.0)];
         let second = [Observation::completed(4.0), Observation::censored(5.0)];
         let found = relative(&first, &second).unwrap();

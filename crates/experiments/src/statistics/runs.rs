@@ -102,7 +102,7 @@ mod tests {
     /// times. The horizon is then the last observed time of both samples, or the end of a known
     /// curve.
     #[test]
-    fn times_count_as_far_as_both_samples_are_known() {
+    fn needed_runs_use_the_common_horizon() {
         let done = [1.0, 5.0].map(Observation::completed);
         let never = [Observation::completed(2.0), Observation::competing(3.0)];
         let hidden = [Observation::completed(2.0), Observation::censored(4.0)];
@@ -118,7 +118,7 @@ mod tests {
     /// Checks four runs that do not complete. By Wilson's interval, up to 49 % of all runs could
     /// complete.
     #[test]
-    fn runs_that_never_complete_leave_open_how_many_would() {
+    fn without_completion_the_needed_runs_are_unknown() {
         let never = [Observation::competing(300.0); 4];
         let done = [100.0, 200.0].map(Observation::completed);
         let [unseen, seen] = comparable(&never, &done).unwrap().unseen;

@@ -100,7 +100,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_goes_in_comes_out(times in prop::collection::vec(observation(), 0..40)) {
+        fn returns_the_added_values(times in prop::collection::vec(observation(), 0..40)) {
             let mut sample = TimeSample::default();
             for &time in &times {
                 sample.push(time);

@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn where_all_have_completed_there_is_no_interval() {
+    fn without_runs_at_risk_there_is_no_interval() {
         let both = [1.0, 2.0].map(Observation::completed);
         let curve = KaplanMeier::new(&both).unwrap().curve();
         assert!(curve[0].interval.is_some());
@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn when_everything_is_censored_there_is_a_bound_and_no_median() {
+    fn with_all_censored_there_is_a_bound_and_no_median() {
         let curve = KaplanMeier::new(&[Observation::censored(40.0); 3]).unwrap();
         assert_eq!(curve.median(), None);
         let mean = curve.restricted_mean(f64::INFINITY);
@@ -360,7 +360,7 @@ mod tests {
     /// Checks nine completed runs, followed by censored runs. Late quantiles of this sample have
     /// only a lower bound.
     #[test]
-    fn quantiles_count_what_is_censored() {
+    fn quantiles_include_censored_runs() {
         let of = |censored: &[f64]| {
             let completed = (1..=9).map(|i| Observation::completed(f64::from(i)));
             let censored = censored.iter().copied().map(Observation::censored);
@@ -375,7 +375,7 @@ mod tests {
     /// Checks ten runs. Every second run is stopped at 5 because it is slow, and counts as never
     /// complete. The estimate must not assume that it would continue like the five faster runs.
     #[test]
-    fn runs_that_never_complete_are_not_taken_for_others() {
+    fn runs_that_never_complete_are_not_censored() {
         let fast = [6.0, 7.0, 8.0, 9.0, 10.0].map(Observation::completed);
         let of = |slow: Observation| {
             let runs: Vec<_> = fast.into_iter().chain([slow; 5]).collect();

@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn units_are_kept_and_values_are_in_si() {
+    fn units_are_stored_and_values_are_in_si() {
         let (given, si) = values("block.side=10,20,25 cm").unwrap();
         assert_eq!((given, si), (vec![10., 20., 25.], vec![0.1, 0.2, 0.25]));
         assert_eq!(values("tick=10ms,20ms").unwrap().1, [0.01, 0.02]);
@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_told_with_a_way_out() {
+    fn errors_propose_a_correction() {
         for (text, reason) in [
             ("free", "write NAME=VALUES"),
             ("=5", "write NAME=VALUES"),

@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn every_value_meets_every_other() {
+    fn every_value_is_combined_with_every_other() {
         assert_eq!(
             combined(&["free=50,60", "agitation=1..2 m/s/2"]).unwrap(),
             [

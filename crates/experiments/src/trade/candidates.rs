@@ -104,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_candidate_is_there_once_and_what_it_changes_as_well() {
+    fn lists_every_candidate_once() {
         for finest in [1, 2, 5, 8, FINEST] {
             let all = settings(finest);
             for (i, candidate) in all.iter().enumerate() {

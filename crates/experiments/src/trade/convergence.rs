@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn where_there_is_no_interval_nothing_has_settled() {
+    fn without_an_interval_nothing_has_converged() {
         let one = vec![vec![Observation::completed(5.0)]];
         let doubling = Doubling::new((1, &one), (2, &one));
         assert_eq!(doubling.bound(&[0]), None);
@@ -146,7 +146,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn converged_is_never_said_beside_a_wide_interval(
+        fn a_wide_interval_has_not_converged(
             changes in proptest::collection::vec((-0.6_f64..0.6, 0.0_f64..0.6), 2..8),
             within in 0.01_f64..0.3,
         ) {

@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pair_is_kept_or_reversed_only_if_both_are_significant() {
+    fn a_pair_is_reversed_only_if_both_orders_are_significant() {
         use Longer::{First, NotSignificant, Second};
         let names = ["a", "b", "c", "A", "B", "C"];
         let verdicts = |reference: [Longer; 3], candidate: [Longer; 3]| {

@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn the_units_of_a_kind_are_of_its_dimension() {
+    fn the_units_of_a_kind_have_its_dimension() {
         for kind in QuantityKind::ALL {
             for unit in kind.units() {
                 assert_eq!(to_si(1.0, factors(unit)).1, kind.dimension, "{unit}");

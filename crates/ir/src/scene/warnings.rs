@@ -272,7 +272,7 @@ mod tests {
     /// Checks the displacement in two steps at γ τ = 13: (e^-6.5 + e^-13) / 2. The correct
     /// displacement is 1 / 13.
     #[test]
-    fn a_coarse_drag_says_how_much_too_small_displacements_are() {
+    fn a_coarse_drag_warning_states_its_error() {
         let way = ((-6.5_f64).exp() + (-13.0_f64).exp()) / 2.0;
         let times = 1.0 / 13.0 / way;
         assert!(

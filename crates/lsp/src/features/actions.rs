@@ -62,7 +62,7 @@ mod tests {
     use crate::workspace::position::Encoding;
 
     #[test]
-    fn a_finding_with_a_fix_is_offered_where_it_stands() {
+    fn a_fix_is_offered_at_its_diagnostic() {
         let documents = Documents::default();
         let text = "let \u{b5} = 1\nlet n = 2\n";
         let path = documents.open("file:///x/a.sa".to_owned(), text.to_owned(), 1);

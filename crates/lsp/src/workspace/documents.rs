@@ -155,7 +155,7 @@ mod tests {
     proptest! {
         /// Compares with changes of a plain string.
         #[test]
-        fn changes_are_those_of_a_plain_text(
+        fn changes_agree_with_a_plain_text(
             start in "[ab\u{b5}\u{1f600}\u{2028}\n\r]{0,30}",
             changes in prop::collection::vec(
                 (any::<[(u8, u8); 2]>(), "[ab\u{b5}\u{1f600}\n\r]{0,5}"),
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn a_whole_text_takes_the_place_of_what_was_there() {
+    fn a_full_text_replaces_the_document() {
         let documents = Documents::default();
         let path = documents.open("file:///x/a.sa".to_owned(), "old".to_owned(), 0);
         let whole = TextDocumentContentChangeWholeDocument {

@@ -115,7 +115,7 @@ mod tests {
     const TEXT: &str = "a\u{b5}b\r\n\u{1f9f1}x\ry\n";
 
     #[test]
-    fn characters_are_counted_as_agreed() {
+    fn characters_are_counted_in_the_agreed_encoding() {
         let at = |text: &str| TEXT.find(text).unwrap();
         for (encoding, b, x) in [(Encoding::Utf16, 2, 2), (Encoding::Utf8, 3, 4)] {
             let lines = LineIndex::new(TEXT, encoding);
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn every_byte_is_found_again_and_no_position_is_too_far() {
+    fn every_byte_has_a_position() {
         for encoding in [Encoding::Utf8, Encoding::Utf16] {
             let lines = LineIndex::new(TEXT, encoding);
             for (at, c) in TEXT.char_indices().filter(|(_, c)| !"\r\n".contains(*c)) {

@@ -58,7 +58,7 @@ fn towers_far_apart_are_a_loop_in_a_loop() {
 }
 
 #[test]
-fn captures_of_one_block_stay_in_their_order() {
+fn captures_of_one_block_are_in_order() {
     // A mast has four arms on each of five levels.
     let mut cells: Vec<Cell> = (1..=11).map(|z| Cell::new(5, 5, z)).collect();
     for z in [3, 5, 7, 9, 11] {

@@ -193,7 +193,7 @@ mod tests {
     use crate::Target;
 
     #[test]
-    fn everything_is_held_by_what_comes_before() {
+    fn every_block_has_an_earlier_parent() {
         let cells = (0..27).map(|i| Cell::new(i % 3, i / 3 % 3, i / 9 + 1));
         let plate = Plate { width: 3, depth: 3 };
         let target = Target::new(cells.collect(), plate, None, 100).unwrap();

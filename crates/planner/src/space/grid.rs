@@ -104,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_are_kept_whether_the_box_is_full_or_not() {
+    fn values_are_stored_in_dense_and_sparse_boxes() {
         let near = [Cell::new(0, 0, 1), Cell::new(3, 1, 2)];
         let far = [Cell::new(0, 0, 1), Cell::new(900_000, 900_000, 900_000)];
         for cells in [near, far] {

@@ -227,7 +227,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_spared_holds_nothing(cells in proptest::collection::vec((0..4, 0..4, 1..4), 1..50), order in any::<u64>()) {
+        fn removable_blocks_support_nothing(cells in proptest::collection::vec((0..4, 0..4, 1..4), 1..50), order in any::<u64>()) {
             let cells: Vec<Cell> = cells.into_iter().map(|(x, y, z)| Cell::new(x, y, z)).collect();
             let plate = Plate { width: 3, depth: 3 };
             let Some(target) = held(cells, &plate) else {

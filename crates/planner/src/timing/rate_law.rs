@@ -190,7 +190,7 @@ mod tests {
     };
 
     #[test]
-    fn walls_make_waits_longer_and_what_is_closed_in_jams() {
+    fn walls_lengthen_waits_and_closed_cells_jam() {
         let law = RateLaw::new(None);
         let cell = Cell::new(4, 4, 5);
         let mean = |way: Face, walls: &[Face]| {
@@ -218,7 +218,7 @@ mod tests {
 
     /// Compares means with the rate model. Some of the cells in sight are awaited.
     #[test]
-    fn means_are_those_of_the_law() {
+    fn means_agree_with_the_rate_model() {
         let law = RateLaw::new(None);
         let cell = Cell::new(4, 4, 5);
         for way in Face::ALL {

@@ -144,7 +144,7 @@ fn no_two_faces_of_the_plate_side_by_side_are_open_together_in_any_order() {
 }
 
 #[test]
-fn nothing_is_said_that_goes_without_saying() {
+fn implied_waits_are_not_written() {
     for name in ["five_towers", "table", "hollow_cube_with_door", "blob_60"] {
         let planned = tried(&crate::named(name), 6).unwrap();
         let checked = check_text("planned.sa", &planned.text);
@@ -174,7 +174,7 @@ fn nothing_is_said_that_goes_without_saying() {
 
 /// The waiting times of a plan equal those of `check --cost` for its program.
 #[test]
-fn waits_are_those_of_the_program() {
+fn waits_match_the_program() {
     let planned = tried(&named("five_towers"), 20).unwrap();
     let checked = stochc_compiler::check_text("planned.sa", &planned.text);
     let program = &checked.programs[0];

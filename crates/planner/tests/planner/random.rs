@@ -34,7 +34,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
 
     #[test]
-    fn what_hangs_together_is_built(shape in grown(), rounds in 1u64..8) {
+    fn connected_shapes_are_built(shape in grown(), rounds in 1u64..8) {
         let goal = Goal::from_cells("grown", shape.clone());
         let planned = tried(&goal, rounds).unwrap();
         let mut expected = shape;
@@ -43,7 +43,7 @@ proptest! {
     }
 
     #[test]
-    fn anything_is_answered(shape in scattered(), seeds in proptest::collection::vec((0..4, 0..4), 0..4)) {
+    fn any_shape_is_planned_or_rejected(shape in scattered(), seeds in proptest::collection::vec((0..4, 0..4), 0..4)) {
         let mut goal = Goal::from_cells("any", shape);
         goal.plate = Some(Plate { width: 4, depth: 4 });
         goal.seeds = (!seeds.is_empty()).then_some(seeds);

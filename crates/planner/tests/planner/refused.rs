@@ -127,7 +127,7 @@ fn other_reasons() {
 }
 
 #[test]
-fn what_the_scene_has_no_room_for_is_told_as_a_finding() {
+fn a_shape_without_room_is_a_diagnostic() {
     let mut goal = drawn("#\n");
     goal.cells = (1..60).map(|z| Cell::new(0, 0, z)).collect();
     let Err(Unplanned::Wrong(checked)) = tried(&Goal::from_cells("tower", goal.cells), 1) else {

@@ -115,7 +115,7 @@ fn has_the_times_of(planned: &Planned, whole: &Checked, phase: Option<&str>) {
 }
 
 #[test]
-fn what_stands_is_waited_for_no_more() {
+fn built_cells_are_not_waited_for() {
     let second = PART.replace("yields arch", "R.up -> rest\n        yields arch");
     let by_hand = "\
 shape two { layer 1..2 { # . # } }
@@ -146,7 +146,7 @@ assembly a in few {
 }
 
 #[test]
-fn what_is_missing_is_written_into_the_phase_that_claims_it() {
+fn missing_captures_go_to_the_phase_with_the_claim() {
     let planned = completed(PART).unwrap();
     insta::assert_snapshot!(planned.text);
     let checked = check_text("whole.sa", &planned.text);
@@ -157,7 +157,7 @@ fn what_is_missing_is_written_into_the_phase_that_claims_it() {
 }
 
 #[test]
-fn a_phase_with_captures_keeps_them_and_gives_its_claim_to_one_behind() {
+fn a_phase_with_captures_moves_its_claim_to_a_later_one() {
     let text = PART.replace(
         "yields arch\n    }",
         "R.up -> rest\n        yields arch\n    } // both feet",
@@ -170,7 +170,7 @@ fn a_phase_with_captures_keeps_them_and_gives_its_claim_to_one_behind() {
 
 /// The false claim is completed, and not the first one of the file.
 #[test]
-fn the_claim_that_is_not_true_is_completed() {
+fn completes_the_unsatisfied_claim() {
     let feet = "shape foot {\n    layer 1..3 {\n        # . .\n    }\n}\n\nassembly";
     let text = PART.replace("assembly", feet);
     let text = text.replace("// the left one\n", "\n        yields foot\n");
@@ -188,7 +188,7 @@ fn the_claim_that_is_not_true_is_completed() {
 
 /// Blocks on a block that a later phase releases would be released with it.
 #[test]
-fn nothing_hangs_on_a_block_that_a_later_phase_releases() {
+fn nothing_is_attached_to_a_block_released_later() {
     let text = "shape bar { layer 1 { # # } layer 2 { # # } }
 assembly a {
     seed plate 2 x 1 { A at (0, 0) }
@@ -203,7 +203,7 @@ assembly a {
 }
 
 #[test]
-fn what_cannot_be_completed_is_refused_with_a_reason() {
+fn impossible_completions_are_rejected_with_a_reason() {
     let whole = completed(PART).unwrap().text;
     assert_eq!(error(&whole), "every phase that claims a shape builds it");
     assert_eq!(
@@ -242,7 +242,7 @@ fn what_cannot_be_completed_is_refused_with_a_reason() {
 
 /// The comment belongs to the claim and moves with it.
 #[test]
-fn a_comment_on_a_claim_stays_on_it() {
+fn a_comment_stays_with_its_claim() {
     let text = "shape mast { layer 1..4 { # } }\n\
          assembly part { seed plate 1 x 1 { A at (0, 0) }\n phase one { A.up -> B\n /// All of it.\n yields mast } }\n";
     let behind = completed(text).unwrap().text;
@@ -283,7 +283,7 @@ fn a_shape_is_that_of_its_assembly() {
 
 /// The scene replaces the built-in one, also in the written program.
 #[test]
-fn a_scene_by_the_name_of_the_built_in_one_is_written_down() {
+fn a_scene_named_like_a_built_in_one_is_written() {
     let text = "scene hemisphere from hemisphere { free 40 uniform }\n\
          assembly a { shape s { layer 1..2 { # # } } seed plate 2 x 1 { M at (0, 0) N at (1, 0) } phase g { M.up ->> A[1..2] N.up ->> B[1..2] yields s } }\n";
     let goal = Goal::from_program(&check_text("own.sa", text), None).unwrap();
@@ -322,7 +322,7 @@ assembly walls {
 ";
 
 #[test]
-fn what_does_not_belong_to_the_shape_is_let_go_with_what_hangs_on_it() {
+fn surplus_blocks_are_released_with_their_children() {
     let (_, structure) = left(WALL, 100_000);
     let mut wall = Goal::from_program(&check_text("run.sa", WALL), Some("wall")).unwrap();
     let repair = structure.repair(&wall.cells, &BTreeSet::new()).unwrap();
@@ -381,7 +381,7 @@ assembly comb {
 
 /// Existing blocks that can hold nothing do not help.
 #[test]
-fn no_cell_that_is_full_is_named_as_a_way_out() {
+fn access_paths_contain_no_occupied_cell() {
     let text = "assembly line { seed plate 3 x 3 { M at (1, 1) } phase p { M.up ->> T[1..8] } }\n";
     let parts = (500..40_000).step_by(500).map(|ticks| left(text, ticks));
     let mut first = parts.filter(|(_, there)| there.names().any(|name| name == "T[5]"));
@@ -403,7 +403,7 @@ proptest! {
     /// The rest of a run that follows a plan can be built at any time. With dead blocks, it can be
     /// built as far as other blocks reach.
     #[test]
-    fn the_rest_of_a_run_is_built(
+    fn completes_the_rest_of_a_run(
         shape in grown(),
         ticks in 1u64..20_000,
         dead in proptest::collection::vec(any::<prop::sample::Index>(), 0..2),
@@ -439,7 +439,7 @@ proptest! {
 
     /// A program that stops anywhere in a valid order of its shape can be completed.
     #[test]
-    fn what_somebody_has_begun_is_completed(shape in grown(), share in 0.0..1.0f64) {
+    fn completes_a_started_program(shape in grown(), share in 0.0..1.0f64) {
         let goal = Goal::from_cells("grown", shape.clone());
         let planned = tried(&goal, 1).unwrap();
         prop_assume!(planned.plan.dismantling.is_none());

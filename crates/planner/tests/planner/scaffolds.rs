@@ -82,7 +82,7 @@ fn a_serpentine_grows_from_masts() {
 }
 
 #[test]
-fn masts_that_are_kept_are_claimed() {
+fn permanent_masts_are_claimed() {
     let goal = on(named("serpentine"), 10, 2);
     let planned = planned(&goal, 300, true);
     let cells = planned.plan.cells();
@@ -98,7 +98,7 @@ fn masts_that_are_kept_are_claimed() {
 }
 
 #[test]
-fn where_masts_do_not_pay_there_are_none() {
+fn masts_are_built_only_if_they_save_time() {
     for (name, width, depth) in [("five_towers", 3, 3), ("cube", 6, 6)] {
         let planned = planned(&on(named(name), width, depth), 200, false);
         assert!(planned.plan.dismantling.is_none(), "{name}");

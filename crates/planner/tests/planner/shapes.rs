@@ -88,7 +88,7 @@ fn with_physics_nothing_jams() {
 
 /// For a line all orders are equal, so naive programs are as good.
 #[test]
-fn no_plan_is_estimated_longer_than_one_that_needs_no_thought_and_has_no_finding() {
+fn plans_are_no_slower_than_the_baseline() {
     let mut free = 0;
     for path in files() {
         let goal = goal(&path);
@@ -119,7 +119,7 @@ fn no_plan_is_estimated_longer_than_one_that_needs_no_thought_and_has_no_finding
 }
 
 #[test]
-fn explanations_are_told() {
+fn prints_explanations() {
     let planned = tried(&named("five_towers"), 300).unwrap();
     let explanation = stochc_planner::explanation(&planned.plan);
     insta::with_settings!({ omit_expression => true }, {

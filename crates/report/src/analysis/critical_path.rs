@@ -394,7 +394,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_of_news_is_a_link_of_the_chain() {
+    fn the_path_of_a_message_is_a_segment() {
         let bonds = vec![
             bond(0, 1, 3, 0, 10),
             bond(0, 0, 2, 0, 30),
@@ -429,7 +429,7 @@ mod tests {
     }
 
     #[test]
-    fn the_chain_goes_through_what_was_satisfied_last() {
+    fn the_path_follows_the_last_dependency() {
         let bonds = vec![
             bond(0, 1, 3, 0, 40),
             bond(0, 0, 2, 0, 30),
@@ -456,7 +456,7 @@ mod tests {
     }
 
     #[test]
-    fn another_branch_decides_when_it_is_last() {
+    fn another_branch_may_decide() {
         let bonds = vec![
             bond(0, 0, 2, 0, 30),
             bond(0, 2, 4, 30, 60),
@@ -478,7 +478,7 @@ mod tests {
     }
 
     #[test]
-    fn a_capture_with_a_choice_waited_for_the_first_that_left_it_a_face() {
+    fn a_capture_with_a_choice_waits_for_the_first_free_face() {
         // At most two faces are on at a time, so the third capture waits for one of the first two.
         let face = Dependency::Face { needed: 1, of: 2 };
         let events = Events {
@@ -510,7 +510,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_was_stopped_waited_for_what_had_not_come() {
+    fn a_censored_run_ends_with_its_unfinished_wait() {
         let bonds = vec![bond(0, 0, 2, 0, 30), bond(0, 1, 3, 0, 90)];
         let outcome = Outcome::TimedOut {
             phase: PhaseId(0),
@@ -533,7 +533,7 @@ mod tests {
     }
 
     #[test]
-    fn after_a_failure_there_is_no_chain() {
+    fn a_failed_run_has_no_critical_path() {
         let events = program();
         let failed = Outcome::Failed {
             phase: PhaseId(0),

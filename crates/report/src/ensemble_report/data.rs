@@ -464,7 +464,7 @@ fn faces(subjects: &[ReportedProgram], maps: &[Option<Maps>]) -> String {
 #[cfg(test)]
 mod tests {
     #[test]
-    fn a_small_probability_has_few_signs() {
+    fn a_small_probability_has_few_digits() {
         for (p, text) in [(1.0, "1"), (0.05, "0.05"), (2.5e-80, "2.5e-80"), (0.0, "0")] {
             assert_eq!(super::probability(p), text);
         }

@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_can_be_drawn_as_well() {
+    fn an_empty_structure_can_be_drawn() {
         let empty = BuiltPhase {
             blocks: Vec::new(),
             ..tower(0)

@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pieces_are_the_text() {
+    fn segments_join_to_the_text() {
         let text = "phase p {\n\tA.up -> B\n}\r\n";
         let source = Source {
             path: "p.sa".into(),

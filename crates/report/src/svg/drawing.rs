@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_find_as_many_columns_as_there_is_room_for() {
+    fn legends_use_the_available_columns() {
         let key = |meaning: &str| LegendEntry {
             class: "bar s0".into(),
             sample: LegendSymbol::Bar(0),

@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_fitted_is_no_wider_and_loses_no_more_than_it_has_to() {
+    fn fitted_text_is_shortened_only_as_needed() {
         let name = "M.up -> a_rather_long_name_of_a_block";
         for most in [30.0, 60.0, 100.0, 150.0] {
             let found = fitted(name, most);
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_keep_to_their_width_and_lose_no_word() {
+    fn wrapped_lines_fit_and_lose_no_word() {
         let text = "entries of blocks into the reach of the pull [number, logarithmic]";
         for most in [80.0, 200.0, 900.0] {
             let lines = wrapped(text, most);

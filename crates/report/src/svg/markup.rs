@@ -160,7 +160,7 @@ mod tests {
     use crate::svg::letters::width;
 
     #[test]
-    fn text_takes_the_room_that_it_was_laid_out_with_in_any_font() {
+    fn text_has_its_layout_width_in_any_font() {
         let mut drawing = Drawing::new(Medium::Screen, "name", "Title", "Description");
         let long = "serial, agitation.speed=0.4 m/s, free=600";
         drawing.text("ink", (10.0, 20.0), long);

@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn widths_are_read_as_they_are_written() {
+    fn widths_survive_a_round_trip() {
         for medium in [Medium::Screen, Medium::Print(89.0), Medium::Print(182.5)] {
             assert_eq!(medium.to_string().parse(), Ok(medium));
         }
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn type_in_print_has_seven_points_at_any_width() {
+    fn printed_text_has_seven_points_at_any_width() {
         for width in [89.0, 183.0] {
             let medium = Medium::Print(width);
             assert!((TYPE * medium.unit() - 7.0).abs() < 1e-12);

@@ -299,14 +299,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_of_one_colour_have_dashes_of_their_own() {
+    fn lines_of_one_colour_have_different_dashes() {
         let lines = (0..COLOURS * COLOURS).map(|i| (class(i), dashes(i)));
         let mut seen = std::collections::BTreeSet::new();
         assert!(lines.into_iter().all(|line| seen.insert(line)));
     }
 
     #[test]
-    fn a_later_rule_counts_whatever_the_order_of_the_classes() {
+    fn a_later_rule_wins_in_any_order_of_classes() {
         for classes in ["bar s0", "s0 bar"] {
             let style = on_paper(classes);
             assert_eq!(style.fill, Some(Paint::Colour(LIGHT.series[0])));

@@ -25,7 +25,7 @@ pub fn event_labels<'a, A: Eq + Hash>(
 #[cfg(test)]
 mod tests {
     #[test]
-    fn events_of_the_same_words_have_their_phases() {
+    fn equal_labels_are_distinguished_by_phase() {
         let events = [
             ("A.up -> B", "one"),
             ("A.up -> C", "one"),

@@ -92,7 +92,7 @@ mod tests {
     use super::probability;
 
     #[test]
-    fn what_is_below_the_limit_of_a_difference_is_told_so() {
+    fn p_values_below_the_limit_are_printed_below_it() {
         for (p, expected) in [
             (0.0497, "0.0497"),
             (0.04999, "0.04999"),

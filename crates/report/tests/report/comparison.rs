@@ -72,7 +72,7 @@ fn two_programs_without_censoring() {
 }
 
 #[test]
-fn censored_runs_are_not_averaged_away() {
+fn censored_runs_make_means_lower_bounds() {
     let (manifest, mut finished) = both();
     limit(&mut finished, 6500);
     let failed = Outcome::Failed {
@@ -95,7 +95,7 @@ fn censored_runs_are_not_averaged_away() {
 }
 
 #[test]
-fn a_difference_is_called_one() {
+fn a_significant_difference_is_reported() {
     let manifest = manifest(6);
     let slow: Vec<u64> = RIGHT.iter().map(|ticks| ticks * 4).collect();
     let mut finished = [at(0, &slow), at(1, &RIGHT)].concat();
@@ -118,7 +118,7 @@ fn no_run_and_no_completed_run() {
 }
 
 #[test]
-fn many_programs_with_long_names_go_below_each_other() {
+fn many_programs_with_long_names_are_stacked() {
     let name = "a_reconfigured_five_tower_with_a_very_long_name";
     let programs = [name, "line", "line", "line"].map(program);
     let manifest = Manifest::new(Settings::default(), 1, 6, programs.into());
@@ -146,7 +146,7 @@ fn one_program_has_no_pairs() {
 }
 
 #[test]
-fn captures_are_summed_up_by_edge() {
+fn captures_are_summarized_by_edge() {
     let manifest = manifest(40);
     let never = std::sync::atomic::AtomicBool::new(false);
     let results = run_on(2, Destination::Memory(&manifest), &never, simulate).unwrap();

@@ -45,7 +45,7 @@ fn long_names(mut input: Input) -> Input {
 }
 
 #[test]
-fn nothing_is_cut_or_hidden_at_any_width() {
+fn nothing_is_clipped_or_hidden_at_any_width() {
     for medium in MEDIA {
         let figures = figures_for(medium, &[FigureFormat::Svg]);
         let both = [0.1, 0.2].map(five);
@@ -140,7 +140,7 @@ fn swept(values: &[f64], power: f64) -> Sweep {
 }
 
 #[test]
-fn maps_of_two_numbers_find_room() {
+fn maps_of_two_parameters_fit() {
     let values: Vec<f64> = (0..12).map(|i| 1.5 + 1000.0 * f64::from(i)).collect();
     let sweep = swept_over(&[("bond.pull", &values), ("bond.reach", &values)], 1.0);
     for medium in MEDIA {

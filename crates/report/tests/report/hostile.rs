@@ -83,7 +83,7 @@ fn hostile_names_are_shown_as_text() {
 
 /// Checks that a comma, a quote or a line break in a name does not shift columns of the data.
 #[test]
-fn data_files_quote_what_they_have_to() {
+fn data_files_quote_special_characters() {
     let mut input = five(0.2);
     input.manifest.programs[0].name = "a,\"b\"\nc".into();
     let report = report_of(&[input]);
@@ -93,14 +93,14 @@ fn data_files_quote_what_they_have_to() {
 }
 
 #[test]
-fn addresses_stay_what_they_are() {
+fn addresses_are_unchanged() {
     assert_eq!(address("a b#c?d%e/f-1.svg"), "a%20b%23c%3Fd%25e/f-1.svg");
     assert_eq!(address("javascript:x"), "javascript%3Ax");
 }
 
 /// Checks that a page is drawn even if an edited journal contains impossible values.
 #[test]
-fn impossible_records_are_no_reason_to_stop() {
+fn impossible_records_do_not_panic() {
     let mut input = five(0.2);
     let roles = input.manifest.programs[0].roles().len() as u32;
     let mut finished = input.finished.to_vec().unwrap();
@@ -147,7 +147,7 @@ fn impossible_records_are_no_reason_to_stop() {
 
 /// Checks that formulas are written as text, so that a spreadsheet does not execute them.
 #[test]
-fn no_cell_of_the_data_is_a_formula() {
+fn data_files_contain_no_formula() {
     for name in ["=1+1", "@sum(a)", "+a", "-a"] {
         let mut inputs = [0.1, 0.2].map(five);
         for input in &mut inputs {

@@ -21,7 +21,7 @@ fn close(found: &str, expected: f64) {
 /// Greenwood's sum is 1/(5 x 4) = 0.05, then + 2/(4 x 2) = 0.30. After the second step, e is
 /// therefore sqrt 0.3 / |ln 0.4| = 0.59775.
 #[test]
-fn the_survival_curve_is_kaplan_and_meiers() {
+fn the_survival_curve_is_kaplan_meier() {
     let report = report_of(&[five(0.2)]);
     let rows = rows(&report, "survival.csv");
     let whole: Vec<_> = rows.iter().filter(|row| row["phase"].is_empty()).collect();
@@ -66,7 +66,7 @@ fn a_censored_mean_is_a_lower_bound() {
 /// Checks the critical paths. In run 1, the first phase ends with D (100 > 90), in other runs with
 /// C and E. F then follows, also in the stopped run.
 #[test]
-fn the_chain_tells_what_decided_each_run() {
+fn the_critical_path_names_the_deciding_captures() {
     let report = report_of(&[five(0.2)]);
     let chains = rows(&report, "chains.csv");
     let of = |run: &str| -> Vec<(String, f64)> {
@@ -116,7 +116,7 @@ fn the_chain_tells_what_decided_each_run() {
 }
 
 #[test]
-fn waits_are_averaged_and_censored_ones_are_not_left_out() {
+fn mean_waits_include_censored_waits() {
     let report = report_of(&[five(0.2)]);
     let waits = rows(&report, "waits.csv");
     let order: Vec<&str> = waits.iter().map(|row| &*row["capture"]).collect();
@@ -197,7 +197,7 @@ fn programs_with_one_seed_are_compared_run_by_run() {
 /// Checks two folders. The first has two programs. The second has one of them under another name,
 /// with the same runs.
 #[test]
-fn the_same_runs_are_told_in_folders_that_differ() {
+fn equal_runs_in_different_folders_are_reported() {
     let times = |manifest: &Manifest, program: usize, fs: [u64; 4]| {
         let runs = (0..).zip(fs).map(|(run, f)| {
             let waits = Waits {
@@ -234,7 +234,7 @@ fn the_same_runs_are_told_in_folders_that_differ() {
 
 /// Checks that shares and counts on the page exclude failed runs, as the data do.
 #[test]
-fn a_failed_run_counts_nowhere() {
+fn failed_runs_are_excluded() {
     let summarize = |runs: Vec<Finished>| {
         let mut input = five(0.2);
         input.finished = runs.into();
@@ -284,7 +284,7 @@ fn three_programs_are_corrected_for_three_pairs() {
 }
 
 #[test]
-fn one_number_that_differs_is_a_sweep() {
+fn one_differing_parameter_is_a_sweep() {
     let report = report_of(&[0.3, 0.1, 0.2].map(five));
     let rows = rows(&report, "sweeps.csv");
     let values: Vec<&str> = rows.iter().map(|row| &*row["value"]).collect();

@@ -67,7 +67,7 @@ fn two_ensembles_are_compared_on_this_page() {
 }
 
 #[test]
-fn every_picture_is_well_formed_and_told_in_words() {
+fn every_picture_is_well_formed_and_described() {
     let report = report_of(&[0.1, 0.2].map(five));
     let mut pictures = 0;
     for (name, content) in &report.files {
@@ -136,7 +136,7 @@ fn the_waits_have_a_mark_for_every_capture() {
 }
 
 #[test]
-fn the_page_is_whole_and_loads_nothing() {
+fn the_page_is_complete_and_loads_nothing() {
     let report = report_of(&[0.1, 0.2].map(five));
     let document = parsed(&report.page);
     let mut ids = HashSet::new();
@@ -236,7 +236,7 @@ fn sentences_link_to_their_ticks() {
 
 /// Checks the numbers below the axis: runs that are neither complete nor stopped.
 #[test]
-fn curves_tell_how_many_runs_are_at_risk() {
+fn curves_show_the_number_of_runs_at_risk() {
     let input = five(0.2);
     let mut ends = Vec::new();
     let each = input.finished.try_each(|done| {

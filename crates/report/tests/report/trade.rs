@@ -76,7 +76,7 @@ fn trade_within(limits: [u64; 2]) -> Trade {
 }
 
 #[test]
-fn every_candidate_is_held_against_the_finest() {
+fn every_candidate_is_compared_with_the_finest() {
     let trade = trade();
     let reference = trade.reference.as_ref().unwrap();
     assert_eq!(
@@ -114,7 +114,7 @@ fn every_candidate_is_held_against_the_finest() {
 }
 
 #[test]
-fn wrong_conclusions_are_told_with_and_without_colour() {
+fn wrong_conclusions_are_marked_with_and_without_colour() {
     let trade = trade();
     let plain = trade_to_text(&trade, 100, false);
     assert!(plain.contains("REVERSED: one < two"), "{plain}");
@@ -142,7 +142,7 @@ fn wrong_conclusions_are_told_with_and_without_colour() {
 }
 
 #[test]
-fn the_picture_marks_what_is_reversed() {
+fn the_picture_marks_reversed_pairs() {
     for medium in crate::layout::MEDIA {
         crate::layout::check("trade", &figures::trade(medium, &trade()).file(), medium);
     }
@@ -165,7 +165,7 @@ fn the_picture_marks_what_is_reversed() {
 
 /// Checks that a setting does not count as accurate if its runs were stopped at the limit.
 #[test]
-fn times_that_are_not_known_are_not_called_accurate() {
+fn unknown_times_are_not_accurate() {
     const SHORT: u64 = 1005;
     let trade = trade_within([SHORT, LIMIT]);
     let reference = trade.reference.as_ref().unwrap();
@@ -181,7 +181,7 @@ fn times_that_are_not_known_are_not_called_accurate() {
 
 /// Checks that a bias of restricted means is not a bound. Censoring moves the difference towards 0.
 #[test]
-fn a_bias_of_times_up_to_a_horizon_is_no_bound() {
+fn a_bias_up_to_a_horizon_is_not_a_bound() {
     let trade = trade_within([1005, LIMIT]);
     let text = trade_to_text(&trade, 200, false);
     let of = |name: &str| {

@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn the_time_of_all_runs_is_that_of_the_trials_times_their_number() {
+    fn the_forecast_scales_with_the_number_of_runs() {
         let manifest = manifest(100);
         let begun = thread_time();
         let stop = AtomicBool::new(false);
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn a_trial_that_is_cut_short_is_extended_to_the_expected_ticks() {
+    fn a_stopped_trial_is_extrapolated() {
         let mut manifest = manifest(1 << 40);
         // Without free blocks, no run completes.
         manifest.programs[0].scene.free.count = 0;

@@ -61,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn before_the_first_finished_run_nothing_is_promised() {
+    fn without_a_finished_run_there_is_no_estimate() {
         let snapshot = Snapshot {
             totals: Totals {
                 programs: vec![pace(0, 0, 5, 900)],

@@ -167,7 +167,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn choices_change_settings_and_are_read_back() {
+    fn choices_change_settings_and_survive_a_round_trip() {
         let written = [
             ("model", "rigid"),
             ("substeps", "2/8"),

@@ -221,7 +221,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_difference_has_a_number_of_its_own() {
+    fn zigzag_is_injective() {
         for delta in 0..=u16::MAX {
             assert_eq!(unzigzag(zigzag(delta)), delta);
         }
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_come_back_exactly_though_their_differences_wrap() {
+    fn numbers_survive_wrapping_differences() {
         for (bodies, frames) in [(1, 1), (3, 2), (2, 3), (5, 100), (0, 4)] {
             let chunk = jumping(bodies, frames);
             let bytes = chunk.to_bytes().unwrap();
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn places_are_rounded_by_no_more_than_half_a_step() {
+    fn positions_are_rounded_by_at_most_half_a_step() {
         let (bodies, frames) = (3, 50);
         let mut places = Vec::new();
         for frame in 0..frames {
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_damaged_is_told() {
+    fn rejects_a_corrupted_chunk() {
         let bytes = jumping(4, 20).to_bytes().unwrap();
         for cut in [0, 10, 40, bytes.len() / 2, bytes.len() - 1] {
             assert!(PoseChunk::from_bytes(&bytes[..cut], 4).is_err(), "{cut}");

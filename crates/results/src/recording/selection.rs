@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_ends_of_a_range_are_meant() {
+    fn both_ends_of_a_range_are_included() {
         let runs: Selection = "0, 5,10..12".parse().unwrap();
         let among: Vec<u64> = (0..20).filter(|&run| runs.contains(run)).collect();
         assert_eq!(among, [0, 5, 10, 11, 12]);
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_beyond_the_runs_is_found() {
+    fn selections_beyond_the_runs_are_found() {
         let beyond = |text: &str| text.parse::<Selection>().unwrap().beyond(2);
         assert_eq!(beyond("all"), None);
         assert_eq!(beyond("0..1"), None);
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_selection_is_refused() {
+    fn rejects_invalid_selections() {
         for text in ["", "x", "1..", "..2", "3..1", "-1", "1,,2", "0..2..4"] {
             assert!(text.parse::<Selection>().is_err(), "{text}");
         }

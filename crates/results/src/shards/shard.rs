@@ -411,7 +411,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_shard_that_somebody_else_has_moved_is_no_failure() {
+    fn a_shard_moved_by_another_process_is_accepted() {
         let folder = tempfile::tempdir().unwrap();
         let (file, damaged) = (folder.path().join("0"), folder.path().join(DAMAGED));
         std::fs::File::create(&file).unwrap();

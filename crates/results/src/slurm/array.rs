@@ -36,7 +36,7 @@ mod tests {
     }
 
     #[test]
-    fn indices_are_an_argument_of_any_system() {
+    fn long_index_lists_fit_an_argument() {
         assert_eq!(indices(&[0, 1, 2, 5], None), "0-2,5");
         assert_eq!(indices(&[0, 1, 5], Some(2)), "0-1,5%2");
         let scattered: Vec<u64> = (0..100_000).step_by(2).collect();

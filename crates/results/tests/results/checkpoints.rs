@@ -72,7 +72,7 @@ fn undisturbed(manifest: &Manifest) -> Vec<Vec<u8>> {
 }
 
 #[test]
-fn a_run_that_is_stopped_goes_on_from_there() {
+fn a_stopped_run_resumes_from_its_checkpoint() {
     let (folder, manifest) = (tempfile::tempdir().unwrap(), manifest(4));
     stopped(folder.path(), &manifest);
     let health = verify(folder.path()).unwrap();
@@ -89,7 +89,7 @@ fn a_run_that_is_stopped_goes_on_from_there() {
 }
 
 #[test]
-fn a_damaged_checkpoint_is_moved_aside_and_its_run_begins_anew() {
+fn a_corrupted_checkpoint_is_moved_aside_and_its_run_restarts() {
     let manifest = manifest(4);
     let tables = undisturbed(&manifest);
     let sound = {
@@ -125,7 +125,7 @@ fn a_damaged_checkpoint_is_moved_aside_and_its_run_begins_anew() {
 }
 
 #[test]
-fn repair_moves_a_damaged_checkpoint_aside() {
+fn repair_moves_a_corrupted_checkpoint_aside() {
     let (folder, manifest) = (tempfile::tempdir().unwrap(), manifest(4));
     stopped(folder.path(), &manifest);
     put(&checkpoint(folder.path()), "nothing of the kind");
@@ -136,7 +136,7 @@ fn repair_moves_a_damaged_checkpoint_aside() {
 
 /// Checks a state with valid checksums that is not a state of the run. It must not affect results.
 #[test]
-fn a_state_that_makes_no_sense_costs_no_run() {
+fn an_invalid_state_loses_no_run() {
     let manifest = manifest(4);
     let mut too_late = Vec::new();
     StateWriter::new(&mut too_late).put(&u64::MAX).unwrap();
@@ -203,7 +203,7 @@ fn forge(file: &Path, header: impl Fn(&str) -> String, state: &[u8]) {
 }
 
 #[test]
-fn a_checkpoint_of_something_else_is_not_used() {
+fn a_foreign_checkpoint_is_not_used() {
     let manifest = manifest(4);
     for (what, from, to) in [
         (
@@ -233,7 +233,7 @@ fn a_checkpoint_of_something_else_is_not_used() {
 }
 
 #[test]
-fn a_shard_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
+fn a_shard_resumes_from_the_checkpoint_of_another_process() {
     let manifest = manifest(4);
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
@@ -280,7 +280,7 @@ fn a_shard_goes_on_from_the_checkpoint_of_whoever_was_stopped() {
 }
 
 #[test]
-fn how_often_is_a_time_or_a_number_of_ticks() {
+fn the_interval_is_a_time_or_a_number_of_ticks() {
     let parsed = |text: &str| text.parse::<Interval>();
     assert_eq!(parsed("5m"), Ok(Interval::DEFAULT));
     assert_eq!(parsed("2000ticks"), Ok(Interval::Ticks(2000)));

@@ -59,7 +59,7 @@ fn every_flipped_bit_is_found() {
 }
 
 #[test]
-fn what_is_sound_is_saved_and_what_is_not_is_moved_aside() {
+fn valid_parts_are_repaired_and_corrupted_ones_moved_aside() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(4), 1);
     let tables = bytes(folder.path());
@@ -88,7 +88,7 @@ fn what_is_sound_is_saved_and_what_is_not_is_moved_aside() {
 
 /// Checks that a folder in place of a file is reported by name, or moved aside as a corrupted file.
 #[test]
-fn what_is_no_file_is_moved_aside_or_named() {
+fn special_files_are_moved_aside_or_named() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(4), 1);
     let tables = bytes(folder.path());
@@ -118,7 +118,7 @@ fn what_is_no_file_is_moved_aside_or_named() {
 }
 
 #[test]
-fn a_manifest_that_is_lost_is_left_alone() {
+fn a_corrupted_manifest_is_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(4), 1);
     let path = folder.path().join("manifest.json");
@@ -162,7 +162,7 @@ fn sealed(lines: &[String]) -> String {
 }
 
 #[test]
-fn what_cannot_be_is_told_and_left_out() {
+fn impossible_records_are_reported_and_left_out() {
     let folder = tempfile::tempdir().unwrap();
     let mut lines = unsealed(folder.path());
     let mut manifest = manifest(4);
@@ -200,7 +200,7 @@ fn what_cannot_be_is_told_and_left_out() {
 /// Checks that tables with lost runs are kept, because they contain more than tables from the
 /// journal.
 #[test]
-fn tables_of_lost_runs_are_kept() {
+fn tables_of_lost_runs_are_saved() {
     let folder = tempfile::tempdir().unwrap();
     let in_folder = |name: &str| folder.path().join(name);
     complete(folder.path(), &manifest(4), 1);
@@ -214,7 +214,7 @@ fn tables_of_lost_runs_are_kept() {
 
 /// Checks that a line with an impossible run stays invalid when more runs are made.
 #[test]
-fn a_line_that_is_left_out_stays_out_where_more_runs_are_made() {
+fn a_rejected_line_stays_out_when_runs_are_added() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(6), 1);
     let tables = bytes(folder.path());
@@ -262,7 +262,7 @@ fn a_line_without_its_checksum_is_not_saved() {
 /// Checks a journal with a line that is longer than any run. Lines before it are saved, lines after
 /// it are not read.
 #[test]
-fn what_is_before_endless_rubbish_is_saved() {
+fn lines_before_endless_garbage_are_saved() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(4), 1);
     let path = folder.path().join("journal.jsonl");

@@ -459,7 +459,7 @@ fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
 }
 
 #[test]
-fn whatever_fails_an_ensemble_goes_on_to_the_same_tables() {
+fn any_failed_call_leads_to_the_same_tables() {
     let count = every_call_fails(in_one_shard, 2, 0);
     println!("without shards: {count:?}");
     assert!(count.points > 500 && count.crashes > 200, "{count:?}");
@@ -467,7 +467,7 @@ fn whatever_fails_an_ensemble_goes_on_to_the_same_tables() {
 }
 
 #[test]
-fn whatever_fails_shards_go_on_to_the_same_tables() {
+fn any_failed_call_in_shards_leads_to_the_same_tables() {
     let count = every_call_fails(in_shards, 2, 0);
     println!("in shards: {count:?}");
     assert!(count.points > 1000 && count.crashes > 400, "{count:?}");
@@ -477,7 +477,7 @@ fn whatever_fails_shards_go_on_to_the_same_tables() {
 /// Repeats the test with other runs. `STOCHC_FAULTS` is the number of repetitions.
 #[test]
 #[ignore = "takes an hour; CONTRIBUTING.md has the command"]
-fn whatever_fails_for_an_hour_the_tables_are_the_same() {
+fn long_failures_lead_to_the_same_tables() {
     let times = std::env::var("STOCHC_FAULTS").expect("it says how many times");
     for seed in 1..=times.parse().unwrap() {
         for (name, work) in [

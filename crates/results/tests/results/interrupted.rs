@@ -22,7 +22,7 @@ fn threads_change_nothing() {
 }
 
 #[test]
-fn runs_that_nobody_can_count_are_begun_with_the_first() {
+fn uncountable_runs_start_with_the_first() {
     let stop = AtomicBool::new(false);
     let manifest = manifest(u64::MAX);
     let place = Destination::Memory(&manifest);
@@ -37,7 +37,7 @@ fn runs_that_nobody_can_count_are_begun_with_the_first() {
 }
 
 #[test]
-fn a_torn_last_line_costs_one_run() {
+fn a_truncated_last_line_loses_one_run() {
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("journal.jsonl");
     complete(folder.path(), &manifest(4), 1);
@@ -59,7 +59,7 @@ fn a_torn_last_line_costs_one_run() {
 }
 
 #[test]
-fn a_damaged_journal_costs_its_damaged_lines() {
+fn a_corrupted_journal_loses_only_its_corrupted_lines() {
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("journal.jsonl");
     complete(folder.path(), &manifest(4), 1);
@@ -85,7 +85,7 @@ fn a_damaged_journal_costs_its_damaged_lines() {
 }
 
 #[test]
-fn stopping_keeps_what_is_finished() {
+fn stopping_saves_finished_runs() {
     let [folder, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
     complete(other.path(), &manifest(12), 1);
     let (stop, begun) = (AtomicBool::new(false), AtomicU64::new(0));
@@ -170,7 +170,7 @@ fn stuck(folder: &Path, threads: &str) -> std::process::Child {
 }
 
 #[test]
-fn a_kill_costs_no_finished_run() {
+fn a_kill_loses_no_finished_run() {
     for _ in 0..10 {
         let folder = tempfile::tempdir().unwrap();
         let mut victim = stuck(folder.path(), "1");

@@ -60,7 +60,7 @@ fn runs_without_a_manifest_are_not_touched() {
 }
 
 #[test]
-fn a_manifest_of_something_else_is_not_touched() {
+fn a_foreign_manifest_is_not_touched() {
     let folder = tempfile::tempdir().unwrap();
     put(&folder.path().join("manifest.json"), "{\"icons\": []}");
     assert_snapshot!(error(folder.path(), &manifest(2), true), @"cannot read `manifest.json` in `DIR`: it is not the manifest of an ensemble; choose another folder, or read this one with the version that made it");
@@ -69,7 +69,7 @@ fn a_manifest_of_something_else_is_not_touched() {
 }
 
 #[test]
-fn another_ensemble_is_refused_with_what_differs() {
+fn another_ensemble_is_rejected_with_the_difference() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(2), 1);
     let refused = |manifest: &Manifest| error(folder.path(), manifest, true);
@@ -92,14 +92,14 @@ fn another_ensemble_is_refused_with_what_differs() {
 }
 
 #[test]
-fn paths_and_the_number_of_runs_are_no_part_of_the_identity() {
+fn the_identity_excludes_paths_and_the_number_of_runs() {
     let (mut here, there) = (manifest(2), manifest(3));
     here.programs[0].sources[0].path = "elsewhere.sa".into();
     assert_eq!(here.identity(), there.identity());
 }
 
 #[test]
-fn going_on_has_to_be_asked_for() {
+fn resuming_must_be_requested() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(3), 1);
     assert_snapshot!(error(folder.path(), &manifest(5), false), @"`DIR` contains 6 of the 10 runs of this ensemble; resume it with `stochc resume DIR`");
@@ -116,7 +116,7 @@ fn one_process_writes_at_a_time() {
 }
 
 #[test]
-fn a_journal_of_another_ensemble_is_refused() {
+fn a_journal_of_another_ensemble_is_rejected() {
     let [folder, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
     complete(folder.path(), &manifest(2), 1);
     let mut changed = manifest(2);
@@ -128,7 +128,7 @@ fn a_journal_of_another_ensemble_is_refused() {
 }
 
 #[test]
-fn what_a_crash_leaves_is_no_reason_to_refuse() {
+fn leftovers_of_a_crash_are_accepted() {
     let folder = tempfile::tempdir().unwrap();
     put(&folder.path().join(".lock"), "");
     put(&folder.path().join(".stochc-partial-x"), "{");

@@ -125,7 +125,7 @@ fn any_number_of_shards_in_any_order_makes_the_same_folder() {
 
 /// Checks several processes that detect the same corrupted shard. Only one of them moves it.
 #[test]
-fn several_may_come_to_a_damaged_shard() {
+fn several_processes_may_repair_a_shard() {
     for _ in 0..20 {
         let folder = tempfile::tempdir().unwrap();
         cut(folder.path(), 2);
@@ -150,7 +150,7 @@ fn several_may_come_to_a_damaged_shard() {
 }
 
 #[test]
-fn an_ordinary_folder_comes_out_that_goes_on() {
+fn a_merged_folder_can_be_extended() {
     let [folder, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
     cut(folder.path(), 4);
     (0..4).for_each(|number| assert!(make(folder.path(), number, 2)));
@@ -161,7 +161,7 @@ fn an_ordinary_folder_comes_out_that_goes_on() {
 }
 
 #[test]
-fn a_stopped_shard_goes_on() {
+fn a_stopped_shard_resumes() {
     let whole = whole();
     let folder = tempfile::tempdir().unwrap();
     cut(folder.path(), 2);
@@ -196,7 +196,7 @@ fn recorded(program: usize, run: u64) -> RunRecord {
 }
 
 #[test]
-fn half_a_line_of_a_killed_shard_costs_one_run() {
+fn a_truncated_line_of_a_killed_shard_loses_one_run() {
     let folder = tempfile::tempdir().unwrap();
     cut(folder.path(), 2);
     assert!(!make_until(folder.path(), 0, 1, 4));
@@ -220,7 +220,7 @@ fn half_a_line_of_a_killed_shard_costs_one_run() {
 }
 
 #[test]
-fn two_who_make_one_shard_make_the_same() {
+fn two_processes_make_the_same_shard() {
     let whole = whole();
     for _ in 0..5 {
         let folder = tempfile::tempdir().unwrap();
@@ -238,7 +238,7 @@ fn two_who_make_one_shard_make_the_same() {
 
 /// Checks the states that a kill can leave at each step of a merge.
 #[test]
-fn an_interrupted_merge_goes_on() {
+fn an_interrupted_merge_resumes() {
     let whole = whole();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
@@ -315,7 +315,7 @@ fn refused(folder: &Path, expected: &str) {
 }
 
 #[test]
-fn holes_are_refused_and_named() {
+fn missing_shards_are_named() {
     let folder = tempfile::tempdir().unwrap();
     cut(folder.path(), 5);
     refused(
@@ -340,7 +340,7 @@ fn holes_are_refused_and_named() {
 }
 
 #[test]
-fn shards_of_something_else_are_refused() {
+fn foreign_shards_are_rejected() {
     let [folder, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
     cut(folder.path(), 2);
     let shard = folder.path().join("shards/1.jsonl");
@@ -398,7 +398,7 @@ fn shards_of_something_else_are_refused() {
 }
 
 #[test]
-fn an_ensemble_of_another_build_gets_no_shards() {
+fn an_ensemble_of_another_build_is_not_split() {
     let folder = tempfile::tempdir().unwrap();
     let mut manifest = cut(folder.path(), 2);
     manifest.builds = vec!["0123456789abcdef".to_owned()];
@@ -422,7 +422,7 @@ fn an_ensemble_of_another_build_gets_no_shards() {
 }
 
 #[test]
-fn what_cannot_be_cut_is_refused() {
+fn ensembles_that_cannot_be_split_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("new");
     for asked in [0, 2 * RUNS + 1, 1_000_000_000, u64::MAX] {
@@ -485,7 +485,7 @@ fn what_cannot_be_cut_is_refused() {
 }
 
 #[test]
-fn damaged_shards_are_found_and_made_again() {
+fn corrupted_shards_are_found_and_rerun() {
     let whole = whole();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
@@ -562,7 +562,7 @@ fn damaged_shards_are_found_and_made_again() {
 }
 
 #[test]
-fn a_damaged_cut_or_manifest_is_left_alone() {
+fn a_corrupted_split_or_manifest_is_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     cut(path, 2);
@@ -594,7 +594,7 @@ fn a_damaged_cut_or_manifest_is_left_alone() {
 const VICTIM: &str = "STOCHC_TEST_PIECE";
 
 #[test]
-fn a_kill_costs_no_finished_run_of_a_shard() {
+fn a_kill_loses_no_finished_run_of_a_shard() {
     let folder = tempfile::tempdir().unwrap();
     cut(folder.path(), 2);
     for kill in 1..=3 {
@@ -619,7 +619,7 @@ fn a_kill_costs_no_finished_run_of_a_shard() {
 }
 
 #[test]
-#[ignore = "the process that `a_kill_costs_no_finished_run_of_a_shard` kills"]
+#[ignore = "the process that `a_kill_loses_no_finished_run_of_a_shard` kills"]
 fn victim() {
     let Some(path) = std::env::var_os(VICTIM) else {
         return;

@@ -107,7 +107,7 @@ fn run_row(done: &Finished, seed: u64) -> Value {
 }
 
 #[test]
-fn the_table_of_runs_says_what_the_records_say() {
+fn the_table_of_runs_matches_the_records() {
     let folder = tempfile::tempdir().unwrap();
     let results = complete(folder.path(), &manifest(40), 2);
     let runs = results.finished.to_vec().unwrap();
@@ -119,7 +119,7 @@ fn the_table_of_runs_says_what_the_records_say() {
 }
 
 #[test]
-fn the_table_of_phases_says_when_each_began_and_ended() {
+fn the_table_of_phases_has_start_and_end() {
     let folder = tempfile::tempdir().unwrap();
     let results = complete(folder.path(), &manifest(40), 2);
     let mut expected = Vec::new();
@@ -146,7 +146,7 @@ fn the_table_of_phases_says_when_each_began_and_ended() {
 }
 
 #[test]
-fn the_table_of_bonds_says_what_the_records_say() {
+fn the_table_of_bonds_matches_the_records() {
     let folder = tempfile::tempdir().unwrap();
     let results = complete(folder.path(), &manifest(40), 2);
     let (mut expected, mut under_way) = (Vec::new(), 0);
@@ -208,7 +208,7 @@ fn the_table_of_bonds_says_what_the_records_say() {
 }
 
 #[test]
-fn the_tables_of_releases_and_unplanned_bonds_say_what_the_records_say() {
+fn the_tables_of_releases_and_unplanned_bonds_match_the_records() {
     let folder = tempfile::tempdir().unwrap();
     let results = complete(folder.path(), &manifest(40), 2);
     let (mut releases, mut unplanned) = (Vec::new(), Vec::new());
@@ -295,7 +295,7 @@ fn an_ensemble_without_runs_has_empty_tables() {
 
 /// Checks that each scene parameter of a sweep is a column, in the unit of the command line.
 #[test]
-fn numbers_of_a_sweep_are_columns_of_every_table() {
+fn swept_parameters_are_columns_of_every_table() {
     let folder = tempfile::tempdir().unwrap();
     let mut manifest = manifest(6);
     for (program, given) in manifest.programs.iter_mut().zip([2.5, 4.0]) {
@@ -332,7 +332,7 @@ fn metadata(folder: &Path, name: &str) -> BTreeMap<String, String> {
 }
 
 #[test]
-fn every_table_says_what_it_is_and_of_what() {
+fn every_table_has_metadata() {
     let folder = tempfile::tempdir().unwrap();
     let mut manifest = manifest(2);
     manifest.settings.max_ticks = Some(900);

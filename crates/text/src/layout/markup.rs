@@ -109,7 +109,7 @@ mod tests {
     use crate::TextColumn;
 
     #[test]
-    fn what_has_a_meaning_in_a_language_is_escaped() {
+    fn special_characters_are_escaped() {
         let table = TextTable {
             label: String::new(),
             labels: vec!["mean [s]".to_owned()],

@@ -15,7 +15,7 @@ pub fn short(name: &str, letters: usize) -> String {
 #[cfg(test)]
 mod tests {
     #[test]
-    fn long_names_keep_both_ends() {
+    fn long_names_retain_both_ends() {
         assert_eq!(super::short("abcdefghij", 5), "ab…ij");
         assert_eq!(super::short("abcde", 5), "abcde");
     }

@@ -139,7 +139,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_have_three_digits_in_the_unit_that_suits_them() {
+    fn times_have_three_digits_in_a_suitable_unit() {
         for (value, text) in [
             (0.0, "0 s"),
             (3e-6, "3.00 us"),
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn seconds_stand_beside_ticks() {
+    fn seconds_follow_ticks() {
         let tick = Tick(0.02);
         assert_eq!(tick.unit(), "ticks of 20 ms");
         assert_eq!(Tick(0.1 + 0.2).unit(), "ticks of 300 ms");
@@ -166,7 +166,7 @@ mod tests {
 
     /// Checks that the narrow interval of many runs is not printed as zero.
     #[test]
-    fn a_narrow_interval_is_not_told_as_none() {
+    fn a_narrow_interval_is_not_printed_as_zero() {
         let interval = |seconds, half| Tick(1.0).interval(seconds, Some(half));
         assert_eq!(interval(155.2, 0.37), "155.2 ± 0.4 s");
         assert_eq!(interval(155.2, 0.51), "155 ± 1 s");
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn times_are_told_in_words() {
+    fn durations_are_written_in_words() {
         let texts = [0, 89, 90, 3600, 5400, 7800].map(|s| words(Duration::from_secs(s)));
         assert_eq!(
             texts,

@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_share_that_is_not_nothing_is_not_told_as_nothing() {
+    fn a_small_share_is_not_printed_as_zero() {
         let texts = [0.0, 0.0001, 0.05, 0.0996, 0.125, 1.0].map(percent);
         assert_eq!(texts, ["0 %", "< 0.1 %", "5 %", "10 %", "12.5 %", "100 %"]);
         let whole = [0.0, 0.0049, 0.126, 1.0].map(whole_percent);

@@ -16,7 +16,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stretches_are_told_by_their_ends() {
+    fn ranges_are_printed_by_their_ends() {
         assert_eq!(ranges(&[0, 1, 2, 4, 6, 7], ", "), "0-2, 4, 6-7");
         assert_eq!(ranges(&[], ","), "");
     }

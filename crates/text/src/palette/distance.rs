@@ -161,7 +161,7 @@ fn pairs(theme: &Theme) -> Vec<(String, Rgb, Rgb)> {
 }
 
 #[test]
-fn colours_are_told_apart_with_any_sight() {
+fn colours_are_distinguishable_with_any_vision() {
     let mut close = Vec::new();
     for (name, theme) in [("dark", &DARK), ("light", &LIGHT)] {
         for (pair, one, other) in pairs(theme) {
@@ -177,7 +177,7 @@ fn colours_are_told_apart_with_any_sight() {
 }
 
 #[test]
-fn the_scale_of_groups_is_ordered_with_any_sight() {
+fn the_scale_of_groups_is_ordered_with_any_vision() {
     for theme in [DARK, LIGHT] {
         for (sight, matrix) in &SIGHTS {
             let lightness = |colour: Rgb| lab(colour, matrix)[0];
@@ -217,7 +217,7 @@ fn lines_and_words_of_a_figure_stand_out() {
 
 /// Lightness increases with any vision, and in about equal steps with normal vision.
 #[test]
-fn more_is_lighter_with_any_sight() {
+fn larger_values_are_lighter_with_any_vision() {
     const STEPS: usize = 64;
     for (sight, matrix) in &SIGHTS {
         let lightness = |i: usize| lab(sequential(i as f64 / STEPS as f64), matrix)[0];
@@ -241,7 +241,7 @@ fn more_is_lighter_with_any_sight() {
 
 /// Compares colour differences with the table of Sharma, Wu and Dalal.
 #[test]
-fn distances_are_those_of_the_standard() {
+fn distances_agree_with_the_standard() {
     let table = [
         ([50.0, 2.6772, -79.7751], [50.0, 0.0, -82.7485], 2.0425),
         ([50.0, -1.3802, -84.2814], [50.0, 0.0, -82.7485], 1.0),

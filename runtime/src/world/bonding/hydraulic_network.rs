@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn closed_faces_feel_the_whole_head() {
+    fn closed_faces_have_the_full_head() {
         let closed = pressures(&[], &[(seed(Face::Up), 4)]);
         assert_eq!(closed.at(seed(Face::Up).body), 6.0);
         assert_eq!(closed.at(Body::Free(4)), 6.0);
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn open_faces_side_by_side_share_the_flow() {
+    fn adjacent_open_faces_share_the_flow() {
         // n valves in parallel on one block make 2 / n, after 1.5 of supply and passage.
         let faces = [Face::East, Face::West, Face::North, Face::South];
         let mut before = f64::INFINITY;

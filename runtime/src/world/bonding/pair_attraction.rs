@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pair_that_turns_as_one_is_as_close_as_one_that_rests() {
+    fn a_rotating_pair_has_the_distance_of_a_resting_one() {
         let a = pose(-0.5, 0.0, 0.0, Vector3::zeros());
         for gap in [0.04, 0.06] {
             let b = pose(0.5 + gap, 0.0, 0.0, Vector3::zeros());
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn straight_faces_attract_as_the_law_says() {
+    fn aligned_faces_follow_the_force_law() {
         for gap in [0.0, 0.1, 0.5, 1.2] {
             let turn = Vector3::z() * std::f64::consts::FRAC_PI_2;
             let (a, b) = (
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn the_work_that_parts_two_faces_is_the_energy() {
+    fn the_work_of_separation_is_the_bond_energy() {
         let Attraction::Passive(passive) = magnet().law else {
             panic!("expected passive magnets");
         };
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pair_keeps_its_momentum_and_its_angular_momentum() {
+    fn a_pair_conserves_momentum_and_angular_momentum() {
         let a = pose(0.1, -0.2, 0.3, Vector3::new(0.2, -0.4, 0.1));
         let b = pose(1.2, 0.3, 0.1, Vector3::new(-0.3, 0.1, 0.7));
         let [first, second] = pushes(&a, &b);
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn a_seat_is_face_to_face_and_close_to_where_the_block_is() {
+    fn a_seat_is_face_to_face_and_near_the_block() {
         let a = pose(0.1, -0.2, 0.3, Vector3::new(0.2, -0.4, 0.1));
         // Straight in front of the north face, slightly displaced and twisted.
         let off = a.rotation * Vector3::new(0.01, 1.02, -0.01);

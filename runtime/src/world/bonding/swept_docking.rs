@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_face_that_passes_the_window_docks_wherever_the_step_ends() {
+    fn a_face_that_passes_the_window_docks() {
         for part in [0.0, 0.3, 0.7, 1.0] {
             for aside in [0.0, 0.004, 0.006] {
                 let way = Vector3::new(0.0, 0.3, -0.1);
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_is_looked_at_where_it_closes() {
+    fn a_gap_is_tested_where_it_closes() {
         let way = Vector3::new(0.4, 0.0, -0.2);
         // Crosses the plane of the plate at a lateral distance of 0.3 and of 0.7.
         for (end, expected) in [(0.5, true), (0.9, false)] {
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn tilt_counts_where_the_block_is_close() {
+    fn tilt_is_tested_near_the_face() {
         // Straight at the end, but tilted by 0.6 radians at the start, when it is close.
         let (way, spin) = (Vector3::z() * 0.3, 0.6);
         let arm = Vector3::new(0.0, 0.5 * spin, 0.0);

@@ -149,7 +149,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_half_sphere_before_a_sink_lets_its_flow_through() {
+    fn the_flow_through_a_hemisphere_is_that_of_the_sink() {
         let sink = Sink {
             centre: Vector3::new(1.0, 2.0, 3.0),
             normal: Vector3::x(),

@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jet_keeps_its_momentum_and_turns_what_is_beside_it() {
+    fn a_jet_conserves_momentum_and_rotates_neighbours() {
         let jets = MeanFlow::Jets {
             count: 1,
             speed: 0.5,

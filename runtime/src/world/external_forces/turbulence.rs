@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn speed_memory_and_anisotropy_are_those_asked_for() {
+    fn speed_memory_and_anisotropy_match_the_settings() {
         let (mut field, place) = (
             TurbulenceField::new(&eddies(0.5), 1, 2),
             Vector3::new(2.0, 1.0, 4.0),

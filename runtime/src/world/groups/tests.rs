@@ -44,7 +44,7 @@ fn row(count: u32) -> (BlockGroups, Bodies<f64>) {
 }
 
 #[test]
-fn a_group_moves_as_one_and_keeps_its_momenta() {
+fn a_group_conserves_its_momenta() {
     let (mut groups, mut blocks) = row(3);
     assert_eq!(groups.list(), [[0, 1, 2]]);
     blocks.set_velocity(2, Vector3::new(0.1, 0.3, -0.2), Vector3::new(0.1, 0.0, 0.4));
@@ -64,7 +64,7 @@ fn a_group_moves_as_one_and_keeps_its_momenta() {
 }
 
 #[test]
-fn what_bonds_moves_as_one_at_once() {
+fn bonded_blocks_move_together_at_once() {
     let (mut groups, mut blocks) = (BlockGroups::default(), at(&[[0.0; 3], [1.0, 0.0, 0.0]]));
     blocks.set_velocity(1, Vector3::new(-0.4, 0.2, 0.0), Vector3::z() * 0.1);
     let before = momenta(&blocks);
@@ -81,7 +81,7 @@ fn what_bonds_moves_as_one_at_once() {
 }
 
 #[test]
-fn a_bond_holds_what_the_blocks_behind_it_need() {
+fn a_bond_carries_the_load_behind_it() {
     // If a force acts on the first of n equal blocks, the last bond carries 1/n of the force.
     for count in 2..6_u32 {
         let (force, dt) = (0.6, 0.25);
@@ -115,7 +115,7 @@ fn a_moment_tips_a_face_about_its_edge() {
 }
 
 #[test]
-fn a_spinning_row_is_torn_by_its_own_weight() {
+fn a_spinning_row_is_torn_by_its_inertia() {
     // In a row of five, a bond next to the centre keeps two blocks on their circles. Its load is (1
     // + 2) times the spin squared.
     for (spin, tears) in [(0.10, false), (0.12, true)] {
@@ -140,7 +140,7 @@ fn a_squeezed_bond_holds() {
 }
 
 #[test]
-fn what_is_torn_does_not_bond_while_it_is_on_the_way_apart() {
+fn torn_blocks_do_not_bond_while_separating() {
     let (mut groups, mut blocks) = row(4);
     blocks.set_velocity(3, Vector3::x() * 0.5, Vector3::zeros());
     assert_eq!(groups.settle(&mut blocks, 0.2, Response::FREE, 1.0), 1);
@@ -155,7 +155,7 @@ fn what_is_torn_does_not_bond_while_it_is_on_the_way_apart() {
 }
 
 #[test]
-fn who_leaves_from_the_middle_leaves_two_groups() {
+fn a_block_that_leaves_the_middle_splits_the_group() {
     let (mut groups, mut blocks) = row(5);
     assert_eq!(groups.remove(2, &mut blocks), [1, 3]);
     assert_eq!(groups.list(), [vec![0, 1], vec![3, 4]]);
@@ -166,7 +166,7 @@ fn who_leaves_from_the_middle_leaves_two_groups() {
 }
 
 #[test]
-fn a_group_that_joins_another_comes_along_as_it_is() {
+fn a_group_joins_another_unchanged() {
     let places = [
         [0.0; 3],
         [1.0, 0.0, 0.0],
@@ -198,7 +198,7 @@ fn a_group_that_joins_another_comes_along_as_it_is() {
 }
 
 #[test]
-fn what_bonds_keeps_its_middle_and_its_momenta() {
+fn bonding_conserves_centre_and_momenta() {
     let places = [[0.0; 3], [1.03, -0.02, 0.01], [1.03, 0.98, 0.01]];
     let (mut groups, mut blocks) = (BlockGroups::default(), at(&places));
     let seat = blocks.pose(2);

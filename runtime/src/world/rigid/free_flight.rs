@@ -255,7 +255,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_polynomials_are_sine_and_cosine() {
+    fn the_polynomials_agree_with_sine_and_cosine() {
         for i in 0..=1000 {
             let turns = f64::from(i) / 1000.0;
             let (sin, cos) = sincos_turns::<f64>(Wide::splat(turns));

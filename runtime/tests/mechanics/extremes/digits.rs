@@ -80,7 +80,7 @@ fn brownian<W: Arena>(tick: f64, far: f64, settings: &Settings) -> Brownian {
 
 /// A position stores displacements below its last digit. This also holds for a moving group.
 #[test]
-fn a_bonded_pair_sinks_however_slowly() {
+fn a_bonded_pair_sinks_at_any_speed() {
     let speed = 1e-5;
     let mut scene = Scene {
         gravity: Some(speed),

@@ -353,7 +353,7 @@ fn middle() -> BlockFace {
 }
 
 #[test]
-fn every_extreme_has_the_outcome_that_the_page_states() {
+fn every_extreme_has_the_documented_outcome() {
     let mut page = HEAD.to_owned();
     page.push_str("| changed | `rigid` | `rapier` |\n|---|---|---|\n");
     let mut unsound = Vec::new();
@@ -533,7 +533,7 @@ fn left_of_the_energy(substeps: u32) -> f64 {
 /// is integrated in steps and adds a little energy if blocks collide within it.
 #[test]
 #[ignore = "takes a minute without optimization"]
-fn in_a_hundred_million_block_steps_no_block_escapes_and_little_energy_is_gained() {
+fn no_block_escapes_in_a_hundred_million_block_steps() {
     for (substeps, most) in [(1, 1.5), (4, 1.05)] {
         let left = left_of_the_energy(substeps);
         println!("{substeps} substeps: the energy is {left:.4} of its initial value");

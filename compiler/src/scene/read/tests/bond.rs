@@ -9,7 +9,7 @@ fn reported(clause: &str) -> Vec<Diagnostic> {
 
 /// Checks an anchor without content. It was once ignored, and the scene had no bond.
 #[test]
-fn an_anchor_that_says_nothing_is_told() {
+fn reports_an_empty_anchor_clause() {
     let diagnostics = reported("bond attract { pull 1 N within 1cm  anchor }");
     let titles: Vec<_> = diagnostics.iter().map(|it| it.title.as_str()).collect();
     assert_eq!(
@@ -20,7 +20,7 @@ fn an_anchor_that_says_nothing_is_told() {
 
 /// Checks fields after an unknown measure. They were once skipped too.
 #[test]
-fn what_stands_behind_an_unknown_measure_is_read() {
+fn reads_on_after_an_unknown_measure() {
     for anchor in ["anchor 1mm", "anchor middle 1mm tilt 20 deg"] {
         let diagnostics = reported(&format!("bond attract {{ {anchor}  pull 1 N within 1cm }}"));
         let codes: Vec<_> = diagnostics.iter().map(|it| it.code).collect();

@@ -19,7 +19,7 @@ fn reported(clause: &str) -> Vec<(Code, String)> {
 }
 
 #[test]
-fn a_contact_is_rigid_or_gives_way() {
+fn a_contact_is_rigid_or_compliant() {
     let compliant = |stiffness, damping| {
         Some(Contact {
             law: ContactLaw::Compliant { stiffness, damping },
@@ -67,7 +67,7 @@ fn a_contact_is_not_both() {
 }
 
 #[test]
-fn what_is_wrong_with_a_contact_is_told_of() {
+fn reports_mistakes_in_a_contact() {
     let missing = |what: &str| vec![(Code::MissingTerm, format!("`contact` {what}"))];
     assert_eq!(reported("contact"), missing("has no fields in braces"));
     assert_eq!(
@@ -129,7 +129,7 @@ fn what_is_wrong_with_a_contact_is_told_of() {
 
 /// Checks that fields without braces are recognized as those of a compliant contact.
 #[test]
-fn fields_without_braces_are_known_as_such() {
+fn recognizes_fields_without_braces() {
     let (_, diagnostics) = scene("contact stiffness 25 N/m  friction 0.2");
     let [diagnostic] = &diagnostics[..] else {
         panic!("{diagnostics:?}");

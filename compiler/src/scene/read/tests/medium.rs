@@ -38,7 +38,7 @@ fn a_stirred_tank_is_read_in_units_of_the_laboratory() {
 }
 
 #[test]
-fn a_tick_behind_another_term_is_no_unit_of_it() {
+fn a_tick_clause_after_another_term_is_not_its_unit() {
     for between in [" ", "\n"] {
         for other in ["gravity 9.81 m/s^2", "free 250 uniform"] {
             for tick in ["15ms", "15 ms", "\n15 ms"] {
@@ -64,7 +64,7 @@ fn jets_have_the_speed_of_their_flow() {
 }
 
 #[test]
-fn what_has_nothing_to_move_is_told_once() {
+fn reports_a_scene_without_motion_once() {
     let missing = |clauses: &str, title: &str| {
         let (scene, found) = scene(clauses);
         assert_eq!(scene, None, "{clauses}");
@@ -102,7 +102,7 @@ fn what_has_nothing_to_move_is_told_once() {
 }
 
 #[test]
-fn an_unknown_kind_is_told_once_with_what_is_known() {
+fn reports_an_unknown_kind_once_with_the_known_ones() {
     for (clause, title) in [
         (
             "bond sucktion { head 1 Pa }",

@@ -142,7 +142,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_fewest_steps_that_resolve_a_group_are_told() {
+    fn returns_the_fewest_steps_that_resolve_a_number() {
         for (value, most, power, substeps) in [
             (0.05, 0.1, 1, Some(1)),
             (0.1, 0.1, 1, Some(1)),

@@ -209,7 +209,7 @@ mod tests {
 
     /// Compares with table 7.1 of the Handbook of Mathematical Functions.
     #[test]
-    fn the_tail_of_the_normal_distribution_is_that_of_the_table() {
+    fn the_normal_tail_agrees_with_the_table() {
         for (x, tail) in [
             (0.0, 1.0),
             (0.5, 0.4795001222),

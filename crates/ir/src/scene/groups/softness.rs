@@ -142,7 +142,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_damped_spring_stops_a_block_where_its_equation_does() {
+    fn a_damped_spring_agrees_with_its_equation() {
         let solved = |spring: Spring| {
             let dt = 1e-5;
             let (mut depth, mut speed) = (0.0, 1.0);

@@ -302,7 +302,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_spring_throws_back_what_its_damping_leaves() {
+    fn rebound_of_a_spring_agrees_with_its_equation() {
         // Integrates step by step until the force would become attractive.
         let solved = |ratio: f64| {
             let dt = 1e-5;
@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn the_balance_holds() {
+    fn power_is_balanced() {
         for (gain, left, loss) in [(1e-2, 1.0, 0.03), (1e-2, 0.9, 0.03), (1e-18, 0.999, 7.0)] {
             let v = balance(gain, left, loss);
             let after = v * v * left + gain - loss * v.powi(3);

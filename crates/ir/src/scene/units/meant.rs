@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_name_stands_for_is_a_unit() {
+    fn names_of_units_are_understood() {
         let foreign = FOREIGN.iter().map(|(_, unit, ..)| unit);
         for unit in NAMES.iter().map(|(unit, _)| unit).chain(foreign) {
             let (size, dimension) = to_si(1.0, [(*unit, 1)]);
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_suggested_has_the_dimension_that_is_expected() {
+    fn suggestions_have_the_expected_dimension() {
         let words = words();
         for kind in QuantityKind::ALL {
             let suggested = words.iter().filter_map(|word| unit_meant(word, &[*kind]));

@@ -171,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_are_those_of_the_language() {
+    fn values_are_read_as_in_the_language() {
         let si = |text: &str| WrittenQuantity::parse(text).unwrap().to_si();
         assert_eq!(si("20cm"), (0.2, Dimension::LENGTH));
         assert_eq!(si(" 5 N s/m "), (5.0, Dimension::DAMPING));
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_value_is_told() {
+    fn rejects_invalid_values() {
         for text in [
             "",
             "x",

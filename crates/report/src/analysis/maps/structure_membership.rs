@@ -83,7 +83,7 @@ mod tests {
 
     /// Checks a block that is captured at tick 300, released at 500 and captured again at 1200.
     #[test]
-    fn blocks_are_looked_for_where_they_were_free() {
+    fn blocks_are_found_where_they_were_free() {
         let bond = |docked| BondRecord {
             phase: PhaseId(0),
             parent: RoleId(0),

@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn contacts_side_by_side_are_solved_like_others() {
+    fn adjacent_contacts_are_solved_like_others() {
         let rigid = |restitution| ContactLaw::Rigid { restitution };
         let compliant = ContactLaw::Compliant {
             stiffness: 0.8,

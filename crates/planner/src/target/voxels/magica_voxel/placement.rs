@@ -100,7 +100,7 @@ mod tests {
 
     /// Example from the format's description.
     #[test]
-    fn rows_are_those_of_the_matrix() {
+    fn rows_match_the_matrix() {
         let byte = (1 << 0) | (2 << 2) | (1 << 5) | (1 << 6);
         let placement = rotation(&byte.to_string()).unwrap();
         assert_eq!(placement.apply([1, 2, 3]), [2, -3, -1]);
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn placements_follow_each_other() {
+    fn placements_are_composed() {
         let all: Vec<Placement> = (0..128_u8)
             .filter_map(|byte| rotation(&byte.to_string()))
             .collect();

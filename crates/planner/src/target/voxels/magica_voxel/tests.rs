@@ -127,7 +127,7 @@ fn rotations_and_translations_are_applied() {
 
 /// Builds two shapes with the same model. One of them is in a group that is turned and moved.
 #[test]
-fn copies_are_built_where_they_are() {
+fn copies_are_placed() {
     let file = Builder::default().model([1, 1, 3], &UPRIGHT);
     let file = file.transform(0, 1, &[], &[&[]]).group(1, &[], &[2, 4]);
     let file = file.transform(2, 3, &[], &[&[("_t", "0 0 1")]]);
@@ -169,7 +169,7 @@ fn models_turn_about_their_middle_rounded_down() {
 }
 
 #[test]
-fn what_is_hidden_is_left_out_and_told() {
+fn hidden_models_are_skipped_and_counted() {
     let hidden = [("_hidden", "1")];
     let seen = bar(&[], &[]);
     assert_eq!(seen.read().unwrap().hidden, [0; 0]);
@@ -224,7 +224,7 @@ fn one_of_several_models_is_chosen() {
 }
 
 #[test]
-fn what_cannot_be_placed_is_refused_by_name() {
+fn a_model_that_cannot_be_placed_is_named() {
     let refused = |file: Builder, part: &str| {
         let error = file.read().unwrap_err().to_string();
         assert!(error.contains(part), "{error}");
@@ -282,7 +282,7 @@ fn long_chains_of_transforms_are_read() {
 
 proptest! {
     #[test]
-    fn any_bytes_are_answered(place in any::<prop::sample::Index>(), byte in any::<u8>(), model in 0..3u32) {
+    fn any_bytes_are_read_or_rejected(place in any::<prop::sample::Index>(), byte in any::<u8>(), model in 0..3u32) {
         let mut file = bar(&[("_hidden", "0")], &[("_r", "40"), ("_t", "1 2 3")]).layer(0, &[]).file();
         let place = place.index(file.len());
         file[place] = byte;
