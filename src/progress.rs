@@ -36,11 +36,11 @@ fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
     if let Some(left) = time_left(snapshot, elapsed) {
         text += &format!("; about {} left", words(left));
     }
-    let mut under_way = BTreeMap::<_, u64>::new();
-    for &(program, phase) in &snapshot.under_way {
-        *under_way.entry((program, phase)).or_default() += 1;
+    let mut running = BTreeMap::<_, u64>::new();
+    for &(program, phase) in &snapshot.running {
+        *running.entry((program, phase)).or_default() += 1;
     }
-    let mut places: Vec<_> = under_way
+    let mut places: Vec<_> = running
         .iter()
         .map(|(&(program, phase), runs)| {
             let program = &manifest.programs[program];

@@ -38,7 +38,7 @@ pub struct ProgramPlan {
     /// Number of visited statements.
     pub(crate) steps: usize,
     /// First words of block and instance names that may be missing because of a wrong statement.
-    pub doubtful: FxHashSet<Symbol>,
+    pub uncertain: FxHashSet<Symbol>,
 }
 
 impl ProgramPlan {
@@ -51,8 +51,8 @@ impl ProgramPlan {
     }
 
     /// Returns whether a wrong statement may be the reason that the block is missing.
-    pub(crate) fn is_doubtful(&self, role: RoleId) -> bool {
-        self.doubtful.contains(&self.roles.key(role).word)
+    pub(crate) fn is_uncertain(&self, role: RoleId) -> bool {
+        self.uncertain.contains(&self.roles.key(role).word)
     }
 
     /// Returns the name of the phase of an event, or an empty text.
@@ -72,7 +72,7 @@ pub struct PatternInstance {
     /// Statement of the instance, without the name of the instance.
     pub call: SourceLocation,
     /// Whether an argument is wrong, so that blocks may be missing.
-    pub is_doubtful: bool,
+    pub is_uncertain: bool,
 }
 
 /// A named block of the plate.
@@ -102,7 +102,7 @@ pub struct PlanPhase {
     pub events: std::ops::Range<u32>,
     /// Whether the blocks of the phase are pre-attached. Only the first phase can have pre-attached
     /// blocks.
-    pub planted: bool,
+    pub pre_attached: bool,
     /// Claimed shapes, with the locations of the claims.
     pub claims: Vec<(Symbol, SourceLocation)>,
 }
@@ -165,7 +165,7 @@ pub struct PlanEvent {
     /// Location in the source.
     pub location: SourceLocation,
     /// Whether the event is valid. Invalid events have been reported and are ignored.
-    pub sound: bool,
+    pub valid: bool,
 }
 
 /// Kind of an event.
@@ -386,8 +386,8 @@ impl ProgramPlan {
 
     /// Returns the number of pre-attached blocks.
     pub fn pre_attached(&self) -> usize {
-        let planted = self.phases.iter().filter(|phase| phase.planted);
-        planted.map(|phase| phase.events.len()).sum()
+        let pre_attached = self.phases.iter().filter(|phase| phase.pre_attached);
+        pre_attached.map(|phase| phase.events.len()).sum()
     }
 
     /// Returns an event as text: `A.up -> E` or `release E`.

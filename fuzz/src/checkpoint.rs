@@ -44,7 +44,7 @@ impl Watch for Resumed {
         }
     }
 
-    fn kept(&mut self) -> Option<Box<dyn Read>> {
+    fn saved(&mut self) -> Option<Box<dyn Read>> {
         let state = self.state.take()?;
         Some(Box::new(Cursor::new(state)))
     }

@@ -14,7 +14,7 @@ use stochc::operations::runs::{made_again, try_out_all};
 use stochc::operations::{export, replay, report as pages, shard as pieces, sweep};
 use stochc::report::figures::{self, Figures, Medium};
 use stochc::results::recording::Selection;
-use stochc::results::shards::{prepare as cut, status as status_of};
+use stochc::results::shards::{prepare as split, status as status_of};
 use stochc::results::{
     EnsembleProgram, Interval, JournalError, Manifest, Records, Resume, each_row_group,
     record_json, table_metadata, tables_of,
@@ -108,27 +108,27 @@ impl Detached {
 pub fn simulate(
     py: Python<'_>,
     asked: EnsembleRequest,
-    kept: StorageOptions,
+    storage: StorageOptions,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<PythonEnsemble> {
     let (threads, detached) = (asked.threads, asked.detached());
     call(py, progress.as_ref(), move |host| {
-        let record = (kept.record.as_ref())
+        let record = (storage.record.as_ref())
             .map(|runs| parsed::<Selection>("record", runs))
             .transpose()?;
         let manifest = detached.manifest(record.as_ref(), host)?;
         let how = EnsembleOptions {
-            out: kept.out.as_deref(),
-            resume: match (kept.resume, kept.mixed_builds) {
+            out: storage.out.as_deref(),
+            resume: match (storage.resume, storage.mixed_builds) {
                 (_, true) => Resume::MixedBuilds,
                 (resume, false) => resume.into(),
             },
             record: record.as_ref(),
-            record_every: kept.record_every,
+            record_every: storage.record_every,
             checkpoints: Interval::DEFAULT,
             threads,
             has_warned_of_build: false,
-            goes_on: false,
+            continues: false,
             figures: &Figures::default(),
             watch: false,
             time_limit: None,
@@ -139,7 +139,7 @@ pub fn simulate(
         }
         made.unrecorded.map_or(Ok(()), Err)?;
         Ok(PythonEnsemble::new(
-            kept.out,
+            storage.out,
             manifest,
             made.results.finished,
         ))
@@ -161,7 +161,7 @@ pub fn prepare(py: Python<'_>, asked: EnsembleRequest, out: PathBuf, shards: u64
     let detached = asked.detached();
     call(py, None, move |host| {
         let manifest = detached.manifest(None, host)?;
-        cut(&out, &manifest, shards).map_err(Failure::usage)?;
+        split(&out, &manifest, shards).map_err(Failure::usage)?;
         Ok(manifest.total())
     })
 }

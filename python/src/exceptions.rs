@@ -40,7 +40,7 @@ fn raised(py: Python<'_>, kind: &str, message: &str, diagnostics: &str) -> PyErr
 ///
 /// The warning as an exception, if the caller turns warnings into errors.
 pub fn warn(py: Python<'_>, log: &HostLog) -> PyResult<()> {
-    let all = log.doubts.iter().map(|text| ("diagnostics", text));
+    let all = log.rendered.iter().map(|text| ("diagnostics", text));
     let all = all.chain(log.warnings.iter().map(|text| ("note", text)));
     for (kind, text) in all {
         py.import(MODULE)?.call_method1("warn", (kind, text))?;

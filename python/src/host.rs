@@ -28,7 +28,7 @@ pub struct HostLog {
     /// Notes and warnings.
     pub warnings: Vec<String>,
     /// Rendered diagnostics of files that have only warnings.
-    pub doubts: Vec<String>,
+    pub rendered: Vec<String>,
     /// Messages about failures of parts of the work.
     pub failures: String,
     /// Diagnostics of files with errors.
@@ -68,7 +68,7 @@ impl Host for Caller {
             log.failures += &drawn;
             log.diagnostics.extend(diagnostics_json(checked));
         } else if !drawn.is_empty() {
-            log.doubts.push(drawn.trim_end().to_owned());
+            log.rendered.push(drawn.trim_end().to_owned());
         }
     }
 

@@ -11,8 +11,8 @@ use stochc::exit::Failure;
 use stochc::ir::Executable;
 use stochc::ir::emit::{graph_text, table_text};
 use stochc::operations::codes;
-use stochc::operations::kept_text::KeptText;
 use stochc::operations::programs::{accept, is_readable, programs};
+use stochc::operations::stored_source::StoredSource;
 use stochc::operations::summary::status_lines;
 use stochc::report::figures::structure;
 use stochc::results::{EnsembleProgram, Manifest, Source};
@@ -260,7 +260,7 @@ impl PythonProgram {
     ) -> PyResult<Option<String>> {
         let entry = self.0.clone();
         call(py, None, move |_| {
-            let text = KeptText::new(&entry, &LintLevels::default());
+            let text = StoredSource::new(&entry, &LintLevels::default());
             let program = text.program();
             Ok(program.and_then(|program| say(program, &text.checked)))
         })

@@ -20,7 +20,7 @@ pub trait Watch {
 
     /// Returns the saved state of the same run, if there is one. Called once, before the first
     /// tick.
-    fn kept(&mut self) -> Option<Box<dyn Read>> {
+    fn saved(&mut self) -> Option<Box<dyn Read>> {
         None
     }
 
@@ -44,10 +44,10 @@ pub(crate) fn resume(
     watch: &mut (impl Watch + ?Sized),
     parts: &mut [&mut dyn State],
 ) -> Result<bool, StateError> {
-    let Some(mut kept) = watch.kept() else {
+    let Some(mut saved) = watch.saved() else {
         return Ok(false);
     };
-    let mut reader = StateReader::new(&mut *kept);
+    let mut reader = StateReader::new(&mut *saved);
     parts
         .iter_mut()
         .try_for_each(|part| part.restore(&mut reader))?;

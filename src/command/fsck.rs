@@ -18,7 +18,7 @@ pub struct FsckArguments {
     /// Results folder
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Move corrupted files into `DIR/damaged`, and rewrite the journal and the tables from the rest
+    /// Move corrupted files into `DIR/corrupted`, and rewrite the journal and the tables from the rest
     #[arg(long)]
     repair: bool,
 }
@@ -27,9 +27,10 @@ pub struct FsckArguments {
 pub fn run(options: &FsckArguments) -> Result<Exit, Failure> {
     let path = &options.folder;
     let health = verify(path).map_err(Failure::usage)?;
-    let is_damaged = |files: &[FileIntegrity]| files.iter().any(|file| file.health.is_damaged());
+    let is_corrupted =
+        |files: &[FileIntegrity]| files.iter().any(|file| file.health.is_corrupted());
     print(&table(&health))?;
-    if !is_damaged(&health) {
+    if !is_corrupted(&health) {
         return Ok(Exit::Success);
     }
     if !options.repair {
@@ -37,22 +38,22 @@ pub fn run(options: &FsckArguments) -> Result<Exit, Failure> {
         return Ok(Exit::Usage);
     }
     repair(path, files_for_screens).map_err(Failure::usage)?;
-    let kept = match Folder::read(path) {
-        Err(FolderError::Cut { .. }) => {
+    let valid = match Folder::read(path) {
+        Err(FolderError::Split { .. }) => {
             let folder = shell_file(&visible(&path.to_string_lossy()));
             format!("`stochc shard status {folder}` lists the shards that are missing")
         }
         contents => {
             let contents = contents.map_err(Failure::usage)?;
-            let (kept, all) = (contents.finished.len(), contents.manifest.total());
-            format!("{kept} of {all} runs are kept")
+            let (valid, all) = (contents.finished.len(), contents.manifest.total());
+            format!("{valid} of {all} runs are kept")
         }
     };
     let folder = visible(&path.join(DAMAGED).to_string_lossy());
     print(&format!(
-        "repaired: {kept}; corrupted files are in `{folder}`\n"
+        "repaired: {valid}; corrupted files are in `{folder}`\n"
     ))?;
-    if is_damaged(&verify(path).map_err(Failure::usage)?) {
+    if is_corrupted(&verify(path).map_err(Failure::usage)?) {
         Err(Failure::usage(
             "some files are still corrupted; run `stochc fsck` again",
         ))
@@ -67,11 +68,11 @@ fn table(files: &[FileIntegrity]) -> String {
     for FileIntegrity { name, health } in files {
         let name = visible(name);
         match health {
-            Integrity::Sound => text += &format!("{name}: sound\n"),
+            Integrity::Valid => text += &format!("{name}: valid\n"),
             Integrity::Unprotected => {
                 text += &format!("{name}: has no checksum, and can be read\n")
             }
-            Integrity::Damaged(reasons) => {
+            Integrity::Corrupted(reasons) => {
                 let lines = reasons.iter();
                 text.extend(lines.map(|reason| format!("{name}: damaged: {reason}\n")));
             }

@@ -49,14 +49,14 @@ fn narrative(record: &RunRecord, program: &EnsembleProgram) -> String {
         if ended.is_none() && lines.is_empty() {
             break;
         }
-        let by_hand = if program.is_planted(phase) {
-            ", attached by hand"
+        let note = if program.is_pre_attached(phase) {
+            ", pre-attached"
         } else {
             ""
         };
         let _ = writeln!(
             out,
-            "  phase {name}, from tick {begun}{}{by_hand}",
+            "  phase {name}, from tick {begun}{}{note}",
             narrator.tick().beside(begun as f64)
         );
         for (tick, line) in lines {

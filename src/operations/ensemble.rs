@@ -14,10 +14,10 @@ use stochc_results::{
 use stochc_runtime::RunError;
 use stochc_text::visible;
 
-use super::kept_text::KeptText;
 use super::recordings::Recordings;
 use super::results::warn_of_damage;
 use super::runs::{made_again, made_by, threads, warn_of_build, warn_of_checkpoints};
+use super::stored_source::StoredSource;
 use super::sweep;
 use super::watch::watched;
 use crate::exit::{Exit, Failure};
@@ -42,7 +42,7 @@ pub struct EnsembleOptions<'a> {
     /// Whether the user has already been warned that other builds made some of the runs.
     pub has_warned_of_build: bool,
     /// Whether the caller may request more runs afterwards. The folder then stays open for them.
-    pub goes_on: bool,
+    pub continues: bool,
     /// Size and format of the figures of a sweep.
     pub figures: &'a Figures,
     /// Whether to rewrite the report of the folder during the work.
@@ -173,7 +173,7 @@ impl FoundWarning<'_> {
 /// Returns the level of a warning about a program's scene. A level in the source has precedence
 /// over the command line.
 fn level(program: &EnsembleProgram, code: Code, levels: &LintLevels) -> Level {
-    let checked = KeptText::new(program, levels).checked;
+    let checked = StoredSource::new(program, levels).checked;
     let mut allowed = checked.allowed.iter().map(|it| it.diagnostic.code);
     let mut reported = checked.diagnostics.iter();
     match reported.find(|it| it.code == code) {
@@ -207,7 +207,7 @@ pub fn make(
                     visible(&out.to_string_lossy())
                 )),
                 FolderState::New => {}
-                FolderState::Finished if how.goes_on => {}
+                FolderState::Finished if how.continues => {}
                 FolderState::Finished => host.warn(&format!(
                     "`{}` is finished already\n",
                     visible(&out.to_string_lossy())
@@ -241,7 +241,7 @@ pub fn make(
             }
             None => unrecorded(program, number, watch),
         };
-    let is_all_there = destination.kept() == manifest.total();
+    let is_all_there = destination.existing() == manifest.total();
     let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
     let work = || run_all(destination, &progress, stop, simulate);
     let results = match how.out.filter(|_| how.watch) {

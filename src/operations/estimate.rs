@@ -8,7 +8,7 @@ use stochc_runtime::rates::{Rates, estimate};
 use stochc_runtime::{Model, Settings};
 
 use super::in_memory::all_runs;
-use super::rates::{at_hand, of_files_for, of_scenes, supported};
+use super::rates::{matching, of_files_for, of_scenes, supported};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
@@ -76,7 +76,7 @@ fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstima
     let cost = estimate(program.parts(), Some(rates))?;
     let (tables, graph) = (program.tables(), &program.compiled.graph);
     let phases = tables.phases.iter().zip(&cost.phases);
-    let phases = phases.filter(|(phase, _)| !phase.planted);
+    let phases = phases.filter(|(phase, _)| !phase.pre_attached);
     let shares = cost.captures.iter().filter(|capture| capture.share > 0.0);
     Some(CompletionEstimate {
         program: program.name.clone(),
@@ -114,7 +114,7 @@ fn of_runs(
 ) -> Result<CompletionEstimate, Failure> {
     let programs = vec![program];
     let settings = Settings {
-        rates: match at_hand(known, &programs[0].scene) {
+        rates: match matching(known, &programs[0].scene) {
             Some(rates) => vec![rates.clone()],
             None => of_scenes(known, &programs, how.threads, host)?,
         },

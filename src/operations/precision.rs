@@ -35,7 +35,7 @@ pub fn make_until(
     let there = how.out.and_then(stored_runs);
     manifest.runs = FIRST.max(there.unwrap_or(0)).min(most);
     let mut stage = EnsembleOptions {
-        goes_on: true,
+        continues: true,
         ..*how
     };
     loop {

@@ -117,7 +117,7 @@ pub(crate) fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
 
 /// Returns the known or built-in rates for a scene. Returns `None` if there are none, or the rate
 /// model does not support the scene.
-pub(crate) fn at_hand<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
+pub(crate) fn matching<'a>(known: &'a [Rates], scene: &Scene) -> Option<&'a Rates> {
     Rates::known(known, scene).filter(|_| RateWorld::unsupported(scene).is_none())
 }
 

@@ -10,7 +10,7 @@ use stochc_results::recording::Outline;
 use stochc_text::visible;
 
 use super::chosen_run::ChosenRun;
-use super::kept_text::KeptText;
+use super::stored_source::StoredSource;
 use crate::exit::Failure;
 use crate::host::Host;
 
@@ -82,7 +82,7 @@ fn statements(program: &EnsembleProgram) -> Vec<EventLocation> {
     if program.sources.is_empty() || program.compiled.graph.events.len() > MAX_STATEMENTS {
         return Vec::new();
     }
-    let text = KeptText::new(program, &LintLevels::default());
+    let text = StoredSource::new(program, &LintLevels::default());
     let Some(plan) = text.same_program().map(|program| &program.plan) else {
         return Vec::new();
     };

@@ -44,7 +44,11 @@ fn size(program: &Program) -> String {
     }
     let pre_attached = plan.pre_attached();
     let (captures, releases) = plan.counts();
-    let phases = plan.phases.iter().filter(|phase| !phase.planted).count();
+    let phases = plan
+        .phases
+        .iter()
+        .filter(|phase| !phase.pre_attached)
+        .count();
     let mut size = counted(captures - pre_attached, "capture");
     if releases > 0 {
         size = format!("{size} and {}", counted(releases, "release"));

@@ -12,9 +12,9 @@ use stochc_runtime::Model;
 use stochc_runtime::rates::Rates;
 use stochc_text::visible;
 
-use super::kept_text::KeptText;
 use super::programs::verdict;
 use super::rates;
+use super::stored_source::StoredSource;
 use crate::exit::Failure;
 use crate::host::Host;
 
@@ -123,7 +123,7 @@ pub(crate) fn at_point(
     levels: &LintLevels,
     host: &dyn Host,
 ) -> Result<(), Failure> {
-    let text = KeptText::new(entry, levels);
+    let text = StoredSource::new(entry, levels);
     if text.checked.has_errors() {
         let name = visible(&entry.name);
         let drawn = host.draw(&text.checked);

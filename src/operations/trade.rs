@@ -124,7 +124,7 @@ pub fn measured(
         checkpoints: Interval::Never,
         threads: setup.threads,
         has_warned_of_build: false,
-        goes_on: false,
+        continues: false,
         figures: setup.figures,
         watch: false,
         time_limit: setup.time,

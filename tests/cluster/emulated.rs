@@ -306,7 +306,7 @@ impl Held {
     }
 
     /// Lets the process continue.
-    pub fn goes_on(self) {
+    pub fn resume(self) {
         signal("-CONT", &[self.0]);
     }
 }

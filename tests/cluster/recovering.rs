@@ -34,7 +34,7 @@ fn a_lost_node_is_tolerated() {
     signal("-9", &lost);
     // Without this update, Slurm would need half a minute to detect the loss.
     cluster.ask("scontrol update nodename=n2 state=down reason=lost");
-    shards.into_iter().for_each(Held::goes_on);
+    shards.into_iter().for_each(Held::resume);
     // By default, Slurm resubmits the task of a lost node.
     cluster.until_ended(&name);
     if ensemble.path.join("shards.json").exists() {
@@ -71,7 +71,7 @@ fn a_controller_may_restart() {
     let (status, output) = cluster.submit(&ensemble.path, "");
     assert_eq!(status, 0, "{output}");
     assert!(output.contains("nothing was submitted"), "{output}");
-    shard.goes_on();
+    shard.resume();
     ensemble.is_made();
     assert_eq!(cluster.arrays(&name), 1);
 }

@@ -229,11 +229,11 @@ fn a_recording_that_unpacks_to_gigabytes_is_rejected() {
         part(b"POSE", &payload)
     };
     let bodies = MIB / 14 * 14;
-    let sound = places(bodies, 16);
+    let valid = places(bodies, 16);
     let events = |begins: &str, row: &[u8], times| part(b"EVNT", &packed(begins, row, times));
     let huge = 300 * MIB;
     for (name, parts) in [
-        ("places, ten times", vec![sound.clone(); 10]),
+        ("places, ten times", vec![valid.clone(); 10]),
         ("places beyond the budget", vec![places(bodies, 40)]),
         ("places that are claimed", vec![part(b"POSE", &[0xff; 100])]),
         ("empty events", vec![events("[", b"[],", 80 * MIB)]),

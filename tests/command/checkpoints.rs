@@ -59,7 +59,7 @@ fn kill(mut child: Child, folder: &Path, before: &[(String, Vec<u8>)]) -> bool {
 fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
     let folder = Path::new(out).join("checkpoints");
     let mut arguments_now = arguments.to_vec();
-    let mut goes_on = 0;
+    let mut resumed = 0;
     for _ in 0..KILLS {
         let before = files(&folder);
         let mut child = command(&arguments_now);
@@ -67,10 +67,10 @@ fn killed_and_resumed(arguments: &[&str], later: &[&str], out: &str) {
         if kill(child.spawn().unwrap(), &folder, &before) {
             break;
         }
-        goes_on += 1;
+        resumed += 1;
         arguments_now = later.to_vec();
     }
-    assert!(goes_on > 0, "the command was never killed during a run");
+    assert!(resumed > 0, "the command was never killed during a run");
     let last = run_command(&mut command(&arguments_now));
     assert!([0, 3].contains(&last.status), "{}", last.err);
     assert!(

@@ -29,7 +29,7 @@ fn corruption_is_reported_and_valid_parts_are_saved() {
         "recordings/1-2.rec",
     ] {
         assert!(
-            outcome.out.contains(&format!("{name}: sound\n")),
+            outcome.out.contains(&format!("{name}: valid\n")),
             "{}",
             outcome.out
         );

@@ -95,7 +95,7 @@ fn tables_list_captures_and_releases() {
     let outcome = stochc("compile tests/fixtures/attached.sa");
     for line in [
         "plate 1 x 1, every face always attracts\notherwise: reject what docks on any other face\n",
-        "phase seed: attached by hand, before the first tick\nphase assemble: ends after 1 report\n",
+        "phase seed: pre-attached, before the first tick\nphase assemble: ends after 1 report\n",
         "    at the start of seed\n        expect up -> A at (0, 0, 1)\n",
         "expect east -> B at (1, 0, 1)\n",
         "once B asks: reject east, which frees B\n",

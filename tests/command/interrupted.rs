@@ -168,9 +168,9 @@ fn an_interrupted_trade_prints_its_measurements() {
     let outcome = interrupt(child, "-INT");
     assert_eq!(outcome.status, 130, "{}", outcome.err);
     assert!(outcome.out.contains("CPU/run"), "{}", outcome.out);
-    let kept = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
-    let kept: serde_json::Value = serde_json::from_str(&kept).unwrap();
-    let runs = kept["candidates"][0]["programs"][0]["runs"]
+    let stored = fs::read_to_string(path(out.as_ref(), "trade.json")).unwrap();
+    let stored: serde_json::Value = serde_json::from_str(&stored).unwrap();
+    let runs = stored["candidates"][0]["programs"][0]["runs"]
         .as_u64()
         .unwrap();
     assert!(runs > 0, "{runs}");

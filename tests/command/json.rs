@@ -226,11 +226,11 @@ fn stages_of_the_compiler_have_schemas() {
 fn a_document_that_differs_from_its_schema_is_rejected() {
     let schemas = Schemas::new();
     let errors = |value: &Value| schemas.errors(schemas.definition("status"), value, "");
-    let sound = json!({
+    let valid = json!({
         "format": 1, "shards": 2, "runs": 8, "missing": [0],
         "states": [{ "state": "missing" }, { "state": "whole" }],
     });
-    assert_eq!(errors(&sound), [""; 0]);
+    assert_eq!(errors(&valid), [""; 0]);
     for (key, value, reason) in [
         ("format", json!(2), "constant"),
         ("runs", json!(-1), "minimum"),
@@ -240,9 +240,9 @@ fn a_document_that_differs_from_its_schema_is_rejected() {
         ("states", json!([{ "state": "lost" }]), "word"),
         ("states", json!([{ "runs": 1 }]), "`state` is missing"),
     ] {
-        let mut spoilt = sound.clone();
-        spoilt[key] = value;
-        let errors = errors(&spoilt);
+        let mut corrupted = valid.clone();
+        corrupted[key] = value;
+        let errors = errors(&corrupted);
         assert!(
             errors.len() == 1 && errors[0].contains(reason),
             "{errors:?}"

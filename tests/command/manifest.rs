@@ -68,9 +68,9 @@ fn a_manifest_beyond_all_limits_is_rejected() {
     let out = path(folder.path(), "out");
     stochc_with(TOWER, &["--runs", "1", "--out", &out]);
     let file = path(out.as_ref(), "manifest.json");
-    let sound: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    let valid: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
     let of = |key: &str, value: Value| {
-        let mut manifest = sound.clone();
+        let mut manifest = valid.clone();
         manifest[key] = value;
         manifest
     };
@@ -80,7 +80,7 @@ fn a_manifest_beyond_all_limits_is_rejected() {
     assert!(outcome.err.contains("its checksum differs"), "{}", outcome.err);
     // Outside of a results folder, a file `manifest.json` belongs to the user.
     let file = path(folder.path(), "manifest.json");
-    let program = &sound["programs"][0];
+    let program = &valid["programs"][0];
     for (manifest, reason) in [
         (of("runs", json!(10_000_001)), "at most 10000000"),
         (of("runs", json!(0)), "no runs"),

@@ -541,12 +541,12 @@ assembly x {
     );
     assert_eq!(outcome.status, 0, "{}", outcome.err);
     let written = fs::read_to_string(&whole).unwrap();
-    for kept in [
+    for retained in [
         "// not /// that",
         "/// The low shape.",
         "/// The high shape.\n    phase b {",
     ] {
-        assert!(written.contains(kept), "{kept}: {written}");
+        assert!(written.contains(retained), "{retained}: {written}");
     }
     let all = path(folder.path(), "all.sa");
     let outcome = stochc_with(

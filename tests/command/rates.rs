@@ -39,12 +39,12 @@ fn rates_are_calibrated_saved_and_used() {
         &[&here("small.sa"), "--out", &here("two.rates")],
     );
     assert_eq!((second.status, &second.out), (0, &first.out));
-    let kept = fs::read(here("one.rates")).unwrap();
-    assert_eq!(kept, fs::read(here("two.rates")).unwrap());
+    let saved = fs::read(here("one.rates")).unwrap();
+    assert_eq!(saved, fs::read(here("two.rates")).unwrap());
     // Existing files are not replaced.
     let again = stochc_with(calibrate, &[&here("small.sa"), "--out", &here("one.rates")]);
     assert_eq!(again.status, 2, "{}", again.err);
-    assert_eq!(kept, fs::read(here("one.rates")).unwrap());
+    assert_eq!(saved, fs::read(here("one.rates")).unwrap());
 
     let simulate = "simulate --model rate --runs 20 --quiet --json";
     let ensemble = stochc_with(
@@ -79,10 +79,10 @@ fn rates_are_calibrated_saved_and_used() {
             assert_eq!(times, usize::from(is_unused), "{command}: {}", outcome.err);
         }
     }
-    let spoilt = fs::read_to_string(here("one.rates"))
+    let corrupted = fs::read_to_string(here("one.rates"))
         .unwrap()
         .replace("\"format\": ", "\"format\": 9");
-    fs::write(here("spoilt.rates"), spoilt).unwrap();
+    fs::write(here("spoilt.rates"), corrupted).unwrap();
     let refused = stochc_with(
         simulate,
         &[&here("small.sa"), "--rates", &here("spoilt.rates")],

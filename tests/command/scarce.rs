@@ -114,7 +114,7 @@ fn without_memory_no_recording_is_called_corrupted() {
 }
 
 /// User id without other processes. The limit on threads counts all threads of a user, except root.
-const NOBODY: u32 = 61_234;
+const NOBODY_UID: u32 = 61_234;
 
 #[test]
 fn without_threads_a_command_continues_or_fails() {
@@ -151,7 +151,10 @@ fn without_threads_a_command_continues_or_fails() {
         ] {
             let mut command = Command::new("prlimit");
             command.arg(format!("--nproc={threads}:{threads}"));
-            let user = [format!("--reuid={NOBODY}"), format!("--regid={NOBODY}")];
+            let user = [
+                format!("--reuid={NOBODY_UID}"),
+                format!("--regid={NOBODY_UID}"),
+            ];
             command.arg("setpriv").args(user).arg("--clear-groups");
             command.arg(&program).args(arguments).stdin(Stdio::null());
             ends_well(&run_command(&mut command), statuses);

@@ -51,9 +51,9 @@ fn the_first_reason_of_failed_runs_is_printed() {
         "{}",
         outcome.err
     );
-    let kept = stochc_with(simulate, &[&file, "--out", &out]);
+    let simulated = stochc_with(simulate, &[&file, "--out", &out]);
     let printed = stochc_with("show", &[&out]);
-    for outcome in [kept, printed] {
+    for outcome in [simulated, printed] {
         assert!(outcome.err.contains("2 runs failed"), "{}", outcome.err);
         let (_, command) = outcome.err.rsplit_once("`stochc ").unwrap();
         let (command, _) = command.split_once('`').unwrap();

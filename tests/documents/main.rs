@@ -139,7 +139,7 @@ fn follow(name: &str, page: &str) -> Vec<String> {
             outcome += &out;
             outcome += &err;
         }
-        if let Some(shown) = shown_behind(&blocks[at + 1..])
+        if let Some(shown) = shown_after(&blocks[at + 1..])
             && !outcome.contains(&tidy(shown.text))
         {
             wrong.push(format!(
@@ -153,7 +153,7 @@ fn follow(name: &str, page: &str) -> Vec<String> {
 
 /// Returns the block with the output of the previous commands, which is the next `text` block of
 /// the section.
-fn shown_behind<'a>(blocks: &'a [Block<'a>]) -> Option<&'a Block<'a>> {
+fn shown_after<'a>(blocks: &'a [Block<'a>]) -> Option<&'a Block<'a>> {
     let next = blocks.first()?;
     (next.language == "text" && !next.begins_section).then_some(next)
 }

@@ -83,8 +83,8 @@ pub fn commands(block: &str, is_whole: impl Fn(&str) -> bool) -> Vec<Command<'_>
     for line in block.split_inclusive('\n') {
         at += line.len();
         let text = block[from..at].trim();
-        let goes_on = text.ends_with('\\') || !is_whole(text);
-        if goes_on && at < block.len() {
+        let continues = text.ends_with('\\') || !is_whole(text);
+        if continues && at < block.len() {
             continue;
         }
         from = at;

@@ -125,10 +125,10 @@ fn paragraphs(
             last = None;
             continue;
         }
-        let goes_on = last == Some(line - 1) && !text.starts_with(['-', '*', '1']);
+        let continues = last == Some(line - 1) && !text.starts_with(['-', '*', '1']);
         last = Some(line);
         match found.last_mut() {
-            Some(paragraph) if goes_on => {
+            Some(paragraph) if continues => {
                 paragraph.text.push(' ');
                 paragraph.text.push_str(text);
             }

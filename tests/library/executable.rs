@@ -65,7 +65,10 @@ fn distinguishes_foreign_from_corrupted_files() {
         ExecutableError::OtherFormat(7)
     ));
     let half = &text[..text.len() / 2];
-    assert!(matches!(read(half.as_bytes()), ExecutableError::Damaged(_)));
+    assert!(matches!(
+        read(half.as_bytes()),
+        ExecutableError::Corrupted(_)
+    ));
     for (what, otherwise) in [
         ("\"faces\":1", "\"faces\":9"),
         ("\"role\":0", "\"role\":4000"),
@@ -73,13 +76,13 @@ fn distinguishes_foreign_from_corrupted_files() {
         ("\"width\":", "\"width\":99999"),
         ("\"tick\":", "\"tick\":-"),
     ] {
-        let damaged = text.replacen(what, otherwise, 1);
-        assert_ne!(damaged, text, "{what}");
-        let error = read(damaged.as_bytes());
+        let corrupted = text.replacen(what, otherwise, 1);
+        assert_ne!(corrupted, text, "{what}");
+        let error = read(corrupted.as_bytes());
         assert!(
             matches!(
                 error,
-                ExecutableError::Damaged(_) | ExecutableError::Invalid(_)
+                ExecutableError::Corrupted(_) | ExecutableError::Invalid(_)
             ),
             "{what}: {error}"
         );
@@ -172,9 +175,9 @@ proptest! {
                 max_ticks: Some(300),
                 ..Settings::new(Model::Shuffle, 1)
             };
-            let mut go_on = |_, _| ControlFlow::Continue(());
+            let mut proceed = |_, _| ControlFlow::Continue(());
             // An error is allowed here, but a panic is not.
-            let _ = run(&program.tables, &program.scene, &settings, 1, 0, &mut go_on);
+            let _ = run(&program.tables, &program.scene, &settings, 1, 0, &mut proceed);
         }
     }
 }

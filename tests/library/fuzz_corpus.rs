@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 mod files;
 
 /// Returns the files in a folder of the corpus.
-fn kept(folder: &str) -> Vec<PathBuf> {
+fn corpus(folder: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(format!("fuzz/corpus/{folder}")).unwrap();
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
     paths.sort();
@@ -45,7 +45,7 @@ static TURN: Mutex<()> = Mutex::new(());
 fn every_corpus_file_is_read_or_rejected() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     for (folder, read) in READERS {
-        let paths = kept(folder);
+        let paths = corpus(folder);
         assert!(!paths.is_empty(), "{folder}");
         for path in paths {
             read(&std::fs::read(path).unwrap());
@@ -125,7 +125,7 @@ fn mutated_files_are_read_or_rejected() {
     let changes = std::env::var("STOCHC_CHANGES");
     let changes: u64 = changes.map_or(2_000, |text| text.parse().unwrap());
     for (folder, read) in READERS {
-        let kept: Vec<Vec<u8>> = (kept(folder).iter())
+        let corpus_files: Vec<Vec<u8>> = (corpus(folder).iter())
             .map(|path| std::fs::read(path).unwrap())
             .collect();
         let changes = if is_of_programs(folder) {
@@ -136,7 +136,10 @@ fn mutated_files_are_read_or_rejected() {
         for seed in 0..changes {
             let mut numbers = Numbers(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
             numbers.below(1);
-            let bytes = changed(&kept[numbers.below(kept.len())], &mut numbers);
+            let bytes = changed(
+                &corpus_files[numbers.below(corpus_files.len())],
+                &mut numbers,
+            );
             let outcome = std::panic::catch_unwind(|| read(&bytes));
             assert!(outcome.is_ok(), "{folder}, change {seed}");
         }

@@ -32,7 +32,7 @@ struct Sample {
     /// Limits on the size of the program.
     limits: Limits,
     /// Whether the tables of the program are corrupted before the test.
-    spoilt: bool,
+    corrupted: bool,
 }
 
 /// Files of a sample, in the folder `/home/you/towers`.
@@ -56,7 +56,7 @@ impl Sample {
             files: vec![("tower.sa", text.into())],
             shown: None,
             limits: Limits::default(),
-            spoilt: false,
+            corrupted: false,
         }
     }
 
@@ -68,7 +68,7 @@ impl Sample {
     fn check(&self) -> Checked {
         let mut folder = SampleFolder(&self.files);
         let mut checked = check(self.files[0].0, &mut folder, self.limits);
-        if self.spoilt {
+        if self.corrupted {
             for program in &mut checked.programs {
                 program.tables = program.tables.as_ref().map(without_news);
             }
@@ -191,7 +191,7 @@ fn sample(code: Code) -> Option<Sample> {
                  assembly relay {\n    seed plate 2 x 1 { M at (0, 0)  N at (1, 0) }\n    \
                  phase grow {\n        M.up -> A\n        N.up -> B after A\n    }\n}\n",
             );
-            sample.spoilt = true;
+            sample.corrupted = true;
             sample
         }
         Code::ImportOutside => Sample::from_text("import \"/etc/passwd\"\n"),
@@ -203,7 +203,7 @@ fn sample(code: Code) -> Option<Sample> {
             ],
             shown: None,
             limits: Limits::default(),
-            spoilt: false,
+            corrupted: false,
         },
         other => panic!("`{other}` has no wrong program on its page, and none here"),
     })

@@ -88,9 +88,9 @@ proptest! {
         let record = |loss| {
             let mut world = ShuffleWorld::new(&tables, 300, seed, 0);
             let messages = Some(Messages { hop, loss });
-            let mut go = |_, _| ControlFlow::Continue(());
+            let mut proceed = |_, _| ControlFlow::Continue(());
             let limit = Some(5_000);
-            drive(&tables, messages.as_ref(), &mut world, limit, seed, 0, &mut go)
+            drive(&tables, messages.as_ref(), &mut world, limit, seed, 0, &mut proceed)
         };
         prop_assert_eq!(record(None), record(Some(0.0)));
     }
@@ -119,8 +119,8 @@ proptest! {
         let scene = program.scene.as_mut().expect("it has a scene");
         scene.messages = Some(messages.clone());
         let mut world = RateWorld::new(&tables, scene, &[], seed, 0).expect("the scene has rates");
-        let mut go = |_, _| ControlFlow::Continue(());
-        let run = drive(&tables, Some(&messages), &mut world, None, seed, 0, &mut go).unwrap();
+        let mut proceed = |_, _| ControlFlow::Continue(());
+        let run = drive(&tables, Some(&messages), &mut world, None, seed, 0, &mut proceed).unwrap();
         prop_assert_eq!(&run.outcome, &Outcome::Completed);
         let cost = program.estimate(Rates::built_in(program.scene.as_ref().unwrap()));
         let cost = cost.expect("it has an order");

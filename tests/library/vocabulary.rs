@@ -40,7 +40,7 @@ fn tables(bond: BondKind, trigger: Trigger, when: Vec<Condition>, then: Action) 
         name: "grow".to_owned(),
         timeout: None,
         reports: 0,
-        planted: false,
+        pre_attached: false,
     };
     let role = |name: &str| Role {
         name: name.to_owned(),

@@ -419,9 +419,9 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
 /// Checks that a capture in the bar has the colour of its own phase. The next phase may begin at
 /// the same tick.
 fn check_strokes(page: &mut impl Page, recording: &Recording) {
-    let anew = "document.getElementById('theme').click()";
-    let drawn = page.drawn("#timeline", anew);
-    page.value(anew);
+    let toggle = "document.getElementById('theme').click()";
+    let drawn = page.drawn("#timeline", toggle);
+    page.value(toggle);
     let strokes: Vec<&Value> = (drawn.iter())
         .filter(|it| it[0] == "fillRect" && (number(&it[4]), number(&it[5])) == (2.0, 13.0))
         .map(|it| &it[1])

@@ -61,9 +61,9 @@ fn a_table_has_every_block_at_every_tick() {
             (40 * (at / bodies) as i64, (at % bodies) as i32)
         );
         let place = frames[&(tick as u64)].places[body as usize];
-        for (axis, kept) in place[..3].iter().enumerate() {
+        for (axis, stored) in place[..3].iter().enumerate() {
             let number = f64::from(row.get_float(2 + axis).unwrap());
-            assert!((number - kept).abs() <= ROUNDED, "{number} at {tick}");
+            assert!((number - stored).abs() <= ROUNDED, "{number} at {tick}");
         }
         let part = |i: usize| f64::from(row.get_float(5 + i).unwrap());
         let product: f64 = (0..4).map(|i| part(i) * place[3 + i]).sum();
@@ -72,10 +72,10 @@ fn a_table_has_every_block_at_every_tick() {
         let last = (recording.events().iter().rev())
             .filter(|happening| happening.tick <= tick as u64)
             .find_map(|happening| match happening.event {
-                ObservedEvent::Captured {
-                    body: who, role, ..
-                } if who as i32 == body => Some(Some(role)),
-                ObservedEvent::Released { body: who, .. } if who as i32 == body => Some(None),
+                ObservedEvent::Captured { body: id, role, .. } if id as i32 == body => {
+                    Some(Some(role))
+                }
+                ObservedEvent::Released { body: id, .. } if id as i32 == body => Some(None),
                 _ => None,
             })
             .flatten();

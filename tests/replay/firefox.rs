@@ -108,7 +108,7 @@ impl Firefox {
     }
 
     /// Opens an address in the browser.
-    pub fn go(&mut self, address: &str) {
+    pub fn navigate(&mut self, address: &str) {
         self.call("WebDriver:Navigate", &json!({ "url": address }));
     }
 
@@ -117,7 +117,7 @@ impl Firefox {
         let page = page.to_str().unwrap().replace(' ', "%20");
         // Load another address first: changing only the hash would not reload the page.
         for url in ["about:blank".to_owned(), format!("file://{page}{hash}")] {
-            self.go(&url);
+            self.navigate(&url);
         }
         let begun = Instant::now();
         while self.value(SETTLED) != true {
@@ -228,8 +228,8 @@ fn firefox_shows_the_same() {
     let frame = recording.frames().nth(500).unwrap();
     let state = firefox.value(&format!("replay.seek({})", frame.tick));
     let shown = state["places"].as_array().unwrap();
-    for (shown, kept) in shown.iter().zip(frame.places.iter().flatten()) {
-        assert!((shown.as_f64().unwrap() - kept).abs() < 1e-12);
+    for (shown, recorded) in shown.iter().zip(frame.places.iter().flatten()) {
+        assert!((shown.as_f64().unwrap() - recorded).abs() < 1e-12);
     }
     // The last block has the same colour in every browser.
     let last = recording.record().bonds.last().unwrap();

@@ -151,7 +151,7 @@ fn every_exit_has_an_entry() {
                 let at = inside.iter().position(|pair| *pair == (body, of));
                 inside.remove(at.expect("the block had entered"));
             }
-            ObservedEvent::Captured { body, .. } => inside.retain(|(who, _)| *who != body),
+            ObservedEvent::Captured { body, .. } => inside.retain(|(id, _)| *id != body),
             _ => {}
         }
     }

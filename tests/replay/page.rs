@@ -57,8 +57,11 @@ fn the_page_shows_the_recording() {
         let frame = frames.iter().find(|frame| frame.tick == tick).unwrap();
         let places = numbers(&state["places"]);
         assert_eq!(places.len(), 7 * frame.places.len());
-        for (shown, kept) in places.iter().zip(frame.places.iter().flatten()) {
-            assert!((shown - kept).abs() < 1e-12, "{shown} and {kept} at {tick}");
+        for (shown, stored) in places.iter().zip(frame.places.iter().flatten()) {
+            assert!(
+                (shown - stored).abs() < 1e-12,
+                "{shown} and {stored} at {tick}"
+            );
         }
         let blocks = frame.places.len() as u64;
         let plate = u64::from(tables.plate.width * tables.plate.depth);
@@ -192,17 +195,14 @@ fn pre_attached_blocks_have_no_wait() {
     };
     let of_all = announced("#tick=5");
     let of_all = of_all.as_str().unwrap();
-    let expected = format!("P is attached by hand to A.up: block {attached}");
+    let expected = format!("P is pre-attached to A.up: block {attached}");
     assert!(of_all.contains(&expected), "{of_all}");
     // This block is released immediately.
-    let other = "X is attached by hand to P.up";
+    let other = "X is pre-attached to P.up";
     assert!(of_all.contains(other), "{of_all}");
     let of_one = announced(&format!("#tick=5&block={attached}"));
     let of_one = of_one.as_str().unwrap();
-    assert!(
-        of_one.contains("is attached by hand to A.up as P"),
-        "{of_one}"
-    );
+    assert!(of_one.contains("is pre-attached to A.up as P"), "{of_one}");
     assert!(!of_one.contains("docks on"), "{of_one}");
     assert_eq!(browser.complaints, [""; 0]);
 }
@@ -245,7 +245,7 @@ pub fn check_faces(page: &mut impl Page, recording: &Recording, tables: &Tables)
             ObservedEvent::Left { body, of, face } => drop(pulled.remove(&(body, of, face))),
             ObservedEvent::Captured { body, on, face, .. } => {
                 lit.remove(&(on, face));
-                pulled.retain(|&(who, of, which)| who != body && (of, which) != (on, face));
+                pulled.retain(|&(block, of, which)| block != body && (of, which) != (on, face));
             }
             _ => {}
         }

@@ -247,9 +247,9 @@ fn a_changed_program_is_rejected() {
     );
     // Even without a journal, an invalid program is not run.
     fs::remove_file(results.path().join("journal.jsonl")).unwrap();
-    let damaged = text.replacen("\"duties\":[{\"role\":0", "\"duties\":[{\"role\":900", 1);
-    assert_ne!(damaged, text);
-    fs::write(&manifest, damaged).unwrap();
+    let corrupted = text.replacen("\"duties\":[{\"role\":0", "\"duties\":[{\"role\":900", 1);
+    assert_ne!(corrupted, text);
+    fs::write(&manifest, corrupted).unwrap();
     let outcome = error(&results);
     assert!(outcome.contains("it is damaged"), "{outcome}");
 }

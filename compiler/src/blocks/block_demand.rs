@@ -133,9 +133,9 @@ impl Search<'_> {
             return Ok(None);
         };
         let [needed, _] = self.counted(ancestors);
-        let gone = releases - later - usize::from(is_release);
+        let released = releases - later - usize::from(is_release);
         let anchored = before + needed + usize::from(!is_release);
-        Ok(Some(anchored.saturating_sub(gone)))
+        Ok(Some(anchored.saturating_sub(released)))
     }
 
     /// Returns the largest number of anchored blocks after a capture. Returns 0 for a release, and
@@ -148,8 +148,8 @@ impl Search<'_> {
         let after = self.follow(event, Outgoing).ok()??;
         let ancestors = self.follow(event, Incoming).ok()??;
         let [later, _] = self.counted(after);
-        let [_, gone] = self.counted(ancestors);
-        Some(all - later - gone)
+        let [_, released] = self.counted(ancestors);
+        Some(all - later - released)
     }
 
     /// Returns the numbers of captures and of releases among these events.

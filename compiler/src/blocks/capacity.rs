@@ -179,7 +179,7 @@ fn check_terms(
         .zip(&layout.cells)
         .find_map(|(event, cell)| {
             let cell = (*cell)
-                .filter(|_| event.sound && matches!(event.kind, EventKind::Capture { .. }))?;
+                .filter(|_| event.valid && matches!(event.kind, EventKind::Capture { .. }))?;
             let distance = enclosure.distance_to(cell, &plan.plate, side);
             (distance > radius).then_some((event, cell, distance))
         });

@@ -104,7 +104,7 @@ pub fn check(
     plan: &mut ProgramPlan,
     sources: &Sources,
     symbols: &Symbols,
-    doubtful: &FxHashSet<Symbol>,
+    uncertain: &FxHashSet<Symbol>,
     attracts: bool,
     cancellation: Cancellation<'_>,
     diagnostics: &mut Vec<Diagnostic>,
@@ -118,7 +118,7 @@ pub fn check(
         },
         sources,
         symbols,
-        doubtful,
+        uncertain,
         attracts,
         diagnostics,
         first_captures: None,
@@ -147,7 +147,7 @@ struct Checker<'a> {
     liveness: Liveness,
     sources: &'a Sources,
     symbols: &'a Symbols,
-    doubtful: &'a FxHashSet<Symbol>,
+    uncertain: &'a FxHashSet<Symbol>,
     attracts: bool,
     diagnostics: &'a mut Vec<Diagnostic>,
     /// First capture of every block, computed on demand.
@@ -193,7 +193,7 @@ impl Checker<'_> {
             if is_full(self.diagnostics, Severity::Warning) {
                 break;
             }
-            if !used && !self.is_doubtful_word(key.word) {
+            if !used && !self.is_uncertain_word(key.word) {
                 let name = self.plan.roles.name(seed.role, self.symbols);
                 let mut diagnostic = Diagnostic::about(
                     Code::UnusedSeed,
@@ -286,7 +286,7 @@ impl Checker<'_> {
     /// Resolves the names of an event against all events of its phase.
     fn resolve(&mut self, id: EventId, stamp: u32) {
         let event = *self.plan.event(id);
-        if !event.sound {
+        if !event.valid {
             return;
         }
         let state = *self.state(event.role, stamp);
@@ -294,8 +294,8 @@ impl Checker<'_> {
             EventKind::Capture { parent, .. } => {
                 let freed_by = match (state.holder, state.released) {
                     (Some(_), Some(release)) => Some(release),
-                    (Some(BlockOrigin::Capture(_)), None) if self.plan.is_doubtful(event.role) => {
-                        self.plan.events[id.0 as usize].sound = false;
+                    (Some(BlockOrigin::Capture(_)), None) if self.plan.is_uncertain(event.role) => {
+                        self.plan.events[id.0 as usize].valid = false;
                         return;
                     }
                     (Some(BlockOrigin::Capture(first)), None) => {
@@ -342,7 +342,7 @@ impl Checker<'_> {
             self.liveness.subjects[number] = subject;
             return;
         }
-        if is_full(self.diagnostics, Severity::Error) || self.is_doubtful(after.role) {
+        if is_full(self.diagnostics, Severity::Error) || self.is_uncertain(after.role) {
             return;
         }
         let name = self.plan.roles.name(after.role, self.symbols);
@@ -364,8 +364,8 @@ impl Checker<'_> {
             let mut diagnostic = Diagnostic::about(Code::RedundantAfter, format, &[&name])
                 .label(after.location, "this `after` waits for nothing");
             // A release cannot wait for itself.
-            let is_let_go = state.released.is_some_and(|event| event != after.event);
-            if is_let_go {
+            let is_released = state.released.is_some_and(|event| event != after.event);
+            if is_released {
                 diagnostic = diagnostic.help(format!(
                     "write `after release {name}` to wait until it is gone"
                 ));
@@ -376,7 +376,7 @@ impl Checker<'_> {
                 let drop =
                     |location| Fix::remove(location, format!("remove `{name}` from the `after`"));
                 let fix = entry(self.sources, after.location, "after").map(drop);
-                diagnostic.fix = fix.map(|fix| fix.unsafe_if(is_let_go));
+                diagnostic.fix = fix.map(|fix| fix.unsafe_if(is_released));
             }
             diagnostic
         } else {
@@ -395,7 +395,7 @@ impl Checker<'_> {
     /// Updates the state of the names at the end of the phase.
     fn leave(&mut self, id: EventId) {
         let event = *self.plan.event(id);
-        if !event.sound {
+        if !event.valid {
             return;
         }
         let context = self.liveness.contexts[id.0 as usize];
@@ -420,7 +420,7 @@ impl Checker<'_> {
 
     /// Marks an event as invalid. Returns whether its error can still be reported.
     fn reject(&mut self, id: EventId) -> bool {
-        self.plan.events[id.0 as usize].sound = false;
+        self.plan.events[id.0 as usize].valid = false;
         !is_full(self.diagnostics, Severity::Error)
     }
 
@@ -536,14 +536,14 @@ impl Checker<'_> {
 
     /// Reports an event whose acting block is not attached.
     fn absent(&mut self, id: EventId, role: RoleId, state: RoleLiveness) {
-        self.plan.events[id.0 as usize].sound = false;
+        self.plan.events[id.0 as usize].valid = false;
         if is_full(self.diagnostics, Severity::Error) {
             return;
         }
-        if self.is_doubtful(role) {
+        if self.is_uncertain(role) {
             // The event's own block may therefore be missing too.
             let own = self.plan.roles.key(self.plan.event(id).role).word;
-            self.plan.doubtful.insert(own);
+            self.plan.uncertain.insert(own);
             return;
         }
         let location = self.plan.event(id).location;
@@ -590,16 +590,16 @@ impl Checker<'_> {
 
     /// Returns whether an unreadable part of the program may capture this name, so that the name
     /// may exist.
-    fn is_doubtful(&self, role: RoleId) -> bool {
+    fn is_uncertain(&self, role: RoleId) -> bool {
         let key = self.plan.roles.key(role);
         let mut scopes =
             std::iter::successors(Some(key.scope), |&scope| self.plan.roles.outer(scope));
-        self.is_doubtful_word(key.word)
-            || scopes.any(|scope| self.grown(scope).is_some_and(|grown| grown.is_doubtful))
+        self.is_uncertain_word(key.word)
+            || scopes.any(|scope| self.grown(scope).is_some_and(|grown| grown.is_uncertain))
     }
 
-    fn is_doubtful_word(&self, word: Symbol) -> bool {
-        self.doubtful.contains(&word) || self.plan.doubtful.contains(&word)
+    fn is_uncertain_word(&self, word: Symbol) -> bool {
+        self.uncertain.contains(&word) || self.plan.uncertain.contains(&word)
     }
 
     fn grown(&self, scope: u32) -> Option<PatternInstance> {

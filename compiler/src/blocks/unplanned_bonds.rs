@@ -96,7 +96,7 @@ impl UnplannedBondAnalysis<'_> {
             }
         }
         // No run waits for pre-attached blocks.
-        if self.plan.phases[number].planted {
+        if self.plan.phases[number].pre_attached {
             return 0;
         }
         let waits = |(cell, on): (Cell, Face)| {

@@ -115,7 +115,7 @@ pub(super) struct AssemblyInput<'a> {
     /// Location of the scene's name.
     pub scene_location: SourceLocation,
     /// Words in parts that could not be read.
-    pub doubtful: &'a FxHashSet<Symbol>,
+    pub uncertain: &'a FxHashSet<Symbol>,
 }
 
 impl<'a> AssemblyInput<'a> {
@@ -135,10 +135,10 @@ impl<'a> AssemblyInput<'a> {
             cut_short,
         } = found;
         self.retain_certain(&mut errors, symbols);
-        let is_sound = !has_error(&errors) && !has_error(&later);
+        let is_valid = !has_error(&errors) && !has_error(&later);
         // Warnings about an incomplete program may be wrong.
         let is_whole =
-            is_sound && self.readable && subject.plan.events.iter().all(|event| event.sound);
+            is_valid && self.readable && subject.plan.events.iter().all(|event| event.valid);
         let whole = subject.order.as_ref().filter(|_| is_whole);
         let certain = whole.filter(|order| !order.unneeded.is_empty());
         let certain = certain.map(|order| face_turns::certain(&subject.graph, &order.events));
@@ -153,7 +153,7 @@ impl<'a> AssemblyInput<'a> {
             unplanned_bonds::check(plan, layout, order, symbols, cancellation, &mut later)?;
         }
         let mut scene_warnings = Vec::new();
-        if is_sound {
+        if is_valid {
             scene_warnings =
                 self.compare(&subject, &shapes, whole, scene_of, symbols, &mut later)?;
         }
@@ -225,7 +225,7 @@ impl<'a> AssemblyInput<'a> {
             &mut plan,
             sources,
             symbols,
-            self.doubtful,
+            self.uncertain,
             is_passive(scene),
             cancellation,
             &mut names,
@@ -261,7 +261,7 @@ impl<'a> AssemblyInput<'a> {
             errors.retain(Diagnostic::is_error);
         }
         let plate = symbols.get("plate");
-        if plate.is_some_and(|word| self.doubtful.contains(&word)) {
+        if plate.is_some_and(|word| self.uncertain.contains(&word)) {
             errors.retain(|diagnostic| diagnostic.code != Code::MissingPlate);
         }
     }
@@ -275,7 +275,7 @@ impl<'a> AssemblyInput<'a> {
         symbols: &Symbols,
         later: &mut Vec<Diagnostic>,
     ) -> Result<(), Cancelled> {
-        let subject = reach::SoundProgram {
+        let subject = reach::ValidProgram {
             plan: &program.plan,
             liveness: &program.liveness,
             layout: &program.layout,
@@ -344,14 +344,14 @@ pub(super) fn compile_aggregate(
         capacity::check_aggregate(&plan, scene, diagnostics);
         capacity::check_room(&plan, scene, diagnostics);
     }
-    let doubtful = Default::default();
+    let uncertain = Default::default();
     // Aggregates have no events and no seeds.
     let never = Cancellation::NEVER;
     let liveness = liveness::check(
         &mut plan,
         sources,
         symbols,
-        &doubtful,
+        &uncertain,
         false,
         never,
         diagnostics,

@@ -172,7 +172,7 @@ fn check_all(
             &mut diagnostics,
         );
     }
-    doubt_fixes(&mut diagnostics, syntax);
+    mark_fixes_unsafe(&mut diagnostics, syntax);
     let tree = loaded
         .modules
         .pop()
@@ -209,13 +209,13 @@ fn check_all(
 
 /// Marks fixes as unsafe if another diagnostic makes them doubtful. The first `syntax` diagnostics
 /// come from the parser.
-fn doubt_fixes(diagnostics: &mut [Diagnostic], syntax: usize) {
+fn mark_fixes_unsafe(diagnostics: &mut [Diagnostic], syntax: usize) {
     let wrong = |diagnostics: &[Diagnostic]| diagnostics.iter().any(Diagnostic::is_error);
     // A broken statement may mean something else, and an unused seed may be misspelt elsewhere.
     let (unreadable, wrong) = (wrong(&diagnostics[..syntax]), wrong(diagnostics));
     for diagnostic in &mut diagnostics[syntax..] {
-        let doubtful = unreadable || (wrong && !diagnostic.is_error());
-        if let Some(fix) = diagnostic.fix.as_mut().filter(|_| doubtful) {
+        let uncertain = unreadable || (wrong && !diagnostic.is_error());
+        if let Some(fix) = diagnostic.fix.as_mut().filter(|_| uncertain) {
             fix.safe = false;
         }
     }
@@ -276,7 +276,7 @@ fn programs(
     let Loaded {
         modules,
         symbols,
-        doubtful,
+        uncertain,
     } = loaded;
     let scenes = Scenes::new(modules, names, symbols, diagnostics);
     let trees = modules.iter().map(|module| (module.file, &module.tree));
@@ -350,7 +350,7 @@ fn programs(
             trial: (!about.is_trial).then_some(&trial),
             stepping: about.stepping,
             scene_location,
-            doubtful,
+            uncertain,
         };
         let program = input.compile(scene, symbols, diagnostics, done)?;
         if !about.is_trial && program.tables.is_some() {

@@ -143,8 +143,9 @@ pub(crate) fn resolves(
     {
         return false;
     }
-    let gone = diagnostics().filter(|&(_, &is_fixed)| is_fixed);
-    let gone = DiagnosticSpans::new(&before.sources, gone.map(|(it, _)| it), Some(change));
+    let fixed_spans = diagnostics().filter(|&(_, &is_fixed)| is_fixed);
+    let fixed_spans =
+        DiagnosticSpans::new(&before.sources, fixed_spans.map(|(it, _)| it), Some(change));
     let all = DiagnosticSpans::new(&after.sources, after.diagnostics.iter(), None);
     let codes = |checked: &Checked| -> BTreeSet<Code> {
         checked.diagnostics.iter().map(|it| it.code).collect()
@@ -153,14 +154,14 @@ pub(crate) fn resolves(
     if TOO_MANY.iter().any(|code| known.contains(code)) {
         return after.diagnostics.len() <= before.diagnostics.len()
             && codes(after).is_subset(&known)
-            && !gone.meet(&all);
+            && !fixed_spans.meet(&all);
     }
     let is_wrong = |diagnostic: &Diagnostic| diagnostic.code.severity() == Severity::Error;
     let fixes_error = diagnostics().any(|(diagnostic, &is_fixed)| is_fixed && is_wrong(diagnostic));
-    let kept = diagnostics().filter(|&(_, &is_fixed)| !is_fixed);
+    let remaining = diagnostics().filter(|&(_, &is_fixed)| !is_fixed);
     let mut old = DiagnosticSpans::new(
         &before.sources,
-        kept.map(|(diagnostic, _)| diagnostic),
+        remaining.map(|(diagnostic, _)| diagnostic),
         Some(change),
     );
     let new = (after.diagnostics.iter()).filter(|diagnostic| is_wrong(diagnostic) || !fixes_error);

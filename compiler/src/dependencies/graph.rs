@@ -77,9 +77,9 @@ pub fn build(
         graph.add_node(EventId(id));
     }
     let node = |id: EventId| NodeIndex::new(id.0 as usize);
-    let sound = |id: EventId| plan.event(id).sound;
+    let valid = |id: EventId| plan.event(id).valid;
     let mut add = |first: EventId, then: EventId, why: LocatedDependency| {
-        if sound(first) && sound(then) {
+        if valid(first) && valid(then) {
             graph.add_edge(node(first), node(then), why);
         }
     };
@@ -128,7 +128,7 @@ fn face_turns(
             let EventKind::Capture { parent, .. } = event.kind else {
                 continue;
             };
-            if !event.sound {
+            if !event.valid {
                 continue;
             }
             let slot = &mut last[parent.0 as usize];

@@ -82,7 +82,7 @@ pub fn sort(
         .collect();
     let mut order = Order::default();
     order.events.reserve(graph.node_count());
-    let ready = |node: &NodeIndex| missing[node.index()] == 0 && plan.event(graph[*node]).sound;
+    let ready = |node: &NodeIndex| missing[node.index()] == 0 && plan.event(graph[*node]).valid;
     let mut queue: std::collections::VecDeque<NodeIndex> =
         graph.node_indices().filter(ready).collect();
     // Longest chain that ends in each event: its length, and the event before.
@@ -105,11 +105,11 @@ pub fn sort(
             }
         }
     }
-    let sound = plan.events.iter().filter(|event| event.sound).count();
-    if order.events.len() < sound {
+    let valid = plan.events.iter().filter(|event| event.valid).count();
+    if order.events.len() < valid {
         let done: FxHashSet<EventId> = order.events.into_iter().collect();
         let rest = graph.filter_map(
-            |_, &id| (!done.contains(&id) && plan.event(id).sound).then_some(id),
+            |_, &id| (!done.contains(&id) && plan.event(id).valid).then_some(id),
             |edge, &why| (!unneeded.contains(&edge)).then_some(why),
         );
         report_cycles(plan, &rest, symbols, sources, diagnostics);
@@ -117,7 +117,7 @@ pub fn sort(
     }
     order.chains = (plan.phases.iter())
         .map(|phase| {
-            if phase.planted {
+            if phase.pre_attached {
                 Vec::new()
             } else {
                 longest_chain(phase.events.clone(), plan, &best)
@@ -149,7 +149,7 @@ fn longest_chain(
     best: &[(u32, u32)],
 ) -> Vec<EventId> {
     let last = events
-        .filter(|&id| plan.event(EventId(id)).sound)
+        .filter(|&id| plan.event(EventId(id)).valid)
         .max_by_key(|&id| (best[id as usize].0, std::cmp::Reverse(id)));
     let mut chain = Vec::new();
     let mut at = last.unwrap_or(u32::MAX);

@@ -31,10 +31,10 @@ impl Fix {
         Fix::replace(location, &meant.word, title).unsafe_if(!meant.clear)
     }
 
-    /// Marks the fix as unsafe if `doubt`.
+    /// Marks the fix as unsafe if `is_uncertain`.
     #[must_use]
-    pub(crate) fn unsafe_if(mut self, doubt: bool) -> Fix {
-        self.safe &= !doubt;
+    pub(crate) fn unsafe_if(mut self, is_uncertain: bool) -> Fix {
+        self.safe &= !is_uncertain;
         self
     }
 }
@@ -70,9 +70,9 @@ pub(crate) fn named(
     name: &str,
 ) -> Option<SourceLocation> {
     let rest = sources.text(location).strip_prefix(name)?;
-    let goes_on = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '[');
+    let continues = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '[');
     let span = Span::new(location.span.start, location.span.start + name.len() as u32);
-    (!rest.starts_with(goes_on)).then_some(SourceLocation { span, ..location })
+    (!rest.starts_with(continues)).then_some(SourceLocation { span, ..location })
 }
 
 /// Returns the location of `name` at the end of `location`. Returns `None` if the source differs

@@ -18,7 +18,7 @@ pub fn program_json(file: &str, checked: &Checked, number: usize) -> Value {
             None => "assembly",
         },
         "scene": program.scene.as_ref().map(|scene| &scene.name),
-        "phases": plan.phases.iter().filter(|phase| !phase.planted).count(),
+        "phases": plan.phases.iter().filter(|phase| !phase.pre_attached).count(),
         "pre_attached": pre_attached,
         "captures": captures - pre_attached,
         "releases": releases,

@@ -95,8 +95,8 @@ impl Lowering<'_> {
                 self.push(actor, phase, when, action);
                 // A terminal block has nothing more to do and reports so, unless it is
                 // pre-attached.
-                let is_planted = self.plan.phases[phase.0 as usize].planted;
-                if !self.duties[id.0 as usize] && !is_planted {
+                let is_pre_attached = self.plan.phases[phase.0 as usize].pre_attached;
+                if !self.duties[id.0 as usize] && !is_pre_attached {
                     self.reports[phase.0 as usize] += 1;
                     self.push(Holder::captured(event.role, id), phase, [], Action::Report);
                 }
@@ -114,9 +114,9 @@ impl Lowering<'_> {
                 };
                 self.push(parent, phase, [Condition::Asked(event.role)], off);
                 let node = NodeIndex::new(id.0 as usize);
-                let goes_on = (self.graph.edges_directed(node, Outgoing))
+                let has_next = (self.graph.edges_directed(node, Outgoing))
                     .any(|edge| *edge.weight() == LocatedDependency::Emptied);
-                if !goes_on {
+                if !has_next {
                     self.reports[phase.0 as usize] += 1;
                     self.push(parent, phase, [self.seen(id)], Action::Report);
                 }
@@ -247,7 +247,7 @@ impl Lowering<'_> {
             name: phase.name.clone(),
             timeout: phase.timeout.map(|timeout| timeout.ticks(scene.tick)),
             reports,
-            planted: phase.planted,
+            pre_attached: phase.pre_attached,
         });
         let roles = (0..self.plan.roles.count() as u32).map(|role| Role {
             name: self.plan.roles.name(RoleId(role), symbols),

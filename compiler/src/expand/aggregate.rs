@@ -36,7 +36,7 @@ impl Expander<'_, '_> {
                 location,
                 timeout,
                 events: 0..0,
-                planted: false,
+                pre_attached: false,
                 claims: Vec::new(),
             })
             .collect();

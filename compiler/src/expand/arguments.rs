@@ -69,11 +69,11 @@ impl<'a> Expander<'a, '_> {
         instance: &Instance,
         span: Span,
         (file, pattern): (FileId, &Pattern),
-        is_doubtful: bool,
+        is_uncertain: bool,
     ) {
         let grown = &mut self.plan.grown;
         if let Some(known) = grown.get_mut(scope as usize - 1) {
-            known.is_doubtful |= is_doubtful;
+            known.is_uncertain |= is_uncertain;
             return;
         }
         let end = (instance.alias.as_ref()).map_or(span.end, |alias| alias.span.start);
@@ -87,7 +87,7 @@ impl<'a> Expander<'a, '_> {
                 file: self.file,
                 span: Span::new(span.start, end),
             },
-            is_doubtful,
+            is_uncertain,
         });
     }
 

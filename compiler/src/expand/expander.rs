@@ -142,7 +142,7 @@ impl<'a, 'f> Expander<'a, 'f> {
                 aggregate: None,
                 grown: Vec::new(),
                 steps: 0,
-                doubtful: Default::default(),
+                uncertain: Default::default(),
             },
             declared: declarations.declared.clone(),
             names: declarations.names,
@@ -376,7 +376,7 @@ impl<'a> Expander<'a, '_> {
         }
         let location = self.location(phase.name.span);
         let Some(name) = self.single_key(&phase.name) else {
-            return self.doubt_all(&phase.body);
+            return self.mark_all_uncertain(&phase.body);
         };
         let name = self.plan.roles.name_of(name, self.symbols);
         if let Some(&old) = self.phase_sites.get(&name) {
@@ -393,7 +393,7 @@ impl<'a> Expander<'a, '_> {
             location,
             timeout,
             events: start..start,
-            planted: false,
+            pre_attached: false,
             claims: Vec::new(),
         });
         self.in_phase = true;

@@ -204,7 +204,7 @@ impl Expander<'_, '_> {
                 .suggest(self.location(next.name.span), meant, || {
                     "write up, down, north, south, east or west".to_owned()
                 })
-        } else if self.plan.doubtful.contains(&key.word) {
+        } else if self.plan.uncertain.contains(&key.word) {
             return None;
         } else if let Some(diagnostic) = self.instance_around(key, segment) {
             diagnostic

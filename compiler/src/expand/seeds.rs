@@ -2,7 +2,7 @@
 use stochc_grammar::Span;
 use stochc_grammar::tree::{Expr, Item, ItemKind, Seat};
 use stochc_ir::Cell;
-use stochc_ir::table::{PLANTED, Plate};
+use stochc_ir::table::{PRE_ATTACHED, Plate};
 
 use super::duplicate;
 use super::expander::{Expander, Pass, Seeding};
@@ -71,13 +71,13 @@ impl<'a> Expander<'a, '_> {
         self.items(&seed.body);
         if has_captures(&seed.body) {
             self.seeding = Some(Seeding::Captures);
-            self.planted(seed, location);
+            self.pre_attached(seed, location);
         }
         self.seeding = outer;
     }
 
     /// Expands pre-attached blocks as a phase before the first one.
-    fn planted(&mut self, seed: &'a stochc_grammar::tree::Seed, location: SourceLocation) {
+    fn pre_attached(&mut self, seed: &'a stochc_grammar::tree::Seed, location: SourceLocation) {
         let start = self.grown.events;
         self.in_phase = true;
         self.items(&seed.body);
@@ -87,11 +87,11 @@ impl<'a> Expander<'a, '_> {
             return;
         }
         self.push_phase(PlanPhase {
-            name: PLANTED.to_owned(),
+            name: PRE_ATTACHED.to_owned(),
             location,
             timeout: None,
             events: start as u32..end as u32,
-            planted: true,
+            pre_attached: true,
             claims: Vec::new(),
         });
     }
@@ -121,7 +121,7 @@ impl<'a> Expander<'a, '_> {
         let key = self.single_key(&seat.place);
         let (x, y) = (self.evaluate(&seat.at.0), self.evaluate(&seat.at.1));
         let (Some(key), Some(x), Some(y)) = (key, x, y) else {
-            return self.doubt(&seat.place);
+            return self.mark_uncertain(&seat.place);
         };
         self.probe
             .note(self.file, &seat.place.path, [key].into_iter());

@@ -42,14 +42,14 @@ impl<'a> Expander<'a, '_> {
                         (Some(parent), Some(face), Some(child)) => {
                             self.capture(parent, face, child, location);
                         }
-                        _ => self.doubt(&link.place),
+                        _ => self.mark_uncertain(&link.place),
                     }
                     parent = role;
                     face = child.and_then(|(_, face)| face);
                 }
                 Arrow::Row => {
                     let Some(blocks) = self.place(&link.place) else {
-                        self.doubt(&link.place);
+                        self.mark_uncertain(&link.place);
                         parent = None;
                         face = None;
                         continue;
@@ -64,7 +64,7 @@ impl<'a> Expander<'a, '_> {
                     }
                     let used = self.face(parent, face, parent_place);
                     if parent.is_none() || used.is_none() {
-                        self.doubt(&link.place);
+                        self.mark_uncertain(&link.place);
                     }
                     for key in blocks.keys.iter() {
                         let child = self.role(key);
@@ -168,7 +168,7 @@ impl<'a> Expander<'a, '_> {
             kind: EventKind::Capture { parent, face },
             role,
             location,
-            sound: true,
+            valid: true,
         });
     }
 
@@ -204,7 +204,7 @@ impl<'a> Expander<'a, '_> {
         for place in &release.places {
             let location = self.location(place.span);
             let Some(blocks) = self.place(place) else {
-                self.doubt(place);
+                self.mark_uncertain(place);
                 continue;
             };
             for key in blocks.keys.iter() {
@@ -213,7 +213,7 @@ impl<'a> Expander<'a, '_> {
                     kind: EventKind::Release,
                     role,
                     location,
-                    sound: true,
+                    valid: true,
                 });
                 self.after(event, &release.after);
                 if self.exhausted || !self.step(place.span) {
@@ -229,7 +229,7 @@ impl<'a> Expander<'a, '_> {
         let last = self.evaluate(&block.range.1);
         let location = self.location(block.counter.span);
         let (Some(first), Some(last)) = (first, last) else {
-            return self.doubt_all(&block.body);
+            return self.mark_all_uncertain(&block.body);
         };
         for value in first..=last {
             if self.exhausted || !self.step(block.counter.span) {
@@ -268,7 +268,10 @@ impl<'a> Expander<'a, '_> {
                         },
                     );
             self.diagnostics.push(diagnostic);
-            instance.alias.iter().for_each(|alias| self.doubt(alias));
+            instance
+                .alias
+                .iter()
+                .for_each(|alias| self.mark_uncertain(alias));
             return;
         };
         if let Some(depth) = self.instances.iter().position(|&(outer, _)| outer == name) {
@@ -306,13 +309,16 @@ impl<'a> Expander<'a, '_> {
             }
         };
         let Some(key) = key else {
-            instance.alias.iter().for_each(|alias| self.doubt(alias));
+            instance
+                .alias
+                .iter()
+                .for_each(|alias| self.mark_uncertain(alias));
             return;
         };
         let inside = self.instance_of(key);
         if self.pass == Pass::Writing {
-            let is_doubtful = values.contains(&BoundValue::Unknown);
-            self.note_instance(inside, instance, span, (file, pattern), is_doubtful);
+            let is_uncertain = values.contains(&BoundValue::Unknown);
+            self.note_instance(inside, instance, span, (file, pattern), is_uncertain);
         }
         let mark = self.scope.enter_instance(inside);
         let outer_file = std::mem::replace(&mut self.file, file);

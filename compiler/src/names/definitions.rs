@@ -28,7 +28,7 @@ impl Definitions {
     }
 
     /// Returns whether names of this kind are recorded.
-    pub fn keeps(&self, kind: NameKind) -> bool {
+    pub fn stores(&self, kind: NameKind) -> bool {
         self.keep == Keep::All
             || !matches!(kind, NameKind::Block | NameKind::Instance | NameKind::Phase)
     }
@@ -52,7 +52,7 @@ impl Definitions {
     }
 
     pub fn occur(&mut self, definition: Definition, location: SourceLocation, declares: bool) {
-        if !self.keeps(self.kind(definition)) {
+        if !self.stores(self.kind(definition)) {
             return;
         }
         self.occurrences.push(Occurrence {

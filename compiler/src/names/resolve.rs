@@ -359,7 +359,7 @@ impl Resolver<'_> {
         };
         self.indices(segment);
         // Names inside an instance are resolved even if the instance's name is not recorded.
-        if kind != NameKind::Instance && !self.definitions.keeps(kind) {
+        if kind != NameKind::Instance && !self.definitions.stores(kind) {
             return None;
         }
         let definition = self.block(self.scope, kind, segment.name.symbol);
@@ -415,7 +415,7 @@ impl Resolver<'_> {
             return;
         };
         self.occur_instances(instances);
-        if !self.definitions.keeps(NameKind::Block) {
+        if !self.definitions.stores(NameKind::Block) {
             return;
         }
         if scopes
@@ -445,7 +445,7 @@ impl Resolver<'_> {
 
     /// Resolves the name of a block.
     fn occur_block(&mut self, scope: BlockScope, word: Symbol, span: Span, declares: bool) {
-        if self.definitions.keeps(NameKind::Block) {
+        if self.definitions.stores(NameKind::Block) {
             let definition = self.block(scope, NameKind::Block, word);
             self.occur(definition, span, declares);
         }

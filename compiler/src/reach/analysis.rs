@@ -8,7 +8,7 @@ use super::descendants::DescendantIndex;
 use super::effort::SearchEffort;
 use super::known_paths::KnownPaths;
 use super::occupancy::OccupiedCells;
-use super::program::SoundProgram;
+use super::program::ValidProgram;
 use super::proposal::{Proposal, ReportedError};
 use crate::dependencies::face_turns;
 use crate::dependencies::graph::DependencyGraph;
@@ -30,7 +30,7 @@ const TRIED: u64 = 100;
 ///
 /// Returns [`Cancelled`] if the check was cancelled.
 pub fn check(
-    subject: SoundProgram,
+    subject: ValidProgram,
     search: u64,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<(), Cancelled> {
@@ -79,7 +79,7 @@ pub fn check(
 }
 
 pub(super) struct ReachAnalysis<'a> {
-    pub(super) subject: SoundProgram<'a>,
+    pub(super) subject: ValidProgram<'a>,
     /// Occupied cells in the worst order of the current phase.
     pub(super) occupancy: OccupiedCells,
     /// Whether each capture has been shown to have a path in every order.
@@ -112,7 +112,7 @@ impl ReachAnalysis<'_> {
             }
         }
         // Pre-attached blocks need no path.
-        if self.subject.plan.phases[number].planted {
+        if self.subject.plan.phases[number].pre_attached {
             return;
         }
         self.known_paths

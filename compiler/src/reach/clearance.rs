@@ -59,7 +59,7 @@ impl ReachAnalysis<'_> {
             is_clear_above[i] |= self.occupancy.top(cell) == Some(cell.z);
             if is_clear_above[i]
                 && let Some(below) = self.captor_below(id, first)
-                && !self.occupancy.is_held_over(cell)
+                && !self.occupancy.is_retained(cell)
             {
                 is_clear_above[below] = true;
             }
@@ -73,7 +73,7 @@ impl ReachAnalysis<'_> {
             let Some(following) = descendants.within(id, &mut self.warning) else {
                 break;
             };
-            if let Some(open) = self.tightness(cell, self.way(id), &following) {
+            if let Some(open) = self.tightness(cell, self.path(id), &following) {
                 found.push((open, id));
             }
         }
@@ -128,7 +128,7 @@ impl ReachAnalysis<'_> {
     }
 
     /// Returns the face of a capture if blocks can pass a gap along its direction in this scene.
-    fn way(&self, id: EventId) -> Option<Face> {
+    fn path(&self, id: EventId) -> Option<Face> {
         match self.subject.plan.event(id).kind {
             EventKind::Capture { face, .. } if self.subject.has_passable_gaps => Some(face),
             _ => None,
@@ -141,7 +141,7 @@ impl ReachAnalysis<'_> {
     fn tightness(
         &mut self,
         cell: Cell,
-        way: Option<Face>,
+        path: Option<Face>,
         following: &Descendants<'_>,
     ) -> Option<u32> {
         let has = |other: EventId| !following.contains(other);
@@ -151,14 +151,14 @@ impl ReachAnalysis<'_> {
             size: 2,
         };
         let is_empty = |cell: Cell| !self.occupancy.is_blocked(cell, &has);
-        let is_gap = |way: &Face| beside_gap(cell, *way).all(is_empty);
+        let is_gap = |path: &Face| beside_gap(cell, *path).all(is_empty);
         // Most cells are decided without testing gaps.
         for is_inside in [true, false] {
             let lows: Vec<Cell> = if is_inside {
                 boxes(cell).collect()
             } else {
-                (way.filter(is_gap).into_iter())
-                    .flat_map(|way| gap_entrances(cell, way))
+                (path.filter(is_gap).into_iter())
+                    .flat_map(|path| gap_entrances(cell, path))
                     .collect()
             };
             let free = lows.into_iter().filter(|&low| !search.is_blocked(low));

@@ -127,7 +127,7 @@ impl ReachAnalysis<'_> {
             true => other != id && own.contains(&other),
             false => !following.contains(other) && !phase.never.contains(&other),
         };
-        let pocket = match self.way_out(id, &has) {
+        let pocket = match self.escape(id, &has) {
             SearchOutcome::Sealed(pocket) => pocket,
             SearchOutcome::Out if !is_never => return None,
             _ => Vec::new(),
@@ -281,7 +281,7 @@ impl ReachAnalysis<'_> {
         let Some(apart) = &phase.apart else {
             return SealedOutcome::Doubtful;
         };
-        if !apart.has_gone(id) {
+        if !apart.has_departed(id) {
             let own = all_before(straight, [id]);
             match self.dismantle(straight, events, descendants, &|other| own.contains(&other)) {
                 Some(own) if own.is_whole => {}
@@ -305,11 +305,11 @@ impl ReachAnalysis<'_> {
             })
         };
         let built = built.as_ref().unwrap_or(apart);
-        if walls.is_empty() || !needed.iter().all(|&other| built.has_gone(other)) {
+        if walls.is_empty() || !needed.iter().all(|&other| built.has_departed(other)) {
             return SealedOutcome::Doubtful;
         }
         let mut order: Vec<EventId> = needed.into_iter().collect();
-        order.sort_by_key(|&other| std::cmp::Reverse(built.gone_at(other)));
+        order.sort_by_key(|&other| std::cmp::Reverse(built.departure(other)));
         SealedOutcome::Walled(order)
     }
 

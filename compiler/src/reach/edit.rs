@@ -3,7 +3,7 @@ use stochc_grammar::tree::{Chain, Expr, ExprKind, Item, ItemKind, Operator, Plac
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::table::RoleId;
 
-use super::SoundProgram;
+use super::ValidProgram;
 use crate::diagnostic::Edit;
 use crate::plan::EventId;
 use crate::plan::{EventKind, NameKey};
@@ -19,7 +19,7 @@ pub struct CaptureStatement<'a> {
 impl<'a> CaptureStatement<'a> {
     /// Returns the statement of a capture in the program's own file. Returns `None` if the capture
     /// is in another file.
-    pub fn new(subject: &SoundProgram<'a>, capture: EventId) -> Option<CaptureStatement<'a>> {
+    pub fn new(subject: &ValidProgram<'a>, capture: EventId) -> Option<CaptureStatement<'a>> {
         let SourceLocation { file, span } = subject.plan.event(capture).location;
         if file != subject.file {
             return None;
@@ -49,7 +49,7 @@ impl<'a> CaptureStatement<'a> {
     }
 
     /// Returns the source of the file.
-    pub fn text(&self, subject: &SoundProgram<'a>) -> &'a str {
+    pub fn text(&self, subject: &ValidProgram<'a>) -> &'a str {
         let (parent, child) = self.places();
         let place = location(subject.file, parent.span.start, child.span.end);
         subject.sources.text(place)
@@ -60,7 +60,7 @@ impl<'a> CaptureStatement<'a> {
     ///
     /// Spellings with loop counters come first, and the plain name last. Returns an empty list if
     /// the block has no name there.
-    pub fn names(&self, subject: &SoundProgram, capture: EventId, role: RoleId) -> Vec<String> {
+    pub fn names(&self, subject: &ValidProgram, capture: EventId, role: RoleId) -> Vec<String> {
         let roles = &subject.plan.roles;
         let (parent, child) = self.places();
         let event = subject.plan.event(capture);
@@ -117,7 +117,7 @@ impl<'a> CaptureStatement<'a> {
     }
 
     /// Returns the edits that make the captures of the statement wait for a block.
-    pub fn wait(&self, subject: &SoundProgram, name: &str) -> Vec<Edit> {
+    pub fn wait(&self, subject: &ValidProgram, name: &str) -> Vec<Edit> {
         let CaptureStatement { chain, link } = *self;
         let at = |start: u32, end: u32, text: String| Edit {
             location: location(subject.file, start, end),
@@ -254,7 +254,7 @@ fn counter(expr: &Expr, value: i64) -> Option<(Symbol, i64)> {
 
 /// Returns the possible spellings of an index. Each has a distance, which is small for likely
 /// spellings.
-fn indices(index: i64, counters: &[(Symbol, i64)], subject: &SoundProgram) -> Vec<(u64, String)> {
+fn indices(index: i64, counters: &[(Symbol, i64)], subject: &ValidProgram) -> Vec<(u64, String)> {
     let mut written: Vec<(u64, String)> = (counters.iter())
         .map(|&(name, value)| {
             let name = subject.symbols.word(name);

@@ -49,8 +49,8 @@ impl KnownPaths {
         }
         for place in walked {
             if is_out {
-                if let Some(way) = self.next.get_mut(&place) {
-                    way.1 = self.phase;
+                if let Some(path) = self.next.get_mut(&place) {
+                    path.1 = self.phase;
                 }
             } else {
                 self.next.remove(&place);

@@ -54,5 +54,5 @@ mod sealed;
 mod trial;
 
 pub use analysis::check;
-pub use program::SoundProgram;
+pub use program::ValidProgram;
 pub use proposal::Trial;

@@ -15,7 +15,7 @@ pub struct OccupiedCells {
     /// Capture that fills each cell.
     cells: FxHashMap<Cell, EventId>,
     /// Cells that a capture of the phase fills although a previous block may still be there.
-    held_over: FxHashSet<Cell>,
+    retained: FxHashSet<Cell>,
     /// Highest occupied cell at each (x, y).
     tops: FxHashMap<(i32, i32), i32>,
     /// Occupied cells sorted by (x, y, z). Computed on demand.
@@ -36,7 +36,7 @@ impl OccupiedCells {
     /// Marks a cell as filled by a capture. A previous block may still be in it.
     pub fn fill(&mut self, cell: Cell, by: EventId) {
         if self.cells.insert(cell, by).is_some() {
-            self.held_over.insert(cell);
+            self.retained.insert(cell);
         }
         let top = self.tops.entry((cell.x, cell.y)).or_insert(cell.z);
         *top = cell.z.max(*top);
@@ -48,7 +48,7 @@ impl OccupiedCells {
     /// Removes the block that `capture` anchored. Its release certainly happens.
     pub fn empty(&mut self, cell: Cell, capture: EventId) {
         if self.cells.get(&cell) != Some(&capture) {
-            self.held_over.remove(&cell);
+            self.retained.remove(&cell);
             return;
         }
         self.cells.remove(&cell);
@@ -93,13 +93,13 @@ impl OccupiedCells {
     /// Returns whether a cell is blocked. It is blocked by the ground, by a block whose capture
     /// `has` happened, or by a block that may not have left.
     pub fn is_blocked(&self, cell: Cell, has: Has) -> bool {
-        cell.z < 1 || (self.cells.get(&cell)).is_some_and(|&by| has(by) || self.is_held_over(cell))
+        cell.z < 1 || (self.cells.get(&cell)).is_some_and(|&by| has(by) || self.is_retained(cell))
     }
 
     /// Returns whether a capture of the phase fills the cell while a previous block may still be
     /// there.
-    pub fn is_held_over(&self, cell: Cell) -> bool {
-        !self.held_over.is_empty() && self.held_over.contains(&cell)
+    pub fn is_retained(&self, cell: Cell) -> bool {
+        !self.retained.is_empty() && self.retained.contains(&cell)
     }
 
     /// Returns the height of the lowest blocked cell of a column from `z` on. Requires

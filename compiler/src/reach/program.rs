@@ -13,7 +13,7 @@ use crate::{FileId, Sources};
 
 /// A program without errors of the earlier stages.
 #[derive(Clone, Copy)]
-pub struct SoundProgram<'a> {
+pub struct ValidProgram<'a> {
     /// Expanded program.
     pub plan: &'a ProgramPlan,
     /// Attachment of each block over time.

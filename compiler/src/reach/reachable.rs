@@ -19,30 +19,30 @@ use crate::plan::EventId;
 pub struct Dismantled {
     first: u32,
     /// For each event of the phase, the number of events that are removed before it.
-    gone_at: Vec<u32>,
+    departure: Vec<u32>,
     /// Whether all requested blocks can be removed. If so, the reverse order builds all of them.
     pub is_whole: bool,
 }
 
-/// Value of `gone_at` for a block that cannot be removed.
+/// Value of `departure` for a block that cannot be removed.
 const STAYS: u32 = u32::MAX;
 
 impl Dismantled {
     /// Returns the number of events that are removed before an event. Returns `u32::MAX` if its
     /// block cannot be removed.
-    pub fn gone_at(&self, id: EventId) -> u32 {
-        self.gone_at[(id.0 - self.first) as usize]
+    pub fn departure(&self, id: EventId) -> u32 {
+        self.departure[(id.0 - self.first) as usize]
     }
 
     /// Returns whether an event can be removed.
-    pub fn has_gone(&self, id: EventId) -> bool {
-        self.gone_at(id) != STAYS
+    pub fn has_departed(&self, id: EventId) -> bool {
+        self.departure(id) != STAYS
     }
 }
 
 impl ReachAnalysis<'_> {
     /// Searches for a path from the cell of a capture to the open sky.
-    pub fn way_out(&mut self, id: EventId, has: Has) -> SearchOutcome {
+    pub fn escape(&mut self, id: EventId, has: Has) -> SearchOutcome {
         let Some(cell) = self.cell(id) else {
             return SearchOutcome::Out;
         };
@@ -71,7 +71,7 @@ impl ReachAnalysis<'_> {
         descendants: &DescendantIndex,
     ) -> FxHashSet<EventId> {
         let has_releases = events.iter().any(|&id| !self.is_capture(id));
-        let kept = has_releases.then(|| {
+        let saved = has_releases.then(|| {
             (
                 self.occupancy.clone(),
                 std::mem::take(&mut self.known_paths),
@@ -79,7 +79,7 @@ impl ReachAnalysis<'_> {
         });
         let mut never: FxHashSet<EventId> = events.iter().copied().collect();
         loop {
-            let (mut opens_ways, mut has_more) = (false, false);
+            let (mut opens_paths, mut has_more) = (false, false);
             for &id in events {
                 let is_reached = |first: EventId| !never.contains(&first);
                 if is_reached(id) || !is_ready(self.subject.graph, id, is_reached) {
@@ -89,7 +89,7 @@ impl ReachAnalysis<'_> {
                 let is_closed = is_capture
                     && !self.is_safe[id.0 as usize]
                     && matches!(
-                        self.way_past_its_own(id, descendants),
+                        self.escape_past_own(id, descendants),
                         SearchOutcome::Sealed(_)
                     );
                 if is_closed {
@@ -99,16 +99,16 @@ impl ReachAnalysis<'_> {
                 has_more = true;
                 if !is_capture {
                     self.depart(id);
-                    opens_ways = true;
+                    opens_paths = true;
                 }
             }
             // Later events of this order may be enough for a choice.
-            let is_over = !has_more || !(opens_ways || self.has_choice());
+            let is_over = !has_more || !(opens_paths || self.has_choice());
             if is_over {
                 break;
             }
         }
-        if let Some((occupancy, known_paths)) = kept {
+        if let Some((occupancy, known_paths)) = saved {
             self.occupancy = occupancy;
             self.known_paths = known_paths;
         }
@@ -117,17 +117,13 @@ impl ReachAnalysis<'_> {
 
     /// Searches for a path from the cell of a capture, if only the ancestors of the capture have
     /// happened.
-    pub fn way_past_its_own(
-        &mut self,
-        id: EventId,
-        descendants: &DescendantIndex,
-    ) -> SearchOutcome {
+    pub fn escape_past_own(&mut self, id: EventId, descendants: &DescendantIndex) -> SearchOutcome {
         if self.remedies.is_spent() {
             return SearchOutcome::Unknown;
         }
         let own = all_before(self.subject.certain, [id]);
         self.remedies.steps += own.len() as u64;
-        self.way_out(id, &|other| {
+        self.escape(id, &|other| {
             !descendants.has(other) || (other != id && own.contains(&other))
         })
     }
@@ -150,7 +146,7 @@ impl ReachAnalysis<'_> {
             .collect();
         let mut apart = Dismantled {
             first: events.iter().map(|id| id.0).min().unwrap_or(0),
-            gone_at: vec![STAYS; events.len()],
+            departure: vec![STAYS; events.len()],
             is_whole: false,
         };
         let local = |id: EventId| (id.0 - apart.first) as usize;
@@ -163,7 +159,7 @@ impl ReachAnalysis<'_> {
             .filter(|&id| waiting[local(id)] == 0)
             .collect();
         let mut closed: Vec<EventId> = Vec::new();
-        let mut gone = 0;
+        let mut departed = 0;
         loop {
             let mut going = Vec::new();
             closed.append(&mut ready);
@@ -178,11 +174,11 @@ impl ReachAnalysis<'_> {
             }
             if going.is_empty() {
                 for id in std::mem::take(&mut closed) {
-                    let way = self.way_out(id, &|other| {
+                    let path = self.escape(id, &|other| {
                         !descendants.has(other)
-                            || (other != id && is_member(other) && !apart.has_gone(other))
+                            || (other != id && is_member(other) && !apart.has_departed(other))
                     });
-                    match way {
+                    match path {
                         SearchOutcome::Out => going.push(id),
                         SearchOutcome::Sealed(_) => closed.push(id),
                         SearchOutcome::Unknown => return None,
@@ -190,12 +186,12 @@ impl ReachAnalysis<'_> {
                 }
             }
             if going.is_empty() {
-                apart.is_whole = members.len() == gone as usize;
+                apart.is_whole = members.len() == departed as usize;
                 return Some(apart);
             }
             for id in going {
-                apart.gone_at[(id.0 - apart.first) as usize] = gone;
-                gone += 1;
+                apart.departure[(id.0 - apart.first) as usize] = departed;
+                departed += 1;
                 for before in before(straight, id) {
                     let waits = &mut waiting[(before.0 - apart.first) as usize];
                     *waits -= 1;

@@ -37,10 +37,10 @@ impl ReachAnalysis<'_> {
         let stays = |other: EventId| {
             at_worst(other)
                 && (!phase.descendants.has(other)
-                    || apart.gone_at(other) > apart.gone_at(id)
+                    || apart.departure(other) > apart.departure(id)
                     || barred.contains(&plan.event(other).location))
         };
-        let mut later = self.on_the_way(id, &at_worst, &stays)?;
+        let mut later = self.on_path(id, &at_worst, &stays)?;
         if !self.is_open_after(id, &later, phase.descendants, &at_worst) {
             return None;
         }
@@ -68,15 +68,15 @@ impl ReachAnalysis<'_> {
         let following: Vec<Descendants> = (later.iter())
             .map(|&other| descendants.of(other, &mut self.remedies.steps))
             .collect();
-        let way = self.way_out(id, &|other| {
+        let path = self.escape(id, &|other| {
             at_worst(other) && following.iter().all(|after| !after.contains(other))
         });
-        matches!(way, SearchOutcome::Out)
+        matches!(path, SearchOutcome::Out)
     }
 
     /// Returns the captures on the path that passes the fewest blocks of the worst order. The path
     /// avoids blocks that must stay. Returns `None` if there is no such path.
-    fn on_the_way(
+    fn on_path(
         &mut self,
         id: EventId,
         at_worst: &dyn Fn(EventId) -> bool,

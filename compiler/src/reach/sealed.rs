@@ -28,11 +28,11 @@ impl ReachAnalysis<'_> {
         let mut open: Vec<EventId> = (events.iter().copied())
             .filter(|&id| self.is_capture(id))
             .collect();
-        let mut gone = vec![false; events.len()];
+        let mut departed = vec![false; events.len()];
         let has_releases = open.len() < events.len();
         loop {
             if has_releases {
-                self.depart_surely(events, &mut gone);
+                self.depart_surely(events, &mut departed);
             }
             let before = open.len();
             let mut blocked = Vec::new();
@@ -54,7 +54,7 @@ impl ReachAnalysis<'_> {
     }
 
     /// Removes blocks whose releases wait only for safe captures.
-    fn depart_surely(&mut self, events: &[EventId], gone: &mut [bool]) {
+    fn depart_surely(&mut self, events: &[EventId], departed: &mut [bool]) {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
         let local = |id: EventId| (id.0 - first) as usize;
         let mut is_sure = vec![false; events.len()];
@@ -62,7 +62,10 @@ impl ReachAnalysis<'_> {
             let sure = is_ready(self.subject.graph, id, |first| is_sure[local(first)]);
             let is_capture = self.is_capture(id);
             is_sure[local(id)] = sure && (!is_capture || self.is_safe[id.0 as usize]);
-            if is_sure[local(id)] && !is_capture && !std::mem::replace(&mut gone[local(id)], true) {
+            if is_sure[local(id)]
+                && !is_capture
+                && !std::mem::replace(&mut departed[local(id)], true)
+            {
                 self.depart(id);
             }
         }
@@ -86,7 +89,7 @@ impl ReachAnalysis<'_> {
         after(self.subject.certain, id).any(|next| {
             self.is_safe[next.0 as usize]
                 && (self.cell(next))
-                    .is_some_and(|next| are_adjacent(cell, next) && !occupancy.is_held_over(next))
+                    .is_some_and(|next| are_adjacent(cell, next) && !occupancy.is_retained(next))
         })
     }
 
@@ -114,14 +117,14 @@ impl ReachAnalysis<'_> {
         };
         let is_safe = &self.is_safe;
         let is_out = |next: EventId| is_safe[next.0 as usize] && following.contains(next);
-        let way = search.find_path([cell], &is_out, &mut self.known_paths[0], &mut self.proof);
-        if !matches!(way, SearchOutcome::Out) {
+        let path = search.find_path([cell], &is_out, &mut self.known_paths[0], &mut self.proof);
+        if !matches!(path, SearchOutcome::Out) {
             blocked.push(BlockedCapture {
                 capture: id,
-                is_shown: matches!(way, SearchOutcome::Sealed(_)),
+                is_shown: matches!(path, SearchOutcome::Sealed(_)),
             });
         }
-        matches!(way, SearchOutcome::Out)
+        matches!(path, SearchOutcome::Out)
     }
 }
 

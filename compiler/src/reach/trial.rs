@@ -40,8 +40,8 @@ impl<'a> ReachAnalysis<'a> {
         let error = (Code::SealedCavity, title.to_owned());
         // A proposed change for another capture may also fix this error.
         let before = self.untouched.as_deref().unwrap_or_default();
-        let is_gone = |after: &[ReportedError]| count(after, &error) < count(before, &error);
-        if let Some((_, known)) = self.proposed.iter().find(|(after, _)| is_gone(after)) {
+        let is_fixed = |after: &[ReportedError]| count(after, &error) < count(before, &error);
+        if let Some((_, known)) = self.proposed.iter().find(|(after, _)| is_fixed(after)) {
             return Some(known.clone());
         }
         let plan = self.subject.plan;

@@ -29,7 +29,7 @@ pub fn read(
 ) -> Option<Scene> {
     let before = diagnostics.len();
     let is_derived = base.is_some();
-    let mut draft = base.unwrap_or_else(schema::unsaid);
+    let mut draft = base.unwrap_or_else(schema::unspecified);
     symbols.word(scene.name.symbol).clone_into(&mut draft.name);
     let mut reader = SceneReader {
         terms: scene.terms.iter().peekable(),
@@ -92,7 +92,7 @@ impl<'a> SceneReader<'a, '_> {
         content: &mut ClauseContent,
     ) -> Option<()> {
         content.makes.push(entry.make);
-        let mut sound = Some(());
+        let mut read_all = Some(());
         for part in entry.parts {
             let read = match part {
                 SchemaPart::Number(number) => self.number(number, content),
@@ -107,9 +107,9 @@ impl<'a> SceneReader<'a, '_> {
                 SchemaPart::Then(then) => self.then(clause, then, content),
                 SchemaPart::Fields(fields, group) => self.fields(clause, fields, group, content),
             };
-            sound = sound.and(read);
+            read_all = read_all.and(read);
         }
-        sound
+        read_all
     }
 
     /// Skips the fields of an unknown kind. Returns `None` if the rest of `entry` is missing.
@@ -172,12 +172,12 @@ impl<'a> SceneReader<'a, '_> {
             diagnostics: &mut *self.diagnostics,
         };
         let mut seen: Vec<Name> = Vec::new();
-        let mut sound: Vec<&str> = Vec::new();
+        let mut valid_fields: Vec<&str> = Vec::new();
         while let Some((name, field)) = inner.head(fields, "field", &seen) {
             inner.once(&mut seen, name);
             let mut own = ClauseContent::default();
             if inner.entry(name, field, &mut own).is_some() {
-                sound.push(field.word);
+                valid_fields.push(field.word);
                 content.makes.append(&mut own.makes);
                 content.numbers.append(&mut own.numbers);
             }
@@ -185,16 +185,16 @@ impl<'a> SceneReader<'a, '_> {
         let fits = match group {
             FieldGroup::Free => Some(()),
             FieldGroup::Any { needed, help } => {
-                if sound.is_empty() && self.diagnostics.len() == before {
+                if valid_fields.is_empty() && self.diagnostics.len() == before {
                     let diagnostic = self.without(clause, &[needed]).help(*help);
                     report(self.diagnostics, diagnostic);
                 }
-                sound.first().map(|_| ())
+                valid_fields.first().map(|_| ())
             }
             FieldGroup::Either(either) => {
                 let is_wrong = self.diagnostics.len() > before;
                 self.either(clause, either, &seen, is_wrong)
-                    .filter(|chosen| sound.contains(&chosen.fields[0]))
+                    .filter(|chosen| valid_fields.contains(&chosen.fields[0]))
                     .map(|chosen| content.makes.push(chosen.make))
             }
         };
@@ -212,7 +212,7 @@ impl<'a> SceneReader<'a, '_> {
             }
             report(self.diagnostics, diagnostic);
         }
-        let complete = fits.filter(|()| needed.iter().all(|field| sound.contains(field)));
+        let complete = fits.filter(|()| needed.iter().all(|field| valid_fields.contains(field)));
         self.place = *span;
         complete
     }

@@ -60,7 +60,7 @@ fn diagnostic(scene: &Scene, warnings: &[SceneWarning], location: SourceLocation
 /// Returns the lowest and the highest layer of a program's captures. Returns `None` without
 /// captures.
 pub fn layers(plan: &ProgramPlan, layout: &Layout) -> Option<RangeInclusive<i32>> {
-    let phases = plan.phases.iter().filter(|phase| !phase.planted);
+    let phases = plan.phases.iter().filter(|phase| !phase.pre_attached);
     let events = phases.flat_map(|phase| plan.events_of(phase));
     let captures = events.filter(|&id| matches!(plan.event(id).kind, EventKind::Capture { .. }));
     let heights = captures.filter_map(|id| Some((*layout.cells.get(id.0 as usize)?)?.z));

@@ -127,14 +127,14 @@ impl LayoutBuilder<'_> {
         let mut leaving: FxHashMap<Holder, EventId> = FxHashMap::default();
         for &id in &events {
             let event = self.plan.event(id);
-            if event.sound && event.kind == EventKind::Release {
+            if event.valid && event.kind == EventKind::Release {
                 leaving.insert(self.liveness.actor(self.plan, id), id);
             }
         }
         let arrivals = self.captures(&events, &leaving)?;
         for &id in &events {
             let event = *self.plan.event(id);
-            if event.sound && event.kind == EventKind::Release {
+            if event.valid && event.kind == EventKind::Release {
                 let context = self.liveness.contexts[id.0 as usize];
                 let (cell, on) = match context.anchored_by {
                     Some(capture) => {
@@ -168,7 +168,7 @@ impl LayoutBuilder<'_> {
         let mut ready: Vec<EventId> = Vec::new();
         for &id in events {
             let event = self.plan.event(id);
-            if !event.sound || event.kind == EventKind::Release {
+            if !event.valid || event.kind == EventKind::Release {
                 continue;
             }
             match self.liveness.contexts[id.0 as usize].anchored_by {
@@ -241,8 +241,8 @@ impl LayoutBuilder<'_> {
         if let Some(&there) = self.taken.get(&cell) {
             match leaving.get(&Holder::existing(there)) {
                 Some(&release) => self.layout.vacated.push((release, id)),
-                None if self.plan.is_doubtful(there) => {
-                    self.plan.events[id.0 as usize].sound = false;
+                None if self.plan.is_uncertain(there) => {
+                    self.plan.events[id.0 as usize].valid = false;
                     return;
                 }
                 None => {
@@ -375,7 +375,7 @@ impl LayoutBuilder<'_> {
     }
 
     fn reject(&mut self, id: EventId, diagnostic: Diagnostic) {
-        self.plan.events[id.0 as usize].sound = false;
+        self.plan.events[id.0 as usize].valid = false;
         report(self.diagnostics, diagnostic);
     }
 
@@ -392,7 +392,7 @@ impl LayoutBuilder<'_> {
             let Some(cell) = self.layout.cells[id.0 as usize] else {
                 continue;
             };
-            if !event.sound || event.kind != EventKind::Release {
+            if !event.valid || event.kind != EventKind::Release {
                 continue;
             }
             let parent = self.liveness.actor(self.plan, id);
@@ -405,8 +405,8 @@ impl LayoutBuilder<'_> {
                         self.layout.emptied.push((release, id));
                         continue;
                     }
-                    if self.plan.is_doubtful(child.role) {
-                        self.plan.events[id.0 as usize].sound = false;
+                    if self.plan.is_uncertain(child.role) {
+                        self.plan.events[id.0 as usize].valid = false;
                         continue;
                     }
                     let name = self.plan.roles.name(event.role, self.symbols);
@@ -474,7 +474,7 @@ impl LayoutBuilder<'_> {
         let (mut emptied, mut filled) = (Vec::new(), Vec::new());
         for &id in events {
             let event = *self.plan.event(id);
-            if event.sound
+            if event.valid
                 && event.kind == EventKind::Release
                 && self.liveness.contexts[id.0 as usize].anchored_by.is_none()
                 && let Some(seat) = self.seats[event.role.0 as usize].take()
@@ -490,7 +490,7 @@ impl LayoutBuilder<'_> {
                 continue;
             };
             let is_brief = leaving.contains_key(&Holder::captured(event.role, id));
-            if event.sound && !is_brief {
+            if event.valid && !is_brief {
                 self.taken.insert(cell, event.role);
                 filled.push(cell);
                 self.seats[event.role.0 as usize] = Some(AnchoredPosition {

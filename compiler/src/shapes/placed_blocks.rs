@@ -26,13 +26,13 @@ pub fn placed_blocks<'a>(
     // Phase of the capture of each attached block.
     let mut standing: Vec<Option<u32>> = vec![None; plan.events.len()];
     (0..).zip(&plan.phases).map(move |(since, phase)| {
-        let sound = || plan.events_of(phase).filter(|&id| plan.event(id).sound);
-        for id in sound().map(|id| id.0 as usize) {
+        let valid = || plan.events_of(phase).filter(|&id| plan.event(id).valid);
+        for id in valid().map(|id| id.0 as usize) {
             if let (EventKind::Capture { .. }, Some(_)) = (plan.events[id].kind, layout.cells[id]) {
                 standing[id] = Some(since);
             }
         }
-        for id in sound().filter(|&id| plan.event(id).kind == EventKind::Release) {
+        for id in valid().filter(|&id| plan.event(id).kind == EventKind::Release) {
             if let Some(on) = layout.parents[id.0 as usize] {
                 standing[on.capture.0 as usize] = None;
             }

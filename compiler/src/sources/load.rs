@@ -28,7 +28,7 @@ pub struct Loaded {
     /// Words of all files.
     pub symbols: Symbols,
     /// Words in parts that could not be read.
-    pub doubtful: rustc_hash::FxHashSet<Symbol>,
+    pub uncertain: rustc_hash::FxHashSet<Symbol>,
 }
 
 /// Reads and parses `path` and its imports, each file once.
@@ -207,7 +207,7 @@ impl Loader<'_> {
         self.sources.set_mark(file, mark);
         let text = self.sources.file(file).text.clone();
         let parsed = parse_cancellable(&text, &mut self.loaded.symbols, self.cancellation)?;
-        self.loaded.doubtful.extend(parsed.doubtful);
+        self.loaded.uncertain.extend(parsed.uncertain);
         self.diagnostics.extend(lone_returns(file, &text));
         let errors = parsed.errors.iter();
         self.diagnostics

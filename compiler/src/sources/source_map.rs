@@ -91,7 +91,7 @@ impl<'a> Ancestry<'a> {
     pub fn new(program: &'a Program) -> Ancestry<'a> {
         let mut captures: FxHashMap<RoleId, Vec<EventId>> = FxHashMap::default();
         for (number, event) in program.plan.events.iter().enumerate() {
-            if event.sound && matches!(event.kind, EventKind::Capture { .. }) {
+            if event.valid && matches!(event.kind, EventKind::Capture { .. }) {
                 let id = EventId(number as u32);
                 captures.entry(event.role).or_default().push(id);
             }
@@ -116,7 +116,7 @@ impl<'a> Ancestry<'a> {
                 return None;
             };
             // More steps than captures are a cycle.
-            if !plan.event(at).sound || depth as usize > plan.events.len() {
+            if !plan.event(at).valid || depth as usize > plan.events.len() {
                 return None;
             }
             if plan.seeds.iter().any(|seed| seed.role == parent) {

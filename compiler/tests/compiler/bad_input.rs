@@ -192,7 +192,7 @@ fn slip() -> impl Strategy<Value = Slip> {
     ]
 }
 
-fn spoil(text: Vec<u8>, slip: &Slip) -> Vec<u8> {
+fn corrupt(text: Vec<u8>, slip: &Slip) -> Vec<u8> {
     let mut bytes = text;
     if bytes.is_empty() {
         return bytes;
@@ -256,7 +256,7 @@ proptest! {
         example in select(&EXAMPLES[..]),
         slips in prop::collection::vec(slip(), 1..6),
     ) {
-        let text = slips.iter().fold(example.as_bytes().to_vec(), spoil);
+        let text = slips.iter().fold(example.as_bytes().to_vec(), corrupt);
         run(&text, SMALL);
     }
 }

@@ -206,14 +206,14 @@ fn messages_take_time_per_hop() {
     let tower = "phase p { A.up ->> T[1..3] }";
     let notified = "phase p { A.up ->> T[1..3] B.up ->> U[1..3] after T[3] }";
     let known = "phase p { A.up ->> T[1..3] T[1].north -> E after T[3] }";
-    let gone = "phase p { A.up ->> T[1..3] } phase q { release T[3] }";
+    let released = "phase p { A.up ->> T[1..3] } phase q { release T[3] }";
     let others =
         "phase p { A.up ->> T[1..3] } phase q { release T[3] B.up -> U after release T[3] }";
     for (body, hops) in [
         (tower, 3.0),
         (notified, 3.0 + 3.0),
         (known, 2.0 + 2.0),
-        (gone, 3.0 + 1.0 + 2.0),
+        (released, 3.0 + 1.0 + 2.0),
         (others, 3.0 + 1.0 + 2.0 + 1.0),
     ] {
         let none = mean("", body);
@@ -229,7 +229,7 @@ fn messages_take_time_per_hop() {
         // together, the later report counts. `tests/library/estimate.rs` runs such programs.
         let lost = (mean("messages { hop 10000 ticks loss 50% }", body) - none) / 30001.0;
         let chance = 4.0 * 0.94 * (hops / 4000_f64).sqrt();
-        let is_alone = [tower, gone].contains(&body);
+        let is_alone = [tower, released].contains(&body);
         assert!(lost > hops - chance, "{body}: {lost}");
         assert!(!is_alone || lost < hops + chance, "{body}: {lost}");
     }

@@ -730,14 +730,14 @@ fn fixes_of_helps_work() {
         assert_changes_hold(program);
         let checked = text(program);
         let diagnostic = &checked.diagnostics[0];
-        let by_hand = FOLLOWED.iter().find(|(of, ..)| *of == code);
+        let manual = FOLLOWED.iter().find(|(of, ..)| *of == code);
         let is_advice = ADVICE.iter().any(|(of, _)| *of == code);
-        let is_tried = diagnostic.fix.is_some() || by_hand.is_some();
+        let is_tried = diagnostic.fix.is_some() || manual.is_some();
         assert!(is_tried != is_advice, "{code}: {:?}", diagnostic.help);
         if let Some(changed) = followed(&checked, diagnostic) {
             assert!(!codes(&text(&changed)).contains(&code), "{code}: {changed}");
         }
-        if let Some((_, old, new)) = by_hand {
+        if let Some((_, old, new)) = manual {
             let help = diagnostic.help.as_deref().unwrap();
             // The shape determines the length of a row.
             let is_new = |word: &&str| !program.contains(word) && !word.starts_with("T[");

@@ -22,7 +22,7 @@ fn checked(text: &str) -> Checked {
 }
 
 /// Returns the text with all safe changes.
-fn mend(text: &str) -> Fixed {
+fn apply_fixes(text: &str) -> Fixed {
     let mut reader = files(text);
     stochc_compiler::fix(
         "a.sa",
@@ -33,7 +33,7 @@ fn mend(text: &str) -> Fixed {
 }
 
 fn fixed(text: &str) -> String {
-    mend(text).text.to_string()
+    apply_fixes(text).text.to_string()
 }
 
 /// Returns the messages without their places.
@@ -471,9 +471,9 @@ fn one_change(text: &str, before: &Checked, diagnostic: &Diagnostic, fix: &Fix) 
     let slips =
         |messages: &[(Code, String)]| messages.iter().filter(|one| one.0 == Code::Syntax).count();
     assert!(slips(&left) <= slips(&old), "{new}");
-    let kept = comments(&new);
+    let retained = comments(&new);
     for comment in comments(text) {
-        assert!(kept.contains(&comment), "{comment} in\n{new}");
+        assert!(retained.contains(&comment), "{comment} in\n{new}");
     }
 }
 

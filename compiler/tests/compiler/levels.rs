@@ -212,8 +212,12 @@ fn unused_declarations_are_reported() {
             "{declared}"
         );
         let name = declared.split([' ', '(']).nth(1).unwrap();
-        let kept = declared.replace(&format!(" {name}"), &format!(" _{name}"));
-        assert_eq!(reported(&format!("{kept} {program}")), [""; 0], "{kept}");
+        let renamed = declared.replace(&format!(" {name}"), &format!(" _{name}"));
+        assert_eq!(
+            reported(&format!("{renamed} {program}")),
+            [""; 0],
+            "{renamed}"
+        );
         let allowed = format!("allow {code} \"later\" {declared} {program}");
         assert_eq!(reported(&allowed), [""; 0], "{allowed}");
         // A file without a program is meant for import.

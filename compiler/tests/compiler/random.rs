@@ -113,9 +113,9 @@ impl Generator {
                 self.capture(&mut stage, parent, face, name, &after);
             }
         }
-        let gone = stage.released.into_iter();
+        let releases = stage.released.into_iter();
         self.spare
-            .extend(gone.filter(|name| !self.blocks.contains_key(name)));
+            .extend(releases.filter(|name| !self.blocks.contains_key(name)));
         self.text.push_str("    }\n");
     }
 
@@ -133,9 +133,9 @@ impl Generator {
     }
 
     fn children<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a String> {
-        let hangs = |block: &Block| block.parent.as_deref() == Some(name);
+        let is_child = |block: &Block| block.parent.as_deref() == Some(name);
         (self.blocks.iter())
-            .filter(move |(_, block)| hangs(block))
+            .filter(move |(_, block)| is_child(block))
             .map(|(name, _)| name)
     }
 

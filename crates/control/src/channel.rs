@@ -24,7 +24,7 @@ struct Channel {
     /// Next number of the sender.
     next: u32,
     /// Messages without acknowledgement, by number.
-    kept: BTreeMap<u32, Message>,
+    stored: BTreeMap<u32, Message>,
     /// Number below which the receiver has accepted all messages.
     taken_below: u32,
     /// Accepted message numbers that are not below `taken_below`.
@@ -45,7 +45,7 @@ impl Channels {
         let channel = self.channels.entry((from, to)).or_default();
         let number = channel.next;
         channel.next += 1;
-        channel.kept.insert(number, message);
+        channel.stored.insert(number, message);
         number
     }
 
@@ -68,41 +68,42 @@ impl Channels {
     /// Processes an acknowledgement at the sender, which drops the message.
     pub fn acknowledge(&mut self, from: Body, to: Body, number: u32) {
         if let Some(channel) = self.channels.get_mut(&(from, to)) {
-            channel.kept.remove(&number);
+            channel.stored.remove(&number);
         }
     }
 
     /// Returns whether the sender still keeps a message, which must then be resent.
-    pub fn keeps(&self, from: Body, to: Body, number: u32) -> bool {
+    pub fn stores(&self, from: Body, to: Body, number: u32) -> bool {
         let channel = self.channels.get(&(from, to));
-        channel.is_some_and(|channel| channel.kept.contains_key(&number))
+        channel.is_some_and(|channel| channel.stored.contains_key(&number))
     }
 
     /// Closes the contacts of a block that is being released. Returns the messages that were sent
     /// and not accepted.
-    pub fn close(&mut self, gone: Body) -> Recalled {
-        let first = (gone, Body::Seed(Cell::new(i32::MIN, i32::MIN, i32::MIN)));
-        let of_gone = self
+    pub fn close(&mut self, left: Body) -> Recalled {
+        let first = (left, Body::Seed(Cell::new(i32::MIN, i32::MIN, i32::MIN)));
+        let from_left = self
             .channels
             .range(first..)
-            .take_while(|((from, _), _)| *from == gone);
-        let neighbours: Vec<Body> = of_gone.map(|((_, to), _)| *to).collect();
+            .take_while(|((from, _), _)| *from == left);
+        let neighbours: Vec<Body> = from_left.map(|((_, to), _)| *to).collect();
         let mut take = |from, to| {
             let Channel {
-                kept,
+                stored,
                 taken_below,
                 taken,
                 ..
             } = self.channels.remove(&(from, to)).unwrap_or_default();
             let is_open = move |number: &u32| *number >= taken_below && !taken.contains(number);
-            kept.into_iter()
+            stored
+                .into_iter()
                 .filter(move |(number, _)| is_open(number))
                 .map(|(_, message)| message)
         };
         let mut recalled = Recalled::default();
         for other in neighbours {
-            recalled.to.extend(take(other, gone));
-            recalled.from.extend(take(gone, other));
+            recalled.to.extend(take(other, left));
+            recalled.from.extend(take(left, other));
         }
         recalled
     }

@@ -206,7 +206,7 @@ pub struct CaptureSummary {
 pub fn captures(program: &EnsembleProgram, tally: WaitsTally) -> Vec<CaptureSummary> {
     (tally.finish().into_iter())
         // Pre-attached blocks have no waiting times.
-        .filter(|(key, _)| !program.is_planted(key.phase))
+        .filter(|(key, _)| !program.is_pre_attached(key.phase))
         .map(|(key, waits)| CaptureSummary {
             phase: program.phase(key.phase).to_owned(),
             phase_number: key.phase.0,

@@ -97,9 +97,9 @@ pub fn of_file(file: impl Read, length: u64) -> io::Result<Sum> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineIntegrity {
     /// The checksum matches.
-    Sound,
+    Valid,
     /// The checksum does not match.
-    Damaged,
+    Corrupted,
     /// There is no checksum.
     Unsealed,
 }
@@ -135,9 +135,9 @@ pub fn check(line: &[u8]) -> LineIntegrity {
     let digits = (0..8).map(|place| b"0123456789abcdef"[(crc >> (28 - 4 * place) & 15) as usize]);
     let expected = digits.chain(*b"\"}");
     if expected.eq(seal[FIELD.len()..].iter().copied()) {
-        LineIntegrity::Sound
+        LineIntegrity::Valid
     } else {
-        LineIntegrity::Damaged
+        LineIntegrity::Corrupted
     }
 }
 
@@ -148,12 +148,12 @@ mod tests {
     #[test]
     fn no_flipped_bit_of_a_line_passes() {
         let line = sealed("{\"a\":[1,2,3],\"b\":\"\u{e4}\"}".to_owned()).into_bytes();
-        assert_eq!(check(&line), LineIntegrity::Sound);
+        assert_eq!(check(&line), LineIntegrity::Valid);
         assert_eq!(check(b"{\"a\":1}"), LineIntegrity::Unsealed);
         for bit in 0..8 * line.len() {
             let mut line = line.clone();
             line[bit / 8] ^= 1 << (bit % 8);
-            assert_ne!(check(&line), LineIntegrity::Sound, "{bit}");
+            assert_ne!(check(&line), LineIntegrity::Valid, "{bit}");
         }
     }
 

@@ -61,7 +61,7 @@ pub enum ExecutableError {
     OtherFormat(u32),
     /// The file is not valid JSON of an executable.
     #[error("it is damaged: {0}")]
-    Damaged(#[from] StrictJsonError),
+    Corrupted(#[from] StrictJsonError),
     /// A program of the file is invalid.
     #[error("it is damaged: {0}")]
     Invalid(#[from] InvalidExecutable),
@@ -153,7 +153,7 @@ impl Executable {
     pub fn read_all(bytes: &[u8]) -> Result<Vec<Executable>, ExecutableError> {
         let head: Head = serde_json::from_slice(bytes).map_err(|error| {
             if Executable::is_file(bytes) {
-                StrictJsonError::Damaged(error).into()
+                StrictJsonError::Corrupted(error).into()
             } else {
                 ExecutableError::OtherFile
             }

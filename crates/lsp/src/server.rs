@@ -51,7 +51,7 @@ pub struct Server<W> {
     /// Diagnostics published for each file, with the version of its text.
     shown: BTreeMap<String, (Option<i32>, Vec<LspDiagnostic>)>,
     /// Whether the client has disconnected.
-    gone: bool,
+    disconnected: bool,
 }
 
 /// A request without a response so far.
@@ -68,7 +68,7 @@ struct PendingRequest {
 enum Work {
     /// The request waits for analyses of programs.
     Waiting(RequestHandler),
-    UnderWay(JobId),
+    Running(JobId),
 }
 
 impl PendingRequest {
@@ -78,8 +78,8 @@ impl PendingRequest {
             Needs::Text => self.path == changed,
             Needs::Own => outdated.contains(&self.path),
             Needs::All => {
-                let is_under_way = matches!(self.work, Work::UnderWay(_));
-                outdated.contains(&self.path) || is_under_way && !outdated.is_empty()
+                let is_running = matches!(self.work, Work::Running(_));
+                outdated.contains(&self.path) || is_running && !outdated.is_empty()
             }
         }
     }
@@ -104,13 +104,13 @@ impl<W: Write> Server<W> {
             can_watch: false,
             requests: Vec::new(),
             shown: BTreeMap::new(),
-            gone: false,
+            disconnected: false,
         }
     }
 
     /// Serves until the end. Returns whether the client sent `shutdown` before exiting.
     pub fn run(mut self, receiver: Receiver<ServerEvent>) -> bool {
-        while !self.gone {
+        while !self.disconnected {
             let event = match self.unchecked() {
                 None => receiver.recv().map_err(|_| RecvTimeoutError::Disconnected),
                 Some(_) => receiver.recv_timeout(PAUSE),
@@ -239,7 +239,7 @@ impl<W: Write> Server<W> {
             .partition(is_meant);
         self.requests = rest;
         for request in meant {
-            if let Work::UnderWay(job) = request.work {
+            if let Work::Running(job) = request.work {
                 self.jobs.cancel(job);
             }
             self.send(&wire::answer(&request.id, Err(why.clone())));
@@ -250,7 +250,7 @@ impl<W: Write> Server<W> {
     fn done(&mut self, job: JobId, done: Option<Done>) {
         self.jobs.ended(job);
         let is_it =
-            |request: &PendingRequest| matches!(request.work, Work::UnderWay(own) if own == job);
+            |request: &PendingRequest| matches!(request.work, Work::Running(own) if own == job);
         if let Some(at) = self.requests.iter().position(is_it) {
             let request = self.requests.remove(at);
             let result = match done {
@@ -297,7 +297,7 @@ impl<W: Write> Server<W> {
                 request.work = match self.needed(&request.path, request.needs) {
                     Some(Ok(programs)) if self.jobs.has_room(JobTrigger::Requested) => {
                         match self.work_out(request.path.clone(), programs, answer) {
-                            Some(job) => Work::UnderWay(job),
+                            Some(job) => Work::Running(job),
                             None => {
                                 let why = failed(&request.method);
                                 self.send(&wire::answer(&request.id, Err(why)));
@@ -488,7 +488,7 @@ impl<W: Write> Server<W> {
     }
 
     fn send(&mut self, message: &Value) {
-        self.gone |= wire::write(&mut self.output, message).is_err();
+        self.disconnected |= wire::write(&mut self.output, message).is_err();
     }
 }
 

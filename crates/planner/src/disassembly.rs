@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 use stochc_grammar::Cancellation;
 
 use crate::TargetError;
-use crate::space::free_space::{FreeSpace, WayIn};
+use crate::space::free_space::{AccessPath, FreeSpace};
 use crate::space::grid::shifted;
 use crate::space::sites::{NONE, Sites};
 use crate::space::support::Support;
@@ -22,7 +22,7 @@ pub struct Disassembly {
     /// Position of each site in the construction order.
     pub rank: Vec<u32>,
     /// Access to each site from a path two cells wide. `None` if there is no such path.
-    pub way_in: Vec<Option<WayIn>>,
+    pub access_path: Vec<Option<AccessPath>>,
     /// Number of steps from the plate to each site within the complete target.
     pub level: Vec<u32>,
     /// Free positions of cubes of sizes two and one.
@@ -32,7 +32,7 @@ pub struct Disassembly {
 impl Disassembly {
     /// Returns the number of sites without an access path two cells wide.
     pub fn narrow_count(&self) -> usize {
-        self.way_in.iter().filter(|way| way.is_none()).count()
+        self.access_path.iter().filter(|way| way.is_none()).count()
     }
 }
 
@@ -65,10 +65,10 @@ pub fn disassemble(
         support,
         spaces,
         taken: Vec::with_capacity(sites.len()),
-        way_in: vec![Some(WayIn::Inside); sites.len()],
+        access_path: vec![Some(AccessPath::Inside); sites.len()],
         frontiers: std::array::from_fn(|_| (0..sites.len() as u32).map(urgency).collect()),
         is_queued: std::array::from_fn(|_| vec![true; sites.len()]),
-        doubtful: [Vec::new(), Vec::new()],
+        undecided: [Vec::new(), Vec::new()],
         urgency: &urgency,
     };
     while disassembler.taken.len() < sites.len() - sites.existing_count() {
@@ -77,7 +77,7 @@ pub fn disassemble(
             .next(0)
             .or_else(|| disassembler.next_exactly(0));
         let found = match wide {
-            Some((site, way_in)) => Some((site, Some(way_in))),
+            Some((site, access_path)) => Some((site, Some(access_path))),
             None => {
                 let narrow = disassembler
                     .next(1)
@@ -85,7 +85,7 @@ pub fn disassemble(
                 narrow.map(|(site, _)| (site, None))
             }
         };
-        let Some((site, way_in)) = found else {
+        let Some((site, access_path)) = found else {
             let stands =
                 |site: &u32| disassembler.support.stands(*site) && !sites.is_existing(*site);
             let left = (0..sites.len() as u32).filter(stands);
@@ -93,11 +93,11 @@ pub fn disassemble(
                 left.map(|site| sites.cell(site)).collect(),
             ));
         };
-        disassembler.take(site, way_in);
+        disassembler.take(site, access_path);
     }
     let Disassembler {
         taken: mut order,
-        way_in,
+        access_path,
         spaces,
         ..
     } = disassembler;
@@ -111,7 +111,7 @@ pub fn disassemble(
     Ok(Disassembly {
         order,
         rank,
-        way_in,
+        access_path,
         level,
         spaces,
     })
@@ -122,62 +122,66 @@ struct Disassembler<'a, U> {
     support: Support,
     spaces: [FreeSpace; 2],
     taken: Vec<u32>,
-    way_in: Vec<Option<WayIn>>,
+    access_path: Vec<Option<AccessPath>>,
     /// For each space, the sites that may have a path.
     frontiers: [Frontier; 2],
     /// For each space, whether a site is queued.
     is_queued: [Vec<bool>; 2],
     /// For each space, skipped sites that have a path. Other sites may be attached only through
     /// them.
-    doubtful: [Vec<u32>; 2],
+    undecided: [Vec<u32>; 2],
     urgency: &'a U,
 }
 
 impl<U: Fn(u32) -> (u32, u32)> Disassembler<'_, U> {
     /// Returns a site that can be removed through a space. Other sites are reconsidered after a
     /// change nearby. Returns `None` if no queued site can be removed.
-    fn next(&mut self, space: usize) -> Option<(u32, WayIn)> {
+    fn next(&mut self, space: usize) -> Option<(u32, AccessPath)> {
         while let Some((_, site)) = self.frontiers[space].pop() {
             self.is_queued[space][site as usize] = false;
             let stands = |site: u32| self.support.stands(site);
             if self.sites.is_existing(site) || !stands(site) {
                 continue;
             }
-            let Some(way_in) = self.spaces[space].way_in(self.sites, site, &stands) else {
+            let Some(access_path) = self.spaces[space].access_path(self.sites, site, &stands)
+            else {
                 continue;
             };
             if self.support.can_spare(self.sites, site) {
-                return Some((site, way_in));
+                return Some((site, access_path));
             }
-            self.doubtful[space].push(site);
+            self.undecided[space].push(site);
         }
         None
     }
 
     /// Returns a skipped site that can be removed through a space. Searches the whole structure.
     /// Returns `None` if no skipped site can be removed.
-    fn next_exactly(&mut self, space: usize) -> Option<(u32, WayIn)> {
+    fn next_exactly(&mut self, space: usize) -> Option<(u32, AccessPath)> {
         let support = &self.support;
-        self.doubtful[space].retain(|&site| support.stands(site));
-        self.doubtful[space].sort_unstable();
-        self.doubtful[space].dedup();
-        if self.doubtful[space].is_empty() {
+        self.undecided[space].retain(|&site| support.stands(site));
+        self.undecided[space].sort_unstable();
+        self.undecided[space].dedup();
+        if self.undecided[space].is_empty() {
             return None;
         }
         let is_cut = support.articulation_points(self.sites);
-        let free = self.doubtful[space]
+        let free = self.undecided[space]
             .iter()
             .copied()
             .filter(|&site| !is_cut[site as usize]);
         let site = free.max_by_key(|&site| (self.urgency)(site))?;
         let stands = |site: u32| self.support.stands(site);
-        Some((site, self.spaces[space].way_in(self.sites, site, &stands)?))
+        Some((
+            site,
+            self.spaces[space].access_path(self.sites, site, &stands)?,
+        ))
     }
 
-    fn take(&mut self, site: u32, way_in: Option<WayIn>) {
+    fn take(&mut self, site: u32, access_path: Option<AccessPath>) {
         self.support.remove(self.sites, site);
         self.taken.push(site);
-        self.way_in[site as usize] = way_in;
+        self.access_path[site as usize] = access_path;
         let (sites, support) = (self.sites, &self.support);
         let stands = |site: u32| support.stands(site);
         for (number, space) in self.spaces.iter_mut().enumerate() {
@@ -294,10 +298,10 @@ mod tests {
                 let is_held = sites.is_on_seed(site)
                     || Face::ALL.iter().any(|&face| full.contains(&cell.across(face).unwrap()));
                 prop_assert!(is_held);
-                let way_in = disassembly.way_in[site as usize];
-                let is_there = match way_in {
-                    Some(WayIn::Inside) => has_way(&full, cell, 2),
-                    Some(WayIn::Gap(axis)) => {
+                let access_path = disassembly.access_path[site as usize];
+                let is_there = match access_path {
+                    Some(AccessPath::Inside) => has_way(&full, cell, 2),
+                    Some(AccessPath::Gap(axis)) => {
                         let ends = [axis, axis.opposite()].map(|face| cell.across(face).unwrap());
                         let is_plate = axis == Face::Up && sites.is_on_seed(site);
                         has_gaps
@@ -306,7 +310,7 @@ mod tests {
                     }
                     None => has_way(&full, cell, 1),
                 };
-                prop_assert!(is_there, "{} by {:?}", cell, way_in);
+                prop_assert!(is_there, "{} by {:?}", cell, access_path);
                 full.insert(cell);
             }
             prop_assert_eq!(full.len(), sites.len());

@@ -84,7 +84,7 @@ impl CompletionEstimate {
             .phases()
             .iter()
             .enumerate()
-            .filter(|(_, phase)| !phase.planted);
+            .filter(|(_, phase)| !phase.pre_attached);
         let phases = phases.map(|(number, phase)| {
             let seen = records
                 .iter()

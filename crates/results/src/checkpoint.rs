@@ -122,11 +122,11 @@ struct CheckpointHeader {
 /// Content of a checkpoint file.
 enum CheckpointFile {
     /// Valid state of this ensemble and build: its tick, and its range in the file.
-    Sound(u64, [u64; 2]),
+    Valid(u64, [u64; 2]),
     /// Valid state of another run or build. Contains a description of the difference.
     Foreign(&'static str),
     /// Corrupted file. Contains the reason.
-    Damaged(String),
+    Corrupted(String),
 }
 
 /// Checkpoints of an ensemble.
@@ -177,14 +177,14 @@ impl Checkpoints {
             }
             let run = checkpoints.shown(key);
             match checkpoints.identify(key, &opened(&file)?)? {
-                CheckpointFile::Sound(tick, _) => {
+                CheckpointFile::Valid(tick, _) => {
                     checkpoints.there().insert(key);
                     checkpoints.note(format!("{run} resumes from its checkpoint at tick {tick}"));
                 }
                 CheckpointFile::Foreign(what) => checkpoints.note(format!(
                     "the checkpoint of {run} is not used because it is {what}; the run restarts"
                 )),
-                CheckpointFile::Damaged(why) => checkpoints.refuse(key, &why)?,
+                CheckpointFile::Corrupted(why) => checkpoints.refuse(key, &why)?,
             }
         }
         Ok(checkpoints)
@@ -244,7 +244,7 @@ impl Checkpoints {
             return Ok(());
         }
         sync()?;
-        gone(disk::remove(&self.file(key)))
+        ignore_missing(disk::remove(&self.file(key)))
     }
 
     /// Returns the access of a beginning run to its checkpoints.
@@ -267,7 +267,7 @@ impl Checkpoints {
     fn identify(&self, (program, run): RunKey, file: &File) -> io::Result<CheckpointFile> {
         let found = match read(file)? {
             Ok(found) => found,
-            Err(why) => return Ok(CheckpointFile::Damaged(why.to_owned())),
+            Err(why) => return Ok(CheckpointFile::Corrupted(why.to_owned())),
         };
         let (header, place) = found;
         let foreign = if header.checkpoint != VERSION {
@@ -279,7 +279,7 @@ impl Checkpoints {
         } else if (header.program, header.run) != (program, run) {
             "of another run"
         } else {
-            return Ok(CheckpointFile::Sound(header.tick, place));
+            return Ok(CheckpointFile::Valid(header.tick, place));
         };
         Ok(CheckpointFile::Foreign(foreign))
     }
@@ -367,7 +367,7 @@ impl RunCheckpoints<'_> {
         }
         let opened = opened(&self.all.file(self.key)).and_then(|mut file| {
             let found = self.all.identify(self.key, &file)?;
-            let CheckpointFile::Sound(tick, [begins, ends]) = found else {
+            let CheckpointFile::Valid(tick, [begins, ends]) = found else {
                 return Err(io::ErrorKind::InvalidData.into());
             };
             file.seek(SeekFrom::Start(begins))?;
@@ -451,13 +451,13 @@ pub(crate) fn clear(path: &Path, wants: impl Fn(usize, u64) -> bool) -> io::Resu
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let is_ours = name.ends_with(SUFFIX) || name.contains(".draft-");
         if is_ours && !wanted.contains(&file) {
-            gone(disk::remove(&file))?
+            ignore_missing(disk::remove(&file))?
         } else {
             left += 1
         }
     }
     match left {
-        0 => gone(disk::remove_folder(&path.join(CHECKPOINTS))),
+        0 => ignore_missing(disk::remove_folder(&path.join(CHECKPOINTS))),
         _ => Ok(()),
     }
 }
@@ -472,8 +472,8 @@ pub(crate) fn health(path: &Path) -> Vec<FileIntegrity> {
             Ok(Err(why)) => Some(why.to_owned()),
             Err(error) => Some(error.to_string()),
         };
-        let health = why.map_or(Integrity::Sound, |why| {
-            Integrity::Damaged(vec![format!("`{name}` {why}")])
+        let health = why.map_or(Integrity::Valid, |why| {
+            Integrity::Corrupted(vec![format!("`{name}` {why}")])
         });
         FileIntegrity { name, health }
     };
@@ -481,7 +481,7 @@ pub(crate) fn health(path: &Path) -> Vec<FileIntegrity> {
         Ok(files) => files.into_iter().map(health).collect(),
         Err(error) => vec![FileIntegrity {
             name: CHECKPOINTS.to_owned(),
-            health: Integrity::Damaged(vec![format!("`{CHECKPOINTS}`: {error}")]),
+            health: Integrity::Corrupted(vec![format!("`{CHECKPOINTS}`: {error}")]),
         }],
     }
 }
@@ -489,7 +489,7 @@ pub(crate) fn health(path: &Path) -> Vec<FileIntegrity> {
 /// Reads the first line of a file and checks the checksum of the rest. Returns the reason if it is
 /// invalid.
 fn read(file: &File) -> io::Result<Result<(CheckpointHeader, [u64; 2]), &'static str>> {
-    let damaged = Ok(Err("is damaged"));
+    let corrupted = Ok(Err("is damaged"));
     let bytes = file.metadata()?.len();
     if budget::CHECKPOINT.admits(bytes).is_err() {
         return Ok(Err("is too large"));
@@ -501,11 +501,11 @@ fn read(file: &File) -> io::Result<Result<(CheckpointHeader, [u64; 2]), &'static
     let begins = line.len() as u64;
     let header = line
         .strip_suffix(b"\n")
-        .filter(|line| checksum::check(line) == LineIntegrity::Sound);
+        .filter(|line| checksum::check(line) == LineIntegrity::Valid);
     let header = header.and_then(|line| serde_json::from_slice(line).ok());
     let ends = bytes.checked_sub(CHECKSUM).filter(|it| *it >= begins);
     let (Some(header), Some(ends)) = (header, ends) else {
-        return damaged;
+        return corrupted;
     };
     from.seek(SeekFrom::Start(0))?;
     let sum = of_file(from, ends)?;
@@ -515,12 +515,12 @@ fn read(file: &File) -> io::Result<Result<(CheckpointHeader, [u64; 2]), &'static
     if sum.crc32 == u32::from_le_bytes(checksum) {
         Ok(Ok((header, [begins, ends])))
     } else {
-        damaged
+        corrupted
     }
 }
 
 /// Converts a "not found" error to success: another process has already removed the file.
-fn gone(removed: io::Result<()>) -> io::Result<()> {
+fn ignore_missing(removed: io::Result<()>) -> io::Result<()> {
     match removed {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         removed => removed,

@@ -76,7 +76,7 @@ impl Parser<'_, '_> {
 
     /// Returns whether a `}` that ends at `end` is an extra brace. It is one if the next piece fits
     /// into the innermost block, but not into the block around it.
-    pub fn goes_on(&mut self, end: usize) -> bool {
+    pub fn continues(&mut self, end: usize) -> bool {
         let Some(outer) = self.frames.len().checked_sub(1) else {
             return false;
         };

@@ -24,7 +24,7 @@ impl Parser<'_, '_> {
 
     /// Closes the innermost block.
     pub fn close(&mut self, span: Span) {
-        if self.goes_on(span.end as usize) {
+        if self.continues(span.end as usize) {
             let what = self.frames.last().map_or("a block", OpenBlock::noun);
             *self.surplus() -= 1;
             return self.error(SyntaxErrorKind::ClosedEarly { what }, span);
@@ -78,7 +78,7 @@ impl Parser<'_, '_> {
             OpenBlockContent::Broken(_) => {
                 let outer = self.frames.last().map(|frame| &frame.content);
                 if !matches!(outer, Some(OpenBlockContent::Broken(_))) {
-                    self.doubt(start as usize, end as usize);
+                    self.mark_uncertain(start as usize, end as usize);
                 }
             }
         }
@@ -114,12 +114,12 @@ impl Parser<'_, '_> {
     }
 
     /// Records the words of a skipped part.
-    pub fn doubt(&mut self, start: usize, end: usize) {
+    pub fn mark_uncertain(&mut self, start: usize, end: usize) {
         let part = &self.text[start..end.max(start)];
         for word in part.split(|c: char| !c.is_ascii_alphanumeric() && c != '_') {
             if !word.is_empty() {
                 let symbol: Symbol = self.symbols.intern(word);
-                self.doubtful.insert(symbol);
+                self.uncertain.insert(symbol);
             }
         }
     }

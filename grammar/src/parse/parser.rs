@@ -23,7 +23,7 @@ pub(super) struct Parser<'t, 's> {
     /// Comments that document the next item.
     pub(super) docs: Vec<(String, Span)>,
     pub(super) errors: Vec<SyntaxError>,
-    pub(super) doubtful: FxHashSet<Symbol>,
+    pub(super) uncertain: FxHashSet<Symbol>,
     /// Whether the rest of the file is skipped.
     pub(super) stopped: bool,
     /// Number of closing braces without an opening one. `None` before they are counted.
@@ -63,7 +63,7 @@ impl Parser<'_, '_> {
     /// Skips the rest of the file.
     pub(super) fn stop(&mut self) {
         self.stopped = true;
-        self.doubt(self.at, self.text.len());
+        self.mark_uncertain(self.at, self.text.len());
         self.at = self.text.len();
     }
 

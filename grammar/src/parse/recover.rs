@@ -31,7 +31,7 @@ impl Parser<'_, '_> {
             self.lone_word(start, at)
                 .map_or(at, |word| start + word.len()),
         );
-        self.doubt(start, end);
+        self.mark_uncertain(start, end);
         self.at = end;
         if brace {
             let content = self.broken_head(start, end);
@@ -89,14 +89,14 @@ impl Parser<'_, '_> {
         let Some(frame) = self.frames.last_mut() else {
             return;
         };
-        let goes_on = |item: &Item| match item.kind {
+        let continues = |item: &Item| match item.kind {
             // An item with a block is complete.
             ItemKind::Chain(_) | ItemKind::Release(_) => item.span.end as usize == at,
             ItemKind::Instance(_) => trivia::skip(self.text, item.span.end as usize) == at,
             _ => false,
         };
-        if let Some(item) = frame.body.pop_if(|item| goes_on(item)) {
-            self.doubt(item.span.start as usize, at);
+        if let Some(item) = frame.body.pop_if(|item| continues(item)) {
+            self.mark_uncertain(item.span.start as usize, at);
         }
     }
 
@@ -135,7 +135,7 @@ impl Parser<'_, '_> {
         let (end, brace) = self.end_of_piece(at);
         // A brace opens a block here as well.
         self.at = end - usize::from(brace);
-        self.doubt(at, self.at);
+        self.mark_uncertain(at, self.at);
         true
     }
 

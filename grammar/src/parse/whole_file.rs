@@ -17,7 +17,7 @@ pub struct Parsed {
     /// Errors in source order.
     pub errors: Vec<SyntaxError>,
     /// Words of skipped parts. They cause no errors of unknown names.
-    pub doubtful: FxHashSet<Symbol>,
+    pub uncertain: FxHashSet<Symbol>,
 }
 
 /// Parses a file.
@@ -73,7 +73,7 @@ pub(super) fn read<'t>(
         frames: Vec::new(),
         docs: Vec::new(),
         errors: Vec::new(),
-        doubtful: FxHashSet::default(),
+        uncertain: FxHashSet::default(),
         stopped: false,
         surplus: None,
         record,
@@ -89,7 +89,7 @@ pub(super) fn read<'t>(
     let Parser {
         root,
         mut errors,
-        doubtful,
+        uncertain,
         record,
         ..
     } = parser;
@@ -97,7 +97,7 @@ pub(super) fn read<'t>(
     let parsed = Parsed {
         tree: Tree { items: root },
         errors,
-        doubtful,
+        uncertain,
     };
     (parsed, record)
 }

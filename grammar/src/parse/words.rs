@@ -71,7 +71,7 @@ pub fn beginnings(frame: Option<&OpenBlock>) -> &'static [&'static str] {
             ItemKind::Assembly(_) => &["`seed`", "`phase`", "`let`", "`for`", "`}`"],
             ItemKind::Seed(_) => &[
                 "a seed such as `A at (0, 0)`",
-                "a block attached by hand such as `A.up -> E`",
+                "a pre-attached block such as `A.up -> E`",
                 "`for`",
                 "`}`",
             ],

@@ -327,8 +327,8 @@ fn assembly() -> BoxedStrategy<Item> {
         (block(), range()).prop_map(|(place, at)| ItemKind::Seat(Box::new(Seat { place, at }))),
     );
     // A pre-attached block waits for nothing.
-    let by_hand = item(chain(Just(Vec::new())));
-    let part = prop_oneof![3 => seat, 1 => by_hand, 1 => let_(), 1 => level()];
+    let pre_attached = item(chain(Just(Vec::new())));
+    let part = prop_oneof![3 => seat, 1 => pre_attached, 1 => let_(), 1 => level()];
     let seats = prop::collection::vec(repeated(part.boxed()), 0..4);
     let seed = item(
         (range(), seats).prop_map(|(size, body)| ItemKind::Seed(Box::new(Seed { size, body }))),

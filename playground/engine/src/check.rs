@@ -115,7 +115,7 @@ pub fn estimate(text: &str, number: usize) -> Result<Value, String> {
         return Ok(Value::Null);
     };
     let phases = plan.phases.iter().zip(&cost.phases);
-    let phases = phases.filter(|(phase, _)| !phase.planted);
+    let phases = phases.filter(|(phase, _)| !phase.pre_attached);
     let phases = phases.map(|(phase, cost)| json!({ "name": phase.name, "times": cost.times }));
     let captures = cost.captures.iter().take(MAX_CAPTURES);
     let captures = captures.map(|it| {

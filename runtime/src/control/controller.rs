@@ -55,7 +55,7 @@ impl<'t> Controller<'t> {
 
     /// Starts recording events for [`Controller::take_log`].
     pub(crate) fn keep_log(&mut self) {
-        self.recorder.log = Log::kept();
+        self.recorder.log = Log::recording();
     }
 
     /// Returns the events since the last call.

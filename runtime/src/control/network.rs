@@ -19,7 +19,7 @@ pub(super) struct Network {
     /// Duration of a hop \[ticks\].
     hop: u64,
     /// Transfers in the order of sending, which is also the order of arrival.
-    under_way: VecDeque<Transfer>,
+    running: VecDeque<Transfer>,
     /// Transfers that may need resending, sorted by the time of resending and then by `order`.
     reminders: VecDeque<Transfer>,
     sent: u64,
@@ -54,7 +54,7 @@ struct Loss {
 
 stochc_ir::state! {
     () Network;
-    values: under_way, reminders, sent, hops;
+    values: running, reminders, sent, hops;
     parts: loss;
     same: hop
 }
@@ -73,7 +73,7 @@ impl Network {
         let loss = messages.and_then(|messages| messages.loss);
         Network {
             hop: messages.map_or(0, |messages| u64::from(messages.hop)),
-            under_way: VecDeque::new(),
+            running: VecDeque::new(),
             reminders: VecDeque::new(),
             sent: 0,
             hops: 0,
@@ -86,7 +86,7 @@ impl Network {
     }
 
     pub fn clear(&mut self) {
-        self.under_way.clear();
+        self.running.clear();
         self.reminders.clear();
         if let Some(loss) = &mut self.loss {
             loss.channels.clear();
@@ -96,7 +96,7 @@ impl Network {
     /// Returns the tick of the next arrival or resending.
     #[inline]
     pub fn next_due(&self) -> Option<u64> {
-        let arrives = self.under_way.front().map(|transfer| transfer.due);
+        let arrives = self.running.front().map(|transfer| transfer.due);
         let is_reminded = self.reminders.front().map(|transfer| transfer.due);
         match (arrives, is_reminded) {
             (Some(one), Some(other)) => Some(one.min(other)),
@@ -108,25 +108,25 @@ impl Network {
     /// and the message.
     #[inline]
     pub fn due(&mut self, tick: u64, log: &mut Log) -> Option<(Body, Body, Message)> {
-        while !(self.under_way.is_empty() && self.reminders.is_empty()) {
+        while !(self.running.is_empty() && self.reminders.is_empty()) {
             let key = |transfer: &Transfer| (transfer.due, transfer.order);
             let first = |queue: &VecDeque<Transfer>| {
                 let first = queue.front().map(key);
                 first.filter(|(due, _)| *due <= tick)
             };
-            let (arrival, reminder) = (first(&self.under_way), first(&self.reminders));
+            let (arrival, reminder) = (first(&self.running), first(&self.reminders));
             if reminder.is_some_and(|at| arrival.is_none_or(|arrival| at < arrival)) {
                 if let (Some(transfer), Some(loss)) = (self.reminders.pop_front(), &self.loss)
                     && loss
                         .channels
-                        .keeps(transfer.from, transfer.to, transfer.number)
+                        .stores(transfer.from, transfer.to, transfer.number)
                 {
                     self.depart(tick, transfer, log);
                 }
                 continue;
             }
             arrival?;
-            let transfer = self.under_way.pop_front()?;
+            let transfer = self.running.pop_front()?;
             let Transfer {
                 due,
                 order,
@@ -172,7 +172,7 @@ impl Network {
     /// Performs `hops` hops at once if hops take no time and nothing else is in transit. Returns
     /// whether the hops were performed.
     pub fn carry(&mut self, hops: u32) -> bool {
-        let is_alone = self.hop == 0 && self.loss.is_none() && self.under_way.is_empty();
+        let is_alone = self.hop == 0 && self.loss.is_none() && self.running.is_empty();
         if is_alone {
             self.sent += u64::from(hops);
             self.hops += u64::from(hops);
@@ -186,7 +186,7 @@ impl Network {
             to: transfer.to,
             content: transfer.message.payload.into(),
         });
-        self.under_way.push_back(Transfer {
+        self.running.push_back(Transfer {
             due: tick + self.hop,
             order: self.sent,
             ..transfer
@@ -197,19 +197,19 @@ impl Network {
 
     /// Removes the transfers to and from a block. `unreceived` is the number of hops that the
     /// structure still expects at this block.
-    pub fn recall(&mut self, gone: Body, unreceived: u32) -> Recalled {
+    pub fn recall(&mut self, left: Body, unreceived: u32) -> Recalled {
         let mut recalled = Recalled::default();
         if let Some(loss) = &mut self.loss {
-            let stays = |transfer: &Transfer| transfer.from != gone && transfer.to != gone;
-            self.under_way.retain(stays);
+            let stays = |transfer: &Transfer| transfer.from != left && transfer.to != left;
+            self.running.retain(stays);
             self.reminders.retain(stays);
-            return loss.channels.close(gone);
+            return loss.channels.close(left);
         }
         if unreceived > 0 {
-            self.under_way.retain(|transfer| {
-                if transfer.to == gone {
+            self.running.retain(|transfer| {
+                if transfer.to == left {
                     recalled.to.push(transfer.message);
-                } else if transfer.from == gone {
+                } else if transfer.from == left {
                     recalled.from.push(transfer.message);
                 } else {
                     return true;

@@ -113,11 +113,11 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
 
     fn carry_to_plate(&mut self, hops: u32) -> bool {
         let RunRecorder { network, log, .. } = self.recorder;
-        !self.recorder.has_more && !log.is_kept() && network.carry(hops)
+        !self.recorder.has_more && !log.is_recording() && network.carry(hops)
     }
 
-    fn recall(&mut self, gone: Body, unreceived: u32) -> Recalled {
-        self.recorder.network.recall(gone, unreceived)
+    fn recall(&mut self, left: Body, unreceived: u32) -> Recalled {
+        self.recorder.network.recall(left, unreceived)
     }
 
     fn clear_messages(&mut self) {

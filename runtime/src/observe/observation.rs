@@ -15,12 +15,12 @@ pub(crate) struct Log(Option<Vec<ObservedEvent>>);
 
 impl Log {
     /// Returns an empty log that records events.
-    pub fn kept() -> Log {
+    pub fn recording() -> Log {
         Log(Some(Vec::new()))
     }
 
     /// Returns whether events are recorded.
-    pub fn is_kept(&self) -> bool {
+    pub fn is_recording(&self) -> bool {
         self.0.is_some()
     }
 
@@ -134,8 +134,8 @@ fn changes(before: &[FreeBond], now: &[FreeBond], arena: &impl Arena) -> Vec<Obs
         .collect();
     let size = |id: u32| sizes.get(&id).copied().unwrap_or(1);
     let missing_in = |other: &[FreeBond], bond: &FreeBond| other.binary_search(bond).is_err();
-    let gone = before.iter().filter(|bond| missing_in(now, bond));
-    let gone = gone.map(|&bond| ObservedEvent::Unbonded {
+    let removed = before.iter().filter(|bond| missing_in(now, bond));
+    let removed = removed.map(|&bond| ObservedEvent::Unbonded {
         bond,
         sizes: bond.bodies.map(size),
     });
@@ -144,5 +144,5 @@ fn changes(before: &[FreeBond], now: &[FreeBond], arena: &impl Arena) -> Vec<Obs
         bond,
         size: size(bond.bodies[0]),
     });
-    gone.chain(new).collect()
+    removed.chain(new).collect()
 }

@@ -62,7 +62,7 @@ struct CellContent {
 }
 
 /// Seat of an empty cell.
-pub(super) const NOBODY: u32 = u32::MAX;
+pub(super) const NO_BLOCK: u32 = u32::MAX;
 
 /// Returns the index of a face among all faces.
 pub(super) fn number(seat: usize, face: Face) -> usize {
@@ -110,7 +110,7 @@ impl LatticeStructure {
         let mut seeds: Vec<Cell> = tables.seeds().map(|(_, cell)| cell).collect();
         seeds.sort_unstable();
         let empty = CellContent {
-            block: NOBODY,
+            block: NO_BLOCK,
             aimed: 0,
         };
         let mut grid = ChunkedGrid::new(empty, occupied_cells(tables));
@@ -158,7 +158,7 @@ impl LatticeStructure {
     /// Returns the seat of the block in a cell.
     pub fn block(&self, cell: Cell) -> Option<usize> {
         let block = self.grid.get(cell).block;
-        (block != NOBODY).then_some(block as usize)
+        (block != NO_BLOCK).then_some(block as usize)
     }
 
     /// Returns the occupancy of the cells around a cell above the plate.
@@ -196,7 +196,7 @@ impl LatticeStructure {
         let way = of.orientation.to_structure(face);
         let content = self.grid.get_mut(of.across(face)?);
         content.aimed |= bit(way);
-        (content.block == NOBODY).then(|| FaceChange::Opened(number(seat, face)))
+        (content.block == NO_BLOCK).then(|| FaceChange::Opened(number(seat, face)))
     }
 
     /// Returns the capture of free block `child`, given by rank, at a face. `pose` is one of 24
@@ -218,7 +218,7 @@ impl LatticeStructure {
 
     /// Returns the capture of a pre-attached block. Returns `None` if the cell is occupied or no
     /// block is free.
-    pub fn planted(&self, seat: usize, face: Face, tick: u64) -> Option<(Cell, Docking)> {
+    pub fn pre_attached(&self, seat: usize, face: Face, tick: u64) -> Option<(Cell, Docking)> {
         let cell = self.target(seat, face)?;
         let last = self.free.len().checked_sub(1)?;
         let parent = self.seats[seat].orientation;
@@ -287,7 +287,7 @@ impl LatticeStructure {
 
     /// Removes the block that a face holds and returns its seat. Calls `emit` with each change of a
     /// face.
-    pub fn let_go(
+    pub fn release(
         &mut self,
         seat: usize,
         face: Face,
@@ -300,7 +300,7 @@ impl LatticeStructure {
         of.holding &= !bit(face);
         let cell = of.across(face)?;
         let content = self.grid.mark(cell, false);
-        let child = std::mem::replace(&mut content.block, NOBODY) as usize;
+        let child = std::mem::replace(&mut content.block, NO_BLOCK) as usize;
         let aimed = content.aimed;
         self.free.insert(child - self.seeds.len());
         for (seat, face) in self.aimed(cell, aimed) {

@@ -81,17 +81,17 @@ impl MotionLimits {
     ) -> Result<(), Fault> {
         let [speed, spin, far] = [velocity, spin, position].map(|vector| vector.norm().double());
         // Comparisons with NaN are false.
-        let sound = |value: f64, most: f64| value < most;
-        let what = if !sound(speed, MAX_SPEED) {
+        let is_below = |value: f64, most: f64| value < most;
+        let what = if !is_below(speed, MAX_SPEED) {
             format!("its speed is {speed} block lengths per tick")
-        } else if !sound(speed, self.speed) {
+        } else if !is_below(speed, self.speed) {
             format!(
                 "its speed is {speed:.2} block lengths per tick, too fast to detect collisions; use more \
                  substeps"
             )
-        } else if !sound(spin, self.spin) {
+        } else if !is_below(spin, self.spin) {
             format!("its spin is {spin} radians per tick")
-        } else if !sound(far, self.far) {
+        } else if !is_below(far, self.far) {
             format!("it is {far} block lengths from the plate")
         } else if !rotation.coords.norm().double().is_finite() {
             "its orientation is not a number".to_owned()

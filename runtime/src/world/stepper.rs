@@ -124,7 +124,7 @@ pub(crate) trait Integrator: Sized + State {
         blocks: &mut Self::Blocks,
         kicks: Option<(&Kicks, StepDraws<'_>)>,
         bonds: Option<&mut FreeBonds>,
-        who: Moving,
+        moving: Moving,
     ) -> Result<(), Fault>;
 
     /// Records that an anchored block was released.
@@ -157,7 +157,7 @@ pub(crate) struct Stepper<I: Integrator> {
     /// Buffer of blocks near a face.
     nearby: Vec<u32>,
     /// Whether the motion of a block was set from outside and needs checking.
-    doubtful: bool,
+    unchecked: bool,
     /// Whether blocks have moved since the last neighbour search.
     stale: bool,
     /// Whether a face has no list of nearby blocks yet.
@@ -169,7 +169,7 @@ pub(crate) struct Stepper<I: Integrator> {
 
 stochc_ir::state! {
     (<I: Integrator>) Stepper<I>;
-    values: tick, doubtful, stale, blind;
+    values: tick, unchecked, stale, blind;
     parts: blocks, integrator, faces, external_forces, free_bonds;
     same: substeps, ratio, dt, kicks, response, free, nearby, cells, turns
 }
@@ -216,10 +216,10 @@ impl<I: Integrator> Stepper<I> {
         if !std::mem::take(&mut self.stale) {
             return;
         }
-        let anew = self.integrator.follow(&self.blocks);
+        let rebuilt = self.integrator.follow(&self.blocks);
         if let Some(faces) = &mut self.faces
             && self.ratio == 1
-            && (anew || self.blind)
+            && (rebuilt || self.blind)
         {
             self.blind = false;
             for active in 0..faces.count() {
@@ -231,31 +231,31 @@ impl<I: Integrator> Stepper<I> {
     }
 
     /// Finds the blocks near faces, and all contacts.
-    fn survey(&mut self, who: Moving) {
+    fn survey(&mut self, moving: Moving) {
         if self.ratio == 1 {
             self.refresh();
         }
         if let Some(faces) = &mut self.faces {
             faces.survey(self.tick, &mut self.blocks);
         }
-        (self.integrator).find_contacts(&mut self.blocks, self.free_bonds.as_ref(), who);
+        (self.integrator).find_contacts(&mut self.blocks, self.free_bonds.as_ref(), moving);
     }
 
     /// Applies external forces to each block.
-    fn surround(&mut self, substep: u32, who: Moving) -> Result<(), Fault> {
+    fn surround(&mut self, substep: u32, moving: Moving) -> Result<(), Fault> {
         let Some(external_forces) = &mut self.external_forces else {
             return Ok(());
         };
         let step = self.tick * u64::from(self.substeps) + u64::from(substep);
         external_forces.begin(self.tick, substep, step);
         let sinks = self.faces.as_mut().map(Faces::sinks).unwrap_or_default();
-        self.change(who, |external_forces, _, motion, span| {
+        self.change(moving, |external_forces, _, motion, span| {
             external_forces.act(motion, &sinks, span);
         })
     }
 
     /// Applies Brownian motion. It never breaks bonds: groups absorb it at any load.
-    fn shake(&mut self, who: Moving) -> Result<(), Fault> {
+    fn shake(&mut self, moving: Moving) -> Result<(), Fault> {
         let is_hot = self
             .external_forces
             .as_ref()
@@ -263,7 +263,7 @@ impl<I: Integrator> Stepper<I> {
         if !is_hot {
             return Ok(());
         }
-        self.change(who, |external_forces, id, motion, _| {
+        self.change(moving, |external_forces, id, motion, _| {
             external_forces.shake(id, motion);
         })?;
         if let Some(bonds) = &self.free_bonds {
@@ -275,13 +275,13 @@ impl<I: Integrator> Stepper<I> {
     /// Changes the motion of each moving block by `by`, in ascending order.
     fn change(
         &mut self,
-        who: Moving,
+        moving: Moving,
         mut by: impl FnMut(&mut ExternalForces, u32, &mut Motion, f64),
     ) -> Result<(), Fault> {
         let Some(external_forces) = &mut self.external_forces else {
             return Ok(());
         };
-        match who {
+        match moving {
             Moving::All => self.blocks.list_free(&mut self.free),
             Moving::Short => {
                 self.free.clear();
@@ -339,10 +339,10 @@ impl<I: Integrator> Stepper<I> {
         bonds.settle(&mut self.blocks, dt);
     }
 
-    fn advance(&mut self, substep: u32, who: Moving) -> Result<(), Fault> {
+    fn advance(&mut self, substep: u32, moving: Moving) -> Result<(), Fault> {
         let kicks = self.kicks.as_mut().filter(|_| substep == 0);
         let kicks = kicks.map(|(kicks, draws)| (&*kicks, draws.step(self.tick)));
-        (self.integrator).advance(&mut self.blocks, kicks, self.free_bonds.as_mut(), who)?;
+        (self.integrator).advance(&mut self.blocks, kicks, self.free_bonds.as_mut(), moving)?;
         self.stale = true;
         Ok(())
     }
@@ -435,7 +435,7 @@ impl<I: Integrator> Arena for Stepper<I> {
                 .and_then(|magnet| FreeBonds::new(magnet, response)),
             free: Vec::new(),
             nearby: Vec::new(),
-            doubtful: true,
+            unchecked: true,
             stale: true,
             blind: true,
             cells: CellCentres::new(plate),
@@ -454,7 +454,7 @@ impl<I: Integrator> Arena for Stepper<I> {
     fn set_state(&mut self, id: u32, state: &BodyState) {
         if self.blocks.is_free(id) {
             self.blocks.set_state(id, state);
-            self.doubtful = true;
+            self.unchecked = true;
             self.disturb();
         }
     }
@@ -558,7 +558,7 @@ impl<I: Integrator> World for Stepper<I> {
     }
 
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
-        if std::mem::take(&mut self.doubtful) {
+        if std::mem::take(&mut self.unchecked) {
             (0..self.count()).try_for_each(|id| self.integrator.check(&self.blocks, id))?;
         }
         for substep in 0..self.substeps {
@@ -566,13 +566,13 @@ impl<I: Integrator> World for Stepper<I> {
             if begins && self.ratio > 1 {
                 self.split();
             }
-            let who = if begins { Moving::All } else { Moving::Short };
-            self.survey(who);
-            self.surround(substep, who)?;
+            let moving = if begins { Moving::All } else { Moving::Short };
+            self.survey(moving);
+            self.surround(substep, moving)?;
             self.pull()?;
             self.settle();
-            self.shake(who)?;
-            self.advance(substep, who)?;
+            self.shake(moving)?;
+            self.advance(substep, moving)?;
             self.capture(substep, dockings);
             self.join(substep);
         }

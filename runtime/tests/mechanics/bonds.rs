@@ -249,7 +249,7 @@ fn every_face_of_a_planted_block_attracts<W: Arena>() {
 }
 
 /// Returns a world with a planted block, number 1, and another block before its east face.
-fn planted<W: Arena>(scene: &Scene, gap: f64) -> W {
+fn with_pair<W: Arena>(scene: &Scene, gap: f64) -> W {
     let blocks = [
         BodyState::at_rest(at(1.0 + gap, 0.0, 0.5)),
         BodyState::at_rest(at(0.0, 5.0, 5.0)),
@@ -264,7 +264,7 @@ fn a_rejected_block_leaves_with_the_impulse_and_may_come_back_later<W: Arena>() 
         body: Body::Free(1),
         face: Face::East,
     };
-    let mut world: W = planted(&reject(0.01, 0.028), 0.03);
+    let mut world: W = with_pair(&reject(0.01, 0.028), 0.03);
     let docked = dockings(&mut world, 1);
     assert_eq!(docked.len(), 1);
     assert_eq!((docked[0].site, docked[0].child), (east, 0));

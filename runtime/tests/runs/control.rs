@@ -17,7 +17,7 @@ use stochc_runtime::{RunError, drive};
 
 in_every_world!(a_seed_that_captures_nothing_attracts_as_well);
 
-fn go(_: u64, _: PhaseId) -> ControlFlow<()> {
+fn proceed(_: u64, _: PhaseId) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
@@ -32,7 +32,7 @@ fn shuffle(tables: &Tables, hop: Option<u32>, run: u64) -> (RunRecord, ShuffleWo
         Some(1000),
         5,
         run,
-        &mut go,
+        &mut proceed,
     );
     (record.expect("the run is not cancelled"), world)
 }
@@ -165,7 +165,7 @@ fn release(hop: Option<u32>) -> (RunRecord, ShuffleWorld, [RoleId; 4]) {
         Some(99),
         5,
         3,
-        &mut go,
+        &mut proceed,
     );
     (
         record.expect("the run is not cancelled"),
@@ -278,7 +278,7 @@ fn a_new_holder_knows_the_messages_of_the_last() {
         second,
         vec![(vec![Condition::Heard(news)], Action::AskRelease)],
     );
-    let gone = News::Released(x);
+    let released = News::Released(x);
     draft.start(
         a,
         second,
@@ -289,12 +289,15 @@ fn a_new_holder_knows_the_messages_of_the_last() {
             ),
             (
                 vec![Condition::Released(x)],
-                Action::Tell { to: b, news: gone },
+                Action::Tell {
+                    to: b,
+                    news: released,
+                },
             ),
         ],
     );
     let again = magnetize(face, x, cell(1, 1));
-    draft.start(b, second, vec![(vec![Condition::Heard(gone)], again)]);
+    draft.start(b, second, vec![(vec![Condition::Heard(released)], again)]);
     let next = magnetize(face, y, cell(1, 2));
     draft.anchored(x, second, vec![(vec![Condition::Heard(news)], next)]);
     draft.anchored(y, second, vec![at_once(Action::Report)]);
@@ -363,7 +366,7 @@ fn no_block_docks_into_an_occupied_cell() {
 fn a_run_ends_at_its_limit_or_when_it_is_cancelled() {
     let (tables, _) = chain(&SNAKE);
     let mut world = ShuffleWorld::new(&tables, 3, 0, 0);
-    let record = drive(&tables, None, &mut world, Some(40), 0, 0, &mut go)
+    let record = drive(&tables, None, &mut world, Some(40), 0, 0, &mut proceed)
         .expect("the run is not cancelled");
     let (phase, by) = (PhaseId(0), Limit::MaxTicks);
     assert_eq!(record.outcome, Outcome::TimedOut { phase, by });
@@ -395,7 +398,7 @@ fn an_unplanned_block_is_rejected_at_once() {
     let mut all = 0;
     for run in 0..200 {
         let mut world = ShuffleWorld::new(&tables, 30, 5, run).with_strays(0.5);
-        let record = drive(&tables, None, &mut world, Some(1000), 5, run, &mut go)
+        let record = drive(&tables, None, &mut world, Some(1000), 5, run, &mut proceed)
             .expect("the run is not cancelled");
         assert_eq!(record.outcome, Outcome::Completed);
         // The final structure equals the structure of the tables.
@@ -441,7 +444,7 @@ fn a_seed_that_captures_nothing_gets_strays_as_well() {
     let mut by = [0, 0];
     for run in 0..200 {
         let mut world = ShuffleWorld::new(&tables, 30, 5, run).with_strays(1.0);
-        let record = drive(&tables, None, &mut world, Some(1), 5, run, &mut go)
+        let record = drive(&tables, None, &mut world, Some(1), 5, run, &mut proceed)
             .expect("the run is not cancelled");
         by[0] += record
             .unplanned_bonds
@@ -482,14 +485,14 @@ fn a_seed_that_captures_nothing_attracts_as_well<W: Arena>() {
 fn a_stray_where_faces_are_switched_on_is_no_unplanned_bond() {
     let (tables, _) = chain(&SNAKE);
     let mut world = ShuffleWorld::new(&tables, 30, 5, 0).with_strays(0.5);
-    let record = drive(&tables, None, &mut world, Some(1000), 5, 0, &mut go)
+    let record = drive(&tables, None, &mut world, Some(1000), 5, 0, &mut proceed)
         .expect("the run is not cancelled");
     assert_eq!(record.outcome, Outcome::Completed);
     assert_eq!((record.unplanned, world.cells().len()), (0, SNAKE.len()));
 }
 
 /// Returns a chain whose first blocks are pre-attached, and the roles of all blocks.
-fn planted(by_hand: usize) -> (Tables, Vec<(RoleId, Cell)>) {
+fn pre_attached(count: usize) -> (Tables, Vec<(RoleId, Cell)>) {
     let mut draft = Draft::default();
     let (first, second) = (draft.phase(0), draft.phase(1));
     draft.plant(first);
@@ -499,7 +502,7 @@ fn planted(by_hand: usize) -> (Tables, Vec<(RoleId, Cell)>) {
         let (parent, child) = (roles[i].0, draft.role(&format!("T{}", i + 1)));
         cell = cell.across(face).expect("a short chain");
         let rules = vec![at_once(magnetize(face, child, cell))];
-        match (i < by_hand, i == 0 || i == by_hand) {
+        match (i < count, i == 0 || i == count) {
             (true, true) => draft.start(parent, first, rules),
             (true, false) => draft.anchored(parent, first, rules),
             (false, true) => draft.start(parent, second, rules),
@@ -514,7 +517,7 @@ fn planted(by_hand: usize) -> (Tables, Vec<(RoleId, Cell)>) {
 
 #[test]
 fn pre_attached_blocks_exist_at_tick_0() {
-    let (tables, roles) = planted(3);
+    let (tables, roles) = pre_attached(3);
     let mut world = ShuffleWorld::new(&tables, 9, 5, 1);
     let mut controller = Controller::new(&tables, None, 5, 1);
     controller.start(&mut world);
@@ -547,9 +550,9 @@ fn pre_attached_blocks_exist_at_tick_0() {
 
 #[test]
 fn without_a_block_to_attach_the_run_fails() {
-    let (tables, _) = planted(3);
+    let (tables, _) = pre_attached(3);
     let mut world = ShuffleWorld::new(&tables, 2, 5, 1);
-    let record = drive(&tables, None, &mut world, Some(1000), 5, 1, &mut go)
+    let record = drive(&tables, None, &mut world, Some(1000), 5, 1, &mut proceed)
         .expect("the run is not cancelled");
     let reason = "no free block is left to pre-attach as T3".to_owned();
     let phase = PhaseId(0);
@@ -570,7 +573,7 @@ fn lossy(hop: u32, loss: f64, run: u64) -> RunRecord {
         Some(5000),
         5,
         run,
-        &mut go,
+        &mut proceed,
     );
     record.expect("the run is not cancelled")
 }

@@ -121,12 +121,12 @@ fn unfinished_waits_are_finished_by_the_longer_run() {
             assert_eq!(stopped.outcome, Outcome::TimedOut { phase, by });
             let docked = whole.bonds.iter().filter(|bond| bond.docked <= limit);
             assert!(docked.eq(&stopped.bonds), "{limit}");
-            let mut under_way: Vec<_> = (whole.bonds.iter())
+            let mut running: Vec<_> = (whole.bonds.iter())
                 .filter(|bond| bond.magnetized <= limit && limit < bond.docked)
                 .collect();
-            under_way.sort_by_key(|bond| (bond.magnetized, bond.parent));
-            assert_eq!(under_way.len(), stopped.waiting.len(), "{limit}");
-            for (bond, wait) in under_way.into_iter().zip(&stopped.waiting) {
+            running.sort_by_key(|bond| (bond.magnetized, bond.parent));
+            assert_eq!(running.len(), stopped.waiting.len(), "{limit}");
+            for (bond, wait) in running.into_iter().zip(&stopped.waiting) {
                 let key = (bond.phase, bond.parent, bond.face, bond.child, bond.cell);
                 assert_eq!(
                     (wait.phase, wait.parent, wait.face, wait.child, wait.cell),
@@ -279,11 +279,11 @@ fn found_at_once<W: Arena>() {
         |state| state.spin.y = f64::INFINITY,
         |state| state.velocity.y = 1e6,
     ];
-    for spoil in spoils {
+    for corrupt in spoils {
         let mut world: W = world(&scene, &Settings::new(Model::Rapier, 1), &blocks);
         pass(&mut world, 3);
         let mut state = world.state(1);
-        spoil(&mut state);
+        corrupt(&mut state);
         world.set_state(1, &state);
         let fault = world
             .step(&mut Vec::new())

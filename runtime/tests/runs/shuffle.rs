@@ -76,11 +76,11 @@ impl Plain {
         if sites.is_empty() || free.is_empty() {
             return;
         }
-        let [which, who, how] = words;
+        let [which, which_block, how] = words;
         let pose = below(how, 24) as u8;
         let docking = Docking {
             site: sites[below(which, sites.len() as u32) as usize],
-            child: free[below(who, free.len() as u32) as usize],
+            child: free[below(which_block, free.len() as u32) as usize],
             child_face: Face::ALL[usize::from(pose / 4)],
             turn: pose % 4,
             entries: 1,
@@ -92,17 +92,17 @@ impl Plain {
 
     fn step(&mut self) -> Vec<Docking> {
         let mut dockings = Vec::new();
-        let [whether, which, who, how] = self.draws.step(self.tick).block(1);
+        let [whether, which, which_block, how] = self.draws.step(self.tick).block(1);
         if unit(whether) < self.strays {
-            self.dock_one(&self.exposed(), [which, who, how], &mut dockings);
+            self.dock_one(&self.exposed(), [which, which_block, how], &mut dockings);
         }
         let open = self.lattice.active().iter().copied();
         let open: Vec<_> = open
             .filter(|&site| self.lattice.target(site).is_some())
             .collect();
-        let [which, who, how, _] = self.draws.step(self.tick).block(0);
+        let [which, which_block, how, _] = self.draws.step(self.tick).block(0);
         self.tick += 1;
-        self.dock_one(&open, [which, who, how], &mut dockings);
+        self.dock_one(&open, [which, which_block, how], &mut dockings);
         dockings
     }
 }
@@ -219,9 +219,9 @@ impl Towers {
     )]
     fn time_per_event(&self) -> f64 {
         let settings = Settings::new(Model::Shuffle, 1);
-        let mut go = |_, _: PhaseId| ControlFlow::Continue(());
+        let mut proceed = |_, _: PhaseId| ControlFlow::Continue(());
         let start = Instant::now();
-        let record = run(&self.tables, &self.scene, &settings, 1, 0, &mut go);
+        let record = run(&self.tables, &self.scene, &settings, 1, 0, &mut proceed);
         let time = start.elapsed().as_secs_f64();
         let record = record.expect("the run is not cancelled");
         assert_eq!(record.outcome, Outcome::Completed);

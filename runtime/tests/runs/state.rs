@@ -36,7 +36,7 @@ struct Keeper {
     last: Option<u64>,
     begins_with: Option<Vec<u8>>,
     tick: u64,
-    kept: Vec<(u64, Vec<u8>)>,
+    saved: Vec<(u64, Vec<u8>)>,
 }
 
 impl Watch for Keeper {
@@ -48,20 +48,20 @@ impl Watch for Keeper {
         }
     }
 
-    fn kept(&mut self) -> Option<Box<dyn Read>> {
+    fn saved(&mut self) -> Option<Box<dyn Read>> {
         let state = self.begins_with.take()?;
         Some(Box::new(std::io::Cursor::new(state)))
     }
 
     fn wants_state(&mut self) -> bool {
-        let before = self.kept.last().map_or(0, |(tick, _)| *tick);
+        let before = self.saved.last().map_or(0, |(tick, _)| *tick);
         self.every > 0 && self.tick - before >= self.every
     }
 
     fn keep(&mut self, save: &mut Save<'_>) {
         let mut bytes = Vec::new();
         save(&mut StateWriter::new(&mut bytes)).expect("a checkpoint");
-        self.kept.push((self.tick, bytes));
+        self.saved.push((self.tick, bytes));
     }
 }
 
@@ -118,10 +118,13 @@ fn resumed_everywhere(of: &Executable, settings: &Settings, every: u64) -> usize
         every,
         ..Keeper::default()
     };
-    let (kept, _) = made(of, settings, &mut keeper).expect("the command starts");
-    assert_eq!(kept, whole, "{settings:?}: checkpoints change a run");
-    let states = keeper.kept.len();
-    for (tick, state) in keeper.kept {
+    let (with_checkpoints, _) = made(of, settings, &mut keeper).expect("the command starts");
+    assert_eq!(
+        with_checkpoints, whole,
+        "{settings:?}: checkpoints change a run"
+    );
+    let states = keeper.with_checkpoints.len();
+    for (tick, state) in keeper.with_checkpoints {
         let mut resumed = Keeper {
             begins_with: Some(state),
             ..Keeper::default()
@@ -252,12 +255,12 @@ fn invalid_states_are_rejected() {
         made(&program, &rigid(), &mut keeper),
         Err(RunError::Cancelled)
     ));
-    let (_, state) = keeper.kept.pop().expect("a checkpoint at tick 200");
+    let (_, state) = keeper.saved.pop().expect("a checkpoint at tick 200");
     let mut longer = state.clone();
     longer[7] = 0x7f;
-    for damaged in [&state[..state.len() / 2], &[], &longer] {
+    for corrupted in [&state[..state.len() / 2], &[], &longer] {
         let mut watch = Keeper {
-            begins_with: Some(damaged.to_vec()),
+            begins_with: Some(corrupted.to_vec()),
             ..Keeper::default()
         };
         let made = made(&program, &rigid(), &mut watch);

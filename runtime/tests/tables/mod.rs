@@ -33,14 +33,14 @@ impl Draft {
             name: format!("phase {}", self.phases.len()),
             timeout: None,
             reports,
-            planted: false,
+            pre_attached: false,
         });
         PhaseId(self.phases.len() as u32 - 1)
     }
 
     /// Marks the blocks of a phase as pre-attached.
     pub fn plant(&mut self, phase: PhaseId) {
-        self.phases[phase.0 as usize].planted = true;
+        self.phases[phase.0 as usize].pre_attached = true;
     }
 
     pub fn timeout(&mut self, phase: PhaseId, ticks: u64) {

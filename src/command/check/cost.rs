@@ -11,7 +11,7 @@ use stochc_text::{TextColumn, TextTable, paragraph};
 use stochc_text::{number, percent};
 
 use super::super::terminal::output_width;
-use crate::operations::rates::at_hand;
+use crate::operations::rates::matching;
 
 /// Returns a table of phases, and a table of the captures that dominate their durations. Returns an
 /// empty text without `--cost`.
@@ -41,7 +41,7 @@ pub fn cost_json(program: &Program, symbols: &Symbols, most: usize, rates: &[Rat
     };
     let plan = &program.plan;
     let phases = plan.phases.iter().zip(&cost.phases);
-    let phases = phases.filter(|(phase, _)| !phase.planted).map(|(phase, cost)| {
+    let phases = phases.filter(|(phase, _)| !phase.pre_attached).map(|(phase, cost)| {
         json!({ "name": phase.name, "depth": cost.depth, "width": cost.width, "times": cost.times })
     });
     let captures = cost.captures.iter().take(most).map(|it| {
@@ -65,7 +65,7 @@ pub fn cost_json(program: &Program, symbols: &Symbols, most: usize, rates: &[Rat
 /// Returns a line with the expected completion time of a program. Returns an empty text if it is
 /// unknown.
 pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
-    let rates = (program.scene.as_ref()).and_then(|scene| at_hand(rates, scene));
+    let rates = (program.scene.as_ref()).and_then(|scene| matching(rates, scene));
     let (true, Some(rates)) = (program.plan.events.len() <= MAX_ESTIMATED, rates) else {
         return String::new();
     };
@@ -153,7 +153,7 @@ type Figure = (&'static str, fn(&Times) -> Option<f64>);
 
 fn by_phase(program: &Program, cost: &Cost) -> TextTable {
     let phases = program.plan.phases.iter().zip(&cost.phases);
-    let phases: Vec<_> = phases.filter(|(phase, _)| !phase.planted).collect();
+    let phases: Vec<_> = phases.filter(|(phase, _)| !phase.pre_attached).collect();
     let figures = |header, of: &dyn Fn(&PhaseCost) -> u32| {
         let cells = phases.iter().map(|(_, cost)| of(cost).to_string());
         TextColumn::figures(header, cells.collect())

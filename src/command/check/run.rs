@@ -193,7 +193,7 @@ fn chains(program: &Program, checked: &Checked) -> String {
     let Some(order) = program.order.as_ref().filter(|_| plan.aggregate.is_none()) else {
         return String::new();
     };
-    let phases = || plan.phases.iter().filter(|phase| !phase.planted);
+    let phases = || plan.phases.iter().filter(|phase| !phase.pre_attached);
     let width = phases().map(|phase| phase.name.len()).max().unwrap_or(0);
     let total: usize = order
         .chains
@@ -202,7 +202,7 @@ fn chains(program: &Program, checked: &Checked) -> String {
         .sum();
     let mut out = format!("  longest serial chain (critical path), {total} in total:\n");
     let chains = plan.phases.iter().zip(&order.chains);
-    for (phase, chain) in chains.filter(|(phase, _)| !phase.planted) {
+    for (phase, chain) in chains.filter(|(phase, _)| !phase.pre_attached) {
         let describe = |at: usize| plan.describe(chain[at], &checked.symbols);
         let length = Order::length(plan, chain);
         let mut line = format!("    {:width$}  {length}: ", phase.name);

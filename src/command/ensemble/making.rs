@@ -90,7 +90,7 @@ pub fn run(
         checkpoints: options.checkpoints,
         threads: options.work.threads,
         has_warned_of_build: false,
-        goes_on: false,
+        continues: false,
         figures: &ensemble.figures,
         watch: options.watch,
         time_limit: None,

@@ -61,7 +61,7 @@ fn text(status: &ShardStatus, folder: &str) -> String {
     for &number in others.clone().take(SHOWN) {
         text += &match &status.states[number as usize] {
             ShardState::Begun { runs } => format!("shard {number} is begun: {runs} runs\n"),
-            ShardState::Damaged { reason } | ShardState::Foreign { reason } => {
+            ShardState::Corrupted { reason } | ShardState::Foreign { reason } => {
                 format!("shard {number} {reason}\n")
             }
             ShardState::Whole | ShardState::Missing => String::new(),
@@ -79,7 +79,7 @@ fn text(status: &ShardStatus, folder: &str) -> String {
     let is_wrong = |state: &ShardState| {
         matches!(
             state,
-            ShardState::Damaged { .. } | ShardState::Foreign { .. }
+            ShardState::Corrupted { .. } | ShardState::Foreign { .. }
         )
     };
     if status.states.iter().any(is_wrong) {

@@ -5,9 +5,9 @@ use std::path::Path;
 use stochc_results::EnsembleProgram;
 
 use super::super::chosen_run::choose;
-use super::super::kept_text::KeptText;
 use super::super::programs::verdict;
 use super::super::results::read;
+use super::super::stored_source::StoredSource;
 use super::goal::placed;
 use super::not_planned::NotPlanned;
 use super::not_planned::refused;
@@ -75,7 +75,7 @@ pub fn goal(options: &PlanOptions<'_>, end: &RunEnd<'_>, host: &dyn Host) -> Res
             }
         )));
     }
-    let text = KeptText::as_written(entry);
+    let text = StoredSource::as_written(entry);
     let program = text.same_program().ok_or_else(|| {
         Failure::usage(format!(
             "`{}` does not hold the text of the program, or this version compiles it otherwise",

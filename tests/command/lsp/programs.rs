@@ -205,7 +205,7 @@ fn hover_shows_aggregates_and_pre_attached_blocks() {
             "A }",
             [
                 "**`A`**, block of `hook`",
-                "- attached by hand to `P.up` at (0, 0, 1), depth 1",
+                "- pre-attached to `P.up` at (0, 0, 1), depth 1",
             ],
         ),
         (
@@ -459,8 +459,8 @@ fn a_typo_is_fixed_by_a_code_action() {
     assert_eq!(actions.len(), 1, "{answer}");
     assert_eq!(actions[0]["kind"], "quickfix");
     assert_eq!(actions[0]["diagnostics"][0], found[0]);
-    let mended = edited(text, &actions[0]["edit"]["changes"][URI]);
-    assert_eq!(mended, text.replace("hemispher ", "hemisphere "));
+    let fixed = edited(text, &actions[0]["edit"]["changes"][URI]);
+    assert_eq!(fixed, text.replace("hemispher ", "hemisphere "));
     let elsewhere = place(URI, text, "phase", 0)["position"].clone();
     let answer = client.ask(
         "textDocument/codeAction",

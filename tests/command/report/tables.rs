@@ -217,9 +217,9 @@ fn censored_runs_have_equal_waits_in_every_table() {
     // The number of unfinished waits equals the number of faces that were on when runs were
     // stopped.
     let rows = table(&out, "runs.parquet", name);
-    let under_way: u64 = rows.iter().map(|row| whole(&row["under_way"])).sum();
-    assert!(under_way >= 6, "{under_way}");
-    assert_eq!(stopped as u64, under_way);
+    let running: u64 = rows.iter().map(|row| whole(&row["under_way"])).sum();
+    assert!(running >= 6, "{running}");
+    assert_eq!(stopped as u64, running);
 }
 
 /// Checks critical paths of runs without physics, which have every order of events and all kinds of

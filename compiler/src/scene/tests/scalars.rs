@@ -180,7 +180,7 @@ fn names_and_ranges_match_the_language() {
         let scene = text.scene().unwrap();
         for scalar in scalars(&scene) {
             let name = scalar.name();
-            let kept = text.tree.clone();
+            let original = text.tree.clone();
             for value in PROBES {
                 if text.write(name, value).is_none() {
                     // Only parameters with a default may be missing in the source.
@@ -206,7 +206,7 @@ fn names_and_ranges_match_the_language() {
                         assert_eq!(scalar.get(&set), Some(value), "{name}");
                     }
                 }
-                text.tree = kept.clone();
+                text.tree = original.clone();
             }
         }
     }

@@ -6,7 +6,7 @@ use proptest::test_runner::{Config, TestCaseError, TestRunner};
 use stochc_compiler::Checked;
 use stochc_compiler::diagnostic::Code;
 
-use super::{checked, mend};
+use super::{apply_fixes, checked};
 use crate::random::declare;
 
 /// Number of mistakes. They are the same in every run.
@@ -111,7 +111,7 @@ fn errors(checked: &Checked) -> BTreeMap<Code, usize> {
 
 /// Checks that `--fix` makes a text no worse. Returns whether it has changed the text.
 fn only_betters(wrong: &str) -> Result<bool, TestCaseError> {
-    let once = mend(wrong);
+    let once = apply_fixes(wrong);
     let left = checked(&once.text);
     if once.changes == 0 {
         prop_assert_eq!(&*once.text, wrong);
@@ -132,7 +132,13 @@ fn only_betters(wrong: &str) -> Result<bool, TestCaseError> {
             )
         };
         prop_assert!(size(&left) < size(&once.before));
-        prop_assert_eq!(mend(&once.text).changes, 0, "{}\nto\n{}", wrong, once.text);
+        prop_assert_eq!(
+            apply_fixes(&once.text).changes,
+            0,
+            "{}\nto\n{}",
+            wrong,
+            once.text
+        );
     }
     let is_safe = |fix: &stochc_compiler::diagnostic::Fix| fix.safe;
     let has_left = left
@@ -164,22 +170,22 @@ fn any_typo_is_fixed_or_left_alone() {
         config,
         prop::test_runner::TestRng::deterministic_rng(prop::test_runner::RngAlgorithm::ChaCha),
     );
-    let mended = std::cell::Cell::new(0u32);
+    let fixed = std::cell::Cell::new(0u32);
     let outcome = runner.run(&cases_of, |(which, choices, token, slip)| {
         let text = match programs.get(which) {
             Some(text) => text.clone(),
             None => declare(choices, 1).text,
         };
         let wrong = slipped(&text, token.index(tokens(&text).len()), slip);
-        mended.set(mended.get() + u32::from(only_betters(&wrong)?));
+        fixed.set(fixed.get() + u32::from(only_betters(&wrong)?));
         Ok(())
     });
     if let Err(error) = outcome {
         panic!("{error}");
     }
     // Most mistakes are ambiguous, but some are not.
-    println!("{} of {SLIPS} slips are fixed", mended.get());
-    assert!(mended.get() > SLIPS / 50);
+    println!("{} of {SLIPS} slips are fixed", fixed.get());
+    assert!(fixed.get() > SLIPS / 50);
 }
 
 /// Returns the positions of a brace in a text, outside of comments.
@@ -225,8 +231,8 @@ fn a_missing_opening_brace_is_the_only_diagnostic() {
                 .map(|it| it.code)
                 .collect();
             assert_eq!(codes, [Code::MissingBrace], "{wrong}");
-            let mended = mend(&wrong).text;
-            assert_eq!(without_blanks(&mended), without_blanks(&right), "{wrong}");
+            let fixed = apply_fixes(&wrong).text;
+            assert_eq!(without_blanks(&fixed), without_blanks(&right), "{wrong}");
         }
     }
     assert!(tried > 300, "{tried}");

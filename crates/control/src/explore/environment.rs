@@ -20,7 +20,7 @@ pub(super) struct StateEnvironment<'a> {
     /// First block number without a role.
     pub first_stray: u32,
     pub lattice: &'a mut Lattice,
-    pub under_way: &'a mut Vec<InTransit>,
+    pub in_transit: &'a mut Vec<InTransit>,
     pub channels: &'a mut Channels,
     pub done: &'a mut PhaseProgress,
     pub effects: &'a mut Effects,
@@ -80,20 +80,20 @@ impl Environment for StateEnvironment<'_> {
             is_taken: false,
             is_waiting: false,
         };
-        let i = self.under_way.partition_point(|other| *other <= transit);
-        self.under_way.insert(i, transit);
+        let i = self.in_transit.partition_point(|other| *other <= transit);
+        self.in_transit.insert(i, transit);
         self.effects.sent.push((from, message));
     }
 
-    fn recall(&mut self, gone: Body, _unreceived: u32) -> Recalled {
-        let touches = |transit: &mut InTransit| transit.from == gone || transit.to == gone;
-        let transits: Vec<InTransit> = self.under_way.extract_if(.., touches).collect();
+    fn recall(&mut self, left: Body, _unreceived: u32) -> Recalled {
+        let touches = |transit: &mut InTransit| transit.from == left || transit.to == left;
+        let transits: Vec<InTransit> = self.in_transit.extract_if(.., touches).collect();
         if self.faults.lost > 0 && self.faults.sent_again {
-            return self.channels.close(gone);
+            return self.channels.close(left);
         }
         let mut recalled = Recalled::default();
         for transit in transits {
-            if transit.to == gone {
+            if transit.to == left {
                 recalled.to.push(transit.message);
             } else {
                 recalled.from.push(transit.message);
@@ -103,7 +103,7 @@ impl Environment for StateEnvironment<'_> {
     }
 
     fn clear_messages(&mut self) {
-        self.under_way.clear();
+        self.in_transit.clear();
         self.channels.clear();
     }
 

@@ -108,7 +108,7 @@ struct Forecast<'a, 't> {
     anchored: RoleSet,
     asked: RoleSet,
     docked: RoleSet,
-    gone: RoleSet,
+    released_roles: RoleSet,
     heard: BTreeSet<(RoleId, News)>,
     future: Future,
 }
@@ -134,7 +134,7 @@ impl Future {
             anchored: none(),
             asked: none(),
             docked: none(),
-            gone: none(),
+            released_roles: none(),
             heard: BTreeSet::new(),
             future: Future {
                 reports: state.structure.reports(),
@@ -173,7 +173,7 @@ impl<'t> Forecast<'_, 't> {
                 match *condition {
                     Condition::Docked(role) => self.docked.insert(role),
                     Condition::Asked(role) => self.asked.insert(role),
-                    Condition::Released(role) => self.gone.insert(role),
+                    Condition::Released(role) => self.released_roles.insert(role),
                     Condition::Heard(news) => self.hear(block.role(), news),
                     Condition::Turn(_) => false,
                 };
@@ -191,7 +191,7 @@ impl<'t> Forecast<'_, 't> {
                 }
             }
         }
-        for transit in &state.under_way {
+        for transit in &state.in_transit {
             let is_without = without
                 .iter()
                 .any(|transition| transition.transit() == Some(*transit));
@@ -229,7 +229,7 @@ impl<'t> Forecast<'_, 't> {
         match condition {
             Condition::Docked(child) => self.docked.contains(child),
             Condition::Asked(child) => self.asked.contains(child),
-            Condition::Released(child) => self.gone.contains(child),
+            Condition::Released(child) => self.released_roles.contains(child),
             Condition::Heard(news) => self.heard.contains(&(role, news)),
             // A turn is more than a single observation.
             Condition::Turn(_) => false,
@@ -248,7 +248,7 @@ impl<'t> Forecast<'_, 't> {
                 (self.captors).add_lineage(self.state, role, &mut self.future.touched);
             }
             Action::SwitchOff { child, .. } => {
-                self.gone.insert(child);
+                self.released_roles.insert(child);
                 self.future.events.insert(News::Released(child));
                 for role in [role, child] {
                     self.future.released.insert(role);

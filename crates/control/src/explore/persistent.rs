@@ -226,8 +226,8 @@ impl<'t> PersistentSets<'t> {
             .closed
             .iter()
             .filter_map(|site| state.role(site.body));
-        let gone = effects.released.iter().flat_map(|&(by, role)| [by, role]);
-        for role in closing.chain(gone) {
+        let freed = effects.released.iter().flat_map(|&(by, role)| [by, role]);
+        for role in closing.chain(freed) {
             released.insert(role);
             touched.insert(role);
         }

@@ -111,14 +111,14 @@ fn draw(
     context: &ExplorationContext<'_>,
     choose: &mut impl FnMut(u32, u32) -> u32,
 ) -> (Option<Transition>, u64) {
-    let (transits, faces) = (state.under_way.len(), state.lattice.active().len());
+    let (transits, faces) = (state.in_transit.len(), state.lattice.active().len());
     let all = (transits + faces) as u32;
     let is_plain = context.faults.is_none() && context.reach.is_none();
     // Most open faces and messages are enabled, so rejection sampling is cheaper than listing all.
     if is_plain && all > 0 && !state.structure.is_phase_reported() {
         for attempt in 0..ATTEMPTS {
             let i = choose(attempt, all) as usize;
-            if let Some(&transit) = state.under_way.get(i) {
+            if let Some(&transit) = state.in_transit.get(i) {
                 return (Some(Transition::Arrive(transit)), 1);
             }
             let site = state.lattice.active().iter().nth(i - transits);

@@ -19,7 +19,7 @@ pub(super) struct ProgramState<'t> {
     pub structure: Structure<'t>,
     pub lattice: Lattice,
     /// Messages in transit, sorted.
-    pub under_way: Vec<InTransit>,
+    pub in_transit: Vec<InTransit>,
     /// Transfer numbers, if transfers may be lost. Comparisons ignore them, because the transits
     /// contain their meaning.
     pub channels: Ignored<Channels>,
@@ -35,7 +35,7 @@ impl<'t> ProgramState<'t> {
         let mut state = ProgramState {
             structure: Structure::new(context.tables),
             lattice: Lattice::default(),
-            under_way: Vec::new(),
+            in_transit: Vec::new(),
             channels: Ignored(Channels::default()),
             done: PhaseProgress::default(),
             strayed: BTreeSet::new(),
@@ -100,8 +100,8 @@ impl<'t> ProgramState<'t> {
         if self.is_complete() {
             return transitions;
         }
-        for (i, &transit) in self.under_way.iter().enumerate() {
-            if i > 0 && self.under_way[i - 1] == transit {
+        for (i, &transit) in self.in_transit.iter().enumerate() {
+            if i > 0 && self.in_transit[i - 1] == transit {
                 continue;
             }
             if transit.is_waiting {
@@ -265,14 +265,14 @@ impl<'t> ProgramState<'t> {
     }
 
     fn remove(&mut self, transit: &InTransit) {
-        if let Ok(i) = self.under_way.binary_search(transit) {
-            self.under_way.remove(i);
+        if let Ok(i) = self.in_transit.binary_search(transit) {
+            self.in_transit.remove(i);
         }
     }
 
     fn insert(&mut self, transit: InTransit) {
-        let i = self.under_way.partition_point(|other| *other <= transit);
-        self.under_way.insert(i, transit);
+        let i = self.in_transit.partition_point(|other| *other <= transit);
+        self.in_transit.insert(i, transit);
     }
 
     /// Captures a block at an open face. The block gets the number of its role, so that equal
@@ -323,7 +323,7 @@ impl<'t> ProgramState<'t> {
             faults: context.faults,
             first_stray: context.first_stray(),
             lattice: &mut self.lattice,
-            under_way: &mut self.under_way,
+            in_transit: &mut self.in_transit,
             channels: &mut self.channels.0,
             done: &mut self.done,
             effects: &mut effects,
@@ -353,7 +353,7 @@ impl<'t> ProgramState<'t> {
     /// Returns the approximate size of the state \[bytes\].
     pub fn weight(&self) -> usize {
         let of = std::mem::size_of::<ProgramState<'_>>();
-        of + self.structure.count() * 512 + self.under_way.len() * std::mem::size_of::<InTransit>()
+        of + self.structure.count() * 512 + self.in_transit.len() * std::mem::size_of::<InTransit>()
     }
 }
 

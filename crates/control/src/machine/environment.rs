@@ -33,7 +33,7 @@ pub trait Environment {
 
     /// Removes all messages in transit between a block that is being released and its neighbours.
     /// `unreceived` is the number of these messages, as counted by the structure.
-    fn recall(&mut self, gone: Body, unreceived: u32) -> Recalled;
+    fn recall(&mut self, left: Body, unreceived: u32) -> Recalled;
 
     /// Discards all messages in transit.
     fn clear_messages(&mut self);

@@ -120,7 +120,7 @@ impl<'t, M: Copy> Structure<'t, M> {
     /// Returns whether the running phase consists of pre-attached blocks.
     pub fn is_planting(&self) -> bool {
         let phase = self.tables.phases.get(self.phase as usize);
-        phase.is_some_and(|phase| phase.planted)
+        phase.is_some_and(|phase| phase.pre_attached)
     }
 
     /// Removes the next face that needs a pre-attached block. Returns it with the block's role.
@@ -357,7 +357,7 @@ impl<'t, M: Copy> Structure<'t, M> {
             }
             Action::SwitchOff { face, child } => {
                 let own = block.orientation.to_own(face);
-                self.let_go(at, own, child, environment);
+                self.release_block(at, own, child, environment);
             }
             action => self.send_message(at, rule, action, environment),
         }
@@ -398,7 +398,7 @@ impl<'t, M: Copy> Structure<'t, M> {
     ///
     /// Before that, the parent takes over all messages in transit between them, and the child's
     /// received and kept messages. It keeps them for the next holders of their roles.
-    fn let_go(
+    fn release_block(
         &mut self,
         at: BlockSlot,
         own: Face,
@@ -410,12 +410,12 @@ impl<'t, M: Copy> Structure<'t, M> {
             block.see(Condition::Released(child));
             (block.body, block.role, block.release(child))
         });
-        let Some((body, by, gone)) = released else {
+        let Some((body, by, left_slot)) = released else {
             return;
         };
         environment.switch_off(BlockFace { body, face: own });
-        let Some(gone) = gone else { return };
-        for message in self.forget(by, gone, environment) {
+        let Some(left_slot) = left_slot else { return };
+        for message in self.forget(by, left_slot, environment) {
             self.forward(at, message, environment);
         }
     }
@@ -424,11 +424,11 @@ impl<'t, M: Copy> Structure<'t, M> {
     fn forget(
         &mut self,
         by: RoleId,
-        gone: BlockSlot,
+        left_slot: BlockSlot,
         environment: &mut impl Environment<Mark = M>,
     ) -> Vec<Message> {
         let mut left = Vec::new();
-        let mut going: SmallVec<[_; 4]> = smallvec![(by, gone)];
+        let mut going: SmallVec<[_; 4]> = smallvec![(by, left_slot)];
         while let Some((by, slot)) = going.pop() {
             let Some(block) = self.slots.get(slot) else {
                 continue;

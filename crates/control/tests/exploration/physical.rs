@@ -53,7 +53,7 @@ fn a_permanent_unplanned_bond_is_found() {
 #[test]
 fn pre_attached_blocks_exist_before_the_first_event() {
     for tables in tables_of("tests/fixtures/attached.sa") {
-        assert!(tables.phases[0].planted);
+        assert!(tables.phases[0].pre_attached);
         assert_eq!(explore(&tables).verdict, ExplorationVerdict::Holds);
         // The first possible event is the first capture of the first ordinary phase.
         let mut early = tables.clone();

@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use super::steps::Step;
 
 /// Mark of an event that waited for no other event of its phase.
-pub const NOBODY: u32 = u32::MAX;
+pub const NO_BLOCK: u32 = u32::MAX;
 
 /// Event times of a program in one random sample.
 pub struct DrawnTimes {
@@ -12,7 +12,7 @@ pub struct DrawnTimes {
     pub starts: Vec<f64>,
     /// Time of each event \[ticks\]. Infinite if it has not happened.
     pub ends: Vec<f64>,
-    /// For each event, the event of its phase that it waited for last. [`NOBODY`] if none.
+    /// For each event, the event of its phase that it waited for last. [`NO_BLOCK`] if none.
     pub last: Vec<u32>,
     /// For each release, whether a face nearby has captured the released block.
     pub is_taken: Vec<bool>,
@@ -24,7 +24,7 @@ impl DrawnTimes {
         DrawnTimes {
             starts: vec![0.0; events],
             ends: vec![f64::INFINITY; events],
-            last: vec![NOBODY; events],
+            last: vec![NO_BLOCK; events],
             is_taken: vec![false; events],
         }
     }
@@ -44,7 +44,7 @@ impl DrawnTimes {
     /// happened. The phase starts at `began`.
     pub fn begin(&mut self, step: &Step, began: f64, rng: &mut ChaCha8Rng) -> f64 {
         let messages = step.messages.as_deref();
-        let mut start = (began, NOBODY);
+        let mut start = (began, NO_BLOCK);
         for (i, &event) in step.before.iter().enumerate() {
             let end = self.ends[event as usize];
             let heard = messages.map_or(end, |it| it.heard(i, end, &self.ends, rng));

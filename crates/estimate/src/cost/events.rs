@@ -79,8 +79,8 @@ impl<'a> Events<'a> {
     }
 
     /// Returns whether the blocks of a phase are pre-attached.
-    pub fn is_planted(&self, phase: PhaseId) -> bool {
-        self.parts.tables.phases[phase.0 as usize].planted
+    pub fn is_pre_attached(&self, phase: PhaseId) -> bool {
+        self.parts.tables.phases[phase.0 as usize].pre_attached
     }
 
     /// Returns whether an event is a capture.
@@ -99,7 +99,7 @@ impl<'a> Events<'a> {
     pub fn shapes(&self) -> Vec<PhaseCost> {
         let shape = |phase| {
             let mut counts = vec![0; 1];
-            if !self.is_planted(phase) {
+            if !self.is_pre_attached(phase) {
                 for id in self
                     .parts
                     .graph

@@ -120,12 +120,12 @@ impl<'a> MessageTimes<'a> {
         let count = graph.events.len();
         let mut is_followed = vec![false; count];
         for edge in graph.edges() {
-            let goes_on = if events.is_capture(edge.first) {
+            let expected = if events.is_capture(edge.first) {
                 Dependency::Anchored
             } else {
                 Dependency::Emptied
             };
-            is_followed[edge.first.0 as usize] |= edge.why == goes_on;
+            is_followed[edge.first.0 as usize] |= edge.why == expected;
         }
         let mut times = MessageTimes {
             events,
@@ -215,8 +215,8 @@ impl<'a> MessageTimes<'a> {
     fn path(&self, from: Block, to: Block, phase: PhaseId) -> MessagePath {
         let common = self.common(from, to);
         let hops = self.depth(from) + self.depth(to) - 2 * self.depth(common);
-        let on_the_way = std::iter::successors(to, |&id| self.parent(id));
-        let mut handed_to: Vec<u32> = on_the_way
+        let on_path = std::iter::successors(to, |&id| self.parent(id));
+        let mut handed_to: Vec<u32> = on_path
             .take_while(|&id| {
                 Some(id) != common && self.events.parts.graph.event(id).phase == phase
             })

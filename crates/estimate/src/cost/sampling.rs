@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use stochc_ir::{Cell, Draw};
 
-use super::drawn_times::{DrawnTimes, NOBODY};
+use super::drawn_times::{DrawnTimes, NO_BLOCK};
 use super::events::Events;
 use super::exponential::exponential;
 use super::scarcity::ScarceBlocks;
@@ -94,7 +94,7 @@ pub fn sample(
                 Some(timed) => timed.draw(total, &mut drawn, &mut rng),
                 None => draw_in_order(steps, waits, total, &mut drawn, &mut rng),
             }
-            let mut latest = (total, NOBODY);
+            let mut latest = (total, NO_BLOCK);
             for step in steps {
                 let event = step.event;
                 let (start, end) = (drawn.starts[event as usize], drawn.ends[event as usize]);
@@ -108,9 +108,9 @@ pub fn sample(
             // After a timeout, the event on the critical path counts until the timeout.
             let stop = total + timeout;
             let mut at = latest.1;
-            while at != NOBODY {
+            while at != NO_BLOCK {
                 let before = drawn.last[at as usize];
-                let since = if before == NOBODY {
+                let since = if before == NO_BLOCK {
                     total
                 } else {
                     drawn.ends[before as usize]

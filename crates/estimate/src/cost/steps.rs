@@ -33,7 +33,7 @@ impl Events<'_> {
             let needed = graph.waits_for(id).iter().filter(|edge| !edge.unneeded);
             let needed: Vec<&Edge> = needed.collect();
             // Pre-attached blocks need no messages.
-            let messages = messages.as_ref().filter(|_| !self.is_planted(phase));
+            let messages = messages.as_ref().filter(|_| !self.is_pre_attached(phase));
             steps[phase.0 as usize].push(Step {
                 event: id.0,
                 messages: messages.map(|it| Box::new(it.of_event(id, &needed))),

@@ -53,7 +53,7 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
         let depth = captures().map(|(event, _)| event.level).max().unwrap_or(0);
         let beside = captures().count() as f64 - f64::from(depth);
         let is_scarce = beside > MANY * (f64::from(count) - before as f64);
-        for (event, way) in captures().filter(|_| !all.is_planted(phase)) {
+        for (event, way) in captures().filter(|_| !all.is_pre_attached(phase)) {
             let &PhaseEvent { cell, level, .. } = event;
             // Half of the blocks of the same level count as captured.
             let mates = bound[level as usize + 1] - bound[level as usize] - 1;
@@ -85,7 +85,7 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
         }
         occupancy.end(&events);
         before = bound.last().copied().unwrap_or(before);
-        cold &= all.is_planted(phase) || events.is_empty();
+        cold &= all.is_pre_attached(phase) || events.is_empty();
     }
     waits
 }

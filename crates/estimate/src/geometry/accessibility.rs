@@ -33,7 +33,7 @@ type Points = [u64; WORDS];
 type Blockers = Vec<([i32; 3], Points)>;
 
 /// Capacity of the cache.
-const KEPT: usize = 1 << 16;
+const MAX_CACHED: usize = 1 << 16;
 
 thread_local! {
     /// Cache of results, because the same surroundings occur often.
@@ -47,7 +47,7 @@ thread_local! {
 pub(crate) fn unobstructed(way: Face, around: Neighbourhood) -> f64 {
     let around = around.within(in_reach(way));
     KNOWN.with_borrow_mut(|known| {
-        if known.len() >= KEPT {
+        if known.len() >= MAX_CACHED {
             known.clear();
         }
         *(known.entry((way, around))).or_insert_with(|| left_open(way, around))

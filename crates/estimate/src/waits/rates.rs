@@ -334,8 +334,8 @@ mod tests {
 
     #[test]
     fn rejects_impossible_values() {
-        let sound = Rates::from_text(BUILT_IN[0]).expect("it is sound");
-        let spoilt: [fn(&mut Rates); 6] = [
+        let valid = Rates::from_text(BUILT_IN[0]).expect("it is sound");
+        let corrupted: [fn(&mut Rates); 6] = [
             |rates| rates.format += 1,
             |rates| rates.parameters.0[3] = 1e300,
             |rates| rates.profile.clear(),
@@ -343,9 +343,9 @@ mod tests {
             |rates| rates.covariance.truncate(7),
             |rates| rates.head_starts[0].probability = 1.5,
         ];
-        for spoil in spoilt {
-            let mut rates = sound.clone();
-            spoil(&mut rates);
+        for corrupt in corrupted {
+            let mut rates = valid.clone();
+            corrupt(&mut rates);
             assert!(Rates::from_text(&rates.to_text()).is_err());
         }
     }

@@ -357,7 +357,7 @@ impl ProgramTally {
         drop(times);
         // Pre-attached blocks take no time.
         let phases = program.phases().iter().enumerate();
-        let waited = |(i, _): &(usize, _)| !program.is_planted(PhaseId(*i as u32));
+        let waited = |(i, _): &(usize, _)| !program.is_pre_attached(PhaseId(*i as u32));
         let phases: Vec<_> = phases.filter(waited).collect();
         let known = self.completed + self.timed_out + self.censored;
         ProgramSummary {

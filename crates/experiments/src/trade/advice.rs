@@ -11,14 +11,14 @@ pub(super) fn advice(trade: &Trade) -> String {
             .to_owned();
     };
     let mut sentences = Vec::new();
-    let doubt = match known.convergence {
+    let problem = match known.convergence {
         Convergence::Converged => None,
         Convergence::Undecided => Some("is not known to have converged"),
         Convergence::NotConverged => Some("has not converged"),
     };
-    if let Some(doubt) = doubt {
+    if let Some(problem) = problem {
         sentences.push(format!(
-            "The reference, `{}`, {doubt}: biases are relative to it, not to the limit of small steps.",
+            "The reference, `{}`, {problem}: biases are relative to it, not to the limit of small steps.",
             reference.options
         ));
     }

@@ -24,7 +24,7 @@ pub enum Verdict {
     /// The difference is not significant at the reference.
     Unordered,
     /// The order is the same as at the reference, and significant.
-    Kept,
+    Preserved,
     /// The difference is significant only at the reference.
     Unclear,
     /// The order is significantly reversed: the settings give a wrong conclusion.
@@ -73,7 +73,7 @@ impl<'a> Orders<'a> {
                 verdict: match (truth, found) {
                     (Longer::NotSignificant, _) => Verdict::Unordered,
                     (_, Longer::NotSignificant) => Verdict::Unclear,
-                    (truth, found) if truth == found => Verdict::Kept,
+                    (truth, found) if truth == found => Verdict::Preserved,
                     _ => Verdict::Reversed,
                 },
             })
@@ -100,14 +100,14 @@ mod tests {
             let ranked = ranked.iter().map(|it| (it.first, it.second, it.verdict));
             ranked.collect::<Vec<_>>()
         };
-        use Verdict::{Kept, Reversed, Unclear, Unordered};
+        use Verdict::{Preserved, Reversed, Unclear, Unordered};
         assert_eq!(
             verdicts([First, First, NotSignificant], [First, First, Second]),
-            [(1, 0, Kept), (2, 0, Kept), (1, 2, Unordered)]
+            [(1, 0, Preserved), (2, 0, Preserved), (1, 2, Unordered)]
         );
         assert_eq!(
             verdicts([First, Second, First], [Second, NotSignificant, First]),
-            [(1, 0, Reversed), (0, 2, Unclear), (2, 1, Kept)]
+            [(1, 0, Reversed), (0, 2, Unclear), (2, 1, Preserved)]
         );
         // Program `b` was not run with the candidate's settings.
         let orders = Orders([(("a", "b"), First)].into());

@@ -20,8 +20,8 @@ pub fn graph_json<'a>(graph: &'a EventGraph, tables: &'a Tables) -> Json<'a> {
                 ("events", Json::list(events)),
                 ("longest_chain", Json::each(chain, |id| id.0.into())),
             ];
-            if phase.planted {
-                fields.push(("planted", true.into()));
+            if phase.pre_attached {
+                fields.push(("pre_attached", true.into()));
             }
             Json::object(fields)
         })

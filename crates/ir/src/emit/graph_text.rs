@@ -16,12 +16,12 @@ fn write_graph(out: &mut Formatter<'_>, graph: &EventGraph, tables: &Tables) -> 
     }
     writeln!(out, "assembly {}", tables.assembly)?;
     for ((number, phase), chain) in (0..).zip(&tables.phases).zip(&graph.chains) {
-        let planted = if phase.planted {
-            ", attached by hand"
+        let pre_attached = if phase.pre_attached {
+            ", pre-attached"
         } else {
             ""
         };
-        writeln!(out, "\nphase {}{planted}", phase.name)?;
+        writeln!(out, "\nphase {}{pre_attached}", phase.name)?;
         for id in graph.events_of(PhaseId(number)) {
             writeln!(out, "    {}", graph.describe(id, tables))?;
             for edge in graph.waits_for(id) {
@@ -29,7 +29,7 @@ fn write_graph(out: &mut Formatter<'_>, graph: &EventGraph, tables: &Tables) -> 
                 writeln!(out, "        {}: {first}", label(edge.why))?;
             }
         }
-        if phase.planted {
+        if phase.pre_attached {
             continue;
         }
         writeln!(

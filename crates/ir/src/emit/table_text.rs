@@ -35,10 +35,10 @@ fn write_tables(out: &mut Formatter<'_>, tables: &Tables) -> fmt::Result {
     }
     out.write_char('\n')?;
     for phase in &tables.phases {
-        if phase.planted {
+        if phase.pre_attached {
             writeln!(
                 out,
-                "phase {}: attached by hand, before the first tick",
+                "phase {}: pre-attached, before the first tick",
                 phase.name
             )?;
             continue;

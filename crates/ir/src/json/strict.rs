@@ -9,7 +9,7 @@ use serde_json::de::SliceRead;
 #[derive(Debug)]
 pub enum StrictJsonError {
     /// The text is invalid JSON, or has another type.
-    Damaged(serde_json::Error),
+    Corrupted(serde_json::Error),
     /// The text has an unknown field, such as `programs.0.tables.fases`, which is probably an
     /// error.
     UnknownField(String),
@@ -28,7 +28,7 @@ pub fn strict_json<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, StrictJ
     });
     let value = value.and_then(|value| json.end().map(|()| value));
     match (value, unknown) {
-        (Err(error), _) => Err(StrictJsonError::Damaged(error)),
+        (Err(error), _) => Err(StrictJsonError::Corrupted(error)),
         (Ok(_), Some(path)) => Err(StrictJsonError::UnknownField(path)),
         (Ok(value), None) => Ok(value),
     }
@@ -37,7 +37,7 @@ pub fn strict_json<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, StrictJ
 impl fmt::Display for StrictJsonError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            StrictJsonError::Damaged(error) => error.fmt(f),
+            StrictJsonError::Corrupted(error) => error.fmt(f),
             StrictJsonError::UnknownField(path) => {
                 write!(f, "nothing is known of its field `{path}`")
             }

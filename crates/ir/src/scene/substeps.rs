@@ -43,7 +43,7 @@ impl Substeps {
 
     /// Returns whether both numbers are from 1 to [`Substeps::MAX`], and a long step contains an
     /// integer number of short ones.
-    pub fn are_sound(self) -> bool {
+    pub fn are_valid(self) -> bool {
         (1..=Substeps::MAX).contains(&self.near)
             && (self.away).is_none_or(|away| away > 0 && self.near.is_multiple_of(away))
     }
@@ -84,7 +84,7 @@ impl std::str::FromStr for Substeps {
             }),
             _ => None,
         };
-        read.filter(|steps| steps.are_sound())
+        read.filter(|steps| steps.are_valid())
             .ok_or(InvalidSubsteps)
     }
 }

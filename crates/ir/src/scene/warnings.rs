@@ -174,7 +174,7 @@ fn coarse(
     let (symbol, value) = (group.symbol, short(group.value));
     let most = short(limit.most);
     let remedy = match group.substeps() {
-        Some(needed) if needed <= Substeps::MAX && resolving.are_sound() => {
+        Some(needed) if needed <= Substeps::MAX && resolving.are_valid() => {
             format!("run with `--substeps {resolving}`, or shorten the `tick`")
         }
         _ => "shorten the `tick`: no allowed number of substeps is enough".to_owned(),

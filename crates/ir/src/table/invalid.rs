@@ -32,8 +32,8 @@ pub enum InvalidTables {
     #[error("the blocks of an aggregate have nothing to do")]
     AggregateDuties,
     /// A phase other than the first has pre-attached blocks.
-    #[error("only the first phase can be attached by hand")]
-    LatePlanted,
+    #[error("only the first phase can be pre-attached")]
+    LatePreAttached,
     /// Two roles have the same name.
     #[error("`tables.roles[{second}].name` is that of `tables.roles[{first}]`")]
     RoleName {

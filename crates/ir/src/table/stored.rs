@@ -115,9 +115,9 @@ impl StoredTables {
             }
             _ => {}
         }
-        let is_planted = |phase: &Phase| phase.planted;
-        if self.phases.iter().skip(1).any(is_planted) {
-            return Err(InvalidTables::LatePlanted);
+        let is_pre_attached = |phase: &Phase| phase.pre_attached;
+        if self.phases.iter().skip(1).any(is_pre_attached) {
+            return Err(InvalidTables::LatePreAttached);
         }
         self.validate_roles()?;
         let key = |duty: &StoredDuty| (duty.role, duty.phase, duty.trigger);

@@ -36,7 +36,7 @@ pub struct Tables {
 }
 
 /// Name of the phase of pre-attached blocks: a keyword, so that no other phase has it.
-pub const PLANTED: &str = "seed";
+pub const PRE_ATTACHED: &str = "seed";
 
 /// Phase of a program.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -50,7 +50,7 @@ pub struct Phase {
     /// Whether the blocks of the phase are pre-attached before the first tick. Such a phase comes
     /// first, takes no time, and consists of captures without reports.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub planted: bool,
+    pub pre_attached: bool,
 }
 
 /// A role: a name in the program that blocks take.

@@ -118,7 +118,7 @@ fn block(
         let depth = depth.map_or_else(String::new, |depth| format!(", depth {depth}"));
         let parent = name(parent);
         let how = match phase_of(program, capture) {
-            Some(phase) if phase.planted => format!("attached by hand to `{parent}.{face}`"),
+            Some(phase) if phase.pre_attached => format!("pre-attached to `{parent}.{face}`"),
             _ => {
                 let phase = phase_name(program, capture);
                 format!("captured in phase `{phase}` by `{parent}.{face}`")
@@ -140,7 +140,7 @@ fn block(
     }
     let releases =
         plan.events.iter().enumerate().filter(|(_, event)| {
-            event.role == role && event.sound && event.kind == EventKind::Release
+            event.role == role && event.valid && event.kind == EventKind::Release
         });
     for (number, _) in releases.take(MAX_LISTED) {
         let phase = phase_name(program, EventId(number as u32));
@@ -252,7 +252,7 @@ fn phases(analysis: &Analysis, location: SourceLocation) -> String {
         for (number, phase) in named {
             let measured = measure(program, number, phase);
             let _ = write!(text, "- `{}`: {measured}", phase.name);
-            if let Some(cost) = cost.as_ref().filter(|_| !phase.planted)
+            if let Some(cost) = cost.as_ref().filter(|_| !phase.pre_attached)
                 && let Some(times) = cost.phases[number].times
             {
                 let (by, bound) = (by(program), cost.lower_bound);

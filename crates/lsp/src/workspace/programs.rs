@@ -44,7 +44,7 @@ struct OpenProgram {
 enum AnalysisState {
     #[default]
     Unknown,
-    UnderWay(JobId),
+    Running(JobId),
     Known(Arc<Analysis>),
     /// The check has panicked.
     Failed,
@@ -108,7 +108,7 @@ impl Programs {
             if !is_outdated(path, &program.reads) {
                 continue;
             }
-            if let AnalysisState::UnderWay(job) = program.state {
+            if let AnalysisState::Running(job) = program.state {
                 jobs.cancel(job);
             }
             program.state = AnalysisState::Unknown;
@@ -122,7 +122,7 @@ impl Programs {
     pub fn known(&self, path: &str) -> Option<Knowledge> {
         Some(match &self.0.get(path)?.state {
             AnalysisState::Known(analysis) => Knowledge::Known(analysis.clone()),
-            AnalysisState::Unknown | AnalysisState::UnderWay(_) => Knowledge::Waiting,
+            AnalysisState::Unknown | AnalysisState::Running(_) => Knowledge::Waiting,
             AnalysisState::Failed => Knowledge::Failed,
         })
     }
@@ -168,13 +168,13 @@ impl Programs {
         let job = jobs.start(move |cancellation| {
             check(&path, &documents, &reads, &folders, encoding, cancellation).map(T::from)
         });
-        program.state = job.map_or(AnalysisState::Failed, AnalysisState::UnderWay);
+        program.state = job.map_or(AnalysisState::Failed, AnalysisState::Running);
     }
 
     /// Stores the result of a check unless it is out of date. Returns whether the check was still
     /// wanted.
     pub fn checked(&mut self, job: JobId, checked: Option<CheckedProgram>) -> bool {
-        let is_it = |program: &&mut OpenProgram| matches!(program.state, AnalysisState::UnderWay(own) if own == job);
+        let is_it = |program: &&mut OpenProgram| matches!(program.state, AnalysisState::Running(own) if own == job);
         let Some(program) = self.0.values_mut().find(is_it) else {
             return false;
         };

@@ -37,7 +37,7 @@ pub fn write_releases(dismantling: &Dismantling, out: &mut String) {
         }
         rest = others;
     }
-    if dismantling.are_kept {
+    if dismantling.are_permanent {
         return;
     }
     for (
@@ -66,11 +66,11 @@ pub fn write_releases(dismantling: &Dismantling, out: &mut String) {
 /// Returns the length of the first row of consecutive hand-overs in one direction. Returns 1 if the
 /// row is too short for a loop.
 fn row(rest: &[HandOver]) -> usize {
-    let goes_on =
+    let continues =
         |two: &&[HandOver]| two[1].way == rest[0].way && two[1].after == Some(two[0].cell);
     // The first one must wait for the cell before it.
     let begins = rest[0].after == rest[0].cell.across(rest[0].way.opposite());
-    match 1 + rest.windows(2).take_while(goes_on).count() {
+    match 1 + rest.windows(2).take_while(continues).count() {
         length if begins && length >= MIN => length,
         _ => 1,
     }

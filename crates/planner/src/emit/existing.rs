@@ -9,7 +9,7 @@ use crate::plan::capture::Capture;
 use crate::target::structure::{ExistingBlock, Target};
 
 /// Returns the pre-attached blocks, each after its parent.
-pub fn planted(target: &Target) -> Vec<Capture> {
+pub fn pre_attached(target: &Target) -> Vec<Capture> {
     let all = || target.existing().iter().chain(target.released());
     let there: FxHashMap<Cell, &ExistingBlock> = all().map(|block| (block.cell, block)).collect();
     let parent = |block: &ExistingBlock| {

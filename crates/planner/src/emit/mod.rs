@@ -19,7 +19,7 @@ use crate::plan::capture::Capture;
 use crate::target::error::listed_cells;
 use crate::target::structure::Target;
 use crate::timing::precedence::Why;
-use existing::{name_of, planted, write_releases};
+use existing::{name_of, pre_attached, write_releases};
 use repetition::{Repeated, repeated};
 pub use shape::declaration;
 use statement::{NameWords, Statement, statements};
@@ -61,8 +61,8 @@ pub fn program(
 
 /// Returns the program without formatting. Formatting takes longer than all other steps.
 pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
-    let planted = planted(target);
-    let there = statements(&planted, |_| None);
+    let pre_attached = pre_attached(target);
+    let there = statements(&pre_attached, |_| None);
     let first = statements(&plan.captures, |cell| name_of(target, cell));
     let later = plan.dismantling.as_ref().map(dismantling::captures);
     let second = later.as_deref().map(|later| statements(later, |_| None));

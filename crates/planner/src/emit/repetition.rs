@@ -22,12 +22,12 @@ pub fn seats(statements: &[Statement]) -> Vec<LoopNest> {
         .collect();
     nests.sort_by_key(|nest| (nest.base.y, nest.base.x));
     for axis in 0..2 {
-        let mut is_gone = vec![false; nests.len()];
+        let mut is_merged = vec![false; nests.len()];
         for run in runs(axis, nests.iter().map(|nest| (0, nest))) {
             nests[run[0]] = joined(axis, &run, |i| &nests[i]);
-            run[1..].iter().for_each(|&other| is_gone[other] = true);
+            run[1..].iter().for_each(|&other| is_merged[other] = true);
         }
-        nests = remaining(nests, &is_gone);
+        nests = remaining(nests, &is_merged);
     }
     nests
 }
@@ -56,7 +56,7 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
     });
     let mut items: Vec<RepeatedItem> = items.collect();
     for axis in 0..3 {
-        let mut is_gone = vec![false; items.len()];
+        let mut is_merged = vec![false; items.len()];
         for run in runs(axis, items.iter().map(|item| (item.kind, &item.nest))) {
             let at = run
                 .iter()
@@ -75,10 +75,10 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
                     nest,
                     members,
                 };
-                run[1..].iter().for_each(|&other| is_gone[other] = true);
+                run[1..].iter().for_each(|&other| is_merged[other] = true);
             }
         }
-        items = remaining(items, &is_gone);
+        items = remaining(items, &is_merged);
     }
     items.sort_by_key(|item| item.at);
     let repeated = items.into_iter().map(|RepeatedItem { nest, members, .. }| {
@@ -91,10 +91,10 @@ pub fn repeated(statements: &[Statement]) -> Vec<Repeated<'_>> {
     repeated.collect()
 }
 
-fn remaining<T>(items: Vec<T>, is_gone: &[bool]) -> Vec<T> {
-    let items = items.into_iter().zip(is_gone);
+fn remaining<T>(items: Vec<T>, is_merged: &[bool]) -> Vec<T> {
+    let items = items.into_iter().zip(is_merged);
     items
-        .filter(|(_, is_gone)| !**is_gone)
+        .filter(|(_, is_merged)| !**is_merged)
         .map(|(item, _)| item)
         .collect()
 }

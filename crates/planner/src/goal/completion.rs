@@ -150,7 +150,7 @@ impl Completion {
         let phase = claim.phase + usize::from(!claim.fills_phase());
         if phases[..phase]
             .iter()
-            .any(|it| !it.planted && !it.events.is_empty())
+            .any(|it| !it.pre_attached && !it.events.is_empty())
         {
             target = target.behind_others();
         }
@@ -204,13 +204,13 @@ impl Completion {
             at,
             around: [before, after],
         } = &self.change;
-        let (kept, gone) = (&text[..removed.start], &text[removed.end..]);
+        let (head, removed_text) = (&text[..removed.start], &text[removed.end..]);
         let rest = format!("{before}{rest}{after}");
         let whole = if *at >= removed.end {
-            let (between, end) = gone.split_at(at - removed.end);
-            format!("{kept}{between}{rest}{end}")
+            let (between, end) = removed_text.split_at(at - removed.end);
+            format!("{head}{between}{rest}{end}")
         } else {
-            format!("{kept}{rest}{gone}")
+            format!("{head}{rest}{removed_text}")
         };
         let text = format(&whole).unwrap_or(whole);
         let others = self.texts[1..].iter();
@@ -363,7 +363,7 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
     } else {
         Change {
             removed: start..written.end,
-            at: behind(text, phase.span.end as usize),
+            at: after(text, phase.span.end as usize),
             around: [
                 format!("\nphase {new} {{\n"),
                 format!("{}yields {}\n}}\n", &text[start..written.start], claim.name),
@@ -389,7 +389,7 @@ fn with_docs(text: &str, statement: usize, mut lines: usize) -> usize {
 }
 
 /// Returns the position after `at` and after a comment on the rest of the line.
-fn behind(text: &str, at: usize) -> usize {
+fn after(text: &str, at: usize) -> usize {
     let line = text[at..].split('\n').next().unwrap_or_default();
     // A `///` comment documents the following item and is not skipped.
     if is_comment(line.trim_start().as_bytes()) {

@@ -189,10 +189,10 @@ impl Goal {
         allowed: &[(&str, String)],
         written: impl FnOnce(&BuildPlan, Naming<'_>) -> T,
     ) -> T {
-        let are_kept = plan.dismantling.as_ref().is_some_and(|it| it.are_kept);
+        let are_permanent = plan.dismantling.as_ref().is_some_and(|it| it.are_permanent);
         let with_scaffolds = format!("{}_with_scaffolds", self.name);
         // If scaffolds remain, the program claims the shape together with them.
-        let (name, shape) = if are_kept {
+        let (name, shape) = if are_permanent {
             (&with_scaffolds, declaration(&with_scaffolds, &plan.cells()))
         } else {
             (&self.name, self.shape.clone())

@@ -10,7 +10,7 @@ use crate::scaffold_search::{
 };
 use crate::scheduling::SchedulingJob;
 use crate::search::{FoundSchedule, PlanSearch, search};
-use crate::space::free_space::WayIn;
+use crate::space::free_space::AccessPath;
 use crate::space::sites::Sites;
 use crate::target::hardware::Hardware;
 use crate::timing::makespan::{PlanEstimate, Samples};
@@ -175,8 +175,8 @@ impl BuildPlan {
 
     /// Returns the cells of the final structure, sorted.
     pub fn cells(&self) -> Vec<Cell> {
-        let are_kept = self.dismantling.as_ref().is_some_and(|it| it.are_kept);
-        let stays = |capture: &&Capture| are_kept || !capture.is_temporary;
+        let are_permanent = self.dismantling.as_ref().is_some_and(|it| it.are_permanent);
+        let stays = |capture: &&Capture| are_permanent || !capture.is_temporary;
         let mut cells: Vec<Cell> = (self.all_captures().filter(stays))
             .map(|capture| capture.cell)
             .collect();
@@ -196,7 +196,7 @@ impl BuildPlan {
                 schedule,
                 &waiting,
                 &found.corridors.waiting[..],
-                &found.disassembly.way_in[..],
+                &found.disassembly.access_path[..],
                 seed,
             )
         }
@@ -210,7 +210,7 @@ impl BuildPlan {
         schedule: &Schedule,
         waiting: &Waiting,
         in_way: &[Vec<u32>],
-        way_in: &[Option<WayIn>],
+        access_path: &[Option<AccessPath>],
         seed: u64,
     ) -> BuildPlan {
         let afters = waiting.afters(sites, hardware, schedule, in_way);
@@ -229,7 +229,7 @@ impl BuildPlan {
                 after: after
                     .map(|after| (sites.cell(after.site), after.why))
                     .collect(),
-                is_tight: way_in.get(here).is_some_and(Option::is_none),
+                is_tight: access_path.get(here).is_some_and(Option::is_none),
                 is_temporary: false,
                 decides: decides[here],
             }

@@ -3,7 +3,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use serde::Serialize;
 use stochc_ir::{Cell, Face};
 
-use super::{MastPiece, Scaffolding};
+use super::{MastSegment, Scaffolding};
 use crate::plan::capture::Capture;
 
 /// Second phase of a plan with scaffolds.
@@ -14,7 +14,7 @@ pub struct Dismantling {
     /// Masts.
     pub masts: Vec<Mast>,
     /// Whether masts remain.
-    pub are_kept: bool,
+    pub are_permanent: bool,
     /// Later captures, in opening order for mean waiting times.
     pub captures: Vec<Capture>,
 }
@@ -43,13 +43,17 @@ pub struct Mast {
 
 impl Dismantling {
     /// Returns the second phase for scaffolds and the later captures.
-    pub fn new(scaffolding: &Scaffolding, captures: Vec<Capture>, are_kept: bool) -> Dismantling {
+    pub fn new(
+        scaffolding: &Scaffolding,
+        captures: Vec<Capture>,
+        are_permanent: bool,
+    ) -> Dismantling {
         // Captures of this phase, and the last hand-over to each block.
         let mut new: FxHashSet<Cell> = captures.iter().map(|capture| capture.cell).collect();
         let mut last: FxHashMap<Cell, Cell> = FxHashMap::default();
         let mut hand_overs = Vec::new();
-        for piece in in_order(scaffolding) {
-            for (cell, way) in piece.handed_over() {
+        for segment in in_order(scaffolding) {
+            for (cell, way) in segment.handed_over() {
                 let holder = cell.across(way.opposite());
                 let holder = holder.expect("a cell of the target");
                 let before = last.insert(holder, cell);
@@ -62,31 +66,31 @@ impl Dismantling {
             }
         }
         let masts = scaffolding.masts().into_iter().map(|(foot, height)| {
-            let pieces = scaffolding.pieces.iter();
-            let held = pieces.filter(|piece| piece.foot == foot);
+            let segments = scaffolding.segments.iter();
+            let held = segments.filter(|segment| segment.foot == foot);
             Mast {
                 foot,
                 height,
-                after: held.map(|piece| piece.cells[0]).collect(),
+                after: held.map(|segment| segment.cells[0]).collect(),
             }
         });
         Dismantling {
             hand_overs,
             masts: masts.collect(),
-            are_kept,
+            are_permanent,
             captures,
         }
     }
 }
 
 /// Returns the pieces, each after the piece that it joins.
-fn in_order(scaffolding: &Scaffolding) -> Vec<&MastPiece> {
-    let mut left: Vec<&MastPiece> = scaffolding.pieces.iter().collect();
+fn in_order(scaffolding: &Scaffolding) -> Vec<&MastSegment> {
+    let mut left: Vec<&MastSegment> = scaffolding.segments.iter().collect();
     let mut order = Vec::new();
     while !left.is_empty() {
         let is_last =
-            |piece: &&MastPiece| !left.iter().any(|other| other.cells.contains(&piece.join));
-        let (next, rest): (Vec<&MastPiece>, Vec<&MastPiece>) =
+            |segment: &&MastSegment| !left.iter().any(|other| other.cells.contains(&segment.join));
+        let (next, rest): (Vec<&MastSegment>, Vec<&MastSegment>) =
             left.iter().copied().partition(is_last);
         // A cycle of pieces would have no support.
         assert!(!next.is_empty(), "every piece joins the target");

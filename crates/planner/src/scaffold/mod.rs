@@ -10,4 +10,4 @@ mod scaffolding;
 
 pub use dismantling::{Dismantling, HandOver, Mast};
 pub use roles::{SitePart, SiteRoles};
-pub use scaffolding::{MastPiece, Scaffolding};
+pub use scaffolding::{MastSegment, Scaffolding};

@@ -21,14 +21,14 @@ pub struct SiteRoles {
     part: Vec<SitePart>,
     /// The only direction of a site's first capture, if it is fixed.
     way: Vec<Option<Face>>,
-    pieces: Vec<SitePiece>,
+    segments: Vec<SiteSegment>,
     /// Number of target sites on masts, plus sites of masts.
     temporary: usize,
 }
 
 /// Piece, given by its sites.
 #[derive(Debug)]
-pub struct SitePiece {
+pub struct SiteSegment {
     /// Sites in hand-over order, with the direction from the final parent.
     pub sites: Vec<(u32, Face)>,
     /// Final parent of the first site.
@@ -49,27 +49,31 @@ impl SiteRoles {
                 (part[site], way[site]) = (SitePart::Mast(number), Some(Face::Up));
             }
         }
-        let pieces = scaffolding.pieces.iter().zip(0..).map(|(piece, number)| {
-            for (cell, from) in piece.grown() {
-                let site = sites.at(cell) as usize;
-                (part[site], way[site]) = (SitePart::Held(number), Some(from));
-            }
-            let handed_over = piece.handed_over();
-            let mast = masts.iter().position(|(foot, _)| *foot == piece.foot);
-            SitePiece {
-                sites: handed_over
-                    .map(|(cell, way)| (sites.at(cell), way))
-                    .collect(),
-                join: sites.at(piece.join),
-                mast: mast.map_or(NONE, |mast| mast as u32),
-            }
-        });
-        let pieces = pieces.collect();
+        let segments = scaffolding
+            .segments
+            .iter()
+            .zip(0..)
+            .map(|(segment, number)| {
+                for (cell, from) in segment.grown() {
+                    let site = sites.at(cell) as usize;
+                    (part[site], way[site]) = (SitePart::Held(number), Some(from));
+                }
+                let handed_over = segment.handed_over();
+                let mast = masts.iter().position(|(foot, _)| *foot == segment.foot);
+                SiteSegment {
+                    sites: handed_over
+                        .map(|(cell, way)| (sites.at(cell), way))
+                        .collect(),
+                    join: sites.at(segment.join),
+                    mast: mast.map_or(NONE, |mast| mast as u32),
+                }
+            });
+        let segments = segments.collect();
         SiteRoles {
             temporary: part.iter().filter(|part| **part != SitePart::Own).count(),
             part,
             way,
-            pieces,
+            segments,
         }
     }
 
@@ -85,8 +89,8 @@ impl SiteRoles {
     }
 
     /// Returns the pieces.
-    pub fn pieces(&self) -> &[SitePiece] {
-        &self.pieces
+    pub fn segments(&self) -> &[SiteSegment] {
+        &self.segments
     }
 
     /// Returns the number of sites of masts, plus target sites that are first on masts.
@@ -98,12 +102,12 @@ impl SiteRoles {
     /// parent of the first piece towards the plate. [`NONE`] for a site without hand-over.
     pub fn roots(&self) -> Vec<u32> {
         let mut roots = vec![NONE; self.part.len()];
-        for piece in &self.pieces {
-            let mut join = piece.join;
+        for segment in &self.segments {
+            let mut join = segment.join;
             while let SitePart::Held(number) = self.part(join) {
-                join = self.pieces[number as usize].join;
+                join = self.segments[number as usize].join;
             }
-            for &(site, _) in &piece.sites {
+            for &(site, _) in &segment.sites {
                 roots[site as usize] = join;
             }
         }

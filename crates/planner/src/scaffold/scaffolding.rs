@@ -5,7 +5,7 @@ use stochc_ir::{Cell, Face};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scaffolding {
     /// Pieces in order of addition.
-    pub pieces: Vec<MastPiece>,
+    pub segments: Vec<MastSegment>,
     /// Guide masts, which need not hold pieces, with their heights. They guide free blocks to
     /// adjacent growth.
     pub guides: Vec<((i32, i32), i32)>,
@@ -13,7 +13,7 @@ pub struct Scaffolding {
 
 /// Piece that grows from a mast.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MastPiece {
+pub struct MastSegment {
     /// Position of the mast on the plate.
     pub foot: (i32, i32),
     /// Layer of the mast's block that captures the first cell.
@@ -30,7 +30,10 @@ impl Scaffolding {
     /// Returns the masts with their positions on the plate and heights.
     pub fn masts(&self) -> Vec<((i32, i32), i32)> {
         let mut masts: Vec<((i32, i32), i32)> = Vec::new();
-        let holding = self.pieces.iter().map(|piece| (piece.foot, piece.height));
+        let holding = self
+            .segments
+            .iter()
+            .map(|segment| (segment.foot, segment.height));
         for (foot, height) in holding.chain(self.guides.iter().copied()) {
             match masts.iter_mut().find(|(known, _)| *known == foot) {
                 Some((_, highest)) => *highest = height.max(*highest),
@@ -42,7 +45,7 @@ impl Scaffolding {
 
     /// Returns whether there is no mast.
     pub fn is_empty(&self) -> bool {
-        self.pieces.is_empty() && self.guides.is_empty()
+        self.segments.is_empty() && self.guides.is_empty()
     }
 
     /// Returns the cells of the masts, each from the plate on.
@@ -52,7 +55,7 @@ impl Scaffolding {
     }
 }
 
-impl MastPiece {
+impl MastSegment {
     /// Returns each cell from the mast on, with the direction from the previous cell.
     pub fn grown(&self) -> impl Iterator<Item = (Cell, Face)> {
         let steps = self.cells.windows(2).map(|two| way(two[0], two[1]));

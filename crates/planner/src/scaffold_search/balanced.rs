@@ -8,7 +8,7 @@ use stochc_ir::{Cell, Face};
 use super::guides::places_beside;
 use super::places::{GrowthSchedule, supports};
 use crate::Target;
-use crate::scaffold::{MastPiece, Scaffolding};
+use crate::scaffold::{MastSegment, Scaffolding};
 
 /// Cost of a new mast \[captures\].
 const NEW: f32 = 1.0;
@@ -85,7 +85,7 @@ impl GrowthSchedule {
             // Cells attached to the plate need no mast.
             let Some(join) = next else { continue };
             held.extend(&cells);
-            scaffolding.pieces.push(MastPiece {
+            scaffolding.segments.push(MastSegment {
                 foot: (at.x, at.y),
                 height: at.z,
                 way,

@@ -261,11 +261,11 @@ impl ScaffoldTrials<'_> {
         }
         let mut near = Vec::new();
         for _ in 0..rng.random_range(0..=2) {
-            if scaffolding.pieces.len() > 1 {
-                let place = rng.random_range(0..scaffolding.pieces.len());
-                let piece = scaffolding.pieces.remove(place);
+            if scaffolding.segments.len() > 1 {
+                let place = rng.random_range(0..scaffolding.segments.len());
+                let segment = scaffolding.segments.remove(place);
                 if rng.random() {
-                    near.extend(piece.cells);
+                    near.extend(segment.cells);
                 }
             }
         }
@@ -373,7 +373,7 @@ fn masts_get_away(sites: &Sites<'_>, wide: &FreeSpace, scaffolding: &Scaffolding
     cells.sort_unstable_by_key(|cell| std::cmp::Reverse(cell.z));
     cells.into_iter().all(|cell| {
         let site = sites.at(cell);
-        if (space.way_in(sites, site, &|site| stands[site as usize])).is_none() {
+        if (space.access_path(sites, site, &|site| stands[site as usize])).is_none() {
             return false;
         }
         stands[site as usize] = false;

@@ -2,7 +2,7 @@
 use std::collections::BTreeSet;
 
 use crate::disassembly::Disassembly;
-use crate::space::free_space::{FreeSpace, WayIn};
+use crate::space::free_space::{AccessPath, FreeSpace};
 use crate::space::sites::{NONE, Sites};
 
 /// Disassembles a target: removes the leaf that comes last, preferring leaves with a wide access
@@ -29,16 +29,16 @@ pub fn peel_leaves(
         .collect();
     let mut stands = vec![true; count];
     let mut order = Vec::with_capacity(count);
-    let mut way_in = vec![Some(WayIn::Inside); count];
+    let mut access_path = vec![Some(AccessPath::Inside); count];
     while order.len() < count {
         let stood = |site: u32| stands[site as usize];
-        let may_go = |space: &FreeSpace| {
+        let removable = |space: &FreeSpace| {
             let mut ends = ends.iter().rev().copied();
-            ends.find(|&(_, site)| space.way_in(sites, site, &stood).is_some())
+            ends.find(|&(_, site)| space.access_path(sites, site, &stood).is_some())
         };
-        let (_, site) = may_go(&spaces[0]).or_else(|| {
-            let narrow = may_go(&spaces[1])?;
-            way_in[narrow.1 as usize] = None;
+        let (_, site) = removable(&spaces[0]).or_else(|| {
+            let narrow = removable(&spaces[1])?;
+            access_path[narrow.1 as usize] = None;
             Some(narrow)
         })?;
         ends.remove(&urgency(site));
@@ -70,7 +70,7 @@ pub fn peel_leaves(
     Some(Disassembly {
         order,
         rank,
-        way_in,
+        access_path,
         level,
         spaces,
     })

@@ -4,7 +4,7 @@ use stochc_ir::{Cell, Face};
 
 use super::trial::NoScaffolds;
 use crate::Target;
-use crate::scaffold::{MastPiece, Scaffolding, SiteRoles};
+use crate::scaffold::{MastSegment, Scaffolding, SiteRoles};
 use crate::scheduling::WAIT;
 use crate::space::sites::{NONE, Sites};
 use crate::timing::schedule::Schedule;
@@ -52,8 +52,9 @@ impl GrowthSchedule {
         schedule: &Schedule,
         scaffolding: &Scaffolding,
     ) -> GrowthSchedule {
-        let pieces = scaffolding.pieces.iter();
-        let in_the_end: FxHashMap<Cell, Face> = pieces.flat_map(MastPiece::handed_over).collect();
+        let segments = scaffolding.segments.iter();
+        let in_the_end: FxHashMap<Cell, Face> =
+            segments.flat_map(MastSegment::handed_over).collect();
         let cells = schedule.order.iter().map(|&site| {
             let cell = sites.cell(site);
             let way = in_the_end.get(&cell).copied();
@@ -84,10 +85,10 @@ impl GrowthSchedule {
     /// Returns approximate capture times for equal waiting times. Cells attached to pieces come
     /// after all others.
     pub fn times(&self, sites: &Sites<'_>, scaffolding: &Scaffolding) -> Vec<f32> {
-        let mut by_mast: FxHashMap<Cell, f32> = FxHashMap::default();
-        for piece in &scaffolding.pieces {
-            let times = piece.cells.iter().zip(1..);
-            by_mast.extend(times.map(|(&cell, i)| (cell, (piece.height + i) as f32)));
+        let mut on_mast: FxHashMap<Cell, f32> = FxHashMap::default();
+        for segment in &scaffolding.segments {
+            let times = segment.cells.iter().zip(1..);
+            on_mast.extend(times.map(|(&cell, i)| (cell, (segment.height + i) as f32)));
         }
         let time = |site: u32| {
             let cell = sites.cell(site);
@@ -95,12 +96,12 @@ impl GrowthSchedule {
                 // A cell of a mast.
                 return cell.z as f32;
             };
-            if let Some(&time) = by_mast.get(&cell) {
+            if let Some(&time) = on_mast.get(&cell) {
                 return time;
             }
             let mut late = 0.0;
             while let Some(at) = holder {
-                late = if by_mast.contains_key(&at) {
+                late = if on_mast.contains_key(&at) {
                     LATE
                 } else {
                     late
@@ -145,16 +146,16 @@ impl GrowthSchedule {
         let mut found = Vec::new();
         let mut rest = scaffolding.clone();
         let mut least = 1;
-        let within = |piece: &MastPiece| piece.cells.iter().position(|&cell| cell == first);
-        for piece in &mut rest.pieces {
-            match within(piece) {
+        let within = |segment: &MastSegment| segment.cells.iter().position(|&cell| cell == first);
+        for segment in &mut rest.segments {
+            match within(segment) {
                 None => {}
                 // There is already a mast.
                 Some(0) => return found,
                 Some(place) => {
-                    least = piece.cells.len() - place;
-                    piece.cells.truncate(place);
-                    piece.join = first;
+                    least = segment.cells.len() - place;
+                    segment.cells.truncate(place);
+                    segment.join = first;
                 }
             }
         }
@@ -162,7 +163,10 @@ impl GrowthSchedule {
         let mut next = Some(first);
         while let Some(cell) = next {
             cells.push(cell);
-            let is_held = rest.pieces.iter().any(|piece| piece.cells.contains(&cell));
+            let is_held = rest
+                .segments
+                .iter()
+                .any(|segment| segment.cells.contains(&cell));
             let Some(join) = self.holder(cell) else {
                 return found;
             };
@@ -173,7 +177,7 @@ impl GrowthSchedule {
             }
             if cells.len() >= least {
                 let mut scaffolding = rest.clone();
-                scaffolding.pieces.push(MastPiece {
+                scaffolding.segments.push(MastSegment {
                     foot: (at.x, at.y),
                     height: at.z,
                     way,

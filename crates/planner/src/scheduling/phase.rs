@@ -23,7 +23,7 @@ impl<'a> SchedulePhase<'a> {
             limit,
             missing: roles.temporary(),
             is_second: false,
-            is_done: vec![false; roles.pieces().len()],
+            is_done: vec![false; roles.segments().len()],
         }
     }
 
@@ -32,7 +32,7 @@ impl<'a> SchedulePhase<'a> {
     pub fn is_own(&self, site: u32) -> bool {
         match self.roles.part(site) {
             SitePart::Own => true,
-            SitePart::Held(piece) => self.is_done[piece as usize],
+            SitePart::Held(segment) => self.is_done[segment as usize],
             SitePart::Mast(_) => false,
         }
     }
@@ -42,7 +42,7 @@ impl<'a> SchedulePhase<'a> {
         let SitePart::Mast(number) = self.roles.part(site) else {
             return false;
         };
-        let mut pieces = self.roles.pieces().iter().zip(&self.is_done);
-        pieces.all(|(piece, is_done)| piece.mast != number || *is_done)
+        let mut segments = self.roles.segments().iter().zip(&self.is_done);
+        segments.all(|(segment, is_done)| segment.mast != number || *is_done)
     }
 }

@@ -37,19 +37,24 @@ impl ScheduleState<'_> {
     pub(super) fn hand_over(&mut self) {
         let Some(phase) = &mut self.phase else { return };
         let mut new = Vec::new();
-        while let Some((number, piece)) =
-            phase.roles.pieces().iter().enumerate().find(|(i, piece)| {
-                !phase.is_done[*i]
-                    && self.state[piece.join as usize] == SiteState::Anchored
-                    && phase.is_own(piece.join)
-            })
+        while let Some((number, segment)) =
+            phase
+                .roles
+                .segments()
+                .iter()
+                .enumerate()
+                .find(|(i, segment)| {
+                    !phase.is_done[*i]
+                        && self.state[segment.join as usize] == SiteState::Anchored
+                        && phase.is_own(segment.join)
+                })
         {
             phase.is_done[number] = true;
-            new.extend(piece.sites.iter().map(|&(site, _)| site));
+            new.extend(segment.sites.iter().map(|&(site, _)| site));
         }
         for site in 0..self.state.len() as u32 {
             if phase.is_spent(site) {
-                self.state[site as usize] = SiteState::Gone;
+                self.state[site as usize] = SiteState::Released;
             }
         }
         for site in new {

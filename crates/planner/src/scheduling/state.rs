@@ -18,7 +18,7 @@ pub(super) enum SiteState {
     Open,
     Anchored,
     /// The block was captured and removed again.
-    Gone,
+    Released,
 }
 
 #[derive(Clone)]
@@ -98,7 +98,7 @@ impl ScheduleState<'_> {
         let stands = |near: Cell| match job.sites.at(near) {
             NONE => CellState::Empty,
             near => match self.state[near as usize] {
-                SiteState::Absent | SiteState::Gone => CellState::Empty,
+                SiteState::Absent | SiteState::Released => CellState::Empty,
                 SiteState::Open => CellState::Awaited(self.schedule.way[near as usize]),
                 SiteState::Anchored => CellState::Full,
             },

@@ -13,7 +13,7 @@ use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::{Cell, Face};
 
 use crate::disassembly::Disassembly;
-use crate::space::free_space::WayIn;
+use crate::space::free_space::AccessPath;
 use crate::space::sites::{NONE, Sites};
 
 /// Sites that wait to keep access paths open.
@@ -51,10 +51,13 @@ impl Corridors {
             cancellation.check()?;
             waiting[site as usize] = search.cheapest(site);
         }
-        let along = disassembly.way_in.iter().map(|way_in| match way_in {
-            Some(WayIn::Gap(axis)) => Some(*axis),
-            _ => None,
-        });
+        let along = disassembly
+            .access_path
+            .iter()
+            .map(|access_path| match access_path {
+                Some(AccessPath::Gap(axis)) => Some(*axis),
+                _ => None,
+            });
         Ok(Corridors {
             waiting,
             along: along.collect(),
@@ -72,16 +75,16 @@ struct CorridorSearch<'a> {
 impl CorridorSearch<'_> {
     /// Returns the sites that wait for a site on its cheapest path.
     fn cheapest(&mut self, site: u32) -> Vec<u32> {
-        let way_in = self.disassembly.way_in[site as usize];
-        let number = usize::from(way_in.is_none());
+        let access_path = self.disassembly.access_path[site as usize];
+        let number = usize::from(access_path.is_none());
         let space = &self.disassembly.spaces[number];
         let rank = self.disassembly.rank[site as usize];
         let earlier = |other: u32| self.disassembly.rank[other as usize] < rank;
         let mut best: FxHashMap<Cell, (u32, Cell)> = FxHashMap::default();
         let mut open = BinaryHeap::new();
         let cell = self.sites.cell(site);
-        let lows: Vec<Cell> = match way_in {
-            Some(WayIn::Gap(axis)) => gap_entrances(cell, axis).collect(),
+        let lows: Vec<Cell> = match access_path {
+            Some(AccessPath::Gap(axis)) => gap_entrances(cell, axis).collect(),
             _ => space.around(cell).collect(),
         };
         for low in lows {
@@ -153,10 +156,10 @@ impl CorridorSearch<'_> {
             }
             low = before;
         }
-        match self.disassembly.way_in[site as usize] {
+        match self.disassembly.access_path[site as usize] {
             // No block is next to the gap. A block at the position in front need not wait for the
             // block in the gap.
-            Some(WayIn::Gap(axis)) => {
+            Some(AccessPath::Gap(axis)) => {
                 let beside = beside_gap(self.sites.cell(site), axis);
                 waiting.extend(
                     beside

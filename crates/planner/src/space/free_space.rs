@@ -17,7 +17,7 @@ pub struct FreeSpace {
 
 /// Access of a cube to a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WayIn {
+pub enum AccessPath {
     /// The cube covers the cell.
     Inside,
     /// The block slides from the cube into a gap. A face along this axis must capture it.
@@ -146,16 +146,16 @@ impl FreeSpace {
     }
 
     /// Returns the access to a standing site if its block is removed.
-    pub fn way_in(
+    pub fn access_path(
         &self,
         sites: &Sites<'_>,
         site: u32,
         stands: &impl Fn(u32) -> bool,
-    ) -> Option<WayIn> {
+    ) -> Option<AccessPath> {
         let others = |other: u32| other != site && stands(other);
         let mut inside = self.around(sites.cell(site));
         if inside.any(|low| self.is_free(sites, low, &others) && self.is_reached(low)) {
-            return Some(WayIn::Inside);
+            return Some(AccessPath::Inside);
         }
         let axes = [Face::East, Face::North, Face::Up].into_iter();
         let mut axes =
@@ -166,7 +166,7 @@ impl FreeSpace {
                 && gap_entrances(cell, axis)
                     .any(|low| self.is_open(low) && self.is_free(sites, low, stands))
         });
-        gap.map(WayIn::Gap)
+        gap.map(AccessPath::Gap)
     }
 
     fn is_reached(&self, low: Cell) -> bool {
@@ -184,11 +184,11 @@ impl FreeSpace {
     pub fn open(
         &mut self,
         sites: &Sites<'_>,
-        gone: u32,
+        removed: u32,
         stands: &impl Fn(u32) -> bool,
         reached: &mut impl FnMut(Cell),
     ) {
-        let around = self.around(sites.cell(gone));
+        let around = self.around(sites.cell(removed));
         let open: Vec<Cell> = around
             .filter(|&low| self.is_free(sites, low, stands) && self.is_reached(low))
             .collect();

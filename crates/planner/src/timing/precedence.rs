@@ -50,16 +50,16 @@ impl Waiting {
         edges.resize(existing, Vec::new());
         for (&site, before) in schedule.order.iter().zip(&self.before).skip(existing) {
             let held = schedule.held(sites, site);
-            let mut kept: Vec<u32> = held
+            let mut needed: Vec<u32> = held
                 .into_iter()
                 .chain(schedule.turn(sites, hardware, site))
                 .collect();
             // Latest first: their own dependencies are implied.
             for &other in before.iter().rev() {
-                if kept.contains(&other) || search.reach(&edges, &kept, other) {
+                if needed.contains(&other) || search.reach(&edges, &needed, other) {
                     continue;
                 }
-                kept.push(other);
+                needed.push(other);
                 let other = schedule.order[other as usize];
                 let is_way = in_way
                     .get(other as usize)
@@ -67,7 +67,7 @@ impl Waiting {
                 let why = if is_way { Why::Way } else { Why::Near };
                 afters[site as usize].push(After { site: other, why });
             }
-            edges.push(kept);
+            edges.push(needed);
         }
         afters
     }

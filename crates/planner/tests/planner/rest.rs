@@ -117,7 +117,7 @@ fn has_the_times_of(planned: &Planned, whole: &Checked, phase: Option<&str>) {
 #[test]
 fn built_cells_are_not_waited_for() {
     let second = PART.replace("yields arch", "R.up -> rest\n        yields arch");
-    let by_hand = "\
+    let started = "\
 shape two { layer 1..2 { # . # } }
 assembly h {
     seed plate 3 x 1 { A at (0, 0) B at (2, 0) A.up ->> X[1..2] }
@@ -135,7 +135,7 @@ assembly a in few {
     for (text, phase) in [
         (PART, "rest"),
         (&second, "rest2"),
-        (by_hand, "p"),
+        (started, "p"),
         (one, "p"),
     ] {
         let planned = completed(text).unwrap();

@@ -138,12 +138,12 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
     #[test]
-    fn walks_are_built_with_scaffolds_or_without(shape in walk(), keeps: bool) {
+    fn walks_are_built_with_scaffolds_or_without(shape in walk(), retains: bool) {
         let goal = on(Goal::from_cells("walk", shape.clone()), 8, 8);
-        let planned = planned(&goal, 60, keeps);
+        let planned = planned(&goal, 60, retains);
         let mut expected = shape;
         expected.sort_unstable();
-        if !keeps {
+        if !retains {
             prop_assert_eq!(planned.plan.cells(), expected);
         }
         executed(&planned, Model::Shuffle, 2);

@@ -51,7 +51,7 @@ impl Events {
     pub fn new(program: &EnsembleProgram) -> Events {
         let graph = &program.compiled.graph;
         let mut order = side_by_side(graph);
-        order.retain(|&id| !program.is_planted(graph.event(EventId(id)).phase));
+        order.retain(|&id| !program.is_pre_attached(graph.event(EventId(id)).phase));
         let mut place = vec![0; graph.events.len()];
         for (i, &id) in order.iter().enumerate() {
             place[id as usize] = i;

@@ -131,17 +131,17 @@ pub(crate) fn survival(
 /// Returns the steps of a curve that can be distinguished: the last one within each third of a
 /// drawing unit.
 fn thinned(estimate: &KaplanMeier, x: &Scale) -> Vec<SurvivalPoint> {
-    let mut kept: Vec<SurvivalPoint> = Vec::new();
+    let mut points: Vec<SurvivalPoint> = Vec::new();
     for point in estimate.curve() {
-        if kept
+        if points
             .last()
             .is_some_and(|last| column(x, last.time) == column(x, point.time))
         {
-            kept.pop();
+            points.pop();
         }
-        kept.push(point);
+        points.push(point);
     }
-    kept
+    points
 }
 
 /// Returns the horizontal position of a time, in thirds of a drawing unit.

@@ -159,7 +159,7 @@ fn ranking(trade: &Trade, width: usize, colour: bool) -> String {
         .map(|(number, candidate)| TradeRow {
             label: label(number, candidate),
             cells: vec![
-                count(candidate, Verdict::Kept),
+                count(candidate, Verdict::Preserved),
                 count(candidate, Verdict::Unclear),
                 count(candidate, Verdict::Reversed),
             ],
@@ -174,7 +174,7 @@ fn ranking(trade: &Trade, width: usize, colour: bool) -> String {
             wrong: candidate.reversed,
         })
         .collect();
-    text += &table(&["kept", "unclear", "reversed"], &lines).text(width, colour);
+    text += &table(&["preserved", "unclear", "reversed"], &lines).text(width, colour);
     text
 }
 

@@ -15,31 +15,31 @@ pub(crate) struct PendingRuns<'a> {
     programs: u64,
     jobs: Range<u64>,
     /// Finished runs, which are skipped.
-    kept: Option<&'a Records>,
+    existing: Option<&'a Records>,
     /// Number of these runs.
     pub left: u64,
 }
 
 impl<'a> PendingRuns<'a> {
-    /// Returns all runs with job numbers in `jobs`, except the `kept` runs.
+    /// Returns all runs with job numbers in `jobs`, except the `existing` runs.
     pub fn all(
         manifest: &Manifest,
         jobs: Range<u64>,
-        kept: Option<&'a Records>,
+        existing: Option<&'a Records>,
     ) -> PendingRuns<'a> {
-        let done = kept.map_or(0, |kept| kept.len() as u64);
+        let done = existing.map_or(0, |existing| existing.len() as u64);
         PendingRuns {
             programs: manifest.programs.len() as u64,
             left: (jobs.end - jobs.start).saturating_sub(done),
             jobs,
-            kept,
+            existing,
         }
     }
 
     /// Iterates over the runs without storing them, because their number can be very large.
     pub fn iter(self) -> impl Iterator<Item = PendingRun> + use<'a> {
         let jobs = self.jobs.map(move |number| job(number, self.programs));
-        jobs.filter(move |job| !(self.kept).is_some_and(|it| it.contains(job.program, job.run)))
+        jobs.filter(move |job| !(self.existing).is_some_and(|it| it.contains(job.program, job.run)))
     }
 }
 

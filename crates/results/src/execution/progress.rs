@@ -61,7 +61,7 @@ pub struct ProgramProgress {
     /// Number of unfinished runs.
     pub left: u64,
     /// Ticks simulated so far in running simulations.
-    pub under_way: u64,
+    pub running: u64,
 }
 
 /// Progress at one moment.
@@ -76,7 +76,7 @@ pub struct Snapshot {
     /// Number of ticks that this process has simulated.
     pub ticks_here: u64,
     /// Program and phase of each running simulation.
-    pub under_way: Vec<(usize, PhaseId)>,
+    pub running: Vec<(usize, PhaseId)>,
 }
 
 /// Supervisor of a run, called once per tick.
@@ -133,7 +133,7 @@ impl stochc_runtime::Watch for &RunWatch<'_> {
         RunWatch::tick(self, tick, phase)
     }
 
-    fn kept(&mut self) -> Option<Box<dyn Read>> {
+    fn saved(&mut self) -> Option<Box<dyn Read>> {
         let state = self.checkpoints.as_ref()?.begin();
         self.is_continued.set(state.is_some());
         state
@@ -215,14 +215,14 @@ impl Progress {
         self.workers.len()
     }
 
-    /// Counts `kept`, the runs of earlier processes, as finished.
+    /// Counts `existing`, the runs of earlier processes, as finished.
     ///
     /// # Errors
     ///
     /// If the runs cannot be read.
-    pub(crate) fn keep(&self, kept: &Records) -> Result<(), JournalError> {
+    pub(crate) fn count_existing(&self, existing: &Records) -> Result<(), JournalError> {
         let mut totals = self.totals.lock().expect("no panic while it is locked");
-        kept.each(|done| totals.count(done))
+        existing.each(|done| totals.count(done))
     }
 
     /// Assigns a run to a thread. The run stops when either of `stops` is set.
@@ -265,23 +265,23 @@ impl Progress {
             .expect("no panic while it is locked")
             .clone();
         let mut ticks_here = totals.ticks_here;
-        let mut under_way = Vec::new();
+        let mut running = Vec::new();
         for slot in &self.workers {
             let program = slot.program.load(Ordering::Relaxed);
             if let Some(pace) = totals.programs.get_mut(program) {
                 let tick = slot.tick.load(Ordering::Relaxed);
-                pace.under_way = pace.under_way.saturating_add(tick);
+                pace.running = pace.running.saturating_add(tick);
                 ticks_here = u64::saturating_add(ticks_here, tick);
-                under_way.push((program, PhaseId(slot.phase.load(Ordering::Relaxed))));
+                running.push((program, PhaseId(slot.phase.load(Ordering::Relaxed))));
             }
         }
-        under_way.sort_unstable();
+        running.sort_unstable();
         Snapshot {
             total: self.total,
             done: totals.programs.iter().map(|pace| pace.done).sum(),
             totals,
             ticks_here,
-            under_way,
+            running,
         }
     }
 }

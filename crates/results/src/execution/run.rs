@@ -30,10 +30,10 @@ pub enum Destination<'a> {
 
 impl Destination<'_> {
     /// Returns the number of runs that already exist.
-    pub fn kept(&self) -> u64 {
+    pub fn existing(&self) -> u64 {
         match self {
             Destination::Memory(_) => 0,
-            Destination::Folder(folder) => folder.kept().len() as u64,
+            Destination::Folder(folder) => folder.existing().len() as u64,
         }
     }
 }
@@ -119,7 +119,7 @@ pub fn run(
     match destination {
         Destination::Memory(manifest) => {
             let all = Mutex::new(Vec::new());
-            let keep = |done| {
+            let store = |done| {
                 all.lock().expect("no code panics with the lock").push(done);
                 Ok::<(), Infallible>(())
             };
@@ -128,15 +128,15 @@ pub fn run(
                 progress,
                 checkpoints: None,
             };
-            let Ok(()) = new_runs(pending, tracker, stop, simulate, keep);
+            let Ok(()) = new_runs(pending, tracker, stop, simulate, store);
             let all = all.into_inner().expect("no thread has panicked");
             Ok(Results::from_records(manifest, all.into()))
         }
         Destination::Folder(mut folder) => {
             folder.leave_foul_lines()?;
-            progress.keep(folder.kept())?;
-            let (manifest, kept) = (folder.manifest(), folder.kept());
-            let pending = PendingRuns::all(manifest, 0..manifest.total(), Some(kept));
+            progress.count_existing(folder.existing())?;
+            let (manifest, existing) = (folder.manifest(), folder.existing());
+            let pending = PendingRuns::all(manifest, 0..manifest.total(), Some(existing));
             let finished = match pending.left {
                 0 => None,
                 _ => {
@@ -146,14 +146,17 @@ pub fn run(
                         checkpoints: folder.checkpoints().map(Arc::as_ref),
                     };
                     let places = journaled(pending, journal, 0, tracker, stop, simulate)?;
-                    Some(folder.records([kept.places(), &places].concat())?)
+                    Some(folder.records([existing.places(), &places].concat())?)
                 }
             };
-            let known = finished.as_ref().unwrap_or(kept);
+            let known = finished.as_ref().unwrap_or(existing);
             folder.clear_checkpoints(known)?;
             folder.write_tables(known)?;
-            let (manifest, kept) = folder.close();
-            Ok(Results::from_records(&manifest, finished.unwrap_or(kept)))
+            let (manifest, existing) = folder.close();
+            Ok(Results::from_records(
+                &manifest,
+                finished.unwrap_or(existing),
+            ))
         }
     }
 }
@@ -185,7 +188,7 @@ pub(crate) fn journaled(
     simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
 ) -> Result<Vec<LineLocation>, JournalError> {
     let places = Mutex::new(Vec::new());
-    let keep = |done: Finished| {
+    let store = |done: Finished| {
         let place = done.at(file, journal.append(&done)?);
         if let Some(checkpoints) = tracker.checkpoints {
             checkpoints.remove(done.program, done.record.run, || journal.sync())?;
@@ -194,7 +197,7 @@ pub(crate) fn journaled(
         places.push(place);
         Ok(())
     };
-    let done: Result<(), JournalError> = new_runs(pending, tracker, stop, simulate, keep);
+    let done: Result<(), JournalError> = new_runs(pending, tracker, stop, simulate, store);
     // The error of the writer itself is more specific than the errors that result from it.
     journal.close()?;
     done?;
@@ -210,7 +213,7 @@ fn new_runs<E: Send>(
     }: RunTracker<'_>,
     stop: &AtomicBool,
     simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
-    keep: impl Fn(Finished) -> Result<(), E> + Sync,
+    store: impl Fn(Finished) -> Result<(), E> + Sync,
 ) -> Result<(), E> {
     let left = pending.left;
     let jobs = Mutex::new(pending.iter());
@@ -248,7 +251,7 @@ fn new_runs<E: Send>(
         let Some(finished) = finished else {
             return ControlFlow::Break(());
         };
-        if let Err(error) = keep(finished) {
+        if let Err(error) = store(finished) {
             broken.store(true, Ordering::Relaxed);
             let mut first = first.lock().expect("no panic while it is locked");
             first.get_or_insert(error);

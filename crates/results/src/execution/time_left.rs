@@ -24,7 +24,7 @@ pub fn time_left(snapshot: &Snapshot, elapsed: Duration) -> Option<Duration> {
 
 fn ticks_left(pace: &ProgramProgress, overall: f64) -> f64 {
     let mean = mean(pace.done, pace.ticks).unwrap_or(overall);
-    (mean * pace.left as f64 - pace.under_way as f64).max(0.0)
+    (mean * pace.left as f64 - pace.running as f64).max(0.0)
 }
 
 fn mean(runs: u64, ticks: u64) -> Option<f64> {
@@ -36,12 +36,12 @@ mod tests {
     use super::*;
     use crate::execution::Totals;
 
-    fn pace(done: u64, ticks: u64, left: u64, under_way: u64) -> ProgramProgress {
+    fn pace(done: u64, ticks: u64, left: u64, running: u64) -> ProgramProgress {
         ProgramProgress {
             done,
             ticks,
             left,
-            under_way,
+            running,
         }
     }
 

@@ -43,7 +43,7 @@ impl FolderChecksums {
 
     /// Reads the checksums of a folder, or returns `None` and a message if they are invalid.
     pub fn read(folder: &Path) -> (Option<FolderChecksums>, Option<String>) {
-        let damaged = || (None, Some(format!("`{CHECKSUMS_FILE}` is damaged")));
+        let corrupted = || (None, Some(format!("`{CHECKSUMS_FILE}` is damaged")));
         let bytes = match read_file(&folder.join(CHECKSUMS_FILE), CHECKSUMS) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return (None, None),
@@ -55,11 +55,11 @@ impl FolderChecksums {
             }
         };
         let Some(line) = bytes.strip_suffix(b"\n") else {
-            return damaged();
+            return corrupted();
         };
         match (checksum::check(line), serde_json::from_slice(line)) {
-            (LineIntegrity::Sound, Ok(checksums)) => (Some(checksums), None),
-            _ => damaged(),
+            (LineIntegrity::Valid, Ok(checksums)) => (Some(checksums), None),
+            _ => corrupted(),
         }
     }
 

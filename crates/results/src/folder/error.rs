@@ -41,7 +41,7 @@ pub enum FolderError {
          `stochc fsck {}` lists the corrupted files, and with `--repair` repairs the folder",
         shell_file(&.path.to_string_lossy())
     )]
-    Damaged {
+    Corrupted {
         /// Results folder.
         path: PathBuf,
     },
@@ -93,7 +93,7 @@ pub enum FolderError {
          `stochc shard merge {folder}` merges them",
         folder = shell_file(&.path.to_string_lossy())
     )]
-    Cut {
+    Split {
         /// Results folder.
         path: PathBuf,
     },
@@ -102,7 +102,7 @@ pub enum FolderError {
         "`shards.json` in `{0}` is damaged beyond repair; move it away: `stochc simulate` with the programs and options of \
          before, its `--shards` too, writes it anew and keeps the shards"
     )]
-    LostCut(PathBuf),
+    LostSplit(PathBuf),
     /// The manifest is corrupted beyond repair.
     #[error(
         "`manifest.json` in `{0}` is damaged beyond repair, and without it nobody can go on with its runs; put a copy of \

@@ -14,5 +14,5 @@ pub use results_folder::{
     survey, write_tables,
 };
 pub(crate) use results_folder::{
-    keep_sound_lines, lock, replace, without_manifest, write_checksums, write_manifest,
+    lock, replace, retain_valid_lines, without_manifest, write_checksums, write_manifest,
 };

@@ -51,7 +51,7 @@ pub struct Folder {
     /// Whether the stored manifest differs from the manifest of this folder and must be rewritten.
     is_changed: bool,
     state: FolderState,
-    kept: Records,
+    existing: Records,
     shortest: Option<Finished>,
     whole: u64,
     /// Manifest before the ensemble grew, if the journal has corrupted lines. They must be removed
@@ -135,12 +135,12 @@ impl Folder {
         manifest: &Manifest,
         resume: impl Into<Resume>,
     ) -> Result<Folder, FolderError> {
-        not_cut(path)?;
-        Folder::open_cut(path, manifest, resume.into())
+        reject_split(path)?;
+        Folder::open_split(path, manifest, resume.into())
     }
 
     /// Opens a folder that may be split into shards.
-    pub(crate) fn open_cut(
+    pub(crate) fn open_split(
         path: &Path,
         manifest: &Manifest,
         resume: Resume,
@@ -160,7 +160,7 @@ impl Folder {
                 builds: manifest.builds.clone(),
                 state: FolderState::New,
                 is_changed: false,
-                kept: Records::default(),
+                existing: Records::default(),
                 shortest: None,
                 whole: 0,
                 foul: None,
@@ -186,9 +186,9 @@ impl Folder {
         let journal = journal::read(&path.join(JOURNAL), &stored, &stored.identity())?;
         let is_extended = resume != Resume::No && stored.runs < manifest.runs;
         let foul = (is_extended && !journal.damage.is_empty()).then(|| stored.clone());
-        let kept = journal.finished;
+        let existing = journal.finished;
         let damage = damage(path, journal.damage);
-        let (done, total) = (kept.len() as u64, manifest.total());
+        let (done, total) = (existing.len() as u64, manifest.total());
         if done < total && resume == Resume::No {
             return Err(FolderError::Unfinished {
                 path: path.to_owned(),
@@ -230,7 +230,7 @@ impl Folder {
             } else {
                 FolderState::Resumed
             },
-            kept,
+            existing,
             shortest: journal.shortest,
             whole: journal.whole,
             foul,
@@ -253,7 +253,7 @@ impl Folder {
             surveyed => surveyed?,
         };
         let manifest = manifest.ok_or_else(absent)?;
-        not_cut(path)?;
+        reject_split(path)?;
         let journal = journal::read(&path.join(JOURNAL), &manifest, &manifest.identity())?;
         Ok(Contents {
             manifest,
@@ -277,7 +277,7 @@ impl Folder {
     ///
     /// Errors of the file system.
     pub fn with_checkpoints(mut self, every: Interval) -> Result<Folder, FolderError> {
-        let wants = |program, run| self.wants(&self.kept, program, run);
+        let wants = |program, run| self.wants(&self.existing, program, run);
         let opened = checkpoint::clear(&self.path, wants)
             .and_then(|()| Checkpoints::open(&self.path, &self.manifest, every, wants));
         let opened = opened.map_err(|source| self.in_checkpoints(source))?;
@@ -334,13 +334,13 @@ impl Folder {
     }
 
     /// Returns the runs that were finished at opening.
-    pub fn kept(&self) -> &Records {
-        &self.kept
+    pub fn existing(&self) -> &Records {
+        &self.existing
     }
 
     /// Closes the folder. Returns its manifest and the runs that were finished at opening.
     pub(crate) fn close(self) -> (Manifest, Records) {
-        (self.manifest, self.kept)
+        (self.manifest, self.existing)
     }
 
     /// Returns the shortest run at opening that did not fail.
@@ -356,10 +356,10 @@ impl Folder {
     /// Errors of the file system.
     pub(crate) fn leave_foul_lines(&mut self) -> Result<(), FolderError> {
         if let Some(stored) = self.foul.take() {
-            keep_sound_lines(&self.path, &stored)?;
+            retain_valid_lines(&self.path, &stored)?;
             write_checksums(&self.path, &[])?;
             let journal = journal::read(&self.path.join(JOURNAL), &stored, &stored.identity())?;
-            (self.kept, self.whole) = (journal.finished, journal.whole);
+            (self.existing, self.whole) = (journal.finished, journal.whole);
         }
         Ok(())
     }
@@ -473,9 +473,9 @@ pub(crate) fn write_checksums(path: &Path, files: &[(String, Sum)]) -> Result<()
 }
 
 /// Returns an error if the folder has shards.
-fn not_cut(path: &Path) -> Result<(), FolderError> {
+fn reject_split(path: &Path) -> Result<(), FolderError> {
     match disk::look(&path.join(SHARDS_FILE)) {
-        Ok(_) => Err(FolderError::Cut {
+        Ok(_) => Err(FolderError::Split {
             path: path.to_owned(),
         }),
         Err(_) => Ok(()),
@@ -487,7 +487,7 @@ fn not_cut(path: &Path) -> Result<(), FolderError> {
 /// # Errors
 ///
 /// If the journal belongs to another ensemble, and errors of the file system.
-pub(crate) fn keep_sound_lines(path: &Path, manifest: &Manifest) -> Result<(), FolderError> {
+pub(crate) fn retain_valid_lines(path: &Path, manifest: &Manifest) -> Result<(), FolderError> {
     let journal = path.join(JOURNAL);
     let of = || FolderError::at(&journal);
     // Something that is not a file has no valid lines.
@@ -497,8 +497,8 @@ pub(crate) fn keep_sound_lines(path: &Path, manifest: &Manifest) -> Result<(), F
     } else {
         None
     };
-    let damaged = path.join(DAMAGED);
-    atomic::move_aside(&journal, &damaged).map_err(FolderError::at(&damaged))?;
+    let corrupted = path.join(DAMAGED);
+    atomic::move_aside(&journal, &corrupted).map_err(FolderError::at(&corrupted))?;
     match text {
         Some(text) => atomic::replace(&journal, &text, Replaces::Nothing).map_err(of()),
         None => Ok(()),
@@ -597,7 +597,7 @@ fn as_written(folder: &Path) -> Result<(), FolderError> {
             } else {
                 folder.to_owned()
             };
-            Err(FolderError::Damaged { path })
+            Err(FolderError::Corrupted { path })
         }
         _ => Ok(()),
     }

@@ -13,23 +13,23 @@ pub struct FileIntegrity {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Integrity {
     /// The file's checksums are correct.
-    Sound,
+    Valid,
     /// The file is readable, but has no checksum.
     Unprotected,
     /// The file is corrupted, for these reasons.
-    Damaged(Vec<String>),
+    Corrupted(Vec<String>),
 }
 
 impl Integrity {
     /// Returns whether the file is corrupted.
-    pub fn is_damaged(&self) -> bool {
-        matches!(self, Integrity::Damaged(_))
+    pub fn is_corrupted(&self) -> bool {
+        matches!(self, Integrity::Corrupted(_))
     }
 
     pub(crate) fn new(damage: Vec<String>, is_protected: bool) -> Integrity {
         match (damage.is_empty(), is_protected) {
-            (false, _) => Integrity::Damaged(damage),
-            (true, true) => Integrity::Sound,
+            (false, _) => Integrity::Corrupted(damage),
+            (true, true) => Integrity::Valid,
             (true, false) => Integrity::Unprotected,
         }
     }

@@ -8,11 +8,11 @@ use stochc_files::{budget, disk, open, read_file};
 use crate::checkpoint;
 use crate::folder::FolderChecksums;
 use crate::folder::{CHECKSUMS_FILE, JOURNAL, MANIFEST, RECORDINGS, SHARDS, SHARDS_FILE};
-use crate::folder::{keep_sound_lines, lock, without_manifest, write_manifest};
+use crate::folder::{lock, retain_valid_lines, without_manifest, write_manifest};
 use crate::journal::JournalError;
 use crate::journal::read as read_journal;
 use crate::recording::{Outline, RecordingError, path as recording_path};
-use crate::shards::{self, Cut};
+use crate::shards::{self, Split};
 use crate::{Folder, FolderError, Further, Manifest, ManifestError, Records, Resume};
 use stochc_text::visible;
 
@@ -83,16 +83,16 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
             Err(JournalError::Io(error)) if is_short_of_memory(&error) => {
                 return Err(FolderError::at(journal)(error));
             }
-            Err(error) => Integrity::Damaged(vec![error.to_string()]),
+            Err(error) => Integrity::Corrupted(vec![error.to_string()]),
         };
         report(JOURNAL, health);
     }
     for name in known.filter(|it| *it != JOURNAL) {
         report(name, by_checksum(name));
     }
-    let cut = Cut::read(path).ok().flatten();
-    if let Some(cut) = &cut {
-        files.extend(shards::health(path, &manifest, cut));
+    let split = Split::read(path).ok().flatten();
+    if let Some(split) = &split {
+        files.extend(shards::health(path, &manifest, split));
     }
     let mut report = |name: &str, health| {
         let name = name.to_owned();
@@ -128,20 +128,20 @@ pub fn verify(path: &Path) -> Result<Vec<FileIntegrity>, FolderError> {
 pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     let of = |name: &str| FolderError::at(path.join(name));
     let health = verify(path)?;
-    let is_damaged =
-        |name: &str| (health.iter()).any(|file| file.name == name && file.health.is_damaged());
+    let is_corrupted =
+        |name: &str| (health.iter()).any(|file| file.name == name && file.health.is_corrupted());
     let aside = |name: &str| {
         let moved = move_aside(&path.join(name), &path.join(DAMAGED));
         moved.map(|_| ()).map_err(of(DAMAGED))
     };
     let lock = lock(path)?;
-    let manifest = if !is_damaged(MANIFEST) {
+    let manifest = if !is_corrupted(MANIFEST) {
         manifest(path).map_err(of(MANIFEST))?
     } else {
         saved(path).map_err(of(MANIFEST))?
     };
     let manifest = manifest.map_err(|reason| {
-        if is_damaged(MANIFEST) {
+        if is_corrupted(MANIFEST) {
             FolderError::LostManifest(path.to_owned())
         } else {
             FolderError::Unreadable {
@@ -150,39 +150,39 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
             }
         }
     })?;
-    if is_damaged(MANIFEST) {
+    if is_corrupted(MANIFEST) {
         aside(MANIFEST)?;
         write_manifest(path, &manifest)?;
     }
-    if is_damaged(SHARDS_FILE) && path.join(SHARDS_FILE).exists() {
+    if is_corrupted(SHARDS_FILE) && path.join(SHARDS_FILE).exists() {
         if path.join(SHARDS).exists() {
             // Without `shards.json`, the shards could not be found.
-            return Err(FolderError::LostCut(path.to_owned()));
+            return Err(FolderError::LostSplit(path.to_owned()));
         }
         aside(SHARDS_FILE)?;
     }
-    if is_damaged(JOURNAL) && path.join(JOURNAL).exists() {
-        keep_sound_lines(path, &manifest)?;
+    if is_corrupted(JOURNAL) && path.join(JOURNAL).exists() {
+        retain_valid_lines(path, &manifest)?;
     }
     // Tables with runs that the journal lost contain more than tables from the present journal.
-    let is_lost = |name: &str| is_damaged(JOURNAL) && !name.contains('/');
+    let is_lost = |name: &str| is_corrupted(JOURNAL) && !name.contains('/');
     for file in &health {
         let is_done = [MANIFEST, JOURNAL, SHARDS_FILE, CHECKSUMS_FILE].contains(&&*file.name);
-        let goes = file.health.is_damaged() || is_lost(&file.name);
-        if goes && !is_done && path.join(&file.name).exists() {
+        let is_removed = file.health.is_corrupted() || is_lost(&file.name);
+        if is_removed && !is_done && path.join(&file.name).exists() {
             aside(&file.name)?;
         }
     }
     // The checksums describe the earlier files.
-    if path.join(CHECKSUMS_FILE).exists() && health.iter().any(|file| file.health.is_damaged()) {
+    if path.join(CHECKSUMS_FILE).exists() && health.iter().any(|file| file.health.is_corrupted()) {
         aside(CHECKSUMS_FILE)?;
     }
-    if let Ok(Some(cut)) = Cut::read(path) {
-        return cut.write(path);
+    if let Ok(Some(split)) = Split::read(path) {
+        return split.write(path);
     }
     drop(lock);
     let folder = Folder::open(path, &manifest, Resume::MixedBuilds)?.with(further);
-    folder.write_tables(folder.kept())
+    folder.write_tables(folder.existing())
 }
 
 /// Reads the manifest, ignoring its checksum. The inner error explains why it is unreadable.
@@ -244,8 +244,8 @@ fn recording(
     run: u64,
 ) -> io::Result<Integrity> {
     let name = visible(&format!("{RECORDINGS}/{program}-{run}.rec"));
-    let damaged =
-        |reason: &dyn std::fmt::Display| Integrity::Damaged(vec![format!("`{name}`: {reason}")]);
+    let corrupted =
+        |reason: &dyn std::fmt::Display| Integrity::Corrupted(vec![format!("`{name}`: {reason}")]);
     let opened = open(&recording_path(path, program, run)).and_then(|file| {
         budget::RECORDING.admits(file.metadata()?.len())?;
         Ok(file)
@@ -253,23 +253,23 @@ fn recording(
     let file = match opened {
         Ok(file) => file,
         Err(error) if is_short_of_memory(&error) => return Err(error),
-        Err(error) => return Ok(damaged(&error)),
+        Err(error) => return Ok(corrupted(&error)),
     };
     let recording = match Outline::read(BufReader::new(file), manifest.programs[program].tables()) {
         Ok(recording) => recording,
         Err(RecordingError::Io(error)) if is_short_of_memory(&error) => return Err(error),
-        Err(error) => return Ok(damaged(&error)),
+        Err(error) => return Ok(corrupted(&error)),
     };
     let known = match finished.get(program, run) {
         Ok(known) => known,
         Err(JournalError::Io(error)) if is_short_of_memory(&error) => return Err(error),
-        Err(error) => return Ok(damaged(&error)),
+        Err(error) => return Ok(corrupted(&error)),
     };
     Ok(
         if !recording.is_of(manifest, known.as_ref(), program, run) {
-            damaged(&"it is the recording of another run")
+            corrupted(&"it is the recording of another run")
         } else {
-            Integrity::Sound
+            Integrity::Valid
         },
     )
 }

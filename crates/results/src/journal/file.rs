@@ -158,8 +158,8 @@ pub(crate) struct Shortest(pub Option<Finished>);
 impl Shortest {
     pub fn offer(&mut self, finished: Finished) {
         let key = |it: &Finished| (it.record.ticks, it.program, it.record.run);
-        let is_sound = !matches!(finished.record.outcome, Outcome::Failed { .. });
-        if is_sound && (self.0.as_ref()).is_none_or(|it| key(&finished) < key(it)) {
+        let is_valid = !matches!(finished.record.outcome, Outcome::Failed { .. });
+        if is_valid && (self.0.as_ref()).is_none_or(|it| key(&finished) < key(it)) {
             self.0 = Some(finished);
         }
     }
@@ -200,7 +200,7 @@ pub(crate) fn read_lines(
         return Ok(0);
     };
     let header: JournalHeader = serde_json::from_slice(first).map_err(|_| JournalError::Foreign)?;
-    if header.journal != JOURNAL || checksum::check(first) != LineIntegrity::Sound {
+    if header.journal != JOURNAL || checksum::check(first) != LineIntegrity::Valid {
         return Err(JournalError::Foreign);
     }
     if (&header.ensemble, &header.shard) != (&expected.ensemble, &expected.shard) {
@@ -226,7 +226,7 @@ pub(crate) fn read_header(path: &Path) -> io::Result<Option<JournalHeader>> {
         return Ok(None);
     };
     let header = serde_json::from_slice(line).ok();
-    Ok(header.filter(|_| checksum::check(line) == LineIntegrity::Sound))
+    Ok(header.filter(|_| checksum::check(line) == LineIntegrity::Valid))
 }
 
 /// Limit on the length of the first line of a journal \[bytes\].
@@ -243,17 +243,17 @@ pub(crate) fn first_line(file: &mut impl BufRead) -> io::Result<Vec<u8>> {
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum InvalidLine {
     #[error("is damaged")]
-    Damaged,
+    Corrupted,
     #[error("is not possible: {0}")]
     Impossible(String),
 }
 
 /// Reads and validates the run of a line.
 pub(crate) fn run(line: &[u8], validator: &RecordValidator<'_>) -> Result<Finished, InvalidLine> {
-    if checksum::check(line) != LineIntegrity::Sound {
-        return Err(InvalidLine::Damaged);
+    if checksum::check(line) != LineIntegrity::Valid {
+        return Err(InvalidLine::Corrupted);
     }
-    let finished: Finished = serde_json::from_slice(line).map_err(|_| InvalidLine::Damaged)?;
+    let finished: Finished = serde_json::from_slice(line).map_err(|_| InvalidLine::Corrupted)?;
     match validator.inconsistency(finished.program, &finished.record) {
         Some(reason) => Err(InvalidLine::Impossible(reason)),
         None => Ok(finished),
@@ -280,8 +280,8 @@ pub(crate) fn salvaged(
     let mut count = read_or_end(&mut file, most, &mut next)?;
     if let Ok(header) = serde_json::from_slice::<JournalHeader>(&next) {
         let first = next.strip_suffix(b"\n").unwrap_or(&next);
-        let sound = checksum::check(first) == LineIntegrity::Sound;
-        if sound && header.ensemble != identity {
+        let is_valid = checksum::check(first) == LineIntegrity::Valid;
+        if is_valid && header.ensemble != identity {
             return Ok(None);
         }
     }

@@ -43,7 +43,7 @@ pub(crate) fn read_at(
     line.clear();
     let bytes = read_line(file, most, line)?;
     let text = line.strip_suffix(b"\n").ok_or(JournalError::Changed)?;
-    if checksum::check(text) == LineIntegrity::Damaged {
+    if checksum::check(text) == LineIntegrity::Corrupted {
         return Err(JournalError::Changed);
     }
     let finished = serde_json::from_slice(text).map_err(|_| JournalError::Changed)?;

@@ -185,10 +185,10 @@ impl EnsembleProgram {
     }
 
     /// Returns whether a phase consists of pre-attached blocks.
-    pub fn is_planted(&self, phase: PhaseId) -> bool {
+    pub fn is_pre_attached(&self, phase: PhaseId) -> bool {
         self.phases()
             .get(phase.0 as usize)
-            .is_some_and(|phase| phase.planted)
+            .is_some_and(|phase| phase.pre_attached)
     }
 
     /// Returns the name of a role, or `?` for an unknown one.

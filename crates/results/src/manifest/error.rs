@@ -17,7 +17,7 @@ pub enum ManifestError {
     OtherFormat(u32),
     /// A part is missing or invalid.
     #[error("it is damaged, {0}")]
-    Damaged(String),
+    Corrupted(String),
     /// The manifest does not match the first line of the journal.
     #[error("it does not belong to the journal; nothing was changed")]
     NotOfTheJournal,

@@ -129,34 +129,37 @@ impl Manifest {
         if format != FORMAT {
             return Err(ManifestError::OtherFormat(format));
         }
-        let damaged = |error: &dyn std::fmt::Display| ManifestError::Damaged(error.to_string());
-        let stored: StoredManifest = serde_json::from_str(json).map_err(|error| damaged(&error))?;
-        if !stored.settings.steps().are_sound() || stored.settings.solver_iterations == Some(0) {
-            return Err(damaged(&"it has no steps"));
+        let corrupted = |error: &dyn std::fmt::Display| ManifestError::Corrupted(error.to_string());
+        let stored: StoredManifest =
+            serde_json::from_str(json).map_err(|error| corrupted(&error))?;
+        if !stored.settings.steps().are_valid() || stored.settings.solver_iterations == Some(0) {
+            return Err(corrupted(&"it has no steps"));
         }
         let compiled = stored.compiled.iter().map(|raw| {
             let StoredCompiled {
                 tables,
                 graph,
                 jam_risks,
-            } = serde_json::from_str(raw.get()).map_err(|error| damaged(&error))?;
-            graph.validate(&tables).map_err(|reason| damaged(&reason))?;
+            } = serde_json::from_str(raw.get()).map_err(|error| corrupted(&error))?;
+            graph
+                .validate(&tables)
+                .map_err(|reason| corrupted(&reason))?;
             Ok(Arc::new(Compiled::new(tables, graph, jam_risks)))
         });
         let compiled: Vec<Arc<Compiled>> = compiled.collect::<Result<_, ManifestError>>()?;
         let programs = stored.programs.into_iter().map(|program| {
-            let missing = || damaged(&"a part of it is missing");
+            let missing = || corrupted(&"a part of it is missing");
             let sources = program.sources.iter();
             let sources = sources.map(|&place| stored.sources.get(place).cloned());
             let (scene, name) = (program.scene, program.name);
-            scene.validate().map_err(|reason| damaged(&reason))?;
+            scene.validate().map_err(|reason| corrupted(&reason))?;
             let mut chosen = program.chosen.iter();
             let is_known = |it: &ChosenSetting| ChosenSetting::new(it.name(), it.value()).map(drop);
-            (chosen.try_for_each(is_known)).map_err(|reason| damaged(&reason))?;
+            (chosen.try_for_each(is_known)).map_err(|reason| corrupted(&reason))?;
             let compiled = compiled.get(program.compiled).cloned();
             let compiled = compiled.ok_or_else(missing)?;
             let fits = compiled.tables.validate_in(&scene);
-            fits.map_err(|reason| damaged(&reason))?;
+            fits.map_err(|reason| corrupted(&reason))?;
             Ok(EnsembleProgram {
                 name,
                 compiled,

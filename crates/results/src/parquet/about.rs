@@ -35,7 +35,7 @@ pub(super) fn about(manifest: &Manifest) -> Vec<(&'static str, String)> {
 
 fn program(program: &EnsembleProgram) -> serde_json::Value {
     let phases = (program.phases().iter())
-        .map(|phase| json!({ "name": phase.name, "by_hand": phase.planted }));
+        .map(|phase| json!({ "name": phase.name, "pre_attached": phase.pre_attached }));
     let phases: Vec<_> = phases.collect();
     let mut about = json!({
         "name": program.name,

@@ -96,9 +96,9 @@ pub(super) fn add_phase<'a, T: 'a>(
         move |row| u64::from(phase(&row.item).0),
     );
     table.truth(
-        "by_hand",
+        "pre_attached",
         "whether the blocks phase this phase are pre-attached",
-        move |row| row.run.program.is_planted(phase(&row.phase)),
+        move |row| row.run.program.is_pre_attached(phase(&row.phase)),
     );
 }
 

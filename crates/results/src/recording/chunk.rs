@@ -148,18 +148,18 @@ impl PoseChunk {
     /// Reads a chunk from the output of [`PoseChunk::to_bytes`].
     pub fn from_bytes(bytes: &[u8], bodies: u32) -> Result<PoseChunk, RecordingError> {
         const PLACES: &str = "its places";
-        let damaged = || RecordingError::Damaged(PLACES);
+        let corrupted = || RecordingError::Corrupted(PLACES);
         let mut rest = bytes;
         let mut take = |count: usize| {
-            let (head, tail) = rest.split_at_checked(count).ok_or_else(damaged)?;
+            let (head, tail) = rest.split_at_checked(count).ok_or_else(corrupted)?;
             rest = tail;
             Ok::<&[u8], RecordingError>(head)
         };
-        let first = u64::from_le_bytes(take(8)?.try_into().map_err(|_| damaged())?);
-        let frames = u32::from_le_bytes(take(4)?.try_into().map_err(|_| damaged())?);
+        let first = u64::from_le_bytes(take(8)?.try_into().map_err(|_| corrupted())?);
+        let frames = u32::from_le_bytes(take(4)?.try_into().map_err(|_| corrupted())?);
         take(4)?;
         let mut number = || {
-            let bytes = take(8)?.try_into().map_err(|_| damaged())?;
+            let bytes = take(8)?.try_into().map_err(|_| corrupted())?;
             Ok::<f64, RecordingError>(f64::from_le_bytes(bytes))
         };
         let corner = [number()?, number()?, number()?];
@@ -171,15 +171,15 @@ impl PoseChunk {
                 first.checked_add(offset.into())
             })
             .collect();
-        let ticks = ticks.ok_or_else(damaged)?;
+        let ticks = ticks.ok_or_else(corrupted)?;
         let count = unpacked(bodies, frames) / 2;
         if frames == 0 || unpacked(bodies, frames) > RECORDING_PART || !ticks.is_sorted() {
-            return Err(damaged());
+            return Err(corrupted());
         }
         let planes = inflate(rest, 2 * count, PLACES)?;
         let (count, frames) = (count as usize, frames as usize);
         if planes.len() != 2 * count {
-            return Err(damaged());
+            return Err(corrupted());
         }
         let (low, high) = planes.split_at(count);
         let mut numbers = vec![0; count];
@@ -277,12 +277,12 @@ mod tests {
         for frame in 0..frames {
             for body in 0..bodies {
                 let place = &places[(frame * bodies + body) * NUMBERS..][..NUMBERS];
-                let kept = chunk.place(body, frame, bodies);
+                let decoded = chunk.place(body, frame, bodies);
                 for axis in 0..3 {
-                    let error = (kept[axis] - f64::from(place[axis])).abs();
+                    let error = (decoded[axis] - f64::from(place[axis])).abs();
                     assert!(error <= chunk.step / 2.0, "{error}");
                 }
-                let product: f64 = (3..7).map(|i| kept[i] * f64::from(place[i])).sum();
+                let product: f64 = (3..7).map(|i| decoded[i] * f64::from(place[i])).sum();
                 let length: f64 = (3..7).map(|i| f64::from(place[i]).powi(2)).sum();
                 let product = product / length.sqrt();
                 // Half a step in each of four components is an angle of at most one step. 1 - cos

@@ -52,7 +52,7 @@ pub enum RecordingError {
     CutShort(Option<u64>),
     /// A part of the recording is invalid.
     #[error("it is damaged: {0}")]
-    Damaged(&'static str),
+    Corrupted(&'static str),
     /// The recording is too large to be held in memory.
     #[error("it has {} or more, unpacked", size(RECORDING_WHOLE))]
     TooLarge,
@@ -109,7 +109,7 @@ impl<R: Read> ChecksummedSection<R> {
     }
 
     /// Compares the checksum that follows. Returns `None` at the end of the file.
-    fn is_sound(&mut self) -> io::Result<Option<bool>> {
+    fn is_valid(&mut self) -> io::Result<Option<bool>> {
         let crc = crc32(&self.bytes);
         Ok(self.number()?.map(|stored| stored == crc))
     }
@@ -132,17 +132,17 @@ pub(super) fn read_header(from: &mut impl Read) -> Result<RecordingHeader, Recor
     }
     let length = part.number()?.ok_or_else(short)?;
     if u64::from(length) > RECORDING_HEADER {
-        return Err(RecordingError::Damaged("its header"));
+        return Err(RecordingError::Corrupted("its header"));
     }
     let json = part.take(length.into())?;
     if json.len() < length as usize {
         return Err(short());
     }
     let header = serde_json::from_slice(json);
-    if !part.is_sound()?.ok_or_else(short)? {
-        return Err(RecordingError::Damaged("its header"));
+    if !part.is_valid()?.ok_or_else(short)? {
+        return Err(RecordingError::Corrupted("its header"));
     }
-    header.map_err(|_| RecordingError::Damaged("its header"))
+    header.map_err(|_| RecordingError::Corrupted("its header"))
 }
 
 /// Writes a section with its tag and checksum.
@@ -171,14 +171,14 @@ pub(super) fn read_section(
         return Ok(None);
     };
     if u64::from(length) > most {
-        return Err(RecordingError::Damaged("a part of it is too long"));
+        return Err(RecordingError::Corrupted("a part of it is too long"));
     }
     if part.take(length.into())?.len() < length as usize {
         return Ok(None);
     }
-    match part.is_sound()? {
+    match part.is_valid()? {
         Some(true) => {}
-        Some(false) => return Err(RecordingError::Damaged("the checksum of a part differs")),
+        Some(false) => return Err(RecordingError::Corrupted("the checksum of a part differs")),
         None => return Ok(None),
     }
     let payload = 8..8 + length as usize;
@@ -215,7 +215,7 @@ pub(super) fn deflate(bytes: &[u8]) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 ///
-/// [`RecordingError::Damaged`] if the bytes are corrupted or exceed the limit. An I/O error if
+/// [`RecordingError::Corrupted`] if the bytes are corrupted or exceed the limit. An I/O error if
 /// memory is insufficient.
 pub(super) fn inflate(
     bytes: &[u8],
@@ -227,6 +227,6 @@ pub(super) fn inflate(
     match decoder.take(limit + 1).read_to_end(&mut inflated) {
         Ok(_) if inflated.len() as u64 <= limit => Ok(inflated),
         Err(error) if error.kind() == io::ErrorKind::OutOfMemory => Err(error.into()),
-        _ => Err(RecordingError::Damaged(part)),
+        _ => Err(RecordingError::Corrupted(part)),
     }
 }

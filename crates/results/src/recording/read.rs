@@ -126,7 +126,7 @@ pub fn each_places(
             return Ok(());
         };
         if last > chunk.ticks.first().copied() {
-            return Err(RecordingError::Damaged(
+            return Err(RecordingError::Corrupted(
                 "its places are not in the order of time",
             ));
         }
@@ -183,23 +183,23 @@ fn walk(
                 match (read, broken) {
                     (Ok(()), _) => {}
                     (Err(_), Some(error)) => return Err(error),
-                    (Err(_), None) => return Err(RecordingError::Damaged(EVENT_LIST)),
+                    (Err(_), None) => return Err(RecordingError::Corrupted(EVENT_LIST)),
                 }
             }
             DONE => {
                 const RECORD: &str = "its record";
                 let json = inflate(&payload, most, RECORD)?;
                 let record: RunRecord =
-                    serde_json::from_slice(&json).map_err(|_| RecordingError::Damaged(RECORD))?;
+                    serde_json::from_slice(&json).map_err(|_| RecordingError::Corrupted(RECORD))?;
                 if latest > record.ticks {
-                    return Err(RecordingError::Damaged("something happens after its end"));
+                    return Err(RecordingError::Corrupted("something happens after its end"));
                 }
                 if from.read(&mut [0])? > 0 {
-                    return Err(RecordingError::Damaged("something follows its end"));
+                    return Err(RecordingError::Corrupted("something follows its end"));
                 }
                 return Ok(Outline { header, record });
             }
-            _ => return Err(RecordingError::Damaged("a part of an unknown kind")),
+            _ => return Err(RecordingError::Corrupted("a part of an unknown kind")),
         }
     }
 }

@@ -40,7 +40,7 @@ impl<'m> ProgramEvents<'m> {
         for (id, of) in times.iter().enumerate() {
             let Some(of) = of else { continue };
             let waits_for = self.graph.waits_for(EventId(id as u32));
-            if !(waits_for.iter()).all(|edge| is_kept(edge, *of, &times)) {
+            if !(waits_for.iter()).all(|edge| is_satisfied(edge, *of, &times)) {
                 return Err("an event comes before one that it waits for");
             }
         }
@@ -139,7 +139,7 @@ fn key(graph: &EventGraph, id: EventId) -> (PhaseId, EventAction) {
 
 /// Returns whether the times fulfil a dependency. Dependencies that the compiler chose freely are
 /// not checked.
-fn is_kept(edge: &Edge, then: EventTimes, times: &[Option<EventTimes>]) -> bool {
+fn is_satisfied(edge: &Edge, then: EventTimes, times: &[Option<EventTimes>]) -> bool {
     if edge.unneeded || edge.why.is_choice() {
         return true;
     }

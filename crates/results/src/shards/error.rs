@@ -14,7 +14,7 @@ pub enum ShardError {
     #[error(
         "cannot split {runs} runs into {asked} shards; a shard has at least one run, and {MAX_SHARDS} shards are the limit"
     )]
-    Uncuttable {
+    InvalidSplit {
         /// Requested number of shards.
         asked: u64,
         /// Number of runs of all programs.
@@ -35,7 +35,7 @@ pub enum ShardError {
     #[error(
         "`{path}` is split into {there} shards of {runs} runs of each program; ask for the same, or choose another folder"
     )]
-    OtherCut {
+    OtherSplit {
         /// Results folder.
         path: PathBuf,
         /// Number of shards of the existing split.
@@ -49,7 +49,7 @@ pub enum ShardError {
         shell_file(&.path.to_string_lossy()),
         if .done < .total { "; `stochc shard new` splits a new folder" } else { "" }
     )]
-    NotCut {
+    NotSplit {
         /// Results folder.
         path: PathBuf,
         /// Number of finished runs in the shards.

@@ -6,8 +6,8 @@ use stochc_files::atomic::{Draft, Replaces, remove_own, sync_folder};
 use stochc_files::disk;
 
 use super::ShardError;
-use super::cut::{Cut, build, is_joined, shard_file};
 use super::shard::{ShardFile, in_folder, read};
+use super::split::{Split, build, is_joined, shard_file};
 use crate::checkpoint;
 use crate::folder::lock;
 use crate::folder::slurm_folder;
@@ -24,23 +24,23 @@ use crate::{Folder, FolderError, Further, Manifest, Resume};
 ///
 /// If a shard is missing, corrupted, or of another ensemble. The folder is then unchanged.
 pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
-    let (_, cut) = Cut::require(path)?;
+    let (_, split) = Split::require(path)?;
     let lock = lock(path)?;
     // Read again, now with exclusive access.
-    let (manifest, _) = Cut::require(path)?;
+    let (manifest, _) = Split::require(path)?;
     if !is_joined(path, &manifest)? {
-        join(path, &manifest, &cut)?;
+        join(path, &manifest, &split)?;
     }
     drop(lock);
-    let folder = Folder::open_cut(path, &manifest, Resume::MixedBuilds)?.with(further);
-    folder.write_tables(folder.kept())?;
+    let folder = Folder::open_split(path, &manifest, Resume::MixedBuilds)?.with(further);
+    folder.write_tables(folder.existing())?;
     checkpoint::clear(path, |_, _| false).map_err(|source| in_folder(path, source))?;
-    clear(path, &cut).map_err(|source| in_folder(path, source))?;
+    clear(path, &split).map_err(|source| in_folder(path, source))?;
     Ok(manifest.total())
 }
 
 /// Writes the journal of the ensemble from the lines of all shards.
-fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
+fn join(path: &Path, manifest: &Manifest, split: &Split) -> Result<(), ShardError> {
     let io = FolderError::at(path.join(JOURNAL));
     let mut draft = Draft::new(&path.join(JOURNAL), Replaces::Ordinary).map_err(&io)?;
     let header = JournalHeader::new(&manifest.identity());
@@ -48,11 +48,11 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
         .write_all(journal_line(&header).as_bytes())
         .map_err(&io)?;
     let (mut missing, mut foreign) = (Vec::new(), Vec::new());
-    for number in 0..cut.shards {
+    for number in 0..split.shards {
         let file = shard_file(path, number);
         let (header, jobs) = (
-            cut.header(build(manifest), number),
-            cut.jobs(manifest.total(), number),
+            split.header(build(manifest), number),
+            split.jobs(manifest.total(), number),
         );
         // Nothing is written unless all shards are valid.
         let is_wanted = missing.is_empty() && foreign.is_empty();
@@ -66,7 +66,7 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
         })?;
         match found {
             ShardFile::Whole => {}
-            ShardFile::Nothing | ShardFile::Damaged(_) => missing.push(number),
+            ShardFile::Nothing | ShardFile::Corrupted(_) => missing.push(number),
             ShardFile::Foreign(what) => foreign.push((number, what)),
         }
     }
@@ -79,26 +79,29 @@ fn join(path: &Path, manifest: &Manifest, cut: &Cut) -> Result<(), ShardError> {
         return Err(ShardError::Missing {
             path,
             shards: missing,
-            total: cut.shards,
+            total: split.shards,
         });
     }
     Ok(draft.keep().map_err(io)?)
 }
 
 /// Removes the shards, then `shards.json`.
-fn clear(path: &Path, cut: &Cut) -> io::Result<()> {
-    remove_own(&path.join(SHARDS), |name| is_ours(name, cut))?;
+fn clear(path: &Path, split: &Split) -> io::Result<()> {
+    remove_own(&path.join(SHARDS), |name| is_ours(name, split))?;
     slurm_folder::clear(path)?;
     disk::remove(&path.join(SHARDS_FILE))?;
     sync_folder(path)
 }
 
 /// Returns whether a file is a shard, or left over from a process that ran a shard.
-fn is_ours(name: &str, cut: &Cut) -> bool {
+fn is_ours(name: &str, split: &Split) -> bool {
     let Some((number, what)) = name.split_once('.') else {
         return false;
     };
     let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
-    let is_shard = is_number && number.parse().is_ok_and(|number: u64| number < cut.shards);
+    let is_shard = is_number
+        && number
+            .parse()
+            .is_ok_and(|number: u64| number < split.shards);
     is_shard && (what == "jsonl" || what.starts_with("part-") || what.starts_with("draft-"))
 }

@@ -11,20 +11,20 @@
 //! nothing. Two processes with the same shard write the same bytes. The result of [`merge`] is the
 //! same, byte for byte, as for an ensemble that was never split. Its journal has the lines of all
 //! shards in order, as a single thread would write them.
-mod cut;
 mod error;
 mod merge;
 mod shard;
+mod split;
 mod status;
 
-pub(crate) use cut::Cut;
-pub use cut::{Prepared, prepare};
 pub use error::ShardError;
 pub use merge::merge;
 pub use shard::Shard;
+pub(crate) use split::Split;
+pub use split::{Prepared, prepare};
 pub use status::{ShardState, ShardStatus, status};
 
-pub(crate) use cut::same_build;
+pub(crate) use split::same_build;
 pub(crate) use status::health;
 
 /// Largest number of shards. Each shard is a file.

@@ -11,7 +11,7 @@ use stochc_files::disk;
 use stochc_ir::record::RunRecord;
 
 use super::ShardError;
-use super::cut::{Cut, is_joined, same_build, shard_file};
+use super::split::{Split, is_joined, same_build, shard_file};
 use crate::execution::{PendingRuns, job, number as job_number};
 use crate::execution::{RunTracker, check_again, journaled};
 use crate::folder::{DAMAGED, SHARDS};
@@ -35,7 +35,7 @@ pub struct Shard {
     jobs: Range<u64>,
     is_made: bool,
     /// Existing runs of the shard, by processes that did not complete it.
-    kept: Records,
+    existing: Records,
     shortest: Option<Finished>,
     checkpoints: Option<Checkpoints>,
 }
@@ -47,7 +47,7 @@ pub(super) enum ShardFile {
     Whole,
     /// The file is corrupted. The reason continues a sentence that begins with the name of the
     /// shard.
-    Damaged(String),
+    Corrupted(String),
     /// The file is not of this shard. The description continues a sentence that begins with the
     /// name of the shard.
     Foreign(String),
@@ -60,7 +60,7 @@ impl Shard {
     ///
     /// Every error leaves the folder unchanged.
     pub fn open(path: &Path, number: u64) -> Result<Shard, ShardError> {
-        let (manifest, cut) = Cut::require(path)?;
+        let (manifest, cut) = Split::require(path)?;
         same_build(path, &manifest)?;
         if number >= cut.shards {
             let last = cut.shards - 1;
@@ -75,12 +75,12 @@ impl Shard {
         let mut found = look()?;
         // A killed `merge` may have removed some shards after the journal was complete.
         let is_joined = found != ShardFile::Whole && is_joined(path, &manifest)?;
-        if matches!(found, ShardFile::Damaged(_)) && !is_joined {
+        if matches!(found, ShardFile::Corrupted(_)) && !is_joined {
             // Another process may have completed the shard in the meantime.
             found = look()?;
         }
         let is_made = found == ShardFile::Whole || is_joined;
-        let is_damaged = matches!(found, ShardFile::Damaged(_)) && !is_joined;
+        let is_corrupted = matches!(found, ShardFile::Corrupted(_)) && !is_joined;
         if let ShardFile::Foreign(what) = found {
             return Err(ShardError::Foreign {
                 path: path.to_owned(),
@@ -90,7 +90,7 @@ impl Shard {
         let mut shard = Shard {
             path: path.to_owned(),
             is_made,
-            kept: Records::default(),
+            existing: Records::default(),
             shortest: None,
             checkpoints: None,
             manifest,
@@ -101,7 +101,7 @@ impl Shard {
         if !shard.is_made {
             shard.collect()?;
         }
-        if is_damaged {
+        if is_corrupted {
             set_aside(&file, &path.join(DAMAGED)).map_err(|source| in_folder(path, source))?;
         }
         Ok(shard)
@@ -117,7 +117,7 @@ impl Shard {
         let wants = |program: usize, run: u64| {
             let number = job_number(program, run, programs);
             let is_of_it = number.is_some_and(|number| self.jobs.contains(&number));
-            is_of_it && !self.is_made && !self.kept.contains(program, run)
+            is_of_it && !self.is_made && !self.existing.contains(program, run)
         };
         let opened = Checkpoints::open(&self.path, &self.manifest, every, wants);
         let io = FolderError::at(self.path.join(CHECKPOINTS));
@@ -146,7 +146,7 @@ impl Shard {
         let done = if self.is_made {
             all
         } else {
-            self.kept.len() as u64
+            self.existing.len() as u64
         };
         (all, done)
     }
@@ -183,10 +183,10 @@ impl Shard {
         if self.is_made {
             return Ok(true);
         }
-        progress.keep(&self.kept)?;
-        let pending = PendingRuns::all(&self.manifest, self.jobs.clone(), Some(&self.kept));
+        progress.count_existing(&self.existing)?;
+        let pending = PendingRuns::all(&self.manifest, self.jobs.clone(), Some(&self.existing));
         if pending.left == 0 {
-            return self.finish(&self.kept).map(|()| true);
+            return self.finish(&self.existing).map(|()| true);
         }
         let folder = self.path.join(SHARDS);
         let io = |source| in_folder(&self.path, source);
@@ -199,7 +199,7 @@ impl Shard {
             error => FolderError::Journal(error),
         };
         let journal = Journal::open(&part, &self.header, 0).map_err(of_part)?;
-        let file = self.kept.files();
+        let file = self.existing.files();
         let tracker = RunTracker {
             progress,
             checkpoints: self.checkpoints(),
@@ -207,7 +207,7 @@ impl Shard {
         let places = journaled(pending, journal, file, tracker, stop, simulate).map_err(of_part)?;
         let opened = files::open(&part).map_err(io)?;
         let most = journal::most_line(&self.manifest);
-        let all = self.kept.and(&places, opened, most).map_err(io)?;
+        let all = self.existing.and(&places, opened, most).map_err(io)?;
         if (all.len() as u64) < self.jobs.end - self.jobs.start {
             return Ok(false);
         }
@@ -265,7 +265,7 @@ impl Shard {
             }
         }
         self.shortest = shortest.0;
-        self.kept = Records::at(places, parts, most);
+        self.existing = Records::at(places, parts, most);
         Ok(())
     }
 }
@@ -319,9 +319,9 @@ pub(super) fn read(
             ShardFile::Nothing
         }
         (Err(JournalError::Io(error)), _) => unreadable(error)?,
-        (Err(error), _) => ShardFile::Damaged(format!("cannot be read: {error}")),
-        (_, Some(wrong)) => ShardFile::Damaged(wrong),
-        _ if next < jobs.end => ShardFile::Damaged(format!(
+        (Err(error), _) => ShardFile::Corrupted(format!("cannot be read: {error}")),
+        (_, Some(wrong)) => ShardFile::Corrupted(wrong),
+        _ if next < jobs.end => ShardFile::Corrupted(format!(
             "is damaged: it has {} of {} runs",
             next - jobs.start,
             jobs.end - jobs.start
@@ -340,7 +340,7 @@ pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<ShardFile,
         Ok(Some(found)) => found,
         Ok(None) => {
             let what = "is damaged: its first line was changed";
-            return Ok(ShardFile::Damaged(what.to_owned()));
+            return Ok(ShardFile::Corrupted(what.to_owned()));
         }
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(ShardFile::Nothing),
         Err(error) => return unreadable(error),
@@ -368,8 +368,8 @@ pub(super) fn identify(file: &Path, header: &JournalHeader) -> Result<ShardFile,
 }
 
 /// Moves a corrupted shard aside, unless another process has already moved it.
-fn set_aside(file: &Path, damaged: &Path) -> io::Result<()> {
-    match move_aside(file, damaged) {
+fn set_aside(file: &Path, corrupted: &Path) -> io::Result<()> {
+    match move_aside(file, corrupted) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         moved => moved.map(drop),
     }
@@ -380,7 +380,7 @@ fn set_aside(file: &Path, damaged: &Path) -> io::Result<()> {
 fn unreadable(error: io::Error) -> Result<ShardFile, JournalError> {
     match error.raw_os_error() {
         Some(_) => Err(error.into()),
-        None => Ok(ShardFile::Damaged(format!("cannot be read: {error}"))),
+        None => Ok(ShardFile::Corrupted(format!("cannot be read: {error}"))),
     }
 }
 
@@ -413,10 +413,10 @@ mod tests {
     #[test]
     fn a_shard_moved_by_another_process_is_accepted() {
         let folder = tempfile::tempdir().unwrap();
-        let (file, damaged) = (folder.path().join("0"), folder.path().join(DAMAGED));
+        let (file, corrupted) = (folder.path().join("0"), folder.path().join(DAMAGED));
         std::fs::File::create(&file).unwrap();
-        set_aside(&file, &damaged).unwrap();
-        set_aside(&file, &damaged).unwrap();
-        assert!(damaged.join("0").exists() && !file.exists());
+        set_aside(&file, &corrupted).unwrap();
+        set_aside(&file, &corrupted).unwrap();
+        assert!(corrupted.join("0").exists() && !file.exists());
     }
 }

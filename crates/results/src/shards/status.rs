@@ -8,8 +8,8 @@ use stochc_files as files;
 use stochc_files::disk;
 
 use super::ShardError;
-use super::cut::{Cut, build, is_joined, shard_file};
 use super::shard::{ShardFile, identify, in_folder, read};
+use super::split::{Split, build, is_joined, shard_file};
 use crate::Manifest;
 use crate::folder::SHARDS;
 use crate::integrity::{FileIntegrity, Integrity};
@@ -40,7 +40,7 @@ pub enum ShardState {
     /// The shard is missing.
     Missing,
     /// The file of the shard is corrupted.
-    Damaged {
+    Corrupted {
         /// Reason why the file is corrupted.
         reason: String,
     },
@@ -66,7 +66,7 @@ impl ShardStatus {
 ///
 /// If the ensemble is not split, or cannot be read.
 pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
-    let (manifest, cut) = Cut::require(path)?;
+    let (manifest, split) = Split::require(path)?;
     let begun = begun(path).map_err(|source| in_folder(path, source))?;
     // A killed `merge` may have removed some shards after the journal was complete.
     let is_joined = is_joined(path, &manifest)?;
@@ -74,10 +74,10 @@ pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
         if is_joined {
             return Ok(ShardState::Whole);
         }
-        let header = cut.header(build(&manifest), number);
+        let header = split.header(build(&manifest), number);
         Ok(match identify(&shard_file(path, number), &header)? {
             ShardFile::Whole => ShardState::Whole,
-            ShardFile::Damaged(reason) => ShardState::Damaged { reason },
+            ShardFile::Corrupted(reason) => ShardState::Corrupted { reason },
             ShardFile::Foreign(reason) => ShardState::Foreign { reason },
             ShardFile::Nothing => match begun.get(&number) {
                 Some(&runs) => ShardState::Begun { runs },
@@ -85,10 +85,10 @@ pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
             },
         })
     };
-    let states = (0..cut.shards).map(state);
+    let states = (0..split.shards).map(state);
     let states = states.collect::<Result<_, ShardError>>()?;
     Ok(ShardStatus {
-        shards: cut.shards,
+        shards: split.shards,
         runs: manifest.total(),
         states,
     })
@@ -131,21 +131,21 @@ fn lines(file: &Path) -> io::Result<u64> {
 }
 
 /// Reads all existing shards completely and returns their integrity.
-pub(crate) fn health(path: &Path, manifest: &Manifest, cut: &Cut) -> Vec<FileIntegrity> {
+pub(crate) fn health(path: &Path, manifest: &Manifest, split: &Split) -> Vec<FileIntegrity> {
     let health = |number: u64| {
         let file = shard_file(path, number);
-        let header = cut.header(build(manifest), number);
-        let jobs = cut.jobs(manifest.total(), number);
+        let header = split.header(build(manifest), number);
+        let jobs = split.jobs(manifest.total(), number);
         let health = match read(&file, &header, manifest, &jobs, |_| Ok(())) {
             Ok(ShardFile::Nothing) => return None,
-            Ok(ShardFile::Whole) => Integrity::Sound,
-            Ok(ShardFile::Damaged(reason) | ShardFile::Foreign(reason)) => {
-                Integrity::Damaged(vec![reason])
+            Ok(ShardFile::Whole) => Integrity::Valid,
+            Ok(ShardFile::Corrupted(reason) | ShardFile::Foreign(reason)) => {
+                Integrity::Corrupted(vec![reason])
             }
-            Err(error) => Integrity::Damaged(vec![error.to_string()]),
+            Err(error) => Integrity::Corrupted(vec![error.to_string()]),
         };
         let name = format!("{SHARDS}/{number}.jsonl");
         Some(FileIntegrity { name, health })
     };
-    (0..cut.shards).filter_map(health).collect()
+    (0..split.shards).filter_map(health).collect()
 }

@@ -11,7 +11,7 @@ use stochc_files::disk::{self, FileLock};
 use super::Queue;
 use crate::FolderError;
 use crate::folder::slurm_folder::{self, LOCK, MERGE_SCRIPT, SHARDS_SCRIPT, SLURM};
-use crate::shards::{Cut, ShardError, ShardState, same_build, status};
+use crate::shards::{ShardError, ShardState, Split, same_build, status};
 
 /// Ensemble that is split into shards. All nodes see its folder under the same path.
 #[derive(Clone, Debug)]
@@ -58,18 +58,18 @@ impl SlurmEnsemble {
     /// If the ensemble is not split, or if another build made it and this build cannot run its
     /// shards.
     pub fn open(path: &Path) -> Result<Opened, ShardError> {
-        let (manifest, cut) = match Cut::require(path) {
-            Err(ShardError::NotCut { done, total, .. }) if done == total => {
+        let (manifest, split) = match Split::require(path) {
+            Err(ShardError::NotSplit { done, total, .. }) if done == total => {
                 return Ok(Opened::Merged(total));
             }
-            cut => cut?,
+            split => split?,
         };
         same_build(path, &manifest)?;
         let identity = manifest.identity();
         let place = crc32(path.as_os_str().as_encoded_bytes());
         Ok(Opened::Sharded(SlurmEnsemble {
             path: path.to_owned(),
-            shards: cut.shards,
+            shards: split.shards,
             name: format!("stochc-{}-{place:08x}", &identity[..8]),
         }))
     }
@@ -86,7 +86,7 @@ impl SlurmEnsemble {
     /// If a shard's file is of another ensemble or split. No job would replace it.
     pub fn find_shards(&self) -> Result<FoundShards, ShardError> {
         let status = match status(&self.path) {
-            Err(ShardError::NotCut { done, total, .. }) if done == total => {
+            Err(ShardError::NotSplit { done, total, .. }) if done == total => {
                 return Ok(FoundShards::Merged(total));
             }
             status => status?,

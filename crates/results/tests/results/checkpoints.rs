@@ -78,7 +78,7 @@ fn a_stopped_run_resumes_from_its_checkpoint() {
     let health = verify(folder.path()).unwrap();
     let name = format!("{CHECKPOINTS}/1-2.state");
     let known = health.iter().find(|file| file.name == name).unwrap();
-    assert!(!known.health.is_damaged());
+    assert!(!known.health.is_corrupted());
     let notes = resumed(folder.path(), &manifest);
     assert_eq!(
         notes,
@@ -92,21 +92,21 @@ fn a_stopped_run_resumes_from_its_checkpoint() {
 fn a_corrupted_checkpoint_is_moved_aside_and_its_run_restarts() {
     let manifest = manifest(4);
     let tables = undisturbed(&manifest);
-    let sound = {
+    let valid = {
         let folder = tempfile::tempdir().unwrap();
         stopped(folder.path(), &manifest);
         fs::read(checkpoint(folder.path())).unwrap()
     };
-    for at in (0..sound.len()).step_by(7).chain([sound.len() - 1]) {
-        let mut flipped = sound.clone();
+    for at in (0..valid.len()).step_by(7).chain([valid.len() - 1]) {
+        let mut flipped = valid.clone();
         flipped[at] ^= 1 << (at % 8);
-        for damaged in [&flipped[..], &sound[..at]] {
+        for corrupted in [&flipped[..], &valid[..at]] {
             let folder = tempfile::tempdir().unwrap();
             stopped(folder.path(), &manifest);
-            put(&checkpoint(folder.path()), damaged);
+            put(&checkpoint(folder.path()), corrupted);
             let health = verify(folder.path()).unwrap();
             let is_reported = |file: &stochc_results::integrity::FileIntegrity| {
-                file.name.ends_with(".state") && file.health.is_damaged()
+                file.name.ends_with(".state") && file.health.is_corrupted()
             };
             assert!(health.iter().any(is_reported), "{at}");
             let notes = resumed(folder.path(), &manifest);

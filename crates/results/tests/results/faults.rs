@@ -331,7 +331,7 @@ fn in_shards(root: &Path, manifest: &Manifest) -> Result<(), String> {
         Ok(contents) if contents.finished.len() as u64 == manifest.total() => {
             return in_one_shard(root, manifest);
         }
-        Ok(_) | Err(FolderError::Absent(_) | FolderError::Cut { .. }) => {}
+        Ok(_) | Err(FolderError::Absent(_) | FolderError::Split { .. }) => {}
         Err(error) => return Err(error.to_string()),
     }
     prepare(root, manifest, 2).map_err(text)?;

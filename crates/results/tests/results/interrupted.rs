@@ -50,8 +50,8 @@ fn a_truncated_last_line_loses_one_run() {
     for end in last..whole.len() {
         put(&journal, &whole[..end]);
         fs::remove_file(folder.path().join("runs.parquet")).unwrap();
-        let kept = Folder::read(folder.path()).unwrap().finished;
-        assert_eq!(kept.len(), 7);
+        let stored = Folder::read(folder.path()).unwrap().finished;
+        assert_eq!(stored.len(), 7);
         assert!(complete(folder.path(), &manifest(4), 2).complete);
         assert!(bytes(folder.path()) == tables, "cut at byte {end}");
         assert_eq!(fs::read(&journal).unwrap(), whole, "cut at byte {end}");
@@ -75,10 +75,10 @@ fn a_corrupted_journal_loses_only_its_corrupted_lines() {
     complete(folder.path(), &manifest(4), 1);
     assert!(bytes(folder.path()) == tables);
     // A loss of power can leave zeros in the middle and at the end of a file.
-    let mut damaged = whole.clone();
-    damaged[header + 20..header + 40].fill(0);
-    damaged.extend([0; 512]);
-    put(&journal, &damaged);
+    let mut corrupted = whole.clone();
+    corrupted[header + 20..header + 40].fill(0);
+    corrupted.extend([0; 512]);
+    put(&journal, &corrupted);
     assert_eq!(Folder::read(folder.path()).unwrap().finished.len(), 7);
     complete(folder.path(), &manifest(4), 1);
     assert!(bytes(folder.path()) == tables);
@@ -105,8 +105,8 @@ fn stopping_saves_finished_runs() {
     .unwrap();
     assert!(!results.complete && results.finished.len() < 24);
     // The folder contains the finished runs.
-    let kept = Folder::read(folder.path()).unwrap().finished;
-    assert_eq!(kept.to_vec().unwrap(), results.finished.to_vec().unwrap());
+    let stored = Folder::read(folder.path()).unwrap().finished;
+    assert_eq!(stored.to_vec().unwrap(), results.finished.to_vec().unwrap());
     assert!(folder.path().join("runs.parquet").exists());
 
     let results = complete(folder.path(), &manifest(12), 2);

@@ -1,7 +1,7 @@
 //! Tests ensembles through the interface of the crate: storage, rejected folders, and tables.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 mod checkpoints;
-mod damaged;
+mod corrupted;
 mod faults;
 mod interrupted;
 #[path = "../../../../tests/pages/mod.rs"]

@@ -165,12 +165,12 @@ fn a_stopped_shard_resumes() {
     let whole = whole();
     let folder = tempfile::tempdir().unwrap();
     cut(folder.path(), 2);
-    for (begun, kept) in [(3, 3), (2, 5), (4, 9)] {
+    for (begun, stored) in [(3, 3), (2, 5), (4, 9)] {
         assert!(!make_until(folder.path(), 1, 1, begun));
         let state = &status(folder.path()).unwrap().states[1];
-        assert_eq!(*state, ShardState::Begun { runs: kept });
+        assert_eq!(*state, ShardState::Begun { runs: stored });
         let shard = Shard::open(folder.path(), 1).unwrap();
-        assert_eq!(shard.runs(), (RUNS, kept));
+        assert_eq!(shard.runs(), (RUNS, stored));
         shard
             .check_stored(|program, run| Ok(recorded(program, run)))
             .unwrap();
@@ -207,8 +207,8 @@ fn a_truncated_line_of_a_killed_shard_loses_one_run() {
     for end in (0..=whole.len()).rev().step_by(61) {
         put(&part, &whole[..end]);
         let lines = whole[..end].iter().filter(|byte| **byte == b'\n').count() as u64;
-        let kept = Shard::open(folder.path(), 0).unwrap().runs().1;
-        assert_eq!(kept, lines.saturating_sub(1), "cut at {end}");
+        let stored = Shard::open(folder.path(), 0).unwrap().runs().1;
+        assert_eq!(stored, lines.saturating_sub(1), "cut at {end}");
         assert!(make(folder.path(), 0, 1));
         let shard = fs::read(shards.join("0.jsonl")).unwrap();
         assert!(
@@ -265,7 +265,7 @@ fn an_interrupted_merge_resumes() {
         {
             fs::remove_file(path.join(name)).unwrap();
         }
-        assert!(matches!(Folder::read(path), Err(FolderError::Cut { .. })));
+        assert!(matches!(Folder::read(path), Err(FolderError::Split { .. })));
         assert!(missing(path).is_empty(), "{left} shards left");
         let before = files(path);
         for number in 0..3 {
@@ -427,7 +427,7 @@ fn ensembles_that_cannot_be_split_are_rejected() {
     let place = folder.path().join("new");
     for asked in [0, 2 * RUNS + 1, 1_000_000_000, u64::MAX] {
         let error = prepare(&place, &manifest(RUNS), asked).unwrap_err();
-        assert!(matches!(error, ShardError::Uncuttable { .. }), "{error}");
+        assert!(matches!(error, ShardError::InvalidSplit { .. }), "{error}");
         assert!(!place.exists());
     }
     let many = prepare(&place, &manifest(10_000_000), MAX_SHARDS + 1);
@@ -453,7 +453,7 @@ fn ensembles_that_cannot_be_split_are_rejected() {
     }
     for resume in [false, true] {
         let error = Folder::open(&place, &manifest(RUNS), resume).unwrap_err();
-        assert!(matches!(error, FolderError::Cut { .. }), "{error}");
+        assert!(matches!(error, FolderError::Split { .. }), "{error}");
     }
     assert!(files(&place) == before);
     // Test folders without shards, finished or not, and a missing folder.
@@ -496,23 +496,23 @@ fn corrupted_shards_are_found_and_rerun() {
         verify(path)
             .unwrap()
             .iter()
-            .all(|file| file.health == Integrity::Sound)
+            .all(|file| file.health == Integrity::Valid)
     );
     let shard = path.join("shards/1.jsonl");
-    let sound = fs::read(&shard).unwrap();
-    let bits = 8 * sound.len();
-    let first_line = 8 * (sound.iter().position(|byte| *byte == b'\n').unwrap() + 1);
+    let valid = fs::read(&shard).unwrap();
+    let bits = 8 * valid.len();
+    let first_line = 8 * (valid.iter().position(|byte| *byte == b'\n').unwrap() + 1);
     for bit in (0..bits).step_by((bits / 60) | 1) {
-        let mut flipped = sound.clone();
+        let mut flipped = valid.clone();
         flipped[bit / 8] ^= 1 << (bit % 8);
         put(&shard, &flipped);
         let files = verify(path).unwrap();
-        let damaged: Vec<&str> = files
+        let corrupted: Vec<&str> = files
             .iter()
-            .filter(|file| file.health.is_damaged())
+            .filter(|file| file.health.is_corrupted())
             .map(|file| file.name.as_str())
             .collect();
-        assert_eq!(damaged, ["shards/1.jsonl"], "bit {bit}");
+        assert_eq!(corrupted, ["shards/1.jsonl"], "bit {bit}");
         if bit < first_line {
             assert_eq!(missing(path), [1]);
         }
@@ -521,15 +521,15 @@ fn corrupted_shards_are_found_and_rerun() {
         );
     }
     // These shards are truncated, also at the end of a line, or too long.
-    let last = sound[..sound.len() - 1]
+    let last = valid[..valid.len() - 1]
         .iter()
         .rposition(|byte| *byte == b'\n')
         .unwrap();
-    let twice = [&sound[..], &sound[last + 1..]].concat();
+    let twice = [&valid[..], &valid[last + 1..]].concat();
     for content in [
-        &sound[..last + 1],
-        &sound[..sound.len() - 1],
-        &sound[..40],
+        &valid[..last + 1],
+        &valid[..valid.len() - 1],
+        &valid[..40],
         &[],
         &twice,
     ] {
@@ -538,13 +538,13 @@ fn corrupted_shards_are_found_and_rerun() {
             verify(path)
                 .unwrap()
                 .iter()
-                .any(|file| file.health.is_damaged())
+                .any(|file| file.health.is_corrupted())
         );
         refused(path, "(1)");
     }
     // The corrupted shard is moved aside, and its runs are made again.
     assert!(make(path, 1, 1));
-    assert_eq!(fs::read(&shard).unwrap(), sound);
+    assert_eq!(fs::read(&shard).unwrap(), valid);
     assert_eq!(fs::read(path.join("damaged/1.jsonl")).unwrap(), twice);
     put(&shard, &twice);
     repair(path, |_, _| Ok(Vec::new())).unwrap();
@@ -553,7 +553,7 @@ fn corrupted_shards_are_found_and_rerun() {
         verify(path)
             .unwrap()
             .iter()
-            .all(|file| file.health == Integrity::Sound)
+            .all(|file| file.health == Integrity::Valid)
     );
     assert!(make(path, 1, 1));
     fs::remove_dir_all(path.join("damaged")).unwrap();
@@ -568,23 +568,26 @@ fn a_corrupted_split_or_manifest_is_left_alone() {
     cut(path, 2);
     make(path, 0, 1);
     for name in ["shards.json", "manifest.json", "checksums.json"] {
-        let sound = fs::read(path.join(name)).unwrap();
-        for bit in [9, 8 * sound.len() / 2 + 3, 8 * sound.len() - 20] {
-            let mut flipped = sound.clone();
+        let valid = fs::read(path.join(name)).unwrap();
+        for bit in [9, 8 * valid.len() / 2 + 3, 8 * valid.len() - 20] {
+            let mut flipped = valid.clone();
             flipped[bit / 8] ^= 1 << (bit % 8);
             put(&path.join(name), &flipped);
             let files = verify(path).unwrap();
-            let damaged = files.iter().find(|file| file.health.is_damaged()).unwrap();
-            assert_eq!(damaged.name, name);
+            let corrupted = files
+                .iter()
+                .find(|file| file.health.is_corrupted())
+                .unwrap();
+            assert_eq!(corrupted.name, name);
             let repaired = repair(path, |_, _| Ok(Vec::new()));
             let left = match (name, repaired) {
-                ("shards.json", Err(FolderError::LostCut(_)))
+                ("shards.json", Err(FolderError::LostSplit(_)))
                 | ("manifest.json", Err(FolderError::LostManifest(_))) => &flipped,
-                ("checksums.json", Ok(())) => &sound,
+                ("checksums.json", Ok(())) => &valid,
                 (_, repaired) => panic!("bit {bit} of {name}: {repaired:?}"),
             };
             assert!(fs::read(path.join(name)).unwrap() == *left, "{name}");
-            put(&path.join(name), &sound);
+            put(&path.join(name), &valid);
             assert_eq!(missing(path), [1]);
         }
     }

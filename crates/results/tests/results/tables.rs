@@ -67,7 +67,7 @@ fn row(done: &Finished, phase: PhaseId, more: Value) -> Value {
         "run": done.record.run,
         "phase": PHASES[phase.0 as usize],
         "phase_number": phase.0,
-        "by_hand": false,
+        "pre_attached": false,
     });
     let fields = row.as_object_mut().unwrap();
     fields.extend(more.as_object().unwrap().clone());
@@ -149,7 +149,7 @@ fn the_table_of_phases_has_start_and_end() {
 fn the_table_of_bonds_matches_the_records() {
     let folder = tempfile::tempdir().unwrap();
     let results = complete(folder.path(), &manifest(40), 2);
-    let (mut expected, mut under_way) = (Vec::new(), 0);
+    let (mut expected, mut running) = (Vec::new(), 0);
     for done in &results.finished.to_vec().unwrap() {
         for bond in &done.record.bonds {
             let released = match bond.origin {
@@ -179,7 +179,7 @@ fn the_table_of_bonds_matches_the_records() {
             expected.push(row(done, bond.phase, more));
         }
         for wait in &done.record.waiting {
-            under_way += 1;
+            running += 1;
             let more = json!({
                 "parent": ROLES[wait.parent.0 as usize],
                 "face": "up",
@@ -203,7 +203,7 @@ fn the_table_of_bonds_matches_the_records() {
             expected.push(row(done, wait.phase, more));
         }
     }
-    assert!(expected.len() > 100 && under_way > 2);
+    assert!(expected.len() > 100 && running > 2);
     assert_eq!(table(folder.path(), "bonds"), expected);
 }
 
@@ -367,7 +367,7 @@ fn every_table_has_metadata() {
         assert_eq!(programs[1]["tick_s"], 0.5);
         assert_eq!(
             programs[1]["phases"],
-            json!(PHASES.map(|name| json!({ "name": name, "by_hand": false })))
+            json!(PHASES.map(|name| json!({ "name": name, "pre_attached": false })))
         );
     }
 }

@@ -50,7 +50,7 @@ pub fn program(name: &str) -> EnsembleProgram {
         name: name.into(),
         timeout: None,
         reports: 1,
-        planted: false,
+        pre_attached: false,
     };
     let catch = |child, z| Action::Magnetize {
         face: Face::Up,
@@ -162,7 +162,7 @@ pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRec
         origin,
     };
     let total = waits[0] + waits[1];
-    let begins = match watch.kept() {
+    let begins = match watch.saved() {
         Some(mut state) => {
             let tick: u64 = StateReader::new(&mut *state)
                 .take()

@@ -76,13 +76,13 @@ fn measure(checked: &Checked, repeats: usize) -> (Duration, RunRecord) {
     let tables = program.tables.as_ref().expect("the program is valid");
     let scene = program.scene.as_ref().expect("the program is valid");
     let settings = Settings::new(Model::Shuffle, 1);
-    let mut go = |_, _: PhaseId| ControlFlow::Continue(());
+    let mut proceed = |_, _: PhaseId| ControlFlow::Continue(());
     let mut best: Option<(Duration, RunRecord)> = None;
     let began = Instant::now();
     for number in 0..repeats {
         let start = Instant::now();
         let record =
-            run(tables, scene, &settings, 1, 0, &mut go).expect("the run is not cancelled");
+            run(tables, scene, &settings, 1, 0, &mut proceed).expect("the run is not cancelled");
         let time = start.elapsed();
         assert_eq!(record.outcome, Outcome::Completed);
         if best.as_ref().is_none_or(|(shortest, _)| time < *shortest) {

@@ -142,10 +142,10 @@ fn observe(scene: &Scene, settings: &Settings, ticks: usize) -> Counts {
             *nearest = nearest.min(distance);
         }
         encounters.retain(|&(a, b), nearest| {
-            let goes_on = (places[a as usize] - places[b as usize]).norm() < APART;
-            counts.encounters += u64::from(!goes_on);
-            counts.passed += u64::from(!goes_on && *nearest < PASSED);
-            goes_on
+            let continues = (places[a as usize] - places[b as usize]).norm() < APART;
+            counts.encounters += u64::from(!continues);
+            counts.passed += u64::from(!continues && *nearest < PASSED);
+            continues
         });
     }
     counts

@@ -144,7 +144,7 @@ impl<R: Real> Faces<R> {
     pub fn magnetize(&mut self, site: BlockFace, centre: Vector3<R>, parent: Orientation) -> bool {
         if let Attraction::Passive(_) = self.magnet.law {
             let is_new = self.placed.insert(site.body, centre, parent) && self.expose();
-            self.count_anew(site);
+            self.restart_count(site);
             return is_new;
         }
         if self.holds.contains_key(&site) {
@@ -159,7 +159,7 @@ impl<R: Real> Faces<R> {
     }
 
     /// Restarts the entry count of a face that always attracts, as if it had been switched on.
-    fn count_anew(&mut self, site: BlockFace) {
+    fn restart_count(&mut self, site: BlockFace) {
         let mut faces = self.active.iter_mut().chain(&mut self.covered);
         if let Some(face) = faces.find(|face| face.site == site) {
             face.entries = 0;

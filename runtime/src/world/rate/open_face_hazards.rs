@@ -249,9 +249,9 @@ impl OpenFaceHazards {
         let age = (tick - face.since) as f64;
         face.before = match face.wait {
             Some(before) => {
-                let [until_now, anew] = Wait::cumulative_hazards([before, wait], age);
+                let [until_now, restarted] = Wait::cumulative_hazards([before, wait], age);
                 face.left = (face.left - (until_now - face.before)).max(0.0);
-                anew
+                restarted
             }
             None => wait.cumulative_hazard(age),
         };
@@ -270,7 +270,7 @@ impl OpenFaceHazards {
 
     /// Continues the wait of a face whose capture was rejected. `left` is the new hazard to
     /// accumulate.
-    pub fn go_on(&mut self, slot: Slot, left: f64) {
+    pub fn continue_wait(&mut self, slot: Slot, left: f64) {
         if let Some(face) = self.faces.get_mut(slot as usize) {
             face.left = left;
             face.wait = None;

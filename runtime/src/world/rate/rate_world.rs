@@ -288,17 +288,17 @@ impl<'r> RateWorld<'r> {
             return;
         };
         let (seat, face) = site(face.number);
-        let [who, how, whether, threshold] = self.draw();
+        let [which_block, how, whether, threshold] = self.draw();
         let free = self.lattice.free.len();
         let child = match scheduled {
             ScheduledCapture::HeadStart(start) => start.block,
             // Thinning: the hazard was computed for more free blocks than there are.
             _ if free == 0 || unit(whether) >= self.share(free) => {
-                self.hazards.go_on(slot, exponential(threshold));
+                self.hazards.continue_wait(slot, exponential(threshold));
                 self.estimate(slot);
                 return;
             }
-            _ => self.lattice.free.select(below(who, free)) as u32,
+            _ => self.lattice.free.select(below(which_block, free)) as u32,
         };
         let pose = below(how, 24) as u8;
         let docking = Docking {
@@ -372,7 +372,7 @@ impl World for RateWorld<'_> {
             }
             let mut changes = Changes::new();
             let tell = |change| changes.push(change);
-            let Some(child) = self.lattice.let_go(seat, face, tell) else {
+            let Some(child) = self.lattice.release(seat, face, tell) else {
                 continue;
             };
             going.extend(self.lattice.active_faces(child));
@@ -390,7 +390,7 @@ impl World for RateWorld<'_> {
     fn plant(&mut self, site: BlockFace) -> Option<Docking> {
         self.magnetize(site);
         let seat = self.lattice.seat(site.body)?;
-        let (_, docking) = self.lattice.planted(seat, site.face, self.tick)?;
+        let (_, docking) = self.lattice.pre_attached(seat, site.face, self.tick)?;
         self.put(seat, site.face, &docking).then_some(docking)
     }
 

@@ -8,7 +8,7 @@ use stochc_ir::Face;
 use super::open_face_hazards::OpenFace;
 
 /// Capacity of the cache.
-const KEPT: usize = 1 << 16;
+const MAX_CACHED: usize = 1 << 16;
 
 /// Rate model for the number of blocks that were free at the start. Stores known waiting times.
 #[derive(Clone, Debug)]
@@ -67,7 +67,7 @@ impl<'r> RateModel<'r> {
         }
         let rates = self.rates;
         let wait = rates.wait_among(face.cell, face.way, near, rivals, is_cold);
-        if self.known.len() >= KEPT {
+        if self.known.len() >= MAX_CACHED {
             self.known.clear();
         }
         self.known.insert(seen, wait);

@@ -312,9 +312,13 @@ impl<R: Lane> Bodies<R> {
     /// Sets the position of a block, including the part that rounding removes.
     fn set_exact_position(&mut self, id: u32, position: Vector3<f64>) {
         self.set_position(id, cast(position));
-        let kept: Vector3<f64> = cast(self.position(id));
+        let stored: Vector3<f64> = cast(self.position(id));
         let (group, lane) = place(id);
-        scatter(&mut self.groups[group].rounded, lane, cast(kept - position));
+        scatter(
+            &mut self.groups[group].rounded,
+            lane,
+            cast(stored - position),
+        );
     }
 
     fn set_rotation(&mut self, id: u32, rotation: UnitQuaternion<f64>) {

@@ -101,7 +101,7 @@ impl<R: Lane> FreeFlight<R> {
             R::from_double(1.0 / (self.limits.speed * self.limits.speed)),
             R::from_double(1.0 / (self.limits.far * self.limits.far)),
         );
-        let mut sound = true;
+        let mut are_valid = true;
         let (words, _) = draws.as_chunks::<4>();
         let (words, _) = words.as_chunks::<{ WORDS as usize * LANES }>();
         let (speeds, ways) = (R::Wide::splat(speeds), R::Wide::splat(ways));
@@ -146,9 +146,9 @@ impl<R: Lane> FreeFlight<R> {
                 group.velocity = v.map(Wide::store);
             }
             // Comparisons with NaN are false.
-            sound &= excess.store().iter().all(|&excess| excess < R::one());
+            are_valid &= excess.store().iter().all(|&excess| excess < R::one());
         }
-        sound
+        are_valid
     }
 }
 

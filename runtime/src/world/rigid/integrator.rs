@@ -123,9 +123,9 @@ impl<R: Lane> Integrator for Kernel<R> {
         }
     }
 
-    fn find_contacts(&mut self, bodies: &mut Bodies<R>, bonds: Option<&FreeBonds>, who: Moving) {
+    fn find_contacts(&mut self, bodies: &mut Bodies<R>, bonds: Option<&FreeBonds>, moving: Moving) {
         if let (Some(contacts), Some(neighbours)) = (&mut self.contacts, &mut self.neighbours) {
-            match (who, &self.local) {
+            match (moving, &self.local) {
                 (Moving::Short, Some(local)) => contacts.find_short(bodies, local),
                 _ => contacts.find(bodies, neighbours, bonds),
             }
@@ -147,9 +147,9 @@ impl<R: Lane> Integrator for Kernel<R> {
         bodies: &mut Bodies<R>,
         kicks: Option<(&Kicks, StepDraws<'_>)>,
         bonds: Option<&mut FreeBonds>,
-        who: Moving,
+        moving: Moving,
     ) -> Result<(), Fault> {
-        match (who, &self.local) {
+        match (moving, &self.local) {
             (Moving::Short, Some(local)) => {
                 self.flight.fly_short(bodies, &local.blocks);
                 (local.blocks.iter()).try_for_each(|&id| self.check(bodies, id))?;
@@ -161,7 +161,7 @@ impl<R: Lane> Integrator for Kernel<R> {
             }
         }
         self.collide(bodies)?;
-        if let (Moving::All, Some(local)) = (who, &self.local) {
+        if let (Moving::All, Some(local)) = (moving, &self.local) {
             local.has_begun(bodies);
         }
         bodies.now += 1;
@@ -185,17 +185,17 @@ impl<R: Lane> Kernel<R> {
         let Some(contacts) = &mut self.contacts else {
             return Ok(());
         };
-        let (mut sound, limits, shell) = (Ok(()), &self.limits, self.flight.shell);
+        let (mut result, limits, shell) = (Ok(()), &self.limits, self.flight.shell);
         let acceleration = self.acceleration;
         let push = |place| {
             let inward = shell.map_or_else(Vector3::zeros, |shell| shell.push(place));
             inward + acceleration
         };
         (contacts.solver).solve(bodies, push, |id, motion, rotation| {
-            if sound.is_ok() {
-                sound = limits.check(id, motion, rotation);
+            if result.is_ok() {
+                result = limits.check(id, motion, rotation);
             }
         });
-        sound
+        result
     }
 }

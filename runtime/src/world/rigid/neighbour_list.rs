@@ -205,8 +205,8 @@ mod tests {
                 bodies.set_velocity(id, velocity, Vector3::zeros());
                 bodies.set_position(id, bodies.position(id) + velocity);
             }
-            let anew = neighbours.follow(&bodies);
-            lists += u32::from(!anew);
+            let rebuilt = neighbours.follow(&bodies);
+            lists += u32::from(!rebuilt);
             without += u32::from(neighbours.skin == 0.0);
             neighbours.close_pairs(&bodies, &mut found);
             let all = (0..60).flat_map(|i| (i + 1..60).map(move |j| (i, j)));

@@ -9,7 +9,7 @@ use stochc_ir::{Cell, Face};
 use super::groups::DisjointSets;
 use super::unplanned_faces::ExposedFaces;
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
-use crate::world::lattice::{FaceChange, LatticeStructure, NOBODY, bit, site};
+use crate::world::lattice::{FaceChange, LatticeStructure, NO_BLOCK, bit, site};
 use crate::world::ranked::RankedSet;
 use crate::world::{Fault, World};
 
@@ -121,7 +121,7 @@ impl ShuffleWorld {
                 exposed.fold(0, |faces, face| faces | bit(face))
             });
             let exposed = &mut self.exposed[usize::from(!is_seed)];
-            exposed.set(cell, seat.map_or(NOBODY, |seat| seat as u32), faces);
+            exposed.set(cell, seat.map_or(NO_BLOCK, |seat| seat as u32), faces);
         }
     }
 
@@ -147,7 +147,7 @@ impl ShuffleWorld {
     }
 
     fn draw_stray(&mut self, dockings: &mut Vec<Docking>) {
-        let [whether, which, who, how] = self.draws.block(self.tick, 1);
+        let [whether, which, which_block, how] = self.draws.block(self.tick, 1);
         if unit(whether) >= self.strays {
             return;
         }
@@ -159,7 +159,7 @@ impl ShuffleWorld {
             Some(rank) => blocks.select(rank),
         };
         if let Some((seat, face)) = site {
-            self.dock_one(seat as usize, face, [who, how], dockings);
+            self.dock_one(seat as usize, face, [which_block, how], dockings);
         }
     }
 
@@ -170,7 +170,7 @@ impl ShuffleWorld {
         &mut self,
         seat: usize,
         face: Face,
-        [who, how]: [u32; 2],
+        [which_block, how]: [u32; 2],
         dockings: &mut Vec<Docking>,
     ) {
         let of = &self.lattice;
@@ -178,7 +178,7 @@ impl ShuffleWorld {
         let Some(cell) = of.seats[seat].across(face).filter(|_| free > 0) else {
             return;
         };
-        let child = of.free.select(below(who, free)) as u32;
+        let child = of.free.select(below(which_block, free)) as u32;
         let docking = of.docking(seat, face, child, below(how, 24) as u8, self.tick);
         self.dock(seat, face, cell, &docking);
         dockings.push(docking);
@@ -219,7 +219,7 @@ impl World for ShuffleWorld {
             if let Some(closed) = self.lattice.close(seat, face) {
                 emit(closed);
             }
-            if let Some(child) = self.lattice.let_go(seat, face, emit) {
+            if let Some(child) = self.lattice.release(seat, face, emit) {
                 going.extend(self.lattice.active_faces(child));
                 self.expose(self.lattice.seats[child].cell);
             }
@@ -230,7 +230,7 @@ impl World for ShuffleWorld {
     fn plant(&mut self, site: BlockFace) -> Option<Docking> {
         self.magnetize(site);
         let seat = self.lattice.seat(site.body)?;
-        let (cell, docking) = self.lattice.planted(seat, site.face, self.tick)?;
+        let (cell, docking) = self.lattice.pre_attached(seat, site.face, self.tick)?;
         self.dock(seat, site.face, cell, &docking);
         Some(docking)
     }
@@ -245,9 +245,9 @@ impl World for ShuffleWorld {
         let tick = self.tick;
         self.tick += 1;
         if self.open.len() > 0 {
-            let [which, who, how, _] = self.draws.block(tick, 0);
+            let [which, which_block, how, _] = self.draws.block(tick, 0);
             let (seat, face) = site(self.open.select(below(which, self.open.len())));
-            self.dock_one(seat, face, [who, how], dockings);
+            self.dock_one(seat, face, [which_block, how], dockings);
         }
         Ok(())
     }

@@ -89,7 +89,7 @@ enum Fate {
         rms: f64,
     },
     /// The run continued although its state was invalid.
-    Unsound(String),
+    Invalid(String),
 }
 
 impl std::fmt::Display for Fate {
@@ -98,7 +98,7 @@ impl std::fmt::Display for Fate {
             Fate::Refused(why) => write!(f, "refused: {why}"),
             Fate::Failed { tick, what } => write!(f, "failed in tick {tick}: {what}"),
             Fate::Stable { rms } => write!(f, "stable, {rms:.3}"),
-            Fate::Unsound(what) => write!(f, "**unsound**: {what}"),
+            Fate::Invalid(what) => write!(f, "**unsound**: {what}"),
         }
     }
 }
@@ -170,7 +170,7 @@ fn fate<W: Arena>(
             } else {
                 continue;
             };
-            return Fate::Unsound(unsound);
+            return Fate::Invalid(unsound);
         }
     }
     let rms = if samples > 0.0 {
@@ -362,7 +362,7 @@ fn every_extreme_has_the_documented_outcome() {
         let rapier =
             fate::<RapierWorld>(&scene, &PLATE, 1, ticks, |world| world.magnetize(middle()));
         writeln!(page, "| {name} | {rigid} | {rapier} |").unwrap();
-        if let Fate::Unsound(what) = &rigid {
+        if let Fate::Invalid(what) = &rigid {
             unsound.push(format!("{name}: {what}"));
         }
     }

@@ -194,7 +194,7 @@ pub fn table(page: &mut String) -> Vec<String> {
         let rigid = fate_of::<RigidWorld>(ground, &scene);
         let rapier = fate_of::<RapierWorld>(ground, &scene);
         writeln!(page, "| {name} | {rigid} | {rapier} |").unwrap();
-        if let Fate::Unsound(what) = &rigid {
+        if let Fate::Invalid(what) = &rigid {
             unsound.push(format!("{name}: {what}"));
         }
     }

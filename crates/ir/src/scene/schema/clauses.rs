@@ -9,7 +9,7 @@ use super::{Absent, Either, FieldAlternative, FieldGroup, SchemaEntry, SchemaNum
 use Absent::{Example, NoTerm, NoTermWhere};
 
 /// Value of a parameter that the source does not give yet.
-const UNSAID: f64 = f64::NAN;
+const UNSPECIFIED: f64 = f64::NAN;
 
 /// Default of a parameter, as a value and as source text.
 macro_rules! default {
@@ -27,28 +27,28 @@ macro_rules! default {
 const FACES: (u8, &str) = default!(1);
 const TILT: (f64, &str) = default!(45 deg);
 const VERTICAL: (u8, &str) = default!(1);
-const UNSAID_REACH: Reach = Reach {
-    force: UNSAID,
-    within: UNSAID,
+const UNSPECIFIED_REACH: Reach = Reach {
+    force: UNSPECIFIED,
+    within: UNSPECIFIED,
 };
-const UNSAID_BLOCK: Block = Block {
-    side: UNSAID,
-    mass: UNSAID,
+const UNSPECIFIED_BLOCK: Block = Block {
+    side: UNSPECIFIED,
+    mass: UNSPECIFIED,
     faces: FACES.0,
 };
-const UNSAID_ANCHOR: Anchor = Anchor {
+const UNSPECIFIED_ANCHOR: Anchor = Anchor {
     measure: Measure::Centres,
-    within: UNSAID,
+    within: UNSPECIFIED,
     tilt: TILT.0,
     sampled: false,
 };
 
 /// Returns an empty scene.
-pub fn unsaid() -> Scene {
+pub fn unspecified() -> Scene {
     Scene {
         name: String::new(),
-        tick: UNSAID,
-        block: UNSAID_BLOCK,
+        tick: UNSPECIFIED,
+        block: UNSPECIFIED_BLOCK,
         free: Free {
             count: 0,
             arrangement: Arrangement::Uniform,
@@ -65,19 +65,19 @@ pub fn unsaid() -> Scene {
     }
 }
 
-const fn unsaid_eddies(strength: Strength) -> Turbulence {
+const fn unspecified_eddies(strength: Strength) -> Turbulence {
     Turbulence {
         strength,
-        length: UNSAID,
+        length: UNSPECIFIED,
         time: None,
         vertical: VERTICAL.0 as f64,
     }
 }
 
-const fn unsaid_contact(law: ContactLaw) -> Contact {
+const fn unspecified_contact(law: ContactLaw) -> Contact {
     Contact {
         law,
-        friction: UNSAID,
+        friction: UNSPECIFIED,
     }
 }
 
@@ -123,7 +123,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
         SchemaPart::Fields(&[field!(BLOCK_SIDE), field!(BLOCK_MASS), field!(BLOCK_FACES).otherwise(FACES.1)], FieldGroup::Free),
     ])
     .absent(Example("block cube { side 20cm  mass 1kg  faces 1 }"))
-    .make(|s| s.block = UNSAID_BLOCK),
+    .make(|s| s.block = UNSPECIFIED_BLOCK),
     SchemaEntry::new("free", &[
         SchemaPart::Number(&FREE),
         SchemaPart::OneOf { noun: "arrangement", of: &[
@@ -134,7 +134,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
                 .equations(&[&UNIFORM]),
             field!(FREE_RING)
                 .means("evenly on a horizontal circle at half the height of the enclosure; the first block is in the east")
-                .make(|s| s.free.arrangement = Arrangement::Ring { radius: UNSAID })
+                .make(|s| s.free.arrangement = Arrangement::Ring { radius: UNSPECIFIED })
                 .equations(&[&RING]),
         ] },
     ])
@@ -144,13 +144,13 @@ pub static CLAUSES: [SchemaEntry; 12] = [
             SchemaEntry::new("hemisphere", &[])
                 .means("a hemisphere on a solid floor, around the centre of the plate")
                 .is(|s| matches!(s.enclosure, Some(Enclosure::Hemisphere { .. })))
-                .make(|s| s.enclosure = Some(Enclosure::Hemisphere { radius: UNSAID, wall: UNSAID }))
+                .make(|s| s.enclosure = Some(Enclosure::Hemisphere { radius: UNSPECIFIED, wall: UNSPECIFIED }))
                 .equations(&[&HEMISPHERE]),
             SchemaEntry::new("sphere", &[])
                 .means("a sphere, cut off by the floor so that the plate just fits into the cut; without a plate, \
                         the sphere touches the floor")
                 .is(|s| matches!(s.enclosure, Some(Enclosure::Sphere { .. })))
-                .make(|s| s.enclosure = Some(Enclosure::Sphere { radius: UNSAID, wall: UNSAID }))
+                .make(|s| s.enclosure = Some(Enclosure::Sphere { radius: UNSPECIFIED, wall: UNSPECIFIED }))
                 .equations(&[&SPHERE]),
         ] },
         SchemaPart::Fields(&[field!(ENCLOSURE_RADIUS), field!(ENCLOSURE_WALL)], FieldGroup::Free),
@@ -158,7 +158,7 @@ pub static CLAUSES: [SchemaEntry; 12] = [
     .absent(Example("enclosure hemisphere { radius 5m  wall 25 N/m }")),
     field!(GRAVITY)
         .absent(NoTerm("blocks neither sink nor rise"))
-        .make(|s| s.gravity = Some(UNSAID))
+        .make(|s| s.gravity = Some(UNSPECIFIED))
         .equations(&[&WEIGHT, &BUOYANCY]),
     braces!("fluid" [
         field!(FLUID_DENSITY).otherwise("no buoyancy and no such drag"),
@@ -178,20 +178,20 @@ pub static CLAUSES: [SchemaEntry; 12] = [
         ])
             .means("a ring of rods turns about the vertical axis and carries the fluid along; requires `fluid`")
             .make(|s| {
-                let stir = Stir { radius: UNSAID, rate: UNSAID, force: None, follow: UNSAID };
+                let stir = Stir { radius: UNSPECIFIED, rate: UNSPECIFIED, force: None, follow: UNSPECIFIED };
                 s.flow = Some(Flow::Stir(stir));
             })
             .equations(&[&STIR]),
         braces!("jets" [field!(JETS_COUNT), field!(JETS_FLOW), field!(JETS_NOZZLE)])
             .means("tubes at the wall blow fluid to the middle; they are evenly distributed, at half the height; requires `fluid`")
-            .make(|s| s.flow = Some(Flow::Jets(Jets { count: 0, flow: UNSAID, nozzle: UNSAID })))
+            .make(|s| s.flow = Some(Flow::Jets(Jets { count: 0, flow: UNSPECIFIED, nozzle: UNSPECIFIED })))
             .equations(&[&JETS]),
     ])
     .absent(NoTermWhere("the fluid is at rest on average", |s| s.fluid.is_some())),
     kinds!("agitation" [
         braces!("kicks" [field(&KICKS_MAX, &[SchemaPart::Range { low: &KICKS_MIN, high: &KICKS_MAX }])])
             .means("random impulses: each free block gets an impulse through its centre once per tick")
-            .make(|s| s.agitation = Some(Agitation::Kicks { speed: (UNSAID, UNSAID) }))
+            .make(|s| s.agitation = Some(Agitation::Kicks { speed: (UNSPECIFIED, UNSPECIFIED) }))
             .equations(&[&KICKS]),
         braces!("turbulence" [
             field!(EDDY_SPEED).otherwise("needed, this or `intensity`"),
@@ -204,14 +204,14 @@ pub static CLAUSES: [SchemaEntry; 12] = [
             .equations(&[&EDDIES]),
         braces!("brownian" [field!(TEMPERATURE)])
             .means("thermal motion, which balances the viscous drag; requires `viscosity`")
-            .make(|s| s.agitation = Some(Agitation::Brownian { temperature: UNSAID }))
+            .make(|s| s.agitation = Some(Agitation::Brownian { temperature: UNSPECIFIED }))
             .equations(&[&HEAT]),
     ])
     .absent(NoTerm("no random motion")),
     braces!("drag" [field!(DRAG_RATE)])
         .means("slows down the translation of every free block")
         .absent(NoTermWhere("blocks keep their speed between collisions", |s| s.fluid.is_none()))
-        .make(|s| s.drag = Some(Drag { rate: UNSAID }))
+        .make(|s| s.drag = Some(Drag { rate: UNSPECIFIED }))
         .equations(&[&DRAG]),
     braces!("contact" [
         field!(CONTACT_RESTITUTION).otherwise("needed, this or `stiffness`"),
@@ -227,19 +227,19 @@ pub static CLAUSES: [SchemaEntry; 12] = [
             field(&PULL, &[SchemaPart::Number(&PULL), SchemaPart::Then(&field!(PULL_WITHIN).absent(NO_REACH))]),
             field(&ALIGN, &[SchemaPart::Number(&ALIGN), SchemaPart::Then(&field!(ALIGN_WITHIN).absent(NO_REACH))])
                 .absent(NoTerm("blocks are turned only by the pull"))
-                .make(|s| if let Some(Bond::Attract { align, .. }) = &mut s.bond { *align = Some(UNSAID_REACH); }),
+                .make(|s| if let Some(Bond::Attract { align, .. }) = &mut s.bond { *align = Some(UNSPECIFIED_REACH); }),
             field(&ANCHOR, &ANCHORING),
         ])
             .means("switched magnets: a face is switched on to pull and capture a block")
             .make(|s| {
-                s.bond = Some(Bond::Attract { pull: UNSAID_REACH, align: None, anchor: UNSAID_ANCHOR });
+                s.bond = Some(Bond::Attract { pull: UNSPECIFIED_REACH, align: None, anchor: UNSPECIFIED_ANCHOR });
             })
             .equations(&[&PULLING, &ALIGNING, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED]),
         braces!("reject" [field!(HOLD), field!(DEPTH), field!(REACH), field!(IMPULSE), field(&ANCHOR, &ANCHORING)])
             .means("permanent magnets: every face of every block attracts every other face, in each quarter turn")
             .make(|s| {
-                let magnets = Magnets { hold: UNSAID, depth: UNSAID, within: UNSAID };
-                s.bond = Some(Bond::Reject { magnets, anchor: UNSAID_ANCHOR, impulse: UNSAID });
+                let magnets = Magnets { hold: UNSPECIFIED, depth: UNSPECIFIED, within: UNSPECIFIED };
+                s.bond = Some(Bond::Reject { magnets, anchor: UNSPECIFIED_ANCHOR, impulse: UNSPECIFIED });
             })
             .equations(&[&MAGNETS, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED, &REJECTION]),
         braces!("suction" [
@@ -247,8 +247,8 @@ pub static CLAUSES: [SchemaEntry; 12] = [
         ])
             .means("suction: an open face draws in fluid and blocks, and holds a block that closes it")
             .make(|s| {
-                let pump = Pump { head: UNSAID, supply: UNSAID, valve: UNSAID, passage: UNSAID };
-                s.bond = Some(Bond::Suction { pump, seal: UNSAID, anchor: UNSAID_ANCHOR });
+                let pump = Pump { head: UNSPECIFIED, supply: UNSPECIFIED, valve: UNSPECIFIED, passage: UNSPECIFIED };
+                s.bond = Some(Bond::Suction { pump, seal: UNSPECIFIED, anchor: UNSPECIFIED_ANCHOR });
             })
             .equations(&[&PUMP, &SINK, &SEALING, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED]),
     ])
@@ -297,13 +297,13 @@ static STRENGTH: Either = Either {
             fields: &["speed"],
             label: "an absolute speed",
             missing: "add it, or `intensity` as a part of the speed of a `flow`",
-            make: |s| s.agitation = Some(Agitation::Turbulence(unsaid_eddies(Strength::Speed(UNSAID)))),
+            make: |s| s.agitation = Some(Agitation::Turbulence(unspecified_eddies(Strength::Speed(UNSPECIFIED)))),
         },
         FieldAlternative {
             fields: &["intensity"],
             label: "a part of the speed of the flow",
             missing: "add it",
-            make: |s| s.agitation = Some(Agitation::Turbulence(unsaid_eddies(Strength::Intensity(UNSAID)))),
+            make: |s| s.agitation = Some(Agitation::Turbulence(unspecified_eddies(Strength::Intensity(UNSPECIFIED)))),
         },
     ],
     both: "turbulence has both a speed and an intensity",
@@ -317,14 +317,14 @@ static RIGIDITY: Either = Either {
             fields: &["restitution"],
             label: "makes it rigid",
             missing: "add it, or `stiffness` for a compliant contact",
-            make: |s| s.contact = Some(unsaid_contact(ContactLaw::Rigid { restitution: UNSAID })),
+            make: |s| s.contact = Some(unspecified_contact(ContactLaw::Rigid { restitution: UNSPECIFIED })),
         },
         FieldAlternative {
             fields: &["stiffness", "damping"],
             label: "makes it compliant",
             missing: "add how strongly it repels, such as `stiffness 25 N/m`",
             make: |s| {
-                s.contact = Some(unsaid_contact(ContactLaw::Compliant { stiffness: UNSAID, damping: 0.0 }));
+                s.contact = Some(unspecified_contact(ContactLaw::Compliant { stiffness: UNSPECIFIED, damping: 0.0 }));
             },
         },
     ],

@@ -11,7 +11,7 @@ pub mod numbers;
 mod reference;
 mod requirements;
 
-pub use clauses::{CLAUSES, unsaid};
+pub use clauses::{CLAUSES, unspecified};
 pub use entry::{Absent, Either, FieldAlternative, FieldGroup, SchemaEntry, SchemaPart};
 pub use equations::{Derived, Equation, EquationSymbol};
 pub use lookup::{is_word, numbers};

@@ -161,7 +161,7 @@ impl MapPlaces {
         if outline.is_of(subject.manifest, Some(known), subject.number, record.run) {
             Ok(counts)
         } else {
-            Err(RecordingError::Damaged(
+            Err(RecordingError::Corrupted(
                 "it is the recording of another run",
             ))
         }

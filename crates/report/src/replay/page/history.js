@@ -109,8 +109,8 @@ class History {
   }
 
   /** Returns whether a block is pre-attached rather than captured. */
-  isByHand({ phase }) {
-    return Boolean(this.about.tables.phases[phase]?.planted);
+  isPreAttached({ phase }) {
+    return Boolean(this.about.tables.phases[phase]?.pre_attached);
   }
 
   facesAt(tick) {
@@ -156,7 +156,7 @@ class History {
   docking([tick, , body, , , role], site) {
     const hold = this.holds[body].find(({ from }) => from === tick);
     const name = this.roles[role];
-    return this.isByHand(hold) ? `${name} is attached by hand to ${site}: block ${body}` : `${site} captures ${name}: block ${body}`;
+    return this.isPreAttached(hold) ? `${name} is pre-attached to ${site}: block ${body}` : `${site} captures ${name}: block ${body}`;
   }
 }
 

@@ -98,7 +98,7 @@ class Panel {
         const site = `${history.nameIn(of, from)}.${face}`;
         const origin = bond?.origin.kind === 'released' ? `; it was ${history.roles[bond.origin.role]} until ${bond.origin.tick}` : '; it was free from the beginning';
         const wait = bond ? `, ${count(bond.docked - bond.magnetized, 'tick')} after the face was on, which saw ${count(bond.entries, 'entry', 'entries')}` : '';
-        say(from, history.isByHand(hold) ? `is attached by hand to ${site} as ${name}` : `docks on ${site} as ${name}${wait}${origin}`, 'dock');
+        say(from, history.isPreAttached(hold) ? `is pre-attached to ${site} as ${name}` : `docks on ${site} as ${name}${wait}${origin}`, 'dock');
         if (Number.isFinite(to)) say(to, `is let go as ${name}`, 'free');
       }
     }

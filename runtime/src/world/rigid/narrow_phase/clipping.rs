@@ -81,26 +81,26 @@ fn clip<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
     if polygon.iter().all(is_within) {
         return;
     }
-    cut(polygon, along, limit);
+    clip_at(polygon, along, limit);
 }
 
 /// Clips a polygon that is partly beyond the limit. This is the slow path of `clip`.
-fn cut<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
+fn clip_at<R: Real>(polygon: &mut Polygon<R>, along: Vector3<R>, limit: R) {
     let Some(&last) = polygon.last() else {
         return;
     };
-    let mut kept = Polygon::new();
+    let mut inside = Polygon::new();
     let (mut before, mut excess_before) = (last, along.dot(&last) - limit);
     for &corner in polygon.iter() {
         let excess = along.dot(&corner) - limit;
         if (excess > R::zero()) != (excess_before > R::zero()) {
             let share = excess_before / (excess_before - excess);
-            kept.push(before + (corner - before) * share);
+            inside.push(before + (corner - before) * share);
         }
         if excess <= R::zero() {
-            kept.push(corner);
+            inside.push(corner);
         }
         (before, excess_before) = (corner, excess);
     }
-    *polygon = kept;
+    *polygon = inside;
 }

@@ -17,7 +17,7 @@ pub(super) struct SolverBody<R: Lane> {
 pub(super) const GROUND: usize = 0;
 
 /// Number that stands for a missing block or body.
-pub(super) const NOBODY: u32 = u32::MAX;
+pub(super) const NO_BLOCK: u32 = u32::MAX;
 
 /// All bodies, [`GROUND`] first. The arrays are in the same order.
 #[derive(Clone, Debug)]
@@ -34,7 +34,7 @@ pub(super) struct SolverBodies<R: Lane> {
     /// Displacements that correct overlaps, applied in this substep only. Empty for compliant
     /// contacts.
     pub shifts: Vec<SolverBody<R>>,
-    /// Index of the body of each block, or [`NOBODY`].
+    /// Index of the body of each block, or [`NO_BLOCK`].
     place: Vec<u32>,
     inverse_inertia: R,
 }
@@ -71,7 +71,7 @@ impl<R: Lane> SolverBodies<R> {
             before: Vec::new(),
             late: Vec::new(),
             shifts: Vec::new(),
-            place: vec![NOBODY; count],
+            place: vec![NO_BLOCK; count],
             inverse_inertia: if turns {
                 R::from_double(INVERSE_INERTIA)
             } else {
@@ -82,10 +82,10 @@ impl<R: Lane> SolverBodies<R> {
 
     pub fn clear(&mut self) {
         for &id in self.blocks.iter().skip(1) {
-            self.place[id as usize] = NOBODY;
+            self.place[id as usize] = NO_BLOCK;
         }
         self.blocks.clear();
-        self.blocks.push(NOBODY);
+        self.blocks.push(NO_BLOCK);
         self.contacts.clear();
         self.contacts.push(0);
         self.motions.clear();
@@ -98,7 +98,7 @@ impl<R: Lane> SolverBodies<R> {
     /// contact.
     pub fn place(&mut self, id: u32) -> usize {
         let place = &mut self.place[id as usize];
-        if *place == NOBODY {
+        if *place == NO_BLOCK {
             *place = self.motions.len() as u32;
             self.blocks.push(id);
             self.contacts.push(0);

@@ -6,27 +6,31 @@ use super::programs::recompile;
 
 /// Result of compiling the stored sources of a program.
 #[derive(Debug)]
-pub struct KeptText<'a> {
-    kept: &'a EnsembleProgram,
+pub struct StoredSource<'a> {
+    stored: &'a EnsembleProgram,
     /// Result of the check. If no source is stored, it contains a diagnostic that reports this.
     pub checked: Checked,
 }
 
-impl<'a> KeptText<'a> {
+impl<'a> StoredSource<'a> {
     /// Compiles the sources of a program, with the parameter values of its point in a sweep.
-    pub fn new(kept: &'a EnsembleProgram, levels: &LintLevels) -> KeptText<'a> {
-        KeptText::varied(kept, &kept.varied, levels)
+    pub fn new(stored: &'a EnsembleProgram, levels: &LintLevels) -> StoredSource<'a> {
+        StoredSource::varied(stored, &stored.varied, levels)
     }
 
     /// Compiles the sources of a program, with the parameter values in the source.
-    pub fn as_written(kept: &'a EnsembleProgram) -> KeptText<'a> {
-        KeptText::varied(kept, &[], &LintLevels::default())
+    pub fn as_written(stored: &'a EnsembleProgram) -> StoredSource<'a> {
+        StoredSource::varied(stored, &[], &LintLevels::default())
     }
 
-    fn varied(kept: &'a EnsembleProgram, varied: &[Varied], levels: &LintLevels) -> KeptText<'a> {
-        KeptText {
-            kept,
-            checked: recompile(&kept.sources, varied, kept.assembly(), levels),
+    fn varied(
+        stored: &'a EnsembleProgram,
+        varied: &[Varied],
+        levels: &LintLevels,
+    ) -> StoredSource<'a> {
+        StoredSource {
+            stored,
+            checked: recompile(&stored.sources, varied, stored.assembly(), levels),
         }
     }
 
@@ -34,20 +38,20 @@ impl<'a> KeptText<'a> {
     /// missing.
     pub fn program(&self) -> Option<&Program> {
         let mut programs = self.checked.programs.iter();
-        programs.find(|it| it.plan.name == self.kept.assembly())
+        programs.find(|it| it.plan.name == self.stored.assembly())
     }
 
     /// Returns the compiled program if it equals the stored one. Returns `None` if another version
     /// of the compiler gives another result.
     pub fn same_program(&self) -> Option<&Program> {
         let program = self.program();
-        program.filter(|it| it.tables.as_ref() == Some(self.kept.tables()))
+        program.filter(|it| it.tables.as_ref() == Some(self.stored.tables()))
     }
 
     /// Returns the compiled program. Returns `None` if the sources do not declare it or are
     /// missing.
     pub fn into_program(self) -> Option<Program> {
         let mut programs = self.checked.programs.into_iter();
-        programs.find(|it| it.plan.name == self.kept.assembly())
+        programs.find(|it| it.plan.name == self.stored.assembly())
     }
 }

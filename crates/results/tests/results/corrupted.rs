@@ -24,10 +24,10 @@ fn is_reported(folder: &Path) -> bool {
     read
 }
 
-fn damaged(folder: &Path) -> Vec<String> {
+fn corrupted(folder: &Path) -> Vec<String> {
     let files = verify(folder).unwrap().into_iter();
-    let damaged = files.filter(|file| file.health.is_damaged());
-    damaged.map(|file| file.name).collect()
+    let corrupted = files.filter(|file| file.health.is_corrupted());
+    corrupted.map(|file| file.name).collect()
 }
 
 #[test]
@@ -35,7 +35,7 @@ fn every_flipped_bit_is_found() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(4), 1);
     assert!(!is_reported(folder.path()));
-    assert!(damaged(folder.path()).is_empty());
+    assert!(corrupted(folder.path()).is_empty());
     for name in FILES {
         let path = folder.path().join(name);
         let whole = fs::read(&path).unwrap();
@@ -46,16 +46,16 @@ fn every_flipped_bit_is_found() {
             flipped[bit / 8] ^= 1 << (bit % 8);
             put(&path, &flipped);
             assert!(is_reported(folder.path()), "bit {bit} of {name}");
-            assert_eq!(damaged(folder.path()), [name], "bit {bit}");
+            assert_eq!(corrupted(folder.path()), [name], "bit {bit}");
             // Opening may have removed a partial line at the end of a journal.
             put(&path, &whole);
         }
         // A missing last byte is also detected.
         put(&path, &whole[..whole.len() - 1]);
-        assert_eq!(damaged(folder.path()), [name]);
+        assert_eq!(corrupted(folder.path()), [name]);
         put(&path, &whole);
     }
-    assert!(damaged(folder.path()).is_empty());
+    assert!(corrupted(folder.path()).is_empty());
 }
 
 #[test]
@@ -63,23 +63,23 @@ fn valid_parts_are_repaired_and_corrupted_ones_moved_aside() {
     let folder = tempfile::tempdir().unwrap();
     complete(folder.path(), &manifest(4), 1);
     let tables = bytes(folder.path());
-    let sound: Vec<_> = FILES
+    let valid: Vec<_> = FILES
         .map(|name| fs::read(folder.path().join(name)).unwrap())
         .into();
-    for (name, whole) in FILES.iter().zip(&sound).skip(1) {
+    for (name, whole) in FILES.iter().zip(&valid).skip(1) {
         for at in [0, 15, whole.len() / 2, whole.len() - 1] {
             let path = folder.path().join(name);
             let mut flipped = whole.clone();
             flipped[at] ^= 0x04;
             put(&path, &flipped);
             repair(folder.path(), |_, _| Ok(Vec::new())).unwrap();
-            assert!(damaged(folder.path()).is_empty(), "byte {at} of {name}");
+            assert!(corrupted(folder.path()).is_empty(), "byte {at} of {name}");
             let contents = Folder::read(folder.path()).unwrap();
             assert_eq!(contents.manifest, manifest(4));
             assert!(contents.finished.len() >= 7, "byte {at} of {name}");
             let mut aside = fs::read_dir(folder.path().join("damaged")).unwrap();
-            let kept = aside.any(|it| fs::read(it.unwrap().path()).unwrap() == flipped);
-            assert!(kept, "byte {at} of {name}");
+            let is_saved = aside.any(|it| fs::read(it.unwrap().path()).unwrap() == flipped);
+            assert!(is_saved, "byte {at} of {name}");
             complete(folder.path(), &manifest(4), 2);
             assert!(bytes(folder.path()) == tables, "byte {at} of {name}");
         }
@@ -96,9 +96,9 @@ fn special_files_are_moved_aside_or_named() {
     fs::write(in_folder("checkpoints"), "").unwrap();
     fs::remove_file(in_folder("journal.jsonl")).unwrap();
     fs::create_dir(in_folder("journal.jsonl")).unwrap();
-    assert_eq!(damaged(folder.path()), ["journal.jsonl", "checkpoints"]);
+    assert_eq!(corrupted(folder.path()), ["journal.jsonl", "checkpoints"]);
     repair(folder.path(), |_, _| Ok(Vec::new())).unwrap();
-    assert!(damaged(folder.path()).is_empty());
+    assert!(corrupted(folder.path()).is_empty());
     assert!(in_folder("damaged/journal.jsonl").is_dir());
     complete(folder.path(), &manifest(4), 2);
     assert!(bytes(folder.path()) == tables);
@@ -133,14 +133,14 @@ fn a_corrupted_manifest_is_left_alone() {
     let mut bytes = fs::read(&table).unwrap();
     bytes[50] ^= 0x10;
     put(&table, &bytes);
-    assert_eq!(damaged(folder.path()), ["manifest.json", "runs.parquet"]);
+    assert_eq!(corrupted(folder.path()), ["manifest.json", "runs.parquet"]);
     let files = verify(folder.path()).unwrap();
-    let sound = |name: &str| {
+    let valid = |name: &str| {
         let mut of_name = files.iter().filter(|it| it.name == name);
-        of_name.any(|it| it.health == Integrity::Sound)
+        of_name.any(|it| it.health == Integrity::Valid)
     };
     assert!(
-        sound("journal.jsonl") && sound("bonds.parquet"),
+        valid("journal.jsonl") && valid("bonds.parquet"),
         "{files:?}"
     );
 }
@@ -232,7 +232,7 @@ fn a_rejected_line_stays_out_when_runs_are_added() {
     let path = folder.path().join("journal.jsonl");
     let with_it = fs::read_to_string(&path).unwrap() + &foreign + "\n";
     put(&path, &with_it);
-    assert_eq!(damaged(folder.path()), ["journal.jsonl"]);
+    assert_eq!(corrupted(folder.path()), ["journal.jsonl"]);
     complete(folder.path(), &manifest(6), 1);
     assert!(bytes(folder.path()) == tables);
     let aside = folder.path().join("damaged/journal.jsonl");
@@ -252,7 +252,7 @@ fn a_line_without_its_checksum_is_not_saved() {
     let other = object.replacen("\"hops\":", "\"hops\":7", 1) + "}";
     assert_ne!(other.len(), object.len() + 1);
     put(&path, journal.replace(line, &other));
-    assert_eq!(damaged(folder.path()), ["journal.jsonl"]);
+    assert_eq!(corrupted(folder.path()), ["journal.jsonl"]);
     repair(folder.path(), |_, _| Ok(Vec::new())).unwrap();
     assert_eq!(Folder::read(folder.path()).unwrap().finished.len(), 7);
     complete(folder.path(), &manifest(4), 1);
@@ -274,11 +274,11 @@ fn lines_before_endless_garbage_are_saved() {
             &path,
             format!("{before}{garbage}\n{}", &journal[before.len()..]),
         );
-        assert_eq!(damaged(folder.path()), ["journal.jsonl"]);
+        assert_eq!(corrupted(folder.path()), ["journal.jsonl"]);
         assert!(Folder::read(folder.path()).is_err());
         repair(folder.path(), |_, _| Ok(Vec::new())).unwrap();
         assert_eq!(Folder::read(folder.path()).unwrap().finished.len(), left);
-        assert!(damaged(folder.path()).is_empty());
+        assert!(corrupted(folder.path()).is_empty());
     }
 }
 
@@ -292,10 +292,10 @@ fn a_refused_extension_changes_nothing() {
     other.builds = vec!["0123456789abcdef".to_owned()];
     put(&folder.path().join("manifest.json"), other.to_json());
     let path = folder.path().join("journal.jsonl");
-    let spoilt = fs::read_to_string(&path)
+    let corrupted = fs::read_to_string(&path)
         .unwrap()
         .replacen("\"ticks\":", "\"tocks\":", 1);
-    put(&path, &spoilt);
+    put(&path, &corrupted);
     let error = Folder::open(folder.path(), &manifest(6), true).unwrap_err();
     assert!(matches!(error, FolderError::OtherBuild { .. }), "{error}");
     // Opening the folder for resuming does not change it before the first run.
@@ -305,6 +305,6 @@ fn a_refused_extension_changes_nothing() {
         stochc_results::Resume::MixedBuilds,
     );
     assert_eq!(resumed.unwrap().damage().len(), 1);
-    assert_eq!(fs::read_to_string(&path).unwrap(), spoilt);
+    assert_eq!(fs::read_to_string(&path).unwrap(), corrupted);
     assert!(!folder.path().join("damaged").exists());
 }

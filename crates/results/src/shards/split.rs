@@ -19,7 +19,7 @@ use crate::{Folder, FolderError, Manifest, Resume, this_build};
 
 /// Split of an ensemble: `shards.json` in its folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Cut {
+pub struct Split {
     /// Identity of the ensemble's manifest.
     ensemble: String,
     /// Number of runs of each program.
@@ -43,7 +43,7 @@ pub enum Prepared {
 ///
 /// Every error leaves existing files unchanged.
 pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared, ShardError> {
-    let cut = Cut {
+    let split = Split {
         ensemble: manifest.identity(),
         runs: manifest.runs,
         shards,
@@ -51,27 +51,27 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
     let runs = manifest.total();
     if shards == 0 || shards > MAX_SHARDS.min(runs) {
         let asked = shards;
-        return Err(ShardError::Uncuttable { asked, runs });
+        return Err(ShardError::InvalidSplit { asked, runs });
     }
     if let Some(stored) = survey(path)? {
         same_build(path, &stored)?;
-        if let Some(there) = Cut::read(path)?
-            && there != cut
-            && there.ensemble == cut.ensemble
+        if let Some(there) = Split::read(path)?
+            && there != split
+            && there.ensemble == split.ensemble
         {
-            return Err(ShardError::OtherCut {
+            return Err(ShardError::OtherSplit {
                 path: path.to_owned(),
                 there: there.shards,
                 runs: there.runs,
             });
         }
     }
-    let mut folder = Folder::open_cut(path, manifest, Resume::SameBuild)?;
-    let is_cut = Cut::read(path)?.is_some();
-    if !folder.kept().is_empty() && !is_cut {
+    let mut folder = Folder::open_split(path, manifest, Resume::SameBuild)?;
+    let is_cut = Split::read(path)?.is_some();
+    if !folder.existing().is_empty() && !is_cut {
         return Err(ShardError::HoldsRuns {
             path: path.to_owned(),
-            done: folder.kept().len(),
+            done: folder.existing().len(),
         });
     }
     if is_cut {
@@ -81,7 +81,7 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
     folder.write_manifest()?;
     let shards = path.join(SHARDS);
     make_own_folder(&shards).map_err(FolderError::at(shards))?;
-    cut.write(path)?;
+    split.write(path)?;
     Ok(Prepared::New)
 }
 
@@ -98,15 +98,15 @@ pub(crate) fn same_build(path: &Path, stored: &Manifest) -> Result<(), FolderErr
     }
 }
 
-impl Cut {
+impl Split {
     /// Reads the manifest of a folder and its split.
     ///
     /// # Errors
     ///
     /// If there is no ensemble, or the ensemble is not split.
-    pub(crate) fn require(path: &Path) -> Result<(Manifest, Cut), ShardError> {
+    pub(crate) fn require(path: &Path) -> Result<(Manifest, Split), ShardError> {
         let manifest = survey(path)?.ok_or_else(|| FolderError::Absent(path.to_owned()))?;
-        let Some(cut) = Cut::read(path)? else {
+        let Some(split) = Split::read(path)? else {
             let identity = manifest.identity();
             let stored = journal::read(&path.join(JOURNAL), &manifest, &identity)?;
             let (done, total) = (stored.finished.len() as u64, manifest.total());
@@ -114,19 +114,19 @@ impl Cut {
                 return Err(unreadable(path, "it is not there"));
             }
             let path = path.to_owned();
-            return Err(ShardError::NotCut { path, done, total });
+            return Err(ShardError::NotSplit { path, done, total });
         };
-        if (&cut.ensemble, cut.runs) != (&manifest.identity(), manifest.runs) {
+        if (&split.ensemble, split.runs) != (&manifest.identity(), manifest.runs) {
             return Err(unreadable(path, "it belongs to another ensemble"));
         }
-        if cut.shards == 0 || cut.shards > MAX_SHARDS.min(manifest.total()) {
+        if split.shards == 0 || split.shards > MAX_SHARDS.min(manifest.total()) {
             return Err(unreadable(path, "it says an impossible number of shards"));
         }
-        Ok((manifest, cut))
+        Ok((manifest, split))
     }
 
     /// Reads the split of a folder, or returns `None` if there is none.
-    pub(crate) fn read(path: &Path) -> Result<Option<Cut>, ShardError> {
+    pub(crate) fn read(path: &Path) -> Result<Option<Split>, ShardError> {
         let bytes = match read_file(&path.join(SHARDS_FILE), SHARDS_BUDGET) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -134,7 +134,7 @@ impl Cut {
         };
         let line = bytes.strip_suffix(b"\n").unwrap_or_default();
         match (checksum::check(line), serde_json::from_slice(line)) {
-            (LineIntegrity::Sound, Ok(cut)) => Ok(Some(cut)),
+            (LineIntegrity::Valid, Ok(split)) => Ok(Some(split)),
             _ => Err(unreadable(path, "it is damaged")),
         }
     }
@@ -206,10 +206,10 @@ mod tests {
         #[test]
         fn every_job_is_in_one_shard(total in 1u64..500, shards in 1u64..500) {
             let shards = shards.min(total);
-            let cut = Cut { ensemble: String::new(), runs: total, shards };
+            let split = Split { ensemble: String::new(), runs: total, shards };
             let mut next = 0;
             for shard in 0..shards {
-                let jobs = cut.jobs(total, shard);
+                let jobs = split.jobs(total, shard);
                 let size = jobs.end - jobs.start;
                 prop_assert_eq!(jobs.start, next);
                 prop_assert!(size == total / shards || size == total.div_ceil(shards));
