@@ -689,7 +689,11 @@ fn event_tables_are_run_in_every_order() {
     // An invalid program has no tables to verify.
     let outcome = stochc("verify tests/fixtures/wrong.sa");
     assert_eq!(outcome.status, 1);
-    assert!(outcome.out.starts_with("0 programs verified"), "{}", outcome.out);
+    assert!(
+        outcome.out.starts_with("0 programs verified"),
+        "{}",
+        outcome.out
+    );
 }
 
 #[test]

@@ -71,7 +71,11 @@ fn corruption_is_reported_and_valid_parts_are_saved() {
     assert!(shown.err.contains("`stochc fsck"), "{}", shown.err);
     let outcome = stochc_with("fsck --repair", &[&out]);
     assert_eq!(outcome.status, 0, "{}{}", outcome.out, outcome.err);
-    assert!(outcome.out.contains("5 of 6 runs are kept"), "{}", outcome.out);
+    assert!(
+        outcome.out.contains("5 of 6 runs are kept"),
+        "{}",
+        outcome.out
+    );
     // The backup contains the corrupted files, and all files that depend on the lost line of the
     // journal.
     let others = ["checksums.json", "bonds.parquet", "phases.parquet"];

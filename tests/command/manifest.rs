@@ -77,7 +77,11 @@ fn a_manifest_beyond_all_limits_is_rejected() {
     fs::write(&file, of("seed", json!(2)).to_string()).unwrap();
     let outcome = stochc_with("repeat", &[&file]);
     assert_eq!((outcome.status, outcome.out.as_str()), (2, ""));
-    assert!(outcome.err.contains("its checksum differs"), "{}", outcome.err);
+    assert!(
+        outcome.err.contains("its checksum differs"),
+        "{}",
+        outcome.err
+    );
     // Outside of a results folder, a file `manifest.json` belongs to the user.
     let file = path(folder.path(), "manifest.json");
     let program = &valid["programs"][0];

@@ -105,7 +105,11 @@ fn targets_are_files_of_several_kinds() {
     let outcome = stochc_with("plan --quiet", &[&text]);
     assert_eq!(outcome.status, 0, "{}", outcome.err);
     // `up` is a keyword, so the shape gets another name.
-    assert!(outcome.out.contains("assembly build_shape_up"), "{}", outcome.out);
+    assert!(
+        outcome.out.contains("assembly build_shape_up"),
+        "{}",
+        outcome.out
+    );
     let vox = vox(&[&[[3, 3, 3, 1]]]);
     let outcome = stochc_with("plan --quiet", &[&file("cell.vox", &vox)]);
     assert_eq!(outcome.status, 0, "{}", outcome.err);

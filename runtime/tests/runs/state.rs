@@ -123,8 +123,8 @@ fn resumed_everywhere(of: &Executable, settings: &Settings, every: u64) -> usize
         with_checkpoints, whole,
         "{settings:?}: checkpoints change a run"
     );
-    let states = keeper.with_checkpoints.len();
-    for (tick, state) in keeper.with_checkpoints {
+    let states = keeper.saved.len();
+    for (tick, state) in keeper.saved {
         let mut resumed = Keeper {
             begins_with: Some(state),
             ..Keeper::default()

@@ -5,7 +5,7 @@
     reason = "each test program sets other scenes"
 )]
 use nalgebra::{UnitQuaternion, Vector3};
-use stochc_ir::scene::schema::unsaid;
+use stochc_ir::scene::schema::unspecified;
 use stochc_ir::scene::{
     Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Enclosure, Fluid, Free,
     Magnets, Measure, Reach, Scene,
@@ -32,7 +32,7 @@ pub fn empty() -> Scene {
             count: 0,
             arrangement: Arrangement::Uniform,
         },
-        ..unsaid()
+        ..unspecified()
     }
 }
 

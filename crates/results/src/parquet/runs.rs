@@ -80,7 +80,7 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         |row| row.run.record.bonds.len() as u64,
     );
     table.integer(
-        "under_way",
+        "censored_captures",
         "number of faces still waiting at the end: rows of `bonds.parquet` that are censored",
         |row| row.run.record.waiting.len() as u64,
     );

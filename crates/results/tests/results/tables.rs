@@ -98,7 +98,7 @@ fn run_row(done: &Finished, seed: u64) -> Value {
         "phase_ticks": record.phase_ticks,
         "blocks_used": record.blocks_used,
         "captures": record.bonds.len(),
-        "under_way": record.waiting.len(),
+        "censored_captures": record.waiting.len(),
         "releases": record.releases.len(),
         "unplanned": record.unplanned,
         "hops": record.hops,

@@ -7,7 +7,7 @@ use stochc_ir::graph::{EventAction, EventGraph, EventId, GraphEvent};
 use stochc_ir::record::{
     BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, UnplannedRecord, WaitRecord,
 };
-use stochc_ir::scene::schema::unsaid;
+use stochc_ir::scene::schema::unspecified;
 use stochc_ir::scene::{Arrangement, Block, Enclosure, Free, Scene};
 use stochc_ir::state::StateReader;
 use stochc_ir::table::{Action, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger};
@@ -36,7 +36,7 @@ pub fn scene() -> Scene {
             radius: std::f64::consts::PI,
             wall: 7.038531e-26,
         }),
-        ..unsaid()
+        ..unspecified()
     }
 }
 
