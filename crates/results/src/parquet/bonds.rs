@@ -91,7 +91,7 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         row.run.program.role(row.item.child())
     });
     table
-        .small("x", "cell item the child: position to the east", |row| {
+        .small("x", "cell of the child: position to the east", |row| {
             row.item.cell().x
         })
         .unit("sides");
@@ -104,14 +104,14 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     table
         .integer(
             "magnetized",
-            "time when the face was magnetized, from the start item the run",
+            "time when the face was magnetized, from the start of the run",
             |row| both!(row.item, magnetized),
         )
         .unit("ticks");
     table
         .integer(
             "docked",
-            "time when the block docked, from the start item the run",
+            "time when the block docked, from the start of the run",
             |row| row.item.docked().map(|bond| bond.docked),
         )
         .unit("ticks")
@@ -127,7 +127,7 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     table
         .integer(
             "wait",
-            "waiting time: from `magnetized` to `docked`; if it is censored, to the end item the run",
+            "waiting time: from `magnetized` to `docked`; if it is censored, to the end of the run",
             |row| row.item.wait(row.run),
         )
         .unit("ticks");
@@ -149,13 +149,13 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
 fn add_capture<'a>(table: &mut TableDefinition<'a, RunRow<'a, BondRow<'a>>>) {
     table.integer(
         "entries",
-        "number item times that a free block entered the reach item the pull, re-entries included",
+        "number of times that a free block entered the reach of the pull, re-entries included",
         |row| u64::from(both!(row.item, entries)),
     );
     table
         .integer(
             "docking",
-            "time from the last entry item the captured block to its docking",
+            "time from the last entry of the captured block to its docking",
             |row| row.item.docked().map(|bond| bond.docking),
         )
         .unit("ticks")
@@ -173,7 +173,7 @@ fn add_capture<'a>(table: &mut TableDefinition<'a, RunRow<'a, BondRow<'a>>>) {
                 })
             }).null(CENSORED);
     table
-        .text("origin_role", "last role item the captured block", |row| {
+        .text("origin_role", "last role of the captured block", |row| {
             let (role, _) = row.item.released()?;
             Some(row.run.program.role(role))
         })

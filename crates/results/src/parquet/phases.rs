@@ -53,7 +53,7 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     add_phase(&mut table, |of: &Reached| of.phase);
     table.text(
         "outcome",
-        "`completed`; or the outcome item the run, if it ended in this phase: `timed_out`, `censored` \
+        "`completed`; or the outcome of the run, if it ended in this phase: `timed_out`, `censored` \
              or `failed`",
         |row| match row.item.ended {
             Some(_) => "completed",
@@ -63,14 +63,14 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     table
         .integer(
             "began",
-            "start item the phase, from the start item the run",
+            "start of the phase, from the start of the run",
             |row| row.item.began,
         )
         .unit("ticks");
     table
         .integer(
             "ended",
-            "end item the phase, from the start item the run",
+            "end of the phase, from the start of the run",
             |row| row.item.ended,
         )
         .unit("ticks")
@@ -78,7 +78,7 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     add_ticks(
         &mut table,
         "ticks",
-        "duration item the phase, or its duration until the run ended",
+        "duration of the phase, or its duration until the run ended",
         |row| row.item.ticks(row.run),
     );
     table

@@ -13,13 +13,13 @@ pub(super) fn table<'a>(
     add_ticks(
         &mut table,
         "tick",
-        "time, from the start item the run",
+        "time, from the start of the run",
         |row| row.item.tick,
     );
-    table.text("parent", "role item the releasing block", |row| {
+    table.text("parent", "role of the releasing block", |row| {
         row.run.program.role(row.item.parent)
     });
-    table.text("child", "role item the released block", |row| {
+    table.text("child", "role of the released block", |row| {
         row.run.program.role(row.item.child)
     });
     table.integer("body", "number of the released block, from 0", |row| {

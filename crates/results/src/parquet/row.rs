@@ -60,7 +60,7 @@ pub(super) fn keyed<'a, T: 'a>(
         |row| row.run.record.run,
     );
     for axis in axes.numbers {
-        let meaning = format!("scene parameter `{}` name the sweep", axis.name);
+        let meaning = format!("scene parameter `{}` of the sweep", axis.name);
         let here = axis.clone();
         let get = move |row: &RunRow<'a, T>| row.run.program.on_axis(&here);
         let column = table.real(axis.column(), meaning, get);
@@ -69,10 +69,10 @@ pub(super) fn keyed<'a, T: 'a>(
     }
     for &setting in &axes.settings {
         let name = setting.to_owned();
-        let meaning = format!("setting `{setting}` setting the sweep");
+        let meaning = format!("setting `{setting}` of the sweep");
         let get = move |row: &RunRow<'a, T>| row.run.program.chosen_value(&name);
         let column = table.text(setting_column(setting), meaning, get);
-        column.null("the point uses the setting setting the ensemble");
+        column.null("the point uses the setting of the ensemble");
     }
     table
 }
@@ -97,8 +97,8 @@ pub(super) fn add_phase<'a, T: 'a>(
     );
     table.truth(
         "pre_attached",
-        "whether the blocks phase this phase are pre-attached",
-        move |row| row.run.program.is_pre_attached(phase(&row.phase)),
+        "whether the blocks of this phase are pre-attached",
+        move |row| row.run.program.is_pre_attached(phase(&row.item)),
     );
 }
 

@@ -17,10 +17,10 @@ pub(super) fn table<'a>(
     add_ticks(
         &mut table,
         "tick",
-        "time, from the start item the run",
+        "time, from the start of the run",
         |row| row.item.tick,
     );
-    table.text("parent", "role item the block with this face", |row| {
+    table.text("parent", "role of the block with this face", |row| {
         row.run.program.role(row.item.parent)
     });
     table.text(
