@@ -4,8 +4,9 @@ use std::sync::Arc;
 use gen_lsp_types::{
     CodeActionParams, CompletionParams, DefinitionParams, DidChangeTextDocumentParams,
     DidCloseTextDocumentParams, DidOpenTextDocumentParams, DidSaveTextDocumentParams,
-    DocumentFormattingParams, DocumentHighlightParams, DocumentSymbolParams, HoverParams, Location,
-    Position, PrepareRenameParams, ReferenceParams, RenameParams, TextDocumentPositionParams,
+    DocumentFormattingParams, DocumentHighlightParams, DocumentSymbolParams, FoldingRangeParams,
+    HoverParams, InlayHintParams, Location, Position, PrepareRenameParams, ReferenceParams,
+    RenameParams, SemanticTokensParams, TextDocumentPositionParams,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -14,7 +15,9 @@ use stochc_compiler::{Cancellation, FileId};
 
 use super::wire::{Reason, RequestFailure};
 use crate::features::definition::{self, named_at};
-use crate::features::{actions, formatting, hover, rename, scene, symbols};
+use crate::features::{
+    actions, completion, folding, formatting, hints, hover, rename, symbols, tokens,
+};
 use crate::workspace::analysis::Analysis;
 use crate::workspace::documents::Documents;
 use crate::workspace::position::{Encoding, LineIndex};
@@ -215,7 +218,7 @@ impl Query {
                 let it: CompletionParams = params(raw)?;
                 let it = it.text_document_position_params;
                 Query::at(it, Needs::Own, |_, analysis, at| {
-                    value(scene::completions(analysis, at))
+                    value(completion::completions(analysis, at))
                 })
             }
             "textDocument/references" => {
@@ -284,6 +287,28 @@ impl Query {
                         &checked.symbols,
                         &lines,
                     ))
+                })
+            }
+            "textDocument/semanticTokens/full" => {
+                let it: SemanticTokensParams = params(raw)?;
+                Query::new(&it.text_document.uri.0, Needs::Own, |context| {
+                    value(json!({ "data": tokens::tokens(context.own()?) }))
+                })
+            }
+            "textDocument/inlayHint" => {
+                let it: InlayHintParams = params(raw)?;
+                Query::new(&it.text_document.uri.0, Needs::Own, move |context| {
+                    let analysis = context.own()?;
+                    let lines = analysis.lines(FileId(0));
+                    let within = lines.offset(it.range.start)..lines.offset(it.range.end) + 1;
+                    value(hints::hints(analysis, &within))
+                })
+            }
+            "textDocument/foldingRange" => {
+                let it: FoldingRangeParams = params(raw)?;
+                Query::new(&it.text_document.uri.0, Needs::Text, |context| {
+                    let document = context.documents.get(&context.path).ok_or_else(not_open)?;
+                    value(folding::ranges(&document.program_text(context.encoding)))
                 })
             }
             "textDocument/formatting" => {

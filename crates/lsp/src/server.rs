@@ -15,6 +15,7 @@ use super::event::{Done, ServerEvent};
 use super::jobs::{JobId, JobTrigger, Jobs};
 use super::requests::{self, Needs, Notification, Query, RequestContext, RequestHandler};
 use super::wire::{self, ClientMessage, Incoming, Reason, RequestFailure};
+use crate::features::tokens;
 use crate::workspace::analysis::Analysis;
 use crate::workspace::documents::Documents;
 use crate::workspace::position::Encoding;
@@ -411,7 +412,7 @@ impl<W: Write> Server<W> {
                 "positionEncoding": encoding,
                 "textDocumentSync": { "openClose": true, "change": 2, "save": true },
                 "hoverProvider": true,
-                "completionProvider": {},
+                "completionProvider": { "triggerCharacters": ["."] },
                 "definitionProvider": true,
                 "referencesProvider": true,
                 "documentHighlightProvider": true,
@@ -419,6 +420,12 @@ impl<W: Write> Server<W> {
                 "documentFormattingProvider": true,
                 "renameProvider": { "prepareProvider": true },
                 "codeActionProvider": { "codeActionKinds": ["quickfix"] },
+                "foldingRangeProvider": true,
+                "inlayHintProvider": true,
+                "semanticTokensProvider": {
+                    "legend": { "tokenTypes": tokens::TYPES, "tokenModifiers": tokens::MODIFIERS },
+                    "full": true,
+                },
             },
             "serverInfo": { "name": "stochc", "version": env!("CARGO_PKG_VERSION") },
         })

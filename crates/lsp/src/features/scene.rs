@@ -38,21 +38,17 @@ pub fn hover(analysis: &Analysis, at: usize) -> Option<(String, SourceLocation)>
     Some((text, location))
 }
 
-/// Returns the keywords allowed at a byte.
-pub fn completions(analysis: &Analysis, at: usize) -> Vec<Value> {
-    let item = |entry: &&SchemaEntry| {
+/// Returns the keywords allowed at a byte of a scene. Returns `None` outside of scenes.
+pub fn completions(analysis: &Analysis, at: usize) -> Option<Vec<Value>> {
+    let item = |entry: &SchemaEntry| {
         json!({
             "label": entry.word,
             "kind": KEYWORD,
             "documentation": entry.described(),
         })
     };
-    let words = words(analysis, at);
-    words
-        .iter()
-        .flat_map(|words| &words.next)
-        .map(item)
-        .collect()
+    let words = words(analysis, at)?;
+    Some(words.next.into_iter().map(item).collect())
 }
 
 fn words(analysis: &Analysis, at: usize) -> Option<WordContext> {

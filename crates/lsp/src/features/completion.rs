@@ -1,0 +1,125 @@
+//! Completion of keywords, names and faces.
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+use stochc_compiler::FileId;
+use stochc_compiler::names::NameKind;
+use stochc_compiler::scene::BUILT_IN;
+use stochc_ir::Face;
+
+use super::scene;
+use crate::workspace::analysis::Analysis;
+
+/// Completion kinds of the protocol.
+const FUNCTION: u32 = 3;
+const VARIABLE: u32 = 6;
+const CLASS: u32 = 7;
+const KEYWORD: u32 = 14;
+const ENUM_MEMBER: u32 = 20;
+
+/// Largest number of names in a response.
+const MAX_NAMES: usize = 1000;
+
+/// Keywords that begin a statement or declaration.
+const BEGINNINGS: [&str; 12] = [
+    "aggregate",
+    "assembly",
+    "for",
+    "import",
+    "let",
+    "pattern",
+    "phase",
+    "release",
+    "scene",
+    "seed plate",
+    "shape",
+    "yields",
+];
+
+/// Keywords within a statement or declaration.
+const CONTINUATIONS: [&str; 7] = ["after", "as", "at", "from", "in", "timeout", "to"];
+
+/// Kinds of names that a place or an argument can contain.
+const PLACES: [NameKind; 5] = [
+    NameKind::Block,
+    NameKind::Instance,
+    NameKind::Parameter,
+    NameKind::Number,
+    NameKind::Counter,
+];
+
+/// Returns the words that are allowed at a byte.
+pub fn completions(analysis: &Analysis, at: usize) -> Vec<Value> {
+    if let Some(items) = scene::completions(analysis, at) {
+        return items;
+    }
+    let text = &analysis.checked.sources.file(FileId(0)).text;
+    let line = text[..at].rsplit('\n').next().unwrap_or_default();
+    let before = line.trim_end_matches(|c: char| c.is_ascii_alphanumeric() || c == '_');
+    let is_string = before.matches('"').count() % 2 == 1;
+    if is_string || before.contains("//") {
+        return Vec::new();
+    }
+    if before.ends_with('.') && !before.ends_with("..") {
+        let faces = Face::ALL.iter();
+        return faces
+            .map(|face| item(face.word(), ENUM_MEMBER, "face"))
+            .collect();
+    }
+    let mut words = before.split_whitespace();
+    let first = words.clone().next().unwrap_or_default();
+    match words.next_back() {
+        None => {
+            let kinds = [PLACES.as_slice(), &[NameKind::Pattern]].concat();
+            let keywords = BEGINNINGS.map(|word| item(word, KEYWORD, "keyword"));
+            [names(analysis, &kinds), keywords.into()].concat()
+        }
+        // A new name follows.
+        Some(
+            "aggregate" | "as" | "assembly" | "for" | "let" | "pattern" | "phase" | "scene"
+            | "shape",
+        ) => Vec::new(),
+        Some("in") if first == "for" => names(analysis, &PLACES[2..]),
+        Some("in" | "from") => {
+            let built_in = BUILT_IN.map(|(name, _)| item(name, CLASS, "built-in scene"));
+            [names(analysis, &[NameKind::Scene]), built_in.into()].concat()
+        }
+        Some("yields") => names(analysis, &[NameKind::Shape]),
+        Some("after" | "release") => names(analysis, &PLACES),
+        Some(word) if word.ends_with(['>', ',', '(', '[', '=']) => names(analysis, &PLACES),
+        Some(word) if word.ends_with(['{', '}']) => {
+            let kinds = [PLACES.as_slice(), &[NameKind::Pattern]].concat();
+            names(analysis, &kinds)
+        }
+        Some(_) => CONTINUATIONS
+            .map(|word| item(word, KEYWORD, "keyword"))
+            .into(),
+    }
+}
+
+/// Returns the program's names of some kinds, each word once.
+fn names(analysis: &Analysis, kinds: &[NameKind]) -> Vec<Value> {
+    let (names, symbols) = (&analysis.names, &analysis.checked.symbols);
+    let mut found: BTreeMap<&str, NameKind> = BTreeMap::new();
+    for name in names.all() {
+        let kind = names.kind(name.definition);
+        if kinds.contains(&kind) {
+            found
+                .entry(symbols.word(names.word(name.definition)))
+                .or_insert(kind);
+        }
+    }
+    let shown = found.into_iter().take(MAX_NAMES).map(|(word, kind)| {
+        let shown_as = match kind {
+            NameKind::Pattern => FUNCTION,
+            NameKind::Shape | NameKind::Scene => CLASS,
+            _ => VARIABLE,
+        };
+        item(word, shown_as, kind.noun())
+    });
+    shown.collect()
+}
+
+fn item(label: &str, kind: u32, detail: &str) -> Value {
+    json!({ "label": label, "kind": kind, "detail": detail })
+}

@@ -1,0 +1,169 @@
+//! Tests tokens, folding, completion and hints.
+use serde_json::{Value, json};
+
+use crate::lsp::client::{Client, place};
+
+const URI: &str = "file:///nowhere/tower.sa";
+
+const TOWER: &str = "\
+// A tower and
+// a flag.
+let n = 2
+
+pattern tower(base) {
+    base.up ->> T[1..n]
+}
+
+shape flag {
+    layer 1 { # }
+}
+
+assembly city in hemisphere {
+    seed plate 2 x 1 { A at (0, 0)   B at (1, 0) }
+    phase grow {
+        tower(A) as left   // \u{1f9f1} {
+        B.up -> C.up -> D
+    }
+}
+";
+
+fn ask(text: &str, method: &str, params: Value) -> Value {
+    let mut client = Client::new(&["utf-16"]);
+    client.open(URI, text);
+    let answer = client.ask(&format!("textDocument/{method}"), params);
+    assert!(answer.get("error").is_none(), "{answer}");
+    answer["result"].clone()
+}
+
+fn document() -> Value {
+    json!({ "textDocument": { "uri": URI } })
+}
+
+/// Returns the words of semantic tokens with their type and modifiers.
+fn decoded(text: &str, data: &Value) -> Vec<String> {
+    let types = ["type", "function", "parameter", "variable"];
+    let lines: Vec<Vec<u16>> = text
+        .lines()
+        .map(|line| line.encode_utf16().collect())
+        .collect();
+    let numbers: Vec<usize> = (data.as_array().unwrap().iter())
+        .map(|number| number.as_u64().unwrap() as usize)
+        .collect();
+    let (mut line, mut start) = (0, 0);
+    let tokens = numbers.chunks(5).map(|token| {
+        start = if token[0] > 0 {
+            token[1]
+        } else {
+            start + token[1]
+        };
+        line += token[0];
+        let word = String::from_utf16(&lines[line][start..start + token[2]]).unwrap();
+        format!("{word} {} {}", types[token[3]], token[4])
+    });
+    tokens.collect()
+}
+
+#[test]
+fn every_name_has_a_token() {
+    let found = ask(TOWER, "semanticTokens/full", document());
+    let found = decoded(TOWER, &found["data"]);
+    for (token, count) in [
+        ("n variable 3", 1),
+        ("n variable 2", 1),
+        ("tower function 1", 1),
+        ("tower function 0", 1),
+        ("base parameter 1", 1),
+        ("base parameter 0", 1),
+        ("flag type 1", 1),
+        ("city type 1", 1),
+        ("grow type 1", 1),
+        ("A variable 1", 1),
+        ("A variable 0", 1),
+        ("C variable 1", 1),
+    ] {
+        let equal = found.iter().filter(|it| *it == token).count();
+        assert_eq!(equal, count, "{token} in {found:?}");
+    }
+}
+
+#[test]
+fn blocks_and_comments_are_folded() {
+    let found = ask(TOWER, "foldingRange", document());
+    let mut ranges: Vec<(u64, u64, bool)> = (found.as_array().unwrap().iter())
+        .map(|range| {
+            let line = |key: &str| range[key].as_u64().unwrap();
+            (
+                line("startLine"),
+                line("endLine"),
+                range["kind"] == "comment",
+            )
+        })
+        .collect();
+    ranges.sort_unstable();
+    let expected = [
+        (0, 1, true),
+        (4, 5, false),
+        (8, 9, false),
+        (12, 17, false),
+        (14, 16, false),
+    ];
+    assert_eq!(ranges, expected);
+}
+
+#[test]
+fn captured_blocks_have_hints_with_their_cells() {
+    let hints = |from: u32, to: u32| {
+        let range = json!({
+            "start": { "line": from, "character": 0 },
+            "end": { "line": to, "character": 0 },
+        });
+        let params = json!({ "textDocument": { "uri": URI }, "range": range });
+        let found = ask(TOWER, "inlayHint", params);
+        let hints = found.as_array().unwrap().iter().map(|hint| {
+            let position = &hint["position"];
+            let label = hint["label"].as_str().unwrap();
+            format!("{}:{} {label}", position["line"], position["character"])
+        });
+        hints.collect::<Vec<String>>()
+    };
+    // The blocks of a range have none.
+    assert_eq!(hints(0, 18), ["16:17 (1, 0, 1)", "16:25 (1, 0, 2)"]);
+    assert_eq!(hints(0, 10), [""; 0]);
+}
+
+/// Returns what is offered before `|`.
+fn offered(text: &str) -> Vec<String> {
+    let plain = text.replace('|', "");
+    let mut params = place(URI, text, "|", 0);
+    params["context"] = json!({ "triggerKind": 1 });
+    let items = ask(&plain, "completion", params);
+    let items = items.as_array().unwrap().iter();
+    items
+        .map(|item| item["label"].as_str().unwrap().to_owned())
+        .collect()
+}
+
+#[test]
+fn keywords_names_and_faces_are_completed() {
+    let within = |line: &str| {
+        offered(&TOWER.replace("        B.up -> C.up -> D\n", &format!("        {line}\n")))
+    };
+    assert_eq!(
+        within("B.|"),
+        ["east", "west", "north", "south", "up", "down"]
+    );
+    let start = within("|");
+    for word in ["A", "B", "tower", "release", "yields"] {
+        assert!(start.contains(&word.to_owned()), "{word} in {start:?}");
+    }
+    assert!(!start.contains(&"flag".to_owned()), "{start:?}");
+    assert_eq!(within("yields fl|"), ["flag"]);
+    assert!(within("B.up -> |").contains(&"left".to_owned()));
+    assert!(within("B.up -> X a|").contains(&"after".to_owned()));
+    assert_eq!(within("tower(B) as |"), [""; 0]);
+    assert_eq!(within("// |"), [""; 0]);
+    let scenes = offered("scene mine from hemisphere {\n}\nassembly a in |");
+    for scene in ["mine", "hemisphere", "suction_tank"] {
+        assert!(scenes.contains(&scene.to_owned()), "{scenes:?}");
+    }
+}
