@@ -30,14 +30,14 @@ pub struct ProgramPlan {
     pub events: Vec<PlanEvent>,
     /// Dependencies that `after` declares, sorted by the waiting event.
     pub afters: Vec<AfterConstraint>,
-    /// Number of blocks in a complete aggregate. `None` for an assembly. Aggregates have no plate,
-    /// seeds and events, and one phase for each size from two.
+    /// Number of blocks in a complete aggregate. `None` for an assembly. An aggregate has no plate,
+    /// seeds or events. It has one phase for each size of 2 or more blocks.
     pub aggregate: Option<u32>,
-    /// Instances of patterns. Index 0 belongs to scope 1 of [`NameKey::scope`].
+    /// Instances of patterns. The instance with index i has the number i + 1 in [`NameKey::scope`].
     pub grown: Vec<PatternInstance>,
     /// Number of visited statements.
     pub(crate) steps: usize,
-    /// First words of block and instance names that may be missing because of a wrong statement.
+    /// First words of names whose block or instance may be missing because of a wrong statement.
     pub uncertain: FxHashSet<Symbol>,
 }
 
@@ -84,8 +84,8 @@ pub struct PlanSeed {
     pub cell: Cell,
     /// Location of the name.
     pub location: SourceLocation,
-    /// Location of the whole statement. `None` if the statement has documentation, so that no fix
-    /// removes it.
+    /// Location of the whole statement. `None` if the statement has documentation: then no fix may
+    /// remove the statement.
     pub statement: Option<SourceLocation>,
 }
 
@@ -195,7 +195,7 @@ pub struct AfterConstraint {
     pub location: SourceLocation,
 }
 
-/// A name as a value: scope, word and indices.
+/// A name as a key for maps: scope, word and indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NameKey {
     /// Number of the pattern instance that contains the name, from 1. 0 for the program itself.

@@ -13,11 +13,13 @@ use crate::shapes::layout::Layout;
 /// Largest number of edges to follow in the search for an event that needs too many blocks.
 const SEARCHED: usize = 5_000_000;
 
-/// Returns the first event that needs more than `free` anchored blocks in every order, and its
-/// smallest number of blocks. Returns `None` if the bounded search finds none.
+/// Returns the first event that needs more than `free` anchored blocks in every order. Also returns
+/// the smallest number of blocks for this event. Returns `None` if the bounded search finds no
+/// event.
 ///
-/// An event needs the blocks from the start of the phase and the blocks of its ancestors. Blocks
-/// that may be released before it do not count. `certain` is the order that holds in every run.
+/// This number counts the blocks at the start of the phase and the blocks that ancestors of the
+/// event capture. It excludes all blocks that may be released before the event. `certain` contains
+/// the dependencies that hold in every order.
 ///
 /// # Errors
 ///
@@ -66,12 +68,12 @@ pub fn first_beyond(
     Ok(None)
 }
 
-/// Returns the first phase that needs more than `free` blocks at a capture in some order. Returns
-/// `None` if no phase needs more.
+/// Returns the first phase that can need more than `free` blocks at a capture. Returns `None` if no
+/// phase can need more.
 ///
-/// A phase without releases needs the most blocks at its end. Another check compares that number.
-/// If captures choose among faces, or the search reaches its limit, returns the phase as a
-/// precaution.
+/// Ignores phases without releases: they have the most blocks at their end, which another check
+/// tests. If captures have a choice of faces, or if the search reaches its limit, a phase counts as
+/// a precaution.
 pub fn scarce_phase<'a>(
     plan: &'a ProgramPlan,
     layout: &Layout,
@@ -112,9 +114,9 @@ impl Search<'_> {
     /// Returns the smallest number of anchored blocks at an event: after a capture, or before a
     /// release.
     ///
-    /// Returns 0 if it is at most the number at the end of the phase. Returns `None` if the search
-    /// reaches its limit. `before` is the number of blocks at the start of the phase. `releases` is
-    /// the number of releases of the phase.
+    /// Returns 0 for a capture that no release must follow: the number at the end of the phase is
+    /// at least as large. Returns `None` if the search reaches its limit. `before` is the number of
+    /// blocks at the start of the phase. `releases` is the number of releases of the phase.
     fn least_at(
         &mut self,
         event: EventId,
@@ -138,9 +140,9 @@ impl Search<'_> {
         Ok(Some(anchored.saturating_sub(released)))
     }
 
-    /// Returns the largest number of anchored blocks after a capture. Returns 0 for a release, and
-    /// `None` if the search reaches its limit. `all` is the number of blocks after all captures of
-    /// the phase without any release.
+    /// Returns the largest number of anchored blocks directly after the capture `event`. Returns 0
+    /// for a release, and `None` if the search reaches its limit. `all` is the number of blocks
+    /// after all captures of the phase without any release.
     fn most_at(&mut self, event: EventId, all: usize) -> Option<usize> {
         if self.plan.event(event).kind == EventKind::Release {
             return Some(0);

@@ -20,8 +20,7 @@ pub struct Liveness {
     pub subjects: Vec<Option<EventId>>,
 }
 
-/// Capture that attaches the acting block of an event, and release that frees the name of a
-/// captured block.
+/// Events of the same phase that an event depends on through the names of its blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct EventContext {
     /// Capture of this phase that attaches the parent of a capture, or the block of a release.
@@ -128,7 +127,7 @@ pub fn check(
     Ok(checker.liveness)
 }
 
-/// The earlier event that uses a name at a capture.
+/// The earlier event or seed that already uses the name of a captured block.
 #[derive(Clone, Copy)]
 enum Earlier {
     /// A seed, declared at this location.
@@ -247,7 +246,7 @@ impl Checker<'_> {
         state
     }
 
-    /// Records the captures and releases of this phase.
+    /// Records a capture or a release in the state of its name for the current phase.
     fn enter(&mut self, id: EventId, stamp: u32) {
         let event = *self.plan.event(id);
         let state = *self.state(event.role, stamp);
@@ -392,7 +391,7 @@ impl Checker<'_> {
         report(self.diagnostics, diagnostic);
     }
 
-    /// Updates the state of the names at the end of the phase.
+    /// Applies an event of the completed phase to the state of its name.
     fn leave(&mut self, id: EventId) {
         let event = *self.plan.event(id);
         if !event.valid {
@@ -418,7 +417,8 @@ impl Checker<'_> {
         }
     }
 
-    /// Marks an event as invalid. Returns whether its error can still be reported.
+    /// Marks an event as invalid. Returns `false` if the limit of errors is reached, so that its
+    /// error is not reported.
     fn reject(&mut self, id: EventId) -> bool {
         self.plan.events[id.0 as usize].valid = false;
         !is_full(self.diagnostics, Severity::Error)
@@ -525,8 +525,8 @@ impl Checker<'_> {
         report(self.diagnostics, diagnostic);
     }
 
-    /// Returns the change that removes a block from a release. Returns `None` if the source names
-    /// several.
+    /// Returns a fix that removes a block from a release. Returns `None` if the source names
+    /// several blocks at once.
     fn without_release(&self, location: SourceLocation, name: &str) -> Option<Fix> {
         let is_alone = named(self.sources, location, name) == Some(location);
         let removed = entry(self.sources, location, "release").filter(|_| is_alone)?;
@@ -619,9 +619,9 @@ impl Checker<'_> {
         })
     }
 
-    /// Returns a diagnostic for a name without a block: an unknown name, or a name of another
-    /// phase. `help` is the help in the second case. Returns `None` if the statement has been
-    /// reported.
+    /// Completes the diagnostic of a name without a block: the name is unknown, or its block is in
+    /// another phase. `help` is the help for a block of another phase. Returns `None` if the
+    /// statement has been reported.
     fn unknown(
         &mut self,
         role: RoleId,

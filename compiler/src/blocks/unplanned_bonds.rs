@@ -136,7 +136,7 @@ impl UnplannedBondAnalysis<'_> {
         }
     }
 
-    /// Reports releases towards another block.
+    /// Reports blocks whose parent pushes them towards another block at their release.
     fn blocked(
         &self,
         number: usize,
@@ -279,7 +279,7 @@ impl StructureModules {
         }
     }
 
-    /// Returns the number of neighbouring faces towards a cell, except attached faces.
+    /// Returns the number of faces in neighbouring cells that point towards a cell and can bond.
     fn facing(&self, cell: Cell) -> usize {
         let looks = |face: &Face| {
             let neighbour = cell

@@ -95,7 +95,7 @@ struct StageDiagnostics {
     early: Vec<Diagnostic>,
     /// Diagnostics of the stages after the check of names.
     later: Vec<Diagnostic>,
-    /// Whether the expansion is incomplete. Errors that follow from that would only confuse.
+    /// Whether the expansion is incomplete. Then errors of later stages may be wrong.
     cut_short: bool,
 }
 
@@ -108,7 +108,7 @@ pub(super) struct AssemblyInput<'a> {
     pub bounds: ExpansionBounds<'a>,
     /// Whether all files could be read. If not, names may be missing for that reason.
     pub readable: bool,
-    /// Check of the files with one change, for the trial of a remedy. `None` inside a trial.
+    /// Function that checks the files with a change, to try a remedy. `None` inside a trial.
     pub trial: Option<&'a reach::Trial<'a>>,
     /// Model and time steps for the check of scenes. `None` if runs have no physics.
     pub stepping: Option<Stepping>,

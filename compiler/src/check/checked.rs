@@ -28,7 +28,7 @@ pub struct Checked {
     pub tree: Tree,
     /// Imported files in the order of reading.
     pub imports: Vec<Module>,
-    /// Words of the trees and plans.
+    /// Words that occur in the syntax trees and plans.
     pub symbols: Symbols,
     /// Assemblies and aggregates of the file, in source order.
     pub programs: Vec<Program>,
@@ -52,7 +52,7 @@ pub struct Program {
     /// Event tables of a program whose only errors are cycles and closed cells. They show how it
     /// gets stuck.
     pub stuck: Option<Tables>,
-    /// Reasons why the scene does not work, allowed or not.
+    /// Reasons why the scene does not work. Includes warnings that an `allow` suppresses.
     pub scene_warnings: Vec<SceneWarning>,
     /// Reasons why blocks may jam. The rate model ignores them.
     pub jam_risks: Vec<JamRisk>,

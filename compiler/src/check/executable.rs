@@ -7,7 +7,8 @@ use crate::Program;
 use crate::dependencies::graph::LocatedDependency;
 
 impl Program {
-    /// Returns the dependency graph without source locations. It has no chains if there is a cycle.
+    /// Returns the dependency graph without source locations. It contains no critical paths if the
+    /// dependencies have a cycle.
     ///
     /// Roles have the same numbers as in the tables.
     pub fn event_graph(&self) -> EventGraph {

@@ -12,7 +12,7 @@ use crate::{FileId, Limits};
 /// Largest number of rounds. A fix may make another one possible.
 const MAX_ROUNDS: usize = 50;
 
-/// A file with its safe fixes.
+/// A file after its safe fixes were applied.
 #[derive(Debug)]
 pub struct Fixed {
     /// The source, without a byte-order mark.

@@ -13,10 +13,11 @@ use stochc_ir::table::Tables;
 use crate::check::checked::{Checked, Program};
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Largest number of captures and releases of a program for the exploration in every check.
+/// Largest number of captures and releases of a program that every check explores in all orders of
+/// events.
 const MAX_EVENTS: usize = 500;
 
-/// Limits of the exploration in every check, which takes 25 to 60 ms at most. They count states
+/// Limits of the exploration in every check. They limit its time to about 60 ms. They count states
 /// instead of time, so that results are the same on every machine.
 const BOUNDS: ExplorationBounds = ExplorationBounds {
     states: 1_000,
@@ -65,8 +66,8 @@ fn fault(program: &Program) -> Option<Diagnostic> {
     Some(diagnostic.help(help.trim_end()))
 }
 
-/// Returns the goals of every run of the tables. They are computed from the dependency graph, to
-/// check the tables against it.
+/// Returns the goals that every run of the tables must reach. They are computed from the dependency
+/// graph, independently of the tables, so that they can check the tables.
 pub fn expected(graph: &EventGraph, tables: &Tables) -> ProgramGoals {
     let meant = (0..graph.events.len() as u32).map(EventId).map(|id| {
         let event = graph.event(id);
@@ -92,7 +93,8 @@ pub fn expected(graph: &EventGraph, tables: &Tables) -> ProgramGoals {
     ProgramGoals::meant(tables, meant)
 }
 
-/// Returns the shortest violation of the tables. Returns `found` if the search reaches its limit.
+/// Returns the shortest sequence of events that violates the goals of the tables. Returns `found`
+/// if the search reaches its limit.
 pub fn shortest(exploration: &Exploration<'_>, found: &Violation) -> Violation {
     exploration.shortest().unwrap_or_else(|| found.clone())
 }

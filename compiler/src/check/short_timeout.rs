@@ -10,8 +10,8 @@ pub const MAX_ESTIMATED: usize = 2_000;
 /// Largest share of runs that a timeout may end without a warning.
 const MAX_TIMED_OUT: f64 = 0.5;
 
-/// Reports phases whose timeout ends more than half of the runs, by the calibrated rates of the
-/// scene.
+/// Reports phases whose timeout would end more than half of the runs that reach them. Uses the
+/// calibrated rates of the scene.
 pub fn check(program: &Program, diagnostics: &mut Vec<Diagnostic>) {
     let phases = &program.plan.phases;
     let has_timeout = phases.iter().any(|phase| phase.timeout.is_some());

@@ -18,9 +18,10 @@ pub fn check_text(name: &str, text: &str) -> Checked {
     check_texts(&[(name, text)], &LintLevels::default(), "", &[])
 }
 
-/// Checks texts in memory, the program's own first, with `changes` to the scene of `assembly`.
+/// Checks texts in memory. The first text is the program's own file. `changes` are applied to the
+/// scene of `assembly`.
 ///
-/// Explores small programs [in every order of events](model_check), too.
+/// Also explores small programs [in every order of events](model_check).
 pub fn check_texts(
     texts: &[(&str, &str)],
     levels: &LintLevels,

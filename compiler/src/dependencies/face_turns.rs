@@ -34,7 +34,8 @@ pub fn is_ready(graph: &DependencyGraph, event: EventId, has: impl Fn(EventId) -
     met >= needed
 }
 
-/// Returns whether a capture has a choice of events to wait for.
+/// Returns whether some capture has a choice: it needs only some of the events that it can wait
+/// for.
 pub fn has_choice(graph: &DependencyGraph) -> bool {
     graph.raw_edges().iter().any(|edge| edge.weight.is_choice())
 }
@@ -98,7 +99,8 @@ pub fn earliest(graph: &DependencyGraph, length: impl Fn(usize) -> f64) -> Earli
     out
 }
 
-/// Returns the edges that are not needed if each choice takes the earliest events.
+/// Returns the edges that are not needed if every capture with a choice waits for the earliest
+/// events.
 ///
 /// If too few events of a choice ever happen, all its edges are needed.
 pub fn unneeded(graph: &DependencyGraph, earliest: &Earliest) -> FxHashSet<EdgeIndex> {

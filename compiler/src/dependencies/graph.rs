@@ -18,7 +18,8 @@ pub type DependencyGraph = DiGraph<EventId, LocatedDependency, u32>;
 /// Reason why an event waits for another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LocatedDependency {
-    /// A block captures, or is released, only after it is attached.
+    /// Returns the capture of the same phase that attaches the acting block. Returns `None` if the
+    /// block was attached before the phase.
     Anchored,
     /// A block can switch on a number of faces at a time, in source order. A capture has `of` edges
     /// of this kind, and `needed` of them are enough.
@@ -110,7 +111,8 @@ pub fn build(
     Ok(graph)
 }
 
-/// Makes each capture of a block wait until fewer than `faces` earlier captures are open.
+/// Returns dependencies that make each capture of a block wait until fewer than `faces` of its
+/// earlier captures are pending.
 fn face_turns(
     plan: &ProgramPlan,
     faces: u8,

@@ -128,7 +128,7 @@ pub fn sort(
     Ok(Some(order))
 }
 
-/// Returns the edges of an event, except unneeded ones.
+/// Returns the edges into or out of an event, except unneeded edges.
 pub(crate) fn needed<'a>(
     graph: &'a DependencyGraph,
     unneeded: &'a FxHashSet<EdgeIndex>,

@@ -134,7 +134,7 @@ pub(crate) fn entry(
 mod tests {
     use super::*;
 
-    /// Removes the entry `X` from a text.
+    /// Removes the entry that is literally named `X` from a text.
     fn without(text: &str) -> String {
         let mut sources = Sources::default();
         let file = sources.add("a.sa", text);

@@ -28,7 +28,8 @@ pub(crate) fn parameter_hint(
     }
 }
 
-/// Returns a list in parentheses with one more entry. Returns `None` if it is long or has comments.
+/// Returns a list in parentheses with one more entry. Returns `None` if the list is long or
+/// contains a comment.
 fn one_more(text: &str, entry: &str) -> Option<String> {
     const LONGEST: usize = 60;
     let list = text.strip_suffix(')')?;

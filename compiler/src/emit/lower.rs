@@ -56,7 +56,8 @@ fn busy(plan: &ProgramPlan, graph: &DependencyGraph) -> Vec<bool> {
     busy
 }
 
-/// A rule that has no duty yet.
+/// A rule that is not yet part of a duty. A duty contains the rules of one role in one phase for
+/// one trigger.
 struct UnassignedRule {
     role: RoleId,
     phase: PhaseId,

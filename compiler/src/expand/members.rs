@@ -63,7 +63,7 @@ pub(crate) fn members(
     })
 }
 
-/// Names whose indices lie between two bounds each, both included.
+/// Set of names: each index lies between two bounds, both included.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct IndexBounds {
     arity: u8,
@@ -97,7 +97,7 @@ impl IndexBounds {
     }
 }
 
-/// Joins neighbours along one index.
+/// Joins sets of names whose bounds are adjacent along one index and equal along all others.
 fn joined(mut boxes: Vec<IndexBounds>, dimension: usize) -> Vec<IndexBounds> {
     let others = |one: &IndexBounds| {
         let mut rest = one.bounds;

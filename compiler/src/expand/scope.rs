@@ -39,7 +39,7 @@ struct Binding {
     definition: Option<Definition>,
     value: BoundValue,
     location: SourceLocation,
-    /// Nesting level of its definition.
+    /// Nesting level of the block that defines the word.
     level: u32,
 }
 

@@ -10,7 +10,8 @@ use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::plan::{PlanPhase, PlanSeed};
 
-/// Returns whether blocks are pre-attached. The parser bounds the depth of loops.
+/// Returns whether the statements contain captures, that is, pre-attached blocks. The parser bounds
+/// the depth of loops.
 fn has_captures(items: &[Item]) -> bool {
     (items.iter()).any(|item| match &item.kind {
         ItemKind::Chain(_) => true,

@@ -136,7 +136,8 @@ impl<'a> Expander<'a, '_> {
         )
     }
 
-    /// Returns the face that the parent captures with. Reports an error if a block has no face.
+    /// Returns the face that the parent captures with. Reports an error if the source names a block
+    /// without a face.
     fn face(&mut self, parent: Option<RoleId>, face: Option<Face>, place: &Place) -> Option<Face> {
         if parent.is_some() && face.is_none() {
             let text = place.path.last().map(|segment| segment.name.symbol);

@@ -87,8 +87,8 @@ pub enum NameKind {
 }
 
 impl NameKind {
-    /// Returns whether the expansion looks up definitions of this kind. It resolves blocks,
-    /// instances and phases itself.
+    /// Returns whether the expansion looks up definitions of this kind here. The expansion resolves
+    /// blocks, instances and phases itself.
     pub(super) const fn is_asked_for(self) -> bool {
         matches!(
             self,

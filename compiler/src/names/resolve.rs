@@ -63,7 +63,8 @@ enum EnclosingScope {
     Assembly(usize),
     /// A pattern of an assembly.
     OwnPattern(usize),
-    /// A pattern of the file. It can use the numbers of all assemblies that use it.
+    /// A pattern at the top level of a file. It can use the numbers of every assembly that uses the
+    /// pattern.
     Pattern,
 }
 
@@ -451,8 +452,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns the patterns at the end of a path of instances. Returns `None` if an instance is
-    /// unknown.
+    /// Returns the patterns of the last instance in a path of instances. Returns `None` if an
+    /// instance is unknown.
     fn inside(&self, instances: &[Segment]) -> Option<Vec<BlockScope>> {
         let mut scopes = vec![self.scope];
         for segment in instances {

@@ -80,7 +80,8 @@ pub fn check(
 
 pub(super) struct ReachAnalysis<'a> {
     pub(super) subject: ValidProgram<'a>,
-    /// Occupied cells in the worst order of the current phase.
+    /// Occupied cells of the current phase. In the worst order of a capture, everything that does
+    /// not depend on it happens first.
     pub(super) occupancy: OccupiedCells,
     /// Whether each capture has been shown to have a path in every order.
     pub(super) is_safe: Vec<bool>,
@@ -149,15 +150,17 @@ impl ReachAnalysis<'_> {
         matches!(self.subject.plan.event(id).kind, EventKind::Capture { .. })
     }
 
-    /// Returns whether a capture has a choice of events to wait for.
+    /// Returns whether some capture has a choice: it needs only some of the events that it can wait
+    /// for.
     pub(super) fn has_choice(&self) -> bool {
         !self.subject.order.unneeded.is_empty()
     }
 }
 
 impl<'a> ReachAnalysis<'a> {
-    /// Returns the dependency graph with every choice made, so that as few events as possible
-    /// follow the `late` ones. An event that can happen before all of them has no path from them.
+    /// Returns the dependency graph without the edges that a choice does not need. The choices
+    /// avoid `late` events where possible. If an event can happen before all `late` events, no path
+    /// leads from a `late` event to it.
     pub(super) fn straight(&self, is_late: impl Fn(EventId) -> bool) -> Cow<'a, DependencyGraph> {
         let graph = self.subject.graph;
         if !self.has_choice() {

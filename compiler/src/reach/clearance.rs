@@ -25,8 +25,8 @@ pub struct NarrowCapture {
     /// Number of narrow cells of the path with the fewest narrow cells. `None` if they are too many
     /// to count.
     pub length: Option<u32>,
-    /// Captures next to the cell in the gap: a pair on opposite sides if there is one, otherwise
-    /// all.
+    /// Captures in neighbouring cells that form the gap. If two of them are on opposite sides, only
+    /// this pair, otherwise all.
     pub walls: Vec<EventId>,
 }
 
@@ -45,7 +45,8 @@ const MAX_SHOWN: usize = 5;
 const FARTHEST: usize = 1_000;
 
 impl ReachAnalysis<'_> {
-    /// Returns the captures of a phase that enter through a gap in their worst order.
+    /// Returns the captures of a phase that enter through a gap in their worst order. In this
+    /// order, everything that does not depend on the capture happens first.
     pub fn narrow(&mut self, events: &[EventId], descendants: &DescendantIndex) -> NarrowCaptures {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
         // For each event, whether only its descendants can be above its cell.
@@ -135,9 +136,9 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// Returns the number of open sides of a cell that has no wide access path. Returns `None` if a
-    /// cube of two block lengths can bring a block to the cell. The cube may also end at a passable
-    /// gap along `way`.
+    /// Returns the number of open sides of a cell that only narrow paths reach. Returns `None` if
+    /// the cell has a wide access path. A path is wide if a cube with an edge of two block lengths
+    /// fits through. It may end in a passable gap along `way`.
     fn tightness(
         &mut self,
         cell: Cell,

@@ -16,10 +16,11 @@ pub struct ClosablePhase<'a> {
     pub descendants: &'a DescendantIndex,
     /// Captures that cannot happen in any order.
     pub never: FxHashSet<EventId>,
-    /// Dependencies with every choice made. The choices prefer events that happen in some order.
+    /// Dependencies without the edges that choices do not need. The choices prefer events that can
+    /// happen.
     pub straight: Cow<'a, DependencyGraph>,
-    /// Order for removing all other blocks again. `None` if the phase has releases or the search
-    /// was stopped.
+    /// Order for removing all blocks that can be built. `None` if the phase has releases or the
+    /// search was stopped.
     pub apart: Option<Dismantled>,
 }
 

@@ -15,8 +15,7 @@ const MAX_SHOWN: usize = 5;
 const MAX_SQUARES: usize = 10_000;
 
 impl ReachAnalysis<'_> {
-    /// Warns of three or more faces that may be open at the same time within a square of four
-    /// cells.
+    /// Warns of three or more faces that may be open at the same time in a square of 2 by 2 cells.
     pub fn report_crowded(
         &mut self,
         number: usize,
@@ -108,8 +107,8 @@ impl ReachAnalysis<'_> {
     }
 }
 
-/// Returns the squares of four cells around this cell, in each plane. At least three cells of a
-/// square are captured. Each square is returned for only one of its cells.
+/// Returns squares of 2 by 2 cells that contain this cell, in each plane. At least three cells of
+/// each square are filled by captures. Each square is returned for only one of its cells.
 fn squares(cell: Cell, at: &FxHashMap<Cell, EventId>) -> Vec<[Option<EventId>; 4]> {
     let found = |offset| at.get(&cell.offset(offset)?).copied();
     let axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];

@@ -31,14 +31,14 @@ enum SealedOutcome {
     Never(UnreachableCause),
     /// The capture happens in some orders, but in this order all blocks around its cell come first.
     Walled(Vec<EventId>),
-    /// The cell is closed if all independent events happen. Releases or choices of faces leave open
-    /// whether they can all happen.
+    /// The cell is closed if everything that does not depend on the capture happens first. Because
+    /// of releases or choices of faces, the search cannot decide whether this order is possible.
     Doubtful,
 }
 
 /// Reason why a capture cannot happen in any order.
 enum UnreachableCause {
-    /// The blocks that the capture waits for, and earlier phases, close its cell.
+    /// The cell is closed by blocks that the capture waits for and blocks of earlier phases.
     Walls,
     /// The capture waits for a capture that cannot happen in any order.
     Waits(EventId),
@@ -350,7 +350,8 @@ impl ReachAnalysis<'_> {
             && CaptureStatement::new(&self.subject, id).is_some_and(|it| it.is_first())
     }
 
-    /// Returns a diagnostic that counts the captures of a phase from the capture `first`.
+    /// Returns a diagnostic for the captures that are not described: their number, and the location
+    /// of the first one.
     fn more(&self, code: Code, first: EventId, count: usize) -> Diagnostic {
         let what = match code {
             Code::SealedCavity => "may become unreachable",

@@ -208,7 +208,7 @@ fn ending<'k>(place: &Place, path: &'k [NameKey]) -> Option<&'k [NameKey]> {
     (is_written && from < path.len()).then_some(&path[from..])
 }
 
-/// Returns whether one of the last indices of a written name is `index`.
+/// Returns whether `index` is one of the indices in the last brackets of a written name.
 fn stands_in(name: &str, index: &str) -> bool {
     let indices = name.rsplit('[').next().unwrap_or_default();
     indices.split(", ").any(|other| other == index)

@@ -66,7 +66,8 @@ impl KnownPaths {
         }
     }
 
-    /// Keeps the part of a path that leads to `at`, which has a path out.
+    /// Adds the positions of a found path that ends at `at`, backwards from `at`. Stops at the
+    /// first impassable step. A path out from `at` must already be known.
     pub fn keep(&mut self, at: Cell, found: &FxHashMap<Cell, Cell>, search: &MovingCube) {
         let mut here = at;
         while self.next.contains_key(&here)

@@ -11,11 +11,11 @@ use crate::dependencies::face_turns::is_ready;
 use crate::dependencies::graph::DependencyGraph;
 use crate::plan::EventId;
 
-/// Order for removing the blocks of a phase again, the last captured block first.
+/// Order for removing the blocks of a phase, the reverse of an order for building them.
 ///
 /// The phase has no releases, so removing a block only opens paths. A block that can be removed now
-/// can also be removed later, so the first choice does not matter. A block that stays keeps its
-/// dependencies.
+/// can also be removed later, so the first choice does not matter. The events that a remaining
+/// block waits for also remain.
 pub struct Dismantled {
     first: u32,
     /// For each event of the phase, the number of events that are removed before it.
@@ -60,11 +60,11 @@ impl ReachAnalysis<'_> {
         )
     }
 
-    /// Returns the events of a phase that cannot happen in any order. The cell of such a capture is
-    /// closed by blocks that it waits for. Other such events wait for such a capture.
+    /// Returns the events of a phase that cannot happen in any order. Such an event is a capture
+    /// whose cell is closed by blocks that it waits for, or it waits for such a capture.
     ///
-    /// None of these events can be the first to happen. The captures that it certainly waits for
-    /// would surround its cell, even if every earlier release has happened.
+    /// Proof: suppose that one of these events happens first. Even if all possible releases have
+    /// happened, the captures that it waits for surround its cell.
     pub fn never(
         &mut self,
         events: &[EventId],
@@ -128,12 +128,12 @@ impl ReachAnalysis<'_> {
         })
     }
 
-    /// Removes the events that `is_member` selects, in a phase without releases. These include all
-    /// events that a member waits for in `straight`, a graph with every choice made. Returns `None`
-    /// if the search was stopped.
+    /// Searches for an order to remove the events that `is_member` selects, in a phase without
+    /// releases. The selection must include all events that a member waits for in `straight`.
+    /// Returns `None` if the search was stopped.
     ///
-    /// The reverse order of the removals is a possible order of the events. If an event cannot be
-    /// removed, other choices may do better.
+    /// In the reverse order, all removed events can happen. `straight` is the dependency graph with
+    /// one option for every choice. If an event cannot be removed, other options may be better.
     pub fn dismantle(
         &mut self,
         straight: &DependencyGraph,

@@ -18,10 +18,10 @@ use stochc_ir::Cell;
 const FARTHEST: usize = 20_000;
 
 impl ReachAnalysis<'_> {
-    /// Returns captures of a phase that leave a path for `id` if they happen after it. All of them
-    /// are needed.
+    /// Returns a minimal set of captures that must happen after `id`, so that its cell keeps a
+    /// path.
     ///
-    /// In the order `apart`, these captures are removed before `id`. All results for one phase
+    /// These captures are removed before `id` in the order `apart`. All results for one phase
     /// therefore agree with one order. Captures written at the locations `barred` are not used.
     /// Returns `None` if no path was found.
     pub fn later(
@@ -57,7 +57,8 @@ impl ReachAnalysis<'_> {
         Some(later)
     }
 
-    /// Returns whether a cell has a path in its worst order if these captures also happen after it.
+    /// Returns whether the cell of `id` has a path in its worst order, if the captures `later` and
+    /// their descendants also happen after `id`.
     fn is_open_after(
         &mut self,
         id: EventId,
@@ -74,8 +75,9 @@ impl ReachAnalysis<'_> {
         matches!(path, SearchOutcome::Out)
     }
 
-    /// Returns the captures on the path that passes the fewest blocks of the worst order. The path
-    /// avoids blocks that must stay. Returns `None` if there is no such path.
+    /// Returns the captures whose blocks lie on the path out with the fewest blocks, in the worst
+    /// order of `id`. The path avoids blocks that must stay. Returns `None` if there is no such
+    /// path.
     fn on_path(
         &mut self,
         id: EventId,

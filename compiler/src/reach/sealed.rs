@@ -14,12 +14,15 @@ use stochc_ir::Cell;
 pub struct BlockedCapture {
     /// The capture whose cell is closed.
     pub capture: EventId,
-    /// Whether the worst order was shown to have no path. Otherwise the search reached its limit.
+    /// Whether the search proved that the worst order leaves no path. Otherwise it reached its
+    /// limit first. In the worst order, everything that does not depend on the capture happens
+    /// first.
     pub is_shown: bool,
 }
 
 impl ReachAnalysis<'_> {
-    /// Returns the captures of a phase without a path in their worst order, in source order.
+    /// Returns the captures of a phase without a path in their worst order, sorted by source order.
+    /// In this order, everything that does not depend on the capture happens first.
     pub fn blocked(
         &mut self,
         events: &[EventId],
@@ -53,7 +56,8 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// Removes blocks whose releases wait only for safe captures.
+    /// Removes blocks whose releases wait only for captures that are known to have a path in every
+    /// order.
     fn depart_surely(&mut self, events: &[EventId], departed: &mut [bool]) {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
         let local = |id: EventId| (id.0 - first) as usize;
@@ -71,7 +75,7 @@ impl ReachAnalysis<'_> {
         }
     }
 
-    /// Returns whether a capture is safe without a search.
+    /// Returns whether a capture has a path in every order, if this is evident without a search.
     fn is_clearly_safe(&mut self, id: EventId) -> bool {
         let Some(cell) = self.cell(id) else {
             return true;

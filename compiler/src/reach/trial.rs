@@ -18,7 +18,7 @@ struct DelayedStatement<'a> {
     name: String,
 }
 
-/// Largest number of sets of later captures that are tried for one cell.
+/// Largest number of sets of captures to delay that are tried for one cell.
 const MAX_LISTS: usize = 6;
 /// Largest number of spellings that are tried for one set of captures.
 const MAX_WRITINGS: usize = 16;
@@ -29,7 +29,7 @@ const OVERHEAD: u64 = 250;
 
 impl<'a> ReachAnalysis<'a> {
     /// Returns a minimal change that removes the error of capture `id` with this title and causes
-    /// no other error. `first` are captures that may help if they come later.
+    /// no other error. Each set in `first` contains captures to delay until `id` has happened.
     pub fn proposal(
         &mut self,
         phase: &ClosablePhase,

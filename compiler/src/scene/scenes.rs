@@ -48,7 +48,7 @@ impl<'a> Scenes<'a> {
         scenes
     }
 
-    /// Reads a scene after its bases.
+    /// Reads the scene with index `number`, after the scenes that it is based on.
     fn read_line(
         &mut self,
         number: usize,

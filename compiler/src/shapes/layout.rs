@@ -379,7 +379,8 @@ impl LayoutBuilder<'_> {
         report(self.diagnostics, diagnostic);
     }
 
-    /// Reports releases that leave a child without a parent, and orders releases.
+    /// Reports releases that leave a child without a parent. Also records which child must be
+    /// released before its parent.
     fn adrift(
         &mut self,
         events: &[EventId],

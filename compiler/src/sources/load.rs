@@ -92,13 +92,14 @@ struct Loader<'a> {
 struct Pending {
     path: String,
     module: Module,
-    /// Remaining imports: path, location of the path, and location of the whole statement. `None`
-    /// for a statement with documentation.
+    /// Imports still to read: path, location of the path, and location of the whole statement. The
+    /// last is `None` for a statement with documentation.
     imports: std::vec::IntoIter<(String, Span, Option<Span>)>,
 }
 
 impl Loader<'_> {
-    /// Reads depth first with an explicit stack, because chains of imports can be long.
+    /// Reads the file `root` and its imports, depth first. Uses an explicit stack, because chains
+    /// of imports can be long.
     fn run(&mut self, root: &str) -> Result<(), Cancelled> {
         let mut stack: Vec<Pending> = Vec::new();
         let root = self.first_path(root.to_owned());

@@ -17,8 +17,8 @@ pub struct SourceLocation {
     pub span: Span,
 }
 
-/// Compares positions, unlike spans in syntax trees. Two diagnostics are equal only at the same
-/// location.
+/// Compares files and positions. Spans in syntax trees are always equal, but two diagnostics are
+/// equal only at the same location.
 impl PartialEq for SourceLocation {
     fn eq(&self, other: &SourceLocation) -> bool {
         let place =
