@@ -12,11 +12,11 @@ pub struct Cancellation<'a>(&'a dyn Fn() -> bool);
 pub struct Cancelled;
 
 impl<'a> Cancellation<'a> {
-    /// A cancellation that never happens.
+    /// Cancellation that never occurs: the work always continues.
     pub const NEVER: Cancellation<'static> = Cancellation(&|| false);
 
-    /// Creates a cancellation. The work ends soon after `is_cancelled` has returned true. From then
-    /// on, it must always return true.
+    /// Creates a cancellation. The work ends soon after `is_cancelled` has returned true.
+    /// `is_cancelled` must then return true forever.
     pub fn new(is_cancelled: &'a dyn Fn() -> bool) -> Cancellation<'a> {
         Cancellation(is_cancelled)
     }

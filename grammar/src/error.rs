@@ -18,7 +18,8 @@ pub enum SyntaxErrorKind {
         found: String,
         /// Valid alternatives as text. Empty if no statement can contain the word.
         expected: Vec<&'static str>,
-        /// First word of the statement if it is the only one before the error. Otherwise empty.
+        /// Word before the error, if it is the only word of the statement up to there. Otherwise
+        /// empty.
         after: String,
     },
     /// A block without its closing brace. The span is the opening brace.
@@ -31,7 +32,7 @@ pub enum SyntaxErrorKind {
     },
     /// A closing brace without a block.
     Unopened,
-    /// A closing brace before the end of its block.
+    /// A closing brace that ends a block, although more of the block follows.
     ClosedEarly {
         /// Kind of the block.
         what: &'static str,
@@ -44,10 +45,10 @@ pub enum SyntaxErrorKind {
         within: &'static str,
         /// Kind of the block that the statement belongs to.
         belongs: &'static str,
-        /// Whether the grammar accepts the statement, so that it is in the tree.
+        /// Whether the grammar accepts the statement. It is then in the tree.
         is_read: bool,
     },
-    /// Parentheses around the list after a keyword. The span includes both.
+    /// Parentheses around the list after a keyword. The span includes both parentheses.
     Parentheses {
         /// The keyword before the list.
         word: String,

@@ -27,7 +27,7 @@ struct Printer<'a> {
     out: String,
 }
 
-/// Writing to a string cannot fail.
+/// Writes formatted text to the printer's output. Writing to a string cannot fail.
 macro_rules! put {
     ($printer:expr, $($format:tt)*) => {
         let _ = write!($printer.out, $($format)*);
@@ -194,7 +194,8 @@ impl Printer<'_> {
         self.out.push('}');
     }
 
-    /// Writes the words of a scene. Each block ends a line. The layout has no meaning.
+    /// Writes the words of a scene, with a line break after each block. Line breaks have no meaning
+    /// in scenes.
     fn terms(&mut self, terms: &[Term]) {
         let mut fresh = true;
         let mut valued = false;
@@ -231,8 +232,8 @@ impl Printer<'_> {
         self.out.push('\n');
     }
 
-    /// Ends a value. Before another value, the unit `tick` would be read as a clause, so a
-    /// separator is needed.
+    /// Ends a value. If it ends in the unit `tick` and another value follows, writes `tick^1`. A
+    /// plain `tick` would be read as the start of a clause.
     fn end_of_value(&mut self, quantity: &Quantity, next: Option<&Term>) {
         let is_tick = quantity
             .unit

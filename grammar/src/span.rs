@@ -15,7 +15,7 @@ impl Span {
         Span { start, end }
     }
 
-    /// Returns the smallest span that contains both.
+    /// Returns the smallest span that contains both spans.
     pub fn to(self, other: Span) -> Span {
         Span {
             start: self.start.min(other.start),

@@ -97,7 +97,8 @@ pub struct Link {
 pub enum Arrow {
     /// `->`: one block.
     One,
-    /// `->>`: all blocks of a range in a row, through the same face.
+    /// `->>` captures all blocks of a range in a row, each through the same face of the previous
+    /// one.
     Row,
 }
 
@@ -173,7 +174,7 @@ pub enum Argument {
 pub struct Seat {
     /// Name of the seed.
     pub place: Place,
-    /// Position east and north of the south-west block of the plate.
+    /// Position of the seed: number of blocks east and north of the plate's south-west block.
     pub at: (Expr, Expr),
 }
 
@@ -268,7 +269,8 @@ pub struct Aggregate {
     pub scene: Option<Name>,
     /// Number of bonded blocks in a complete aggregate.
     pub size: Expr,
-    /// Time limit for each size. `None` without a limit.
+    /// Time limit of each phase. A phase ends when the largest group has grown by one block. `None`
+    /// without a limit.
     pub timeout: Option<Quantity>,
 }
 
@@ -389,7 +391,7 @@ pub enum Operator {
     Multiply,
     /// `/`, rounded towards zero.
     Divide,
-    /// `%`, the remainder of that division.
+    /// `%`, the remainder of [`Operator::Divide`].
     Remainder,
 }
 

@@ -63,8 +63,8 @@ pub struct Edge {
     pub then: EventId,
     /// Reason of the dependency.
     pub why: Dependency,
-    /// Whether some order does not need the dependency, because another capture of the same block
-    /// comes earlier.
+    /// Whether the dependency is not needed in at least one order of events. In such an order,
+    /// enough other captures of [`Dependency::Face`] come earlier.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub unneeded: bool,
 }
@@ -75,21 +75,22 @@ pub struct Edge {
 pub enum Dependency {
     /// A block must be anchored before it captures or is released.
     Anchored,
-    /// A block magnetizes a limited number of faces at a time, in source order. Of the `of` edges
-    /// of this kind to a capture, `needed` suffice.
+    /// A block magnetizes a limited number of faces at a time, in source order. A capture with `of`
+    /// dependencies of this kind waits for any `needed` of them.
     Face {
-        /// Number of the block's captures that must be complete.
+        /// Number of the dependencies that must be satisfied.
         needed: u8,
-        /// Number of edges of this kind to the capture.
+        /// Number of dependencies of this kind that the capture has.
         of: u8,
     },
     /// The program states `after`.
     After,
-    /// A block's children must be released first.
+    /// A block can be released only after all its children.
     Emptied,
-    /// The cell must be empty first. Physics ensures this.
+    /// A cell must be empty before a block is captured there. Physics ensures this, so no message
+    /// is needed.
     Vacated,
-    /// A name can be reused only after its holder was released.
+    /// A role can be given to a new block only after its holder was released.
     Freed,
 }
 
@@ -141,7 +142,7 @@ impl EventAction {
         matches!(self, EventAction::Capture { .. })
     }
 
-    /// Returns the event as the content of a message.
+    /// Returns the message content that reports the event.
     pub fn news(self) -> News {
         match self {
             EventAction::Capture { child, .. } => News::Anchored(child),

@@ -6,7 +6,8 @@ use std::io::{self, Read, Write};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// State that can be transferred to another instance with equal construction.
+/// State of an object that can be saved, and restored in another object that was constructed in the
+/// same way.
 pub trait State {
     /// Writes the state.
     ///
@@ -79,7 +80,7 @@ impl From<postcard::Error> for StateError {
     }
 }
 
-/// Writer of values, each with its length.
+/// Writer of values. The length of each value precedes it.
 pub struct StateWriter<'a>(&'a mut dyn Write);
 
 impl<'a> StateWriter<'a> {
@@ -98,11 +99,11 @@ impl<'a> StateWriter<'a> {
         self.copy(bytes.len() as u64, &*bytes)
     }
 
-    /// Copies `length` bytes.
+    /// Copies `length` bytes from `from` to the output.
     ///
     /// # Errors
     ///
-    /// Errors of input and output, and a shorter input.
+    /// Errors of input and output. An input with fewer bytes is also an error.
     pub fn copy(&mut self, length: u64, from: impl Read) -> Result<(), StateError> {
         self.0.write_all(&length.to_le_bytes())?;
         if io::copy(&mut from.take(length), self.0)? == length {
@@ -133,11 +134,11 @@ impl<'a> StateReader<'a> {
         Ok(postcard::from_bytes(&bytes)?)
     }
 
-    /// Reads the output of [`StateWriter::copy`].
+    /// Copies the bytes that [`StateWriter::copy`] has written to `to`.
     ///
     /// # Errors
     ///
-    /// Errors of input and output, and a shorter input.
+    /// Errors of input and output. An input with fewer bytes is also an error.
     pub fn copy(&mut self, to: &mut impl Write) -> Result<(), StateError> {
         let mut length = [0; 8];
         self.0.read_exact(&mut length)?;

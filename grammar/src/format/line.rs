@@ -10,7 +10,7 @@ pub struct FormattedLine {
     pub blank: bool,
     /// Code of the line. Cells are aligned in columns.
     pub cells: Vec<String>,
-    /// Comment after the code, or alone.
+    /// Comment at the end of the line, or the only content of the line.
     pub note: Option<String>,
     /// Column of the comment in the source.
     pub note_column: Option<usize>,

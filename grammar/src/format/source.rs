@@ -55,7 +55,7 @@ pub struct Note<'t> {
 }
 
 impl<'t> Word<'t> {
-    /// Returns the token as written. A value and its unit have at most one space between.
+    /// Returns the token as written, with at most one space between a value and its unit.
     pub fn text(&self) -> Cow<'t, str> {
         match self.rule {
             Some(Rule::quantity | Rule::unit)

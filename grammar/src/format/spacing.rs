@@ -22,7 +22,7 @@ pub fn is_blank(whole: Rule, left: &Word<'_>, right: &Word<'_>) -> bool {
     }
 }
 
-/// Counts the parentheses of a piece, because lines break only outside of them.
+/// Counter of the open parentheses of a piece. Lines break only outside of parentheses.
 #[derive(Debug, Default)]
 pub struct Breaks {
     parens: u32,

@@ -92,7 +92,8 @@ impl Parser<'_, '_> {
         !holds_next(outer) && holds_next(outer + 1)
     }
 
-    /// Returns the number of closing braces without an opening one, except reported ones.
+    /// Returns the number of closing braces in the file that have no opening brace. Reported ones
+    /// are not counted.
     pub fn surplus(&mut self) -> &mut i64 {
         self.surplus.get_or_insert_with(|| surplus(self.text))
     }
@@ -185,7 +186,7 @@ fn holds(head: Option<Rule>, next: Rule) -> bool {
     )
 }
 
-/// Returns the number of closing braces without an opening one.
+/// Returns the number of closing braces in a text that have no opening brace.
 fn surplus(text: &str) -> i64 {
     let code = text
         .lines()

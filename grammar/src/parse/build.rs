@@ -65,7 +65,7 @@ impl Parser<'_, '_> {
     }
 
     /// Reports a list in parentheses that was parsed as an instance: `after (A, B)`. Returns
-    /// whether there is one.
+    /// whether the piece is such a list.
     fn is_list(&mut self, pair: &Pair<'_, Rule>, base: usize) -> bool {
         let mut parts = pair.clone().into_inner();
         let word = parts.next().map_or("", |name| name.as_str());
@@ -165,7 +165,7 @@ impl Parser<'_, '_> {
         name
     }
 
-    /// Returns a word that may be a keyword.
+    /// Builds a name from a word, without checking for keywords.
     pub fn word(&mut self, pair: &Pair<'_, Rule>, base: usize) -> Name {
         Name {
             symbol: self.symbols.intern(pair.as_str()),
@@ -237,7 +237,7 @@ impl Parser<'_, '_> {
         place
     }
 
-    /// Builds a `place` that names blocks. Reports a face.
+    /// Builds a `place` that names blocks. A face in the place is reported as an error.
     fn block(&mut self, pair: Pair<'_, Rule>, base: usize) -> Place {
         let place = self.place(pair, base);
         if let Some((_, span)) = place.face {
@@ -263,7 +263,7 @@ impl Parser<'_, '_> {
         place
     }
 
-    /// Builds a name from a keyword, and reports it.
+    /// Builds a name from a keyword, and reports the keyword as an error.
     fn reserved(&mut self, word: &str, span: Span) -> Segment {
         let symbol = self.symbols.intern(word);
         let word = word.to_owned();

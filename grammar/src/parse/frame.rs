@@ -7,7 +7,7 @@ use crate::tree::{Item, ItemKind, Term};
 use crate::{Span, Symbol};
 
 impl Parser<'_, '_> {
-    /// Opens a block whose head ends at its brace.
+    /// Opens a block. `span` ends with its opening brace.
     pub fn open(&mut self, content: OpenBlockContent, span: Span) {
         if self.frames.len() == MAX_DEPTH {
             self.error(SyntaxErrorKind::TooDeep, span);
@@ -89,7 +89,7 @@ impl Parser<'_, '_> {
         self.keep(item);
     }
 
-    /// Adds an item to the block.
+    /// Adds an item to the innermost open block, or to the top level.
     pub fn keep(&mut self, item: Item) {
         match self.frames.last_mut() {
             None => self.root.push(item),
@@ -113,7 +113,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Records the words of a skipped part.
+    /// Marks the words between two bytes as uncertain, because this part of the source was skipped.
     pub fn mark_uncertain(&mut self, start: usize, end: usize) {
         let part = &self.text[start..end.max(start)];
         for word in part.split(|c: char| !c.is_ascii_alphanumeric() && c != '_') {

@@ -53,7 +53,7 @@ pub struct OpenBlock {
 
 /// Kind of a block.
 pub enum OpenBlockContent {
-    /// A block whose items belong to `Item::body_mut`.
+    /// A block that contains items, such as an assembly or a loop.
     Items(Box<Item>),
     /// A scene with its words so far.
     Scene(Box<Item>, Vec<Term>),

@@ -9,7 +9,8 @@ use super::{Rule, SaParser};
 use crate::error::SyntaxErrorKind;
 use crate::tree::{ItemKind, Layer, LayerRow, Quantity, Term, UnitFactor};
 
-/// Value of an unreadable number. The rest of the scene does not depend on it.
+/// Placeholder for the value of an unreadable number. The rest of the scene does not depend on this
+/// value.
 const SOME_NUMBER: f64 = 1.0;
 
 impl Parser<'_, '_> {

@@ -16,7 +16,7 @@ pub struct Parsed {
     pub tree: Tree,
     /// Errors in source order.
     pub errors: Vec<SyntaxError>,
-    /// Words of skipped parts. They cause no errors of unknown names.
+    /// Words of skipped parts. Unknown names with these words are not reported.
     pub uncertain: FxHashSet<Symbol>,
 }
 
@@ -51,8 +51,9 @@ pub(crate) fn parse_recorded(text: &str, symbols: &mut Symbols) -> (Parsed, Reco
     (parsed, record.unwrap_or_default())
 }
 
-/// Returns the start of a file that is JSON. A program never begins with a bracket and a quotation
-/// mark or another bracket. Returns `None` for other files.
+/// Returns the byte of the first bracket of a JSON file. Returns `None` for other files.
+///
+/// A program never begins with a bracket followed by a quotation mark or by another bracket.
 fn json_begins(text: &str) -> Option<usize> {
     let begun = text.trim_start();
     let inside = begun.strip_prefix(['{', '['])?.trim_start();
@@ -102,8 +103,8 @@ pub(super) fn read<'t>(
     (parsed, record)
 }
 
-/// Returns whether pest accepts the source by the grammar's `program` rule, without checks of
-/// surroundings. Tests compare [`parse`] with it.
+/// Returns whether pest accepts the source by the grammar's `program` rule. Later checks, such as
+/// for misplaced statements, are omitted. Tests compare [`parse`] with the result.
 pub fn accepts(text: &str) -> bool {
     SaParser::parse(Rule::program, text).is_ok()
 }

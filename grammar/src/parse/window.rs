@@ -11,7 +11,7 @@ use super::{MAX_STATEMENT, Rule, SaParser, trivia, words};
 
 /// Result of a window.
 pub enum Read<'t> {
-    /// At least one piece. Positions are relative to the window.
+    /// At least one piece. Positions are relative to the start of the window.
     Pieces(std::iter::Take<Pairs<'t, Rule>>),
     /// No piece begins here.
     Error(Unreadable),
@@ -32,7 +32,7 @@ pub struct Unreadable {
 pub enum Cause {
     /// A word that is not valid here.
     Word,
-    /// Parentheses are nested beyond the stack of the parser.
+    /// Parentheses are nested too deep for the stack of the parser.
     Depth,
     /// A statement is longer than the largest window.
     Length,
@@ -88,7 +88,8 @@ pub fn read(text: &str, base: usize, mode: Mode) -> Read<'_> {
     }
 }
 
-/// Returns a position to end a window: after a line end if possible, else after a space.
+/// Returns the end of a window, at or after `about`: after the next line end if one is near, else
+/// after a space.
 pub fn cut(text: &str, about: usize) -> usize {
     const FAR: usize = 1 << 16;
     if about >= text.len() {

@@ -2,7 +2,8 @@
 use super::Rule;
 use super::open_block::{OpenBlock, OpenBlockContent};
 
-/// Returns the words for a rule. Returns `None` for rules that messages do not mention.
+/// Returns the phrase for a rule in messages. Returns `None` for rules that messages do not
+/// mention.
 pub fn word(rule: Rule) -> Option<&'static str> {
     Some(match rule {
         Rule::chain | Rule::seat | Rule::instance => "a statement",
@@ -93,7 +94,8 @@ pub fn beginnings(frame: Option<&OpenBlock>) -> &'static [&'static str] {
     }
 }
 
-/// Returns the beginning of the source at a byte. Returns an empty text at the end of the file.
+/// Returns the word or sign at a byte, shortened for messages. Returns an empty text at the end of
+/// the file.
 pub fn found(text: &str, at: usize) -> &str {
     const MAX: usize = 24;
     let rest = &text[at..];

@@ -10,7 +10,8 @@ pub enum Bond {
         /// Pull of the face on every free block within reach. It acts on the centre of the block's
         /// nearest face.
         pull: Reach,
-        /// Pull on each corner of that face towards the matching corner of the open face.
+        /// Pull on each corner of the block's nearest face, towards the matching corner of the open
+        /// face.
         align: Option<Reach>,
         /// Condition of a capture.
         anchor: Anchor,
@@ -117,9 +118,9 @@ pub struct Pump {
 /// Force of constant magnitude within a distance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {
-    /// Force of the bond \[N\].
+    /// Magnitude of the force \[N\].
     pub force: f64,
-    /// Distance between the centres of the two faces \[m\].
+    /// Largest distance between the centres of the two faces at which the force acts \[m\].
     pub within: f64,
 }
 

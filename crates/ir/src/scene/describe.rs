@@ -50,7 +50,7 @@ pub struct DescribedValue {
 pub struct AbsentTerm {
     /// Clause that would add the term.
     pub clause: String,
-    /// Consequence of the missing term, as a clause.
+    /// Consequence of the missing term, as part of a sentence.
     pub meaning: &'static str,
 }
 

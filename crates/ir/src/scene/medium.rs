@@ -87,8 +87,8 @@ impl Stir {
         self.radius * self.rate
     }
 
-    /// Returns the power that the ring transfers to the fluid \[W\]: P = F 2 pi r rev/s. Returns
-    /// `None` without a force.
+    /// Returns the power that the ring transfers to the fluid \[W\]: the force on the ring times
+    /// the speed of the rods. Returns `None` without a force.
     pub fn power(&self) -> Option<f64> {
         self.force.map(|force| force * self.speed())
     }

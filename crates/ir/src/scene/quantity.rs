@@ -15,9 +15,9 @@ pub struct QuantityKind {
     pub block_unit: &'static str,
     /// Conversion from SI to block units.
     pub in_block_units: fn(BlockUnits, f64) -> f64,
-    /// SI unit in scene syntax, possible for every value.
+    /// SI unit in scene syntax. Every value can be written in it.
     si: &'static str,
-    /// Units for short values, in order of preference.
+    /// Units that can make a written value shorter, in order of preference.
     preferred: &'static [&'static str],
 }
 

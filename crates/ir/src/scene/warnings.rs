@@ -17,7 +17,7 @@ pub struct SceneWarning {
     pub symbol: &'static str,
     /// Dimensionless number and its limit.
     pub figure: String,
-    /// Effect of the problem on runs, as a clause.
+    /// Effect of the problem on runs, as part of a sentence.
     pub effect: String,
     /// Remedy for the problem.
     pub remedy: String,
@@ -54,11 +54,12 @@ impl Default for Stepping {
     }
 }
 
-/// Smallest density of free blocks at the structure, relative to their mean density, without a
-/// warning. Below it, captures are rare.
+/// Smallest density of free blocks at the structure, relative to their mean density. Below it,
+/// captures are rare, and a warning is reported.
 ///
-/// A simulated tower of four blocks among 40 cubes of 1.5 cm is the reference. It took 1.5 times as
-/// long as among neutral blocks at a density of 0.08, and five times as long at 0.04.
+/// The limit is based on simulations of a four-block tower among 40 cubes of 1.5 cm. Compared with
+/// neutral blocks, construction took 1.5 times as long at a density of 0.08, and five times as long
+/// at 0.04.
 const MIN_DENSITY: f64 = 0.1;
 
 /// Returns all warnings about a scene that is computed with these steps.
@@ -92,10 +93,10 @@ pub fn scene_warnings(
     found
 }
 
-/// Returns the fewest steps per tick that resolve these dimensionless numbers. Ignores
-/// dimensionless numbers that cannot be resolved.
+/// Returns the fewest steps per tick that resolve these dimensionless numbers, but at least
+/// `taken`. Ignores dimensionless numbers that cannot be resolved.
 ///
-/// Blocks near open faces take at least as many steps as before, an integer number per long step.
+/// A long step contains an integer number of the short steps near open faces.
 fn resolving<'a>(
     exceeded: impl Iterator<Item = &'a DimensionlessGroup>,
     taken: Substeps,

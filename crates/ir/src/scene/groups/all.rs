@@ -217,11 +217,8 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
     }
 }
 
-/// Largest Reynolds number for Stokes' drag alone. At 10, a cube's drag is twice as large.
-///
-/// # Source
-///
-/// A. Haider and O. Levenspiel, Powder Technology 58, 63 (1989).
+/// Largest Reynolds number for Stokes' drag alone. At a Reynolds number of 10, the drag of a cube
+/// is twice Stokes' drag.
 const STOKES: ExpectedRange = ExpectedRange {
     most: 10.0,
     beyond: "Stokes' drag alone slows blocks too little",
@@ -236,8 +233,8 @@ pub(crate) const DRAG_SYMBOL: &str = "γ τ";
 /// speeds are too small by half of it.
 const DRAG: f64 = 0.2;
 
-/// Limit for springs: the phase √(k/m) τ per step is below half a radian. With strong drag, a step
-/// does not overshoot, so the number is below 1.
+/// Limit of a spring's dimensionless number without drag: the phase √(k/m) τ per step stays below
+/// half a radian. With stronger drag, the limit rises to 1. Up to 1, a step does not overshoot.
 const SPRING: f64 = 0.25;
 
 fn contact(scene: &Scene, push: Push, out: &mut Vec<DimensionlessGroup>) {

@@ -28,7 +28,7 @@ pub struct ResolutionLimit {
     pub most: f64,
     /// Smallest number of substeps within the limit. `None` if there is none.
     pub substeps: Option<u32>,
-    /// Consequence of exceeding the limit, as a clause.
+    /// Consequence of exceeding the limit, as part of a sentence.
     pub beyond: &'static str,
 }
 
@@ -37,7 +37,7 @@ pub struct ResolutionLimit {
 pub struct ExpectedRange {
     /// Approximate limit.
     pub most: f64,
-    /// Consequence of exceeding the limit, as a clause.
+    /// Consequence of exceeding the limit, as part of a sentence.
     pub beyond: &'static str,
     /// Remedy for a value beyond the limit.
     pub remedy: &'static str,

@@ -13,7 +13,7 @@ use super::{BlockUnits, speed};
 pub struct Settling {
     /// Scale height of the lifted blocks: the density falls to 1/e \[m\].
     pub height: f64,
-    /// Fraction of the blocks that are lifted. 1 with heat or random impulses.
+    /// Fraction of the blocks that are lifted. 1 if Brownian motion or random impulses lift them.
     pub lifted: f64,
     /// Whether the blocks are lighter than the fluid and gather at the top.
     pub is_floating: bool,
@@ -185,12 +185,8 @@ fn terminal(scene: &Scene, force: f64) -> Option<f64> {
     Some(speed).filter(|speed| speed.is_finite())
 }
 
-/// Returns the fraction of a normal distribution beyond x √2 standard deviations, for x of at least
-/// 0. Accurate within 1.5e-7.
-///
-/// # Source
-///
-/// M. Abramowitz and I. A. Stegun, Handbook of Mathematical Functions, 7.1.26.
+/// Returns the fraction of a normal distribution that is more than x √2 standard deviations from
+/// its mean, on both sides. Requires x of at least 0. Accurate within 1.5e-7.
 fn erfc(x: f64) -> f64 {
     const A: [f64; 5] = [
         0.254829592,

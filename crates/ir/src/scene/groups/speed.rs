@@ -19,17 +19,18 @@ pub struct Speed {
 pub enum SpeedFrom {
     /// The scene has no agitation, and blocks start at rest.
     Rest,
-    /// Random impulses and drag: exact. In a viscous fluid, the mean velocity of a tick.
+    /// Exact speed by random impulses and drag. In a viscous fluid, it is the mean velocity of a
+    /// tick.
     Drag,
-    /// Random impulses, inelastic collisions and possibly drag: an estimate.
+    /// Estimated speed by random impulses and inelastic collisions, possibly with drag.
     Collisions,
-    /// Random impulses, wake drag and other losses: an estimate.
+    /// Estimated speed by random impulses, wake drag and other losses.
     Wakes,
     /// Random impulses without dissipation.
     Nothing,
-    /// Eddies that carry the blocks: the speed of the fluid, an upper limit for heavy blocks.
+    /// Speed of the eddies that carry the blocks. It is an upper limit for heavy blocks.
     Eddies,
-    /// Brownian motion in a viscous fluid: the mean velocity of a tick, exact.
+    /// Exact speed by Brownian motion in a viscous fluid: the mean velocity of a tick.
     Heat,
 }
 
@@ -158,10 +159,10 @@ pub(super) fn viscous(scene: &Scene) -> f64 {
 }
 
 /// Returns the rms speed in the first step of a tick with this number of steps \[m/s\]. Returns
-/// `None` if it grows without limit.
+/// `None` if the speed grows without limit.
 ///
-/// It depends on the step only in a viscous fluid, where velocities are step averages. Under strong
-/// drag, Brownian motion moves a block by √(6 D dt) per step.
+/// The speed depends on the step only in a viscous fluid, where velocities are step averages. Under
+/// strong drag, Brownian motion moves a block by √(6 D dt) per step.
 pub(super) fn in_steps(scene: &Scene, steps: f64) -> Option<f64> {
     speed_in(scene, steps).rms
 }

@@ -8,7 +8,7 @@ use super::numbers::*;
 use super::{Absent, Either, FieldAlternative, FieldGroup, SchemaEntry, SchemaNumber, SchemaPart};
 use Absent::{Example, NoTerm, NoTermWhere};
 
-/// Value of a parameter that the source does not give yet.
+/// Placeholder for the value of a parameter that has not been read yet.
 const UNSPECIFIED: f64 = f64::NAN;
 
 /// Default of a parameter, as a value and as source text.

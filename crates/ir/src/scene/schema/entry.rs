@@ -8,7 +8,7 @@ use crate::scene::Scene;
 pub struct SchemaEntry {
     /// Keyword of the entry.
     pub word: &'static str,
-    /// Meaning of the keyword, as a clause. Empty if its parameters explain it.
+    /// Meaning of the keyword, as part of a sentence. Empty if its parameters explain it.
     pub meaning: &'static str,
     /// Arguments of the keyword, in order.
     pub parts: &'static [SchemaPart],
@@ -82,7 +82,7 @@ pub struct FieldAlternative {
     pub fields: &'static [&'static str],
     /// Label for these fields.
     pub label: &'static str,
-    /// Help if the first is missing.
+    /// Help of the diagnostic if the first field is missing.
     pub missing: &'static str,
     /// Function that adds the fields to a scene.
     pub make: fn(&mut Scene),

@@ -48,7 +48,7 @@ pub(super) enum Accessor<'a> {
     Optional(&'a mut Option<f64>),
     /// Optional parameter that is a term of its own. It cannot be changed if it is absent.
     Term(&'a mut Option<f64>),
-    /// Upper end of a range. The lower end keeps its ratio to it.
+    /// Upper end of a range. If it changes, the lower end changes by the same factor.
     High(&'a mut (f64, f64)),
     /// Lower end of a range, at most the upper end.
     Low(&'a mut (f64, f64)),
