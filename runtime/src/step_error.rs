@@ -10,7 +10,7 @@ use crate::settings::{Model, Settings};
 use crate::world::rigid::RigidWorld;
 use crate::world::{Arena, BlockFace, Body, BodyState, World};
 
-/// Substeps per chosen step in the reference, which counts as exact.
+/// Number of substeps of the reference per chosen step. The reference counts as exact.
 const FINER: u32 = 64;
 
 /// Number of experiments of each kind, starting at different moments of a step.

@@ -39,7 +39,8 @@ struct Transfer {
     from: Body,
     to: Body,
     message: Message,
-    /// Sequence number on the contact. 0 if nothing is lost.
+    /// Number of the message among all messages from this sender to this receiver. 0 if no
+    /// transfers are lost.
     number: u32,
 }
 

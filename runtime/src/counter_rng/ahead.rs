@@ -13,8 +13,9 @@ const LANES: usize = 4;
 /// Number of words in one block of a ChaCha keystream.
 const BLOCK: usize = 16;
 
-/// Draws of blocks 0 to 3 in a stream, with the same values as [`Draws`](super::Draws). Fastest if
-/// steps are read in ascending order, or if only block 0 is read.
+/// Draws of one stream, with the same values as [`Draws`](super::Draws). Contains only blocks of
+/// words 0 to 3 of each step. Fastest if steps are read in ascending order, or if only block 0 is
+/// read.
 #[derive(Clone, Debug)]
 pub struct DrawsAhead {
     key: [u32; 8],
@@ -42,7 +43,7 @@ impl DrawsAhead {
         }
     }
 
-    /// Returns the words of block 0, 1, 2 or 3 in one step.
+    /// Returns the random words of block 0, 1, 2 or 3 in one step.
     #[inline]
     pub fn block(&mut self, step: u64, block: u32) -> [u32; WORDS as usize] {
         let first = (block * WORDS) as usize;

@@ -3,7 +3,7 @@ use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use stochc_control::explore::DrawIndex;
 
-/// Number of random words per block and step.
+/// Number of random words in a block of words. The draws of a step consist of numbered blocks.
 pub const WORDS: u32 = 4;
 
 /// Independent source of randomness. The number of a removed source is never reused.
@@ -42,7 +42,7 @@ impl Draws {
         }
     }
 
-    /// Returns the draws of one step, from block 0.
+    /// Returns the draws of one step, starting with block of words 0.
     pub fn step(&mut self, step: u64) -> StepDraws<'_> {
         self.keystream.set_stream(step);
         self.keystream.set_word_pos(0);
@@ -62,7 +62,7 @@ pub(super) fn key(seed: u64, run: u64, stream: Stream) -> [u8; 32] {
     key
 }
 
-/// Draws of one step. Reading the blocks in ascending order is fastest.
+/// Draws of one step. Reading the blocks of words in ascending order is fastest.
 #[derive(Debug)]
 pub struct StepDraws<'a> {
     pub(super) keystream: &'a mut ChaCha8Rng,
@@ -70,7 +70,7 @@ pub struct StepDraws<'a> {
 }
 
 impl StepDraws<'_> {
-    /// Returns the words of one block.
+    /// Returns the words of the block with this number.
     pub fn block(&mut self, block: u32) -> [u32; WORDS as usize] {
         if block != self.next {
             self.keystream
@@ -80,7 +80,7 @@ impl StepDraws<'_> {
         std::array::from_fn(|_| self.keystream.next_u32())
     }
 
-    /// Replaces `words` by the words of the first `blocks` blocks, as little-endian bytes.
+    /// Replaces `words` by the random words of the first `blocks` blocks, as little-endian bytes.
     pub fn fill(self, blocks: usize, words: &mut Vec<u8>) {
         words.resize(blocks * WORDS as usize * size_of::<u32>(), 0);
         self.keystream.set_word_pos(0);

@@ -103,7 +103,7 @@ pub enum ObservedEvent {
     Bonded {
         /// The bond, with both faces.
         bond: FreeBond,
-        /// Number of blocks in their group at the end of the tick.
+        /// Number of blocks in the group of the two blocks at the end of the tick.
         size: u32,
     },
     /// A bond between two free blocks breaks, or the structure captures one of them.

@@ -240,7 +240,7 @@ impl Units {
     }
 }
 
-/// Returns a scene parameter in block units if it can be simulated.
+/// Returns a scene parameter in block units if it is not negative and fits in single precision.
 fn checked(number: &SchemaNumber, value: f64) -> SceneResult<f64> {
     derived(&quoted(number), value)
 }

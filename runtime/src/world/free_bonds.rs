@@ -15,7 +15,7 @@ use super::parameters::{Attraction, Magnet, Passive};
 pub(crate) struct FreeBonds {
     magnet: Magnet,
     passive: Passive,
-    /// Fraction of the effect of forces that drag leaves in a step.
+    /// Effect of a constant force over one step, as a fraction of its effect without drag.
     response: Response,
     pub groups: BlockGroups,
     /// Velocity changes of rejected blocks, applied in the next step.
@@ -71,15 +71,15 @@ impl FreeBonds {
         }
     }
 
-    /// Makes each group move as one body, or break, under the forces of a step. Random impulses and
-    /// heat are excluded. Then pushes rejected blocks away.
+    /// Makes each group move as one body under the forces of a step, and breaks overloaded bonds.
+    /// These forces exclude random impulses and Brownian motion. Then pushes rejected blocks away.
     pub fn settle(&mut self, blocks: &mut impl Blocks, dt: f64) {
         (self.groups).settle(blocks, self.passive.hold, self.response, dt);
         self.push_away(blocks);
     }
 
-    /// Rejects a block. Its impulse is applied after drag and the test of bonds: it is
-    /// instantaneous, so bonds need not transmit it.
+    /// Rejects a block. Its impulse is applied after drag and after the test of bonds. The impulse
+    /// is instantaneous, so bonds need not transmit it.
     pub fn reject(&mut self, id: u32, impulse: Vector3<f64>) {
         *self.impulses.entry(id).or_default() += impulse;
     }

@@ -13,11 +13,12 @@ const CELLS: usize = SIDE.pow(3) as usize;
 /// Position of a chunk in the grid of chunks.
 type ChunkKey = [i32; 3];
 
-/// Limit on the size of the window: chunks per requested cell or existing chunk, and a number of
-/// additional chunks.
+/// Size limit of a window: the number of chunks per requested cell or existing chunk, and the
+/// number of further chunks.
 const ROOM: (i64, i64) = (4, 512);
 
-/// Bit masks of the cells of a chunk between two coordinates, by axis.
+/// Bit masks of the cells of a chunk between two coordinates along an axis. The indices are the
+/// axis, the first coordinate and the last coordinate.
 const SLABS: [[[u64; SIDE as usize]; SIDE as usize]; 3] = {
     // Marks at coordinate 0, and the shift to the next coordinate.
     let axes = [

@@ -44,7 +44,8 @@ pub trait World: State {
     fn tick(&self) -> u64;
 
     /// Sets the cells of the plate that belong to the structure. Called before all other methods.
-    /// If the faces of the scene always attract, the faces of these blocks do from now on.
+    /// If the faces of the scene always attract, the faces of the blocks in these cells attract
+    /// from now on.
     fn place_seeds(&mut self, _cells: &[Cell]) {}
 
     /// Switches on a face of an anchored block, to capture the first block that docks there.

@@ -46,7 +46,8 @@ pub(super) type Changes = SmallVec<[FaceChange; 4]>;
 pub(super) struct AnchoredBlock {
     pub cell: Cell,
     pub orientation: Orientation,
-    /// Open faces: on and holding nothing.
+    /// Faces that are on and hold no block. Such a face is open only if the cell in front of it is
+    /// also empty.
     pub on: u8,
     /// Faces that hold a block.
     pub holding: u8,
@@ -199,8 +200,8 @@ impl LatticeStructure {
         (content.block == NO_BLOCK).then(|| FaceChange::Opened(number(seat, face)))
     }
 
-    /// Returns the capture of free block `child`, given by rank, at a face. `pose` is one of 24
-    /// orientations. The entry is at the same tick.
+    /// Returns the capture at a face of the free block `child`, a rank among the free blocks.
+    /// `pose` is one of 24 orientations. The block enters the reach of the face at the same tick.
     #[inline]
     pub fn docking(&self, seat: usize, face: Face, child: u32, pose: u8, tick: u64) -> Docking {
         Docking {

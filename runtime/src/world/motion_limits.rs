@@ -40,8 +40,8 @@ impl MotionLimits {
         }
     }
 
-    /// Returns the limits with `far` as the largest distance if that is smaller. The ground ends at
-    /// `far`.
+    /// Returns the limits with the largest distance reduced to `far` if it was larger. The ground
+    /// ends at `far`.
     #[cfg(feature = "rapier")]
     pub fn within(self, far: f64) -> MotionLimits {
         let far = self.far.min(far);

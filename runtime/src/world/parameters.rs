@@ -142,8 +142,8 @@ pub(crate) enum Attraction {
 pub(crate) struct Passive {
     /// Force between two touching faces, as the acceleration of a block \[block lengths / tick^2\].
     pub hold: f64,
-    /// Depth below each face of a dipole that attracts like the magnet of the face \[block
-    /// lengths\].
+    /// Distance of a magnetic dipole below the centre of a face \[block lengths\]. The dipole
+    /// attracts like the magnet of the face.
     pub depth: f64,
     /// Largest distance of the attraction \[block lengths\].
     pub within: f64,
@@ -190,8 +190,8 @@ impl Magnet {
         }
     }
 
-    /// Returns the time before the end of a step during which captures are tested \[tick\]: the
-    /// step's length `dt`, or 0 if captures are tested only at its end.
+    /// Returns for how long before the end of a step captures are tested \[tick\]. This is the
+    /// length `dt` of the step, or 0 if captures are tested only at its end.
     pub fn tested<R: Real>(&self, dt: R) -> R {
         if self.sampled { R::zero() } else { dt }
     }
@@ -225,8 +225,9 @@ impl WorldParameters {
         [long.unwrap_or(short), short]
     }
 
-    /// Scales impulses by the fraction of their effect that drag leaves in a step. This concerns
-    /// random impulses, rejections, walls and contacts.
+    /// Scales forces and impulses by `response`, their effect over one step as a fraction of the
+    /// effect without drag. This concerns the steady acceleration, random impulses, rejections, the
+    /// shell and compliant contacts.
     ///
     /// `dt` is the length of a step \[tick\].
     pub fn weakened(mut self, response: f64, dt: f64) -> WorldParameters {

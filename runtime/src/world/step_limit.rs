@@ -5,12 +5,13 @@ use super::parameters::WorldParameters;
 use crate::settings::Settings;
 
 impl WorldParameters {
-    /// Checks the length of the steps.
+    /// Checks that the steps are short enough for the elastic shell.
     ///
     /// # Errors
     ///
-    /// If a spring turns by more than one radian per step. With drag, if it overshoots by more than
-    /// its displacement. A spring gains energy beyond twice this limit.
+    /// If the phase of an oscillation in the shell advances by more than one radian per step. Under
+    /// strong drag, if a step corrects more than the whole displacement. Beyond twice this limit,
+    /// the oscillation would gain energy.
     pub fn check(&self, settings: &Settings) -> Result<(), SceneError> {
         let [substeps, _] = self.rates(settings);
         let Some(shell) = self.shell else {

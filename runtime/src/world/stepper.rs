@@ -61,8 +61,8 @@ pub(crate) trait Integrator: Sized + State {
         false
     }
 
-    /// Lists the blocks that may come within `reach` of a position before the next change of
-    /// neighbours, in ascending order.
+    /// Lists the blocks that may come within `reach` of a position before [`Integrator::follow`]
+    /// returns `true`, in ascending order.
     fn near(
         &self,
         blocks: &Self::Blocks,
@@ -71,8 +71,8 @@ pub(crate) trait Integrator: Sized + State {
         found: &mut Vec<u32>,
     );
 
-    /// Returns the largest path of a block in a long step \[block lengths\]. `None` is the fastest
-    /// block. Used only with short steps.
+    /// Returns the longest path that a block may take in a long step \[block lengths\]. If `_id` is
+    /// `None`, returns the path of the fastest block. Used only if some blocks take short steps.
     fn distance(&self, _blocks: &Self::Blocks, _id: Option<u32>) -> Self::Real {
         Self::Real::from_double(0.0)
     }

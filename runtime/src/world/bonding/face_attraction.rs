@@ -109,7 +109,7 @@ impl<R: Real> AttractingFace<R> {
         }
     }
 
-    /// Applies the forces of the face to a block, each within its own reach.
+    /// Applies the forces of the face to a block. Each force has its own reach.
     ///
     /// A force of constant magnitude reverses when the block passes the middle, perhaps many times
     /// per step. Near the middle the force is therefore reduced, so that the block swings by one

@@ -4,7 +4,8 @@ use nalgebra::Vector3;
 use crate::world::blocks::Motion;
 use crate::world::parameters::Resistance;
 
-/// Fraction of the effect of a constant force and torque that drag leaves in one step.
+/// Effect of a constant force and of a constant torque over one step, as fractions of the effects
+/// without drag.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Response {
     pub linear: f64,
@@ -30,7 +31,7 @@ pub(super) struct StepDrag {
 /// Solution of v' = -rate v - wake |v| v over a step.
 #[derive(Clone, Copy, Debug)]
 struct Decay {
-    /// Fraction of a velocity that viscous drag leaves after a step.
+    /// Fraction of a velocity that remains after a step of viscous drag.
     left: f64,
     /// Mean over the step of the remaining fraction: the response to a constant force.
     mean: f64,

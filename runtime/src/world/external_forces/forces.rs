@@ -68,7 +68,8 @@ impl ExternalForces {
         })
     }
 
-    /// Returns the fraction of the effect of forces that drag leaves in a step.
+    /// Returns the effect of a constant force and torque over one step, relative to the effect
+    /// without drag.
     pub fn response(&self) -> Response {
         self.drag
             .as_ref()

@@ -93,8 +93,8 @@ impl TurbulenceField {
 
     /// Adds the fluid's motion at a position.
     ///
-    /// The isotropic field u(x, y, z) becomes (u_x, u_y, v u_z)(x, y, z / v), which has no sources
-    /// either.
+    /// The isotropic field u(x, y, z) is stretched to (u_x, u_y, v u_z)(x, y, z / v). The
+    /// divergence of both fields is zero.
     pub fn add(&self, place: Vector3<f64>, wind: &mut LocalFlow) {
         let stretched = Vector3::new(place.x, place.y, place.z / self.vertical);
         let scale = |u: Vector3<f64>| Vector3::new(u.x, u.y, u.z * self.vertical);

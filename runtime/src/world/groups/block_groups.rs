@@ -82,8 +82,8 @@ impl BlockGroups {
         self.parted.retain(|pair| parting.contains(pair));
     }
 
-    /// Returns whether `b` and its group fit when `b` moves to `seat` on `a`. This also excludes a
-    /// second bond on a face.
+    /// Returns whether `b` and its group fit when `b` moves to `seat` on `a`. They do not fit if a
+    /// face would get a second bond.
     pub fn have_room(&self, a: u32, b: u32, seat: &Pose, blocks: &mut impl Blocks) -> bool {
         let was = blocks.pose(b);
         let there: Vec<_> = (self.with(a).into_iter())

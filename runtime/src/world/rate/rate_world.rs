@@ -257,8 +257,8 @@ impl<'r> RateWorld<'r> {
         None
     }
 
-    /// Computes the exact capture time of the first face if the bound of its time is not
-    /// sufficient.
+    /// Replaces the lower bound of a face's capture time in the queue by the exact time. Returns
+    /// `None` if the face has no waiting time.
     fn look_closer(&mut self, slot: Slot) -> Option<()> {
         let time = self.hazards.time(slot)?;
         self.queue.put_off(slot, time);

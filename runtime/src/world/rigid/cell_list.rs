@@ -57,7 +57,7 @@ pub(super) struct CellList<R: Lane> {
     /// Buffer for pairs in the order of their discovery.
     #[serde(skip)]
     found: Vec<(u32, u32)>,
-    /// Buffer for the end of each block's pairs.
+    /// Buffer for the index after each block's last pair.
     #[serde(skip)]
     ends: Vec<u32>,
 }
@@ -394,7 +394,8 @@ mod tests {
     use crate::world::BodyState;
     use stochc_control::Orientation;
 
-    /// Compares with a test of all pairs, in grids of various sizes, with some blocks outside.
+    /// Compares the pairs with the result of testing all pairs, in grids of various sizes. Some
+    /// blocks are outside of the grid.
     #[test]
     fn no_pair_is_lost_in_a_grid_of_any_size() {
         let mut dice = ChaCha8Rng::seed_from_u64(1);

@@ -28,8 +28,8 @@ pub(super) struct LocalSteps<R: Real> {
     pub blocks: Vec<u32>,
     /// Blocks with short steps in the previous long step, in ascending order.
     before: Vec<u32>,
-    /// Pairs that may touch in the long step, among these blocks or with an anchored block. The
-    /// lower number comes first; pairs are in ascending order.
+    /// Pairs that may touch in the long step: two of `blocks`, or one of them and an anchored
+    /// block. The lower number comes first; pairs are in ascending order.
     pub pairs: Vec<(u32, u32)>,
     found: Vec<u32>,
 }

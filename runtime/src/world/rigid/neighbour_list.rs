@@ -24,8 +24,7 @@ const LASTING: f64 = 2.5;
 /// Number of steps between reviews of the list's lifetime and of the blocks' extent.
 const REVIEW: u32 = 64;
 
-/// Limit on blocks outside the grid: one in this many. Many blocks there would crowd its outermost
-/// cells.
+/// At most one in this many blocks may be outside the grid. More would crowd its outermost cells.
 const OUTSIDE: usize = 8;
 
 /// Index of the pairs of nearby blocks, and of the blocks near a position.
@@ -44,7 +43,8 @@ pub(super) struct NeighbourList<R: Lane> {
     pairs: Vec<(u32, u32)>,
     /// Distance of each listed pair when the list was made \[block lengths\].
     distances: Vec<R>,
-    /// Largest approach of any two blocks since then \[block lengths\].
+    /// Upper bound on how much closer any two blocks have come since the list was made \[block
+    /// lengths\].
     closer: R,
     /// Positions when the list was made, in SIMD groups. Empty if there is no list.
     places: Vec<[[R; LANES]; 3]>,
@@ -188,7 +188,8 @@ mod tests {
     use super::*;
     use crate::world::BodyState;
 
-    /// Compares with a test of all pairs, for blocks that are sometimes slow enough for a list.
+    /// Compares the pairs with the result of testing all pairs. The blocks are slow enough for a
+    /// list only at some times.
     #[test]
     fn no_pair_is_lost_when_blocks_get_faster_and_slower() {
         let mut dice = ChaCha8Rng::seed_from_u64(1);

@@ -23,7 +23,7 @@ pub struct ShuffleWorld {
     /// Groups of free blocks. `None` if free blocks do not bond.
     groups: Option<DisjointSets>,
     pub(super) lattice: LatticeStructure,
-    /// Accessible open faces by index: six for each seat.
+    /// Open faces, by the index of the face. Each seat has six indices.
     open: RankedSet,
     /// Accessible faces that are switched off: first faces of the plate, then faces of blocks above
     /// it. Used only for stray captures.

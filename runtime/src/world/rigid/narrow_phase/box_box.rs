@@ -75,8 +75,8 @@ fn outward<R: Real>(axis: Vector3<R>, towards: Vector3<R>) -> Vector3<R> {
     }
 }
 
-/// Returns the midpoint between the edge of `a` farthest along `out` and the edge of `b` farthest
-/// against it.
+/// Returns the midpoint between two edges: the edge of `a` farthest along `out`, and the edge of
+/// `b` farthest in the opposite direction.
 fn between<R: Real>(
     a: &Cuboid<'_, R>,
     own: usize,

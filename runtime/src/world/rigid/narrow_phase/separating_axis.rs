@@ -20,7 +20,7 @@ const PREFER_FACE: f64 = 1e-3;
 pub(super) enum Direction {
     /// Normal of a face of the first or second box.
     Face { first: bool, axis: usize },
-    /// Common normal of an edge of each box.
+    /// Direction perpendicular to one edge of the first box and one edge of the second box.
     Edges { own: usize, other: usize },
 }
 

@@ -78,14 +78,17 @@ pub(super) struct Spring<W> {
 }
 
 impl<W: Copy> Spring<W> {
-    /// Returns the spring for an overlap `depth` and separation speed `parting`. `yields` is the
-    /// velocity change per unit impulse.
+    /// Returns the spring for an overlap `depth` and a separation speed `parting`. `yields` is the
+    /// velocity change per unit impulse, and `h` is the length of the step.
     ///
-    /// With u' the speed after the step, x = h (k (d - h (s u' + b (u' - u))) - c (u + t (u' -
-    /// u))). Velocities lag positions by half a step. If a step resolves the spring, s = 0 and b =
-    /// 1/12: second order, without dissipation. The error of a period is of fourth order. For more
-    /// than a radian per step, s grows to 1, the implicit Euler method, which dissipates. The
-    /// damper acts on the mean velocity, t = 1/2, and at most stops the bodies.
+    /// The impulse x satisfies x = h (k (d - h (s u' + b (u' - u))) - c (u + t (u' - u))). Here k
+    /// is the stiffness, c the damping and d the overlap. The separation speed is u before the step
+    /// and u' after it. Velocities lag positions by half a step.
+    ///
+    /// If a step resolves the spring, s = 0 and b = 1/12. The method is then of second order and
+    /// does not dissipate. The error of a period is of fourth order. For more than a radian per
+    /// step, s grows to 1, the implicit Euler method, which dissipates. The damper acts on the mean
+    /// velocity, t = 1/2, and at most stops the bodies.
     ///
     /// # Source
     ///

@@ -19,9 +19,9 @@ pub(crate) struct Solver<R: Lane> {
     iterations: u32,
     pub(super) touches: ContactList<R>,
     pub(super) moving: SolverBodies<R>,
-    /// Contacts whose bodies have no other contact, each with an immovable body.
+    /// Contacts of a block with an immovable body. The block has no other contact.
     single: ParallelContacts<R, 1>,
-    /// Contacts of two blocks that have no other contact.
+    /// Contacts of two blocks. Neither of them has another contact.
     double: ParallelContacts<R, 2>,
     /// All other contacts.
     chains: SequentialContacts<R>,
@@ -75,10 +75,11 @@ impl<R: Lane> Solver<R> {
     /// Solves all contacts after the bodies moved as if there were none. Changes the velocities and
     /// corrects the positions accordingly.
     ///
-    /// `push` is the acceleration by the shell, and of rigid blocks by steady forces, at a position.
-    /// Contacts act in the middle of a step, before the second half of this change. Otherwise
-    /// collisions would add energy to blocks that fall or meet the shell. `moved` receives every
-    /// changed block with its position, velocity, spin and rotation.
+    /// `push` returns the acceleration of a block at a position by the shell. If contacts are
+    /// rigid, it includes the steady acceleration. Contacts act in the middle of a step, before the
+    /// second half of the resulting velocity change. Otherwise collisions would add energy to
+    /// blocks that fall or meet the shell. `moved` receives every changed block with its position,
+    /// velocity, spin and rotation.
     pub fn solve(
         &mut self,
         bodies: &mut Bodies<R>,

@@ -203,7 +203,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         self.prepare(law, span)
     }
 
-    /// Computes the target of each point. Returns the largest approach speed.
+    /// Computes the target velocity of each point. Returns the largest approach speed.
     ///
     /// `span` is the time over which forces act.
     fn prepare(&mut self, law: &Law<R>, span: R::Quad) -> R {

@@ -224,7 +224,7 @@ impl<R: Lane> PointConstraint<R> {
 }
 
 impl SequentialContact {
-    /// Computes the target of each point. Returns the largest approach speed.
+    /// Computes the target velocity of each point. Returns the largest approach speed.
     ///
     /// `span` is the time over which forces act.
     fn prepare<R: Lane>(
