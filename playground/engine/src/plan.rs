@@ -42,7 +42,7 @@ pub fn read(drawing: Drawing) -> Result<Value, String> {
 }
 
 /// Returns `{ text, mean, notes }`: the planned program, its estimated completion time \[ticks\], and
-/// what was changed.
+/// notes about changes of the scene.
 pub fn plan(drawing: Drawing) -> Result<Value, String> {
     let cells = cells(drawing)?;
     let search = PlanSearch {

@@ -131,7 +131,7 @@ fn captured_blocks_have_hints_with_their_cells() {
     assert_eq!(hints(0, 10), [""; 0]);
 }
 
-/// Returns what is offered before `|`.
+/// Returns the completions offered before `|`.
 fn offered(text: &str) -> Vec<String> {
     let plain = text.replace('|', "");
     let mut params = place(URI, text, "|", 0);

@@ -27,7 +27,7 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     table
         .text(
             "failed_phase",
-            "name of the phase in which the run was stopped or failed",
+            "name of the phase that was stopped or that failed",
             |row| {
                 let phase = unfinished(row.run.record)?;
                 Some(row.run.program.phase(phase))
