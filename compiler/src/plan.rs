@@ -265,8 +265,8 @@ impl Roles {
         path
     }
 
-    /// Returns the pattern of an unnamed instance around a role. Returns `None` for a role that the
-    /// program can name.
+    /// Returns the name of the pattern if a role is inside an unnamed instance. Returns `None` for
+    /// a role that the program can name.
     pub fn nameless<'s>(&self, role: RoleId, symbols: &'s Symbols) -> Option<&'s str> {
         let path = self.path(role).into_iter();
         let mut patterns = path.filter_map(|key| symbols.word(key.word).split_once('#'));

@@ -38,7 +38,8 @@ pub struct EventContext {
 pub struct Holder {
     /// Name of the block.
     pub role: RoleId,
-    /// Capture of this phase. `None` if the block is attached when the phase starts.
+    /// Capture of this phase that attached the block. `None` if the block is attached when the
+    /// phase starts.
     pub since: Option<EventId>,
 }
 

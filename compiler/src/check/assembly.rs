@@ -114,7 +114,7 @@ pub(super) struct AssemblyInput<'a> {
     pub stepping: Option<Stepping>,
     /// Location of the scene's name.
     pub scene_location: SourceLocation,
-    /// Words in parts that could not be read.
+    /// Words in those parts of the files that the parser could not read.
     pub uncertain: &'a FxHashSet<Symbol>,
 }
 

@@ -45,12 +45,12 @@ pub struct Program {
     pub layout: Layout,
     /// Dependencies between events.
     pub graph: DependencyGraph,
-    /// A possible order of the events. `None` if the graph has a cycle.
+    /// A possible order of the events. `None` if their dependencies have a cycle.
     pub order: Option<Order>,
     /// Event tables. `None` if the program has errors.
     pub tables: Option<Tables>,
-    /// Event tables of a program whose only errors are cycles and closed cells. They show how it
-    /// gets stuck.
+    /// Event tables of a program whose only errors are cycles and closed cells. These tables show
+    /// how the program gets stuck.
     pub stuck: Option<Tables>,
     /// Reasons why the scene does not work. Includes warnings that an `allow` suppresses.
     pub scene_warnings: Vec<SceneWarning>,

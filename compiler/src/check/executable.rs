@@ -35,7 +35,8 @@ impl Program {
         EventGraph::new(events, edges, chains)
     }
 
-    /// Returns the parts that an estimate needs. Returns `None` if the program has errors.
+    /// Returns the parts of the program that an estimate needs. Returns `None` if the program has
+    /// errors.
     pub(crate) fn parts<'a>(&'a self, graph: &'a EventGraph) -> Option<ProgramParts<'a>> {
         Some(ProgramParts {
             tables: self.tables.as_ref()?,

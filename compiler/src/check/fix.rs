@@ -9,7 +9,7 @@ use crate::diagnostic::lint_levels::LintLevels;
 use crate::sources::reader::Reader;
 use crate::{FileId, Limits};
 
-/// Largest number of rounds. A fix may make another one possible.
+/// Largest number of rounds of fixes. A fix may make another fix possible.
 const MAX_ROUNDS: usize = 50;
 
 /// A file after its safe fixes were applied.

@@ -16,7 +16,7 @@ use crate::{FileId, Sources};
 /// Largest number of trials of a program.
 const MAX: usize = 64;
 
-/// Largest total size of all trials: bytes of source and events.
+/// Largest total size of all trials: bytes of source plus number of events.
 const WORK: usize = 1 << 21;
 
 /// Number of statements whose check takes as long as the check of one event.

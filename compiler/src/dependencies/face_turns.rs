@@ -128,7 +128,7 @@ pub fn unneeded(graph: &DependencyGraph, earliest: &Earliest) -> FxHashSet<EdgeI
     unneeded
 }
 
-/// Returns the graph without the edges that are [`unneeded`]. All its events can happen.
+/// Returns the graph without the edges in `unneeded`. All remaining edges count as required.
 pub fn straight(graph: &DependencyGraph, unneeded: &FxHashSet<EdgeIndex>) -> DependencyGraph {
     graph.filter_map(
         |_, &id| Some(id),

@@ -161,7 +161,7 @@ fn longest_chain(
     chain
 }
 
-/// Reports the cycles in the events that can never happen.
+/// Reports the cycles in `rest`, the graph of the events that can never happen.
 fn report_cycles(
     plan: &ProgramPlan,
     rest: &DependencyGraph,

@@ -200,8 +200,8 @@ fn missing_reason(location: SourceLocation, text: &str) -> Diagnostic {
 
 /// Returns the error of a number that cannot be stored.
 fn number_too_large(location: SourceLocation, number: &str) -> Diagnostic {
-    /// Largest number of digits of an integer with a message about 64 bits. The message for longer
-    /// numbers is about doubles.
+    /// Integers up to this number of digits are compared with the 64-bit limit in the message,
+    /// longer ones with the limit of floating-point numbers.
     const DIGITS: usize = 300;
     let is_whole = number.bytes().all(|byte| byte.is_ascii_digit()) && number.len() < DIGITS;
     let (title, limit) = if is_whole {
@@ -222,7 +222,7 @@ fn misplaced(
     belongs: &'static str,
     text: &str,
 ) -> Diagnostic {
-    /// Longest statement that a help repeats.
+    /// Length of the longest statement that a help repeats \[bytes\].
     const LONGEST: usize = 60;
     let is_block = what.starts_with("a phase") || what.starts_with("a seed plate");
     let written = text.get(location.span.start as usize..location.span.end as usize);

@@ -57,8 +57,9 @@ pub struct ExpansionBounds<'c> {
     pub cancellation: Cancellation<'c>,
 }
 
-/// Share of the allowed events that is expanded without counting first: 1/5. Larger programs are
-/// counted first, so that a program beyond the limit uses no memory.
+/// Inverse of a fraction of the event limit. Programs up to this fraction are expanded without
+/// counting first. Larger programs are counted first, so that a program beyond the limit uses no
+/// memory.
 pub(super) const UNCOUNTED: usize = 5;
 
 /// Largest depth of loops, instances and blocks.

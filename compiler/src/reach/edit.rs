@@ -214,8 +214,8 @@ fn stands_in(name: &str, index: &str) -> bool {
     indices.split(", ").any(|other| other == index)
 }
 
-/// Records the values of loop counters. An index must contain only a counter, or a counter and a
-/// number.
+/// Records the values of loop counters. Uses only indices that consist of a counter, or of a
+/// counter and a number.
 fn solve(place: &Place, keys: &[NameKey], counters: &mut Vec<(Symbol, i64)>) {
     for (segment, key) in place.path.iter().zip(keys) {
         let entries = segment.index.as_deref().unwrap_or_default();

@@ -45,7 +45,8 @@ impl OccupiedCells {
         }
     }
 
-    /// Removes the block that `capture` anchored. Its release certainly happens.
+    /// Removes the block that `capture` anchored. May be called only if its release certainly
+    /// happens.
     pub fn empty(&mut self, cell: Cell, capture: EventId) {
         if self.cells.get(&cell) != Some(&capture) {
             self.retained.remove(&cell);

@@ -16,7 +16,7 @@ use crate::{FileId, Sources};
 pub struct ValidProgram<'a> {
     /// Expanded program.
     pub plan: &'a ProgramPlan,
-    /// Attachment of each block over time.
+    /// Captures and releases that each event depends on through names of blocks.
     pub liveness: &'a Liveness,
     /// Cells of all blocks.
     pub layout: &'a Layout,

@@ -27,7 +27,7 @@ pub struct Loaded {
     pub modules: Vec<Module>,
     /// Words of all files.
     pub symbols: Symbols,
-    /// Words in parts that could not be read.
+    /// Words in those parts of the files that the parser could not read.
     pub uncertain: rustc_hash::FxHashSet<Symbol>,
 }
 

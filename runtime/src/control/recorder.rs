@@ -20,7 +20,7 @@ pub(super) struct RunRecorder {
     pub network: Network,
     /// Whether captures of this tick remain to be processed.
     pub has_more: bool,
-    /// Origin of each released block.
+    /// Origin of each released block: its former role and the tick of its release.
     released: FxHashMap<u32, Origin>,
     pub bonds: Vec<BondRecord>,
     pub releases: Vec<ReleaseRecord>,

@@ -20,7 +20,8 @@ pub enum Stream {
     Schedule = 3,
     /// Turbulence: amplitudes of one wave in one tick.
     Eddy = 4,
-    /// Brownian motion. Each step of the model uses two groups of words per block of the scene.
+    /// Brownian motion. Each step of the model uses two blocks of words for each block of the
+    /// scene.
     Heat = 5,
     /// Draws of the model `rate`. Its n-th draw is step n.
     Rate = 6,

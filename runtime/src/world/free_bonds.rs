@@ -30,7 +30,7 @@ stochc_ir::state! {
 }
 
 impl FreeBonds {
-    /// Returns the bonds, or `None` if faces do not always attract.
+    /// Returns an empty set of bonds, or `None` if faces do not always attract.
     pub fn new(magnet: &Magnet, response: Response) -> Option<FreeBonds> {
         let Attraction::Passive(passive) = magnet.law else {
             return None;

@@ -42,8 +42,8 @@ pub(crate) trait Integrator: Sized + State {
         [settings.substeps.max(1); 2]
     }
 
-    /// Returns blocks and an integrator for the terms of a scene. Drag has already weakened the
-    /// springs.
+    /// Returns blocks and an integrator for the terms of a scene. Forces and impulses are already
+    /// scaled by [`WorldParameters::weakened`].
     ///
     /// # Errors
     ///

@@ -38,7 +38,8 @@ pub(crate) struct Faces<R: Real> {
     placed: PlacedBlocks<R>,
     /// Rejected blocks that are still within the docking window of a face.
     rejected: Vec<u32>,
-    /// Pressures in the chambers, for faces that draw fluid. `None` until they are computed.
+    /// Pressures in the chambers of all blocks, for faces that draw fluid. `None` until they are
+    /// computed.
     pressures: Option<Pressures>,
 }
 

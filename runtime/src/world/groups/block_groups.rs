@@ -111,8 +111,8 @@ impl BlockGroups {
     /// Bonds two blocks of different groups.
     ///
     /// Moves `b` and its group to `seat` on `a`. Both groups are shifted and turned so that their
-    /// common centre stays and there is no net rotation. They move as one body at once, with their
-    /// momentum and angular momentum.
+    /// common centre stays and there is no net rotation. From then on, they move as one body. The
+    /// total momentum and angular momentum stay the same.
     pub fn join(
         &mut self,
         a: u32,
