@@ -158,9 +158,9 @@ impl ReachAnalysis<'_> {
 }
 
 impl<'a> ReachAnalysis<'a> {
-    /// Returns the dependency graph without the edges that a choice does not need. The choices
-    /// avoid `late` events where possible. If an event can happen before all `late` events, no path
-    /// leads from a `late` event to it.
+    /// Returns the dependency graph without the edges that a choice does not need. Where possible,
+    /// the choices avoid the events that `is_late` selects. If an event can happen before all these
+    /// late events, no path leads from a late event to it.
     pub(super) fn straight(&self, is_late: impl Fn(EventId) -> bool) -> Cow<'a, DependencyGraph> {
         let graph = self.subject.graph;
         if !self.has_choice() {

@@ -67,7 +67,7 @@ impl KnownPaths {
     }
 
     /// Adds the positions of a found path that ends at `at`, backwards from `at`. Stops at the
-    /// first impassable step. A path out from `at` must already be known.
+    /// first impassable step. Adds nothing if no path out from `at` is known.
     pub fn keep(&mut self, at: Cell, found: &FxHashMap<Cell, Cell>, search: &MovingCube) {
         let mut here = at;
         while self.next.contains_key(&here)
