@@ -34,7 +34,7 @@ pub struct Docking {
     /// Number of quarter turns, as counted by [`Orientation::docked`](crate::Orientation::docked).
     pub turn: u8,
     /// Number of entries of free blocks into the reach of the face since it was magnetized,
-    /// including re-entries. A block within reach at that moment counts once.
+    /// including re-entries. A block that was within reach from the start counts as one entry.
     pub entries: u32,
     /// Tick of the captured block's last entry.
     pub entered: u64,

@@ -23,7 +23,7 @@ pub struct Channels {
 struct Channel {
     /// Next number of the sender.
     next: u32,
-    /// Messages without acknowledgement, by number.
+    /// Messages of the sender that have not been acknowledged, by number.
     stored: BTreeMap<u32, Message>,
     /// Number below which the receiver has accepted all messages.
     taken_below: u32,
@@ -38,7 +38,7 @@ impl Channel {
 }
 
 impl Channels {
-    /// Gives a message its number, and keeps it at the sender. Returns the number.
+    /// Numbers a message and stores it at the sender until it is acknowledged. Returns the number.
     pub fn send(&mut self, from: Body, to: Body, message: Message) -> u32 {
         // `close` must find both directions.
         self.channels.entry((to, from)).or_default();

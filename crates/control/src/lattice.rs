@@ -15,7 +15,7 @@ pub struct Lattice {
     cells: BTreeMap<Cell, u32>,
     /// Open faces.
     active: BTreeSet<BlockFace>,
-    /// Faces that hold a block.
+    /// Faces that hold a block, each with the number of the block.
     holds: BTreeMap<BlockFace, u32>,
 }
 
@@ -61,7 +61,8 @@ impl Lattice {
         self.placed.contains_key(&id)
     }
 
-    /// Returns the cell of a block captured at `site`, or `None` if the cell is occupied.
+    /// Returns the cell that a block captured at `site` would occupy. Returns `None` if no block
+    /// can be captured there.
     pub fn target(&self, site: BlockFace) -> Option<Cell> {
         let parent = self.place(site.body)?;
         let cell = parent

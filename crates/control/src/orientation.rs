@@ -77,8 +77,8 @@ impl Orientation {
     ///
     /// `parent` is the parent's orientation, `parent_face` its capturing face, and `child_face` the
     /// touching face of the child, each in its own frame. `turn` counts quarter turns about
-    /// `parent_face`. It starts from the first of [`Orientation::all`], in the parent's frame, that
-    /// brings the two faces together.
+    /// `parent_face`. Turn 0 is the first of [`Orientation::all`], in the parent's frame, that lets
+    /// the two faces touch.
     #[inline]
     pub fn docked(
         parent: Orientation,

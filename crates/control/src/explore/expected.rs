@@ -43,7 +43,7 @@ pub struct Meant {
     pub cell: Option<Cell>,
     /// Predecessors within the phase.
     pub waits_for: Vec<News>,
-    /// Number of required predecessors, and the candidates.
+    /// Number of predecessors that must happen first, and the events that count as predecessors.
     pub turn: (usize, Vec<News>),
 }
 
@@ -79,11 +79,11 @@ impl ProgramGoals {
         ProgramGoals::meant(tables, events)
     }
 
-    /// Returns goals from a separate declaration of events. Only the reports are taken from the
-    /// tables.
+    /// Returns the goals of events that were declared independently of the tables. Only the reports
+    /// are taken from the tables.
     ///
-    /// A role that is occupied when a phase begins is released before it is captured again. A free
-    /// role is captured first.
+    /// A phase may both capture and release a role. If the role is occupied at the start of the
+    /// phase, the release comes first. Otherwise, the capture comes first.
     pub fn meant(tables: &Tables, events: impl IntoIterator<Item = Meant>) -> ProgramGoals {
         let mut phases = vec![PhaseGoal::default(); tables.phases.len()];
         let mut cells: BTreeMap<(PhaseId, RoleId), Cell> = BTreeMap::new();

@@ -41,8 +41,9 @@ impl Default for ExplorationBounds {
 pub struct Exploration<'a> {
     /// Tables to run.
     pub tables: &'a Tables,
-    /// Goals of the tables. Usually [`ProgramGoals::new`]. A separate declaration checks the tables
-    /// themselves.
+    /// Goals to check the tables against. [`ProgramGoals::new`] derives them from the tables.
+    /// [`ProgramGoals::meant`] takes an independent declaration, so that the tables themselves are
+    /// checked.
     pub expected: &'a ProgramGoals,
     /// Limits.
     pub bounds: ExplorationBounds,

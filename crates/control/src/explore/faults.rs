@@ -9,17 +9,18 @@ use super::expected::ProgramGoals;
 /// Faults that an exploration injects at every place and time. Default: none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Faults {
-    /// Number of losses for *each* transfer of a message: of the message itself, or of the
-    /// acknowledgement alone.
+    /// Largest number of losses for *each* transfer of a message. Either the message or only its
+    /// acknowledgement is lost.
     pub lost: u8,
-    /// Whether a sender without acknowledgement resends. Default: yes, as in a run.
+    /// Whether a sender resends a message that was not acknowledged. Default: yes, as in a run.
     pub sent_again: bool,
     /// Number of anchored blocks that fail: they no longer act or forward messages, but keep their
     /// children.
     pub dead: u8,
-    /// Number of captures at faces that are off.
+    /// Number of stray blocks, which are captured at faces that are off.
     pub strays: u8,
-    /// Whether a stray block cannot be rejected by switching the face off. Default: it can.
+    /// Whether a stray block remains attached when its face is switched off. Default: it is
+    /// rejected.
     pub stuck: bool,
     /// Number of blocks that misjudge their orientation: the touching face or the quarter turn.
     pub mistaken: u8,

@@ -114,8 +114,8 @@ struct Forecast<'a, 't> {
 }
 
 impl Future {
-    /// Returns the bound for the running phase without the transitions `without`. Returns `None`
-    /// after the last phase.
+    /// Returns the bound for the running phase if none of the transitions `without` occurs. Returns
+    /// `None` after the last phase.
     pub fn new<'t>(
         context: &ExplorationContext<'t>,
         captors: &PhaseCaptors,

@@ -58,7 +58,8 @@ use super::transition::Transition;
 /// Largest number of initial transitions tried for a persistent set.
 const CANDIDATES: usize = 64;
 
-/// Selector of persistent sets of transitions.
+/// Selector of persistent sets of transitions. If the search explores only such a set in each
+/// state, the verdict stays the same (partial-order reduction).
 pub(super) struct PersistentSets<'t> {
     context: ExplorationContext<'t>,
     /// Number of evaluated rules and copied blocks, for the work limit.
@@ -283,8 +284,8 @@ impl PersistentSets<'_> {
     }
 }
 
-/// Returns whether captures of the transitions may block access to a cell of the future, or the
-/// reverse.
+/// Returns whether a capture among the transitions may block access to a cell of a future capture.
+/// Also returns whether a future capture may block access to a cell of the transitions.
 fn closes(
     state: &ProgramState<'_>,
     prints: &[Footprint],

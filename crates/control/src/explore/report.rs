@@ -12,8 +12,8 @@ pub struct ExplorationReport {
     pub choices: u64,
     /// Number of complete schedules, for random sampling. 0 for a full exploration.
     pub schedules: u64,
-    /// Number of deadlocked orders, after reduction. Positive only with
-    /// [`Exploration::hangs_allowed`](super::Exploration).
+    /// Number of orders that end in a deadlock, except those that the reduction omits. Positive
+    /// only with [`Exploration::hangs_allowed`](super::Exploration).
     pub hangs: u64,
     /// Number of steps, evaluated rules and copied blocks.
     pub work: u64,

@@ -20,8 +20,8 @@ pub(super) struct ProgramState<'t> {
     pub lattice: Lattice,
     /// Messages in transit, sorted.
     pub in_transit: Vec<InTransit>,
-    /// Transfer numbers, if transfers may be lost. Comparisons ignore them, because the transits
-    /// contain their meaning.
+    /// Numbers of message transfers, used if messages can be lost. Comparisons of states ignore
+    /// them, because `in_transit` contains the same transfers.
     pub channels: Ignored<Channels>,
     /// Events so far in this phase, for the check at the end of the phase.
     pub done: PhaseProgress,
@@ -310,7 +310,7 @@ impl<'t> ProgramState<'t> {
         self.carry_out_in(context, number, act)
     }
 
-    /// Carries out an act whose events belong to a given phase.
+    /// Carries out `act` and returns its effects. The events of `act` belong to the given phase.
     fn carry_out_in(
         &mut self,
         context: &ExplorationContext<'t>,
@@ -357,7 +357,8 @@ impl<'t> ProgramState<'t> {
     }
 }
 
-/// Returns the capture of a block at a face. `how` is one of its 24 orientations.
+/// Returns the capture of a block at a face. `how` is the index of the block's orientation, from 0
+/// to 23.
 fn docking(site: BlockFace, child: u32, how: u8) -> Docking {
     let how = (how + 5) % 24;
     Docking {

@@ -9,12 +9,13 @@ pub(super) struct InTransit {
     pub from: Body,
     pub to: Body,
     pub message: Message,
-    /// Number on the contact. 0 if messages are never lost. Only equality matters, so it does not
-    /// distinguish states.
+    /// Number of the message on its contact. 0 if messages are never lost. Comparisons of states
+    /// ignore it.
     pub number: Ignored<u32>,
     /// Number of losses of the message or its acknowledgement.
     pub lost: u8,
-    /// Whether the receiver has accepted the message without the sender's knowledge.
+    /// Whether the receiver has accepted the message, but the sender has received no
+    /// acknowledgement.
     pub is_taken: bool,
     /// Whether the message was lost and is waiting to be resent.
     pub is_waiting: bool,

@@ -56,9 +56,10 @@ pub struct StructureBlock<M = ()> {
 pub(super) struct Path {
     /// Number of blocks between this block and the plate.
     pub depth: u32,
-    /// An ancestor. [`BlockSlot::NONE`] if unknown, or on the plate.
+    /// Ancestor further up, to skip several parents at once. [`BlockSlot::NONE`] if it is unknown
+    /// or if the block is on the plate.
     pub jump: BlockSlot,
-    /// Depths of that ancestor and of its own jump target, cached.
+    /// Depths of the ancestor `jump` and of the ancestor that `jump` itself jumps to, cached.
     pub after: [u32; 2],
 }
 
@@ -173,7 +174,9 @@ impl<M: Copy> StructureBlock<M> {
         cold.map_or_else(Vec::new, |cold| std::mem::take(&mut cold.waiting))
     }
 
-    /// Returns the received and kept messages, addressed to the next holder of the role.
+    /// Returns the messages to pass on when the block is released. They are received news,
+    /// addressed to the next holder of the block's role, and kept messages. Returns none if the
+    /// block has failed.
     pub(super) fn legacy(&self) -> impl Iterator<Item = Message> {
         let heard = self.seen().iter().filter_map(|&condition| match condition {
             Condition::Heard(news) => Some(Message::tell(self.role, news)),
@@ -236,7 +239,8 @@ impl<M: Copy> StructureBlock<M> {
         Some((place as u32, action))
     }
 
-    /// Marks the first rule of the duty as fired, unless it has fired.
+    /// Marks the first rule of the duty as fired. Returns `false` if the rule has fired before or
+    /// the block has failed.
     #[inline]
     pub(super) fn take_first(&mut self) -> bool {
         let is_left = !self.is_dead && !self.has_fired(0);

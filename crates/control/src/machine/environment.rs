@@ -23,10 +23,11 @@ pub trait Environment {
     /// [`Structure::receive`](super::Structure::receive).
     fn send(&mut self, from: Body, to: Body, message: Message);
 
-    /// Returns whether a report reaches the plate at once, over `_hops` hops.
+    /// Decides whether a report is carried to the plate at once, over `_hops` hops. Otherwise, the
+    /// report is sent hop by hop.
     ///
-    /// Allowed if transfers take no time, none is in transit, and no other capture happens in the
-    /// meantime. Otherwise the report is sent hop by hop.
+    /// `true` is allowed if transfers take no time, no message is in transit, and no other capture
+    /// happens in the meantime.
     fn carry_to_plate(&mut self, _hops: u32) -> bool {
         false
     }
@@ -41,12 +42,12 @@ pub trait Environment {
     /// Records that a face with this mark has captured a block.
     fn captured(&mut self, _capture: &PlannedCapture, _docking: &Docking, _mark: Self::Mark) {}
 
-    /// Records a capture at a face that expects none. `by` is the role of the block with the face,
-    /// and `face` is in the structure's frame. The face is switched off next.
+    /// Records a capture at a face that expects none. `_by` is the role of the block with the face,
+    /// and `_face` is in the structure's frame. The face is switched off next.
     fn unplanned(&mut self, _by: RoleId, _face: Face, _docking: &Docking) {}
 
-    /// Records that the block with the role `by` has released another block, which had `orphans`
-    /// descendants.
+    /// Records a release. `_by` is the role of the former parent. `_role` and `_body` are the
+    /// released block, and `_orphans` is the number of its descendants.
     fn released(&mut self, _by: RoleId, _role: RoleId, _body: Body, _orphans: usize) {}
 
     /// Records that a report has reached the plate.

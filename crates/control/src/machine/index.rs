@@ -21,7 +21,8 @@ pub(super) struct Index {
     captors: OnceLock<Captors>,
 }
 
-/// Captors of each role, by role and phase. Few roles are captured in more than one phase.
+/// For each role, the phases that capture it and the capturing roles. Few roles are captured in
+/// more than one phase.
 #[derive(Debug)]
 struct Captors(Groups<(PhaseId, RoleId)>);
 
@@ -184,7 +185,8 @@ impl Index {
     }
 }
 
-/// Returns the start of a later duty with this phase and trigger, within a range of duty numbers.
+/// Searches a range of duty numbers for the duty with this phase and trigger. Returns its start, or
+/// an empty start if there is no such duty.
 fn later_beginning(
     tables: &Tables,
     (mut low, mut high): (u32, u32),

@@ -115,8 +115,8 @@ impl<M: Copy> Structure<'_, M> {
         }
     }
 
-    /// Returns the path of a child of this block. It combines the parent's last two jumps if they
-    /// have equal lengths.
+    /// Returns the path of a child of this block. If the parent's last two jumps have equal
+    /// lengths, the child jumps over both.
     fn path_from(&self, parent: BlockSlot) -> Option<Path> {
         let Path { depth, jump, after } = self.slots.get(parent)?.path;
         let is_twice = after[0] > after[1] && depth - after[0] == after[0] - after[1];

@@ -15,7 +15,8 @@ pub(super) struct Slots<M> {
     blocks: Vec<Option<StructureBlock<M>>>,
     vacant: Vec<BlockSlot>,
     seeds: usize,
-    /// Slot of each formerly free block, by number. May end before blocks that were never anchored.
+    /// Slot of each formerly free block, by number. The list may omit blocks at its end that were
+    /// never anchored.
     of_free: Vec<BlockSlot>,
 }
 
@@ -74,7 +75,7 @@ impl<M> Slots<M> {
         }
     }
 
-    /// Reserves a slot for a free block and frees its former slot.
+    /// Returns the slot of a free block. Reserves a slot if the block has none.
     #[inline]
     pub fn reserve(&mut self, id: u32) -> BlockSlot {
         if self.of_free.len() <= id as usize {

@@ -18,11 +18,12 @@ use super::slots::Slots;
 use crate::body::{BlockFace, Body, Docking};
 use crate::orientation::Orientation;
 
-/// State of all anchored blocks: a plain value, compared and hashed by meaning.
+/// State of all anchored blocks. Equality and hash depend only on the represented state, not on its
+/// storage.
 ///
-/// The cost of an event hardly depends on the number of blocks. The cost of a message is one hop.
-/// The cost of a capture or release depends on the blocks involved. The cost of a new phase depends
-/// on the blocks with duties in it.
+/// The work for an event hardly depends on the size of the structure. It depends on one hop for a
+/// message, and on the blocks involved for a capture or release. For a new phase, it depends on the
+/// blocks with duties in this phase.
 #[derive(Clone, Debug)]
 pub struct Structure<'t, M = ()> {
     pub(super) tables: &'t Tables,
@@ -396,8 +397,9 @@ impl<'t, M: Copy> Structure<'t, M> {
 
     /// Releases a child by switching off the parent's face.
     ///
-    /// Before that, the parent takes over all messages in transit between them, and the child's
-    /// received and kept messages. It keeps them for the next holders of their roles.
+    /// Before that, the parent takes over all messages in transit between the two blocks. It also
+    /// takes over the messages that the child has received or kept. It keeps all of them for the
+    /// next holders of their roles.
     fn release_block(
         &mut self,
         at: BlockSlot,

@@ -50,9 +50,9 @@ pub struct PhaseCost {
 pub struct CaptureCost {
     /// The capture.
     pub event: EventId,
-    /// Mean waiting time of its face \[ticks\]. Includes captures of blocks that are released
-    /// nearby.
+    /// Mean waiting time of the capturing face \[ticks\]. Includes captures of blocks that are
+    /// released nearby.
     pub wait: f64,
-    /// Share of the total time with this capture on the critical path.
+    /// Share of the total time during which the critical path waits for this capture.
     pub share: f64,
 }

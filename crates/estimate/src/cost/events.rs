@@ -20,7 +20,7 @@ pub struct ProgramParts<'a> {
     pub jam_risks: &'a [JamRisk],
 }
 
-/// The capture that anchored a block. `None` for the plate.
+/// A block, identified by the capture that anchored it. `None` for the plate.
 pub type Block = Option<EventId>;
 
 /// A block by one of its names. The plate has a name for each seed.
@@ -31,10 +31,10 @@ pub struct Events<'a> {
     pub parts: ProgramParts<'a>,
     /// All events in topological order.
     pub(super) order: Vec<EventId>,
-    /// For each event, its level: the number of captures on the longest chain of its phase that
-    /// ends there.
+    /// For each event, its level: the largest number of captures in a chain of events of the phase
+    /// that ends with the event.
     levels: Vec<u32>,
-    /// For each capture the capturing block, for each release the released block.
+    /// For each capture, the capturing block. For each release, the released block.
     pub actors: Vec<NamedBlock>,
 }
 
@@ -173,12 +173,13 @@ pub struct PhaseEvent {
     pub id: EventId,
     /// Cell that the event fills or empties.
     pub cell: Cell,
-    /// Number of captures on the longest chain of the phase that ends here.
+    /// Level of the event: the largest number of captures in a chain of events of the phase that
+    /// ends with the event.
     pub level: u32,
     /// Capturing face. `None` for a release.
     pub face: Option<Face>,
-    /// Level of the capture of the released block in this phase. 0 if it was attached before the
-    /// phase. `None` for a capture.
+    /// Level of the capture that anchored the released block in this phase. 0 if the block was
+    /// attached before the phase. `None` for a capture.
     pub releases_since: Option<u32>,
 }
 
@@ -200,7 +201,7 @@ pub fn taken(is_capture: bool) -> i64 {
 }
 
 /// Returns the number of bound blocks when the captures of each level begin, and at the end of the
-/// phase. `before` blocks are bound at its beginning.
+/// phase. `before` is the number of bound blocks when the phase begins.
 pub fn bound(before: i64, events: &[PhaseEvent]) -> Vec<i64> {
     let levels = events.iter().map(|event| event.level).max();
     let mut bound = vec![0; levels.map_or(1, |levels| levels as usize + 2)];

@@ -9,8 +9,8 @@ use stochc_ir::table::PhaseId;
 use super::events::{Block, Events, NamedBlock};
 use super::exponential::exponential;
 
-/// Largest number of later captures that news to the top of a growing tower may wait for. Lower
-/// blocks are captured long before.
+/// Largest length of [`MessagePath::handed_to`]. If news goes to the top of a growing tower, the
+/// lower blocks are captured long before the news arrives.
 const MAX_HANDED: usize = 64;
 
 /// Messages that an event needs.
@@ -20,14 +20,14 @@ pub struct StepMessages {
     news: Vec<MessagePath>,
     /// Number of hops of the request for release. 0 for a capture.
     request: u32,
-    /// Number of hops of the report that this event was the last of the phase.
+    /// Draws the time when the news about a predecessor arrives \[ticks\]. `news` is the index of
+    /// the predecessor, which happened at `happened`. `ends` contains the times of all events.
     report: u32,
     hop: HopTime,
 }
 
 impl StepMessages {
-    /// Draws the time when news number `news` arrives \[ticks\]. The event of the news happened at
-    /// `happened`. `ends` has the times of all events.
+    /// Draws the duration of the block's request for release \[ticks\].
     pub fn heard(&self, news: usize, happened: f64, ends: &[f64], rng: &mut ChaCha8Rng) -> f64 {
         let path = &self.news[news];
         let mut at = happened + self.hop.draw(path.hops, rng);
@@ -42,7 +42,7 @@ impl StepMessages {
         self.hop.draw(self.request, rng)
     }
 
-    /// Draws the delay until the phase knows that this event was its last \[ticks\].
+    /// Draws the duration of the report that this event was the last of its phase \[ticks\].
     pub fn report(&self, rng: &mut ChaCha8Rng) -> f64 {
         self.hop.draw(self.report, rng)
     }
@@ -53,7 +53,8 @@ impl StepMessages {
 struct HopTime {
     /// Duration without loss \[ticks\].
     whole: f64,
-    /// Probability of a loss. A lost message is sent again after 2 h + 1 ticks.
+    /// Probability that a message is lost in a hop. It is then sent again after 2 h + 1 ticks, with
+    /// the duration h of a hop.
     loss: f64,
 }
 
@@ -94,16 +95,17 @@ struct MessagePath {
 pub struct MessageTimes<'a> {
     events: &'a Events<'a>,
     hop: HopTime,
-    /// For each capture the capturing block, for each release the releasing block.
+    /// For each capture, the capturing block. For each release, the releasing block.
     parents: Vec<NamedBlock>,
     /// For each event, whether a later event of the same branch follows. Only the last one reports.
     is_followed: Vec<bool>,
     /// For each capture, the number of hops from its block to the plate.
     depths: Vec<u32>,
-    /// For each capture, a distant ancestor of its block. Finds the common ancestor of two blocks
-    /// in logarithmic time.
+    /// For each capture, a distant ancestor of its block. These ancestors allow finding the common
+    /// ancestor of two blocks in logarithmic time.
     ///
     /// # Source
+    ///
     /// E. W. Myers, Information Processing Letters 17 (1983), 241-248.
     jumps: Vec<Block>,
 }

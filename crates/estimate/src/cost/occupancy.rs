@@ -5,7 +5,7 @@ use stochc_ir::Cell;
 
 use super::events::PhaseEvent;
 
-/// Interval of levels with a block in a cell.
+/// Interval of levels during which a cell contains a block.
 #[derive(Clone, Copy, Debug)]
 struct OccupancyInterval {
     since: u32,

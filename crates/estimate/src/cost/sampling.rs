@@ -49,10 +49,10 @@ pub struct Sampled {
     pub phases: Vec<SampledPhase>,
     /// Completion times of the whole program.
     pub draws: Vec<Draw>,
-    /// Whether two captures in adjacent cells are open at the same time in one of the first [`MIN`]
-    /// samples.
+    /// Whether the faces of two captures in adjacent cells are open at the same time in one of the
+    /// first [`MIN`] samples.
     pub has_race: bool,
-    /// For each event, its share of the total time on the critical path.
+    /// For each event, the share of the total time during which the critical path waits for it.
     pub shares: Vec<f64>,
     /// For each event, the mean time from its start to its end \[ticks\]. `None` if it never
     /// happened.
@@ -158,7 +158,8 @@ pub fn sample(
     }
 }
 
-/// Draws the event times of a phase without head starts and without scarcity.
+/// Draws the event times of a phase in topological order. This requires that blocks are not scarce,
+/// and that no block is released near an open face.
 fn draw_in_order(
     steps: &[Step],
     waits: &[Option<CaptureWait>],

@@ -15,7 +15,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// Draws the delay until the phase knows that this event was its last \[ticks\].
+    /// Draws the duration of the report that this event was the last of its phase \[ticks\].
     pub fn report(&self, rng: &mut ChaCha8Rng) -> f64 {
         let messages = self.messages.as_ref();
         messages.map_or(0.0, |it| it.report(rng))

@@ -62,7 +62,7 @@ struct PhaseDraw<'a, 'b> {
 
 /// State of scarce free blocks during a phase.
 ///
-/// If few blocks are left, the arrival rates of all faces decrease by the same factor. Waiting
+/// If few free blocks remain, the arrival rates of all faces decrease by the same factor. Waiting
 /// times therefore use a separate clock, whose speed is this factor.
 struct RemainingBlocks<'a, 'b> {
     blocks: &'b ScarceBlocks<'a>,
@@ -74,14 +74,15 @@ struct RemainingBlocks<'a, 'b> {
     now: f64,
     /// Value of the separate clock at `now`.
     clock: f64,
-    /// Arrivals of the block that will dock at each open face, by the separate clock.
+    /// For each open face, the arrival time of the block that will dock, on the separate clock.
     arrivals: BinaryHeap<Scheduled<()>>,
     /// For each step, the cumulative hazard at its capture.
     hazards: Vec<f64>,
 }
 
 impl<'a> TimedPhase<'a> {
-    /// Prepares a phase. Returns `None` if the phase has no head starts and enough free blocks.
+    /// Prepares a phase. Returns `None` if enough blocks are free and no block is released near an
+    /// open face.
     pub fn new(
         steps: &'a [Step],
         waits: &'a [Option<CaptureWait>],

@@ -8,25 +8,27 @@ use super::events::{Events, PhaseEvent, bound};
 use super::occupancy::Occupancy;
 use crate::{HeadStarts, Neighbourhood, Rates, ReleaseNearby, Surroundings, Wait, feature_cells};
 
-/// Share of free blocks captured at one level. Above it, blocks count as scarce. Waiting times
-/// assume that half of the blocks of a level are captured.
+/// Limit of the share of free blocks captured at one level. Above it, free blocks count as scarce.
+/// Waiting times assume that half of the blocks of a level are captured.
 const FEW: f64 = 0.03;
 
-/// Share of free blocks captured in a phase outside its critical path. Above it, blocks count as
-/// scarce. Equal waiting times for all captures are then a poor assumption.
+/// Limit of the share of free blocks captured in a phase outside its critical path. Above it, free
+/// blocks count as scarce. Equal waiting times for all captures are then a poor assumption.
 const MANY: f64 = 0.1;
 
 /// Waiting time of a capture, with its conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptureWait {
-    /// Waiting time in the structure at its level. Captures of the same level count half.
+    /// Waiting time at the capture's level. Half of the other captures of this level count as
+    /// complete.
     pub wait: Wait,
     /// Share of the initial free blocks that are still free.
     pub free: f64,
-    /// Whether free blocks are scarce. More than [`FEW`] are captured at its level, or more than
-    /// [`MANY`] in its phase outside the critical path.
+    /// Whether free blocks are scarce: the capture's level captures more than [`FEW`] of them, or
+    /// its phase captures more than [`MANY`] outside the critical path.
     pub is_scarce: bool,
-    /// Head starts of blocks that this phase or the previous one releases near the open face.
+    /// Head starts at the open face: the likely captures of blocks that this phase or the previous
+    /// one releases nearby.
     pub head_starts: Vec<(EventId, ReleaseNearby)>,
 }
 

@@ -7,15 +7,16 @@ use stochc_ir::{Cell, Face};
 
 use crate::geometry::surroundings::aside;
 
-/// Returns the cells next to an open cell, perpendicular to `way`, above the ground. In a gap,
-/// these cells are empty. Blocks there sometimes cause jams, but the ground does not.
+/// Returns the cells next to an open cell, perpendicular to `way`, above the ground. The open cell
+/// is a passable gap only if these cells are empty. The ground does not matter, because it causes
+/// no jams.
 pub fn beside_gap(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
     let beside = aside(way).filter_map(move |face| cell.across(face));
     beside.filter(|beside| beside.z >= 1)
 }
 
-/// Returns the positions of a cube of size two, by their low corners, from where a block slides
-/// into a gap. The cube covers a cell next to the gap, but not the gap, and extends to either side.
+/// Returns the low corners of all cubes of size two from where a block can slide into the gap
+/// `cell`. Each cube contains one of the cells [`beside_gap`], but not the gap.
 pub fn gap_entrances(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
     let pairs = aside(way).flat_map(move |out| {
         let edges = aside(way).filter(move |edge| *edge != out && *edge != out.opposite());

@@ -1,8 +1,8 @@
 //! Errors that are known for sums of waiting times.
 use serde::Serialize;
 
-/// Effect of a program's captures on each other while they wait. Adding times along the graph
-/// neglects this effect. A program gets the strongest effect of its captures.
+/// Effect of waiting captures of a program on each other. Adding waiting times along the graph
+/// neglects this effect. A program has the strongest effect that its captures have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Interaction {
@@ -25,7 +25,7 @@ impl Interaction {
         }
     }
 
-    /// Returns the interaction as a clause.
+    /// Returns the interaction as part of a sentence.
     pub fn meaning(self) -> &'static str {
         match self {
             Interaction::Apart => "no adjacent faces are open together, and no block is released",

@@ -12,7 +12,7 @@ pub const SIGHT: i32 = 2;
 #[serde(transparent)]
 pub struct Neighbourhood(u128);
 
-/// Cells blocked by the ground, by layer.
+/// For a cell in each of the lowest layers, the part of its neighbourhood that the ground blocks.
 static ON_GROUND: LazyLock<[Neighbourhood; EDGE as usize]> = LazyLock::new(|| {
     std::array::from_fn(|layer| {
         let layer = layer as i32 - SIGHT;

@@ -11,8 +11,8 @@ pub struct Rivals {
     /// Number of faces of the same direction whose open cells are diagonal to this face's open
     /// cell, perpendicular to the normal.
     pub across: u8,
-    /// Weighted number of all other faces. Faces open to a cell across a side or an edge count 2,
-    /// at a corner 1. Faces that point away count 0.
+    /// Weighted number of all other faces nearby. A face counts 2 if its open cell touches this
+    /// open cell across a side or an edge, and 1 at a corner. Faces that point away count 0.
     pub around: u8,
 }
 

@@ -4,7 +4,8 @@
 /// Shape of the Erlang distribution of docking times.
 pub const STAGES: i32 = 2;
 
-/// Argument below which power series are more accurate than differences, with at least 10 digits.
+/// Argument below which power series are used, because differences would lose digits. Results have
+/// at least 10 correct digits.
 const SMALL: f64 = 0.05;
 
 /// Returns a + b x + c x^2 and so on.
@@ -21,7 +22,7 @@ pub(crate) fn docked(time: f64) -> f64 {
     docked_with(x, || libm::exp(-x))
 }
 
-/// Returns the integral of [`docked`].
+/// Returns the integral of [`docked`] from 0 to a time, in units of the mean docking time.
 pub(crate) fn summed(time: f64) -> f64 {
     let x = f64::from(STAGES) * time;
     summed_with(x, || libm::exp(-x))

@@ -120,7 +120,7 @@ pub struct Pump {
 pub struct Reach {
     /// Magnitude of the force \[N\].
     pub force: f64,
-    /// Largest distance between the centres of the two faces at which the force acts \[m\].
+    /// Range of the force: largest distance between the centres of the two faces \[m\].
     pub within: f64,
 }
 

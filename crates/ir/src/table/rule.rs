@@ -33,8 +33,8 @@ pub enum Condition {
     Released(RoleId),
     /// A message has reported this event.
     Heard(News),
-    /// Enough earlier rules of the duty have captured their blocks: at least this number. The block
-    /// then has a face available.
+    /// At least this number of earlier captures of the duty are complete. The block can then
+    /// magnetize another face.
     Turn(u8),
 }
 
@@ -67,8 +67,8 @@ pub enum Action {
     },
     /// Requests release from the parent.
     AskRelease,
-    /// Releases the child at a face: switches the magnet off, closes the valve, or rejects it with
-    /// an impulse.
+    /// Releases the child at a face: switches the magnet off, closes the valve, or rejects the
+    /// child with an impulse.
     SwitchOff {
         /// Face in the structure's frame.
         face: Face,
@@ -89,7 +89,7 @@ pub enum Action {
 /// Rule of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Rule<'a> {
-    /// Conditions that must all hold. Without any, the rule fires at once.
+    /// Conditions that must all hold. Without conditions, the rule fires at once.
     pub when: &'a [Condition],
     /// Action, performed once.
     pub then: Action,

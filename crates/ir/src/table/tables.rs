@@ -18,8 +18,9 @@ pub struct Tables {
     pub bond: BondKind,
     /// Number of faces that one block can magnetize at the same time.
     pub faces: u8,
-    /// For an aggregate, the size of a complete group. Free blocks bond to each other without plate
-    /// and rules. Phase i ends when some group has i + 2 blocks.
+    /// For an aggregate, the number of blocks in a complete group. Free blocks bond to each other
+    /// without plate and rules. Phase i, counted from 0, ends when a group has i + 2 blocks. `None`
+    /// for an assembly.
     pub aggregate: Option<u32>,
     /// Seed plate.
     pub plate: Plate,
@@ -35,7 +36,7 @@ pub struct Tables {
     conditions: Vec<Condition>,
 }
 
-/// Name of the phase of pre-attached blocks: a keyword, so that no other phase has it.
+/// Name of the phase of pre-attached blocks. It is a keyword, so no other phase can have this name.
 pub const PRE_ATTACHED: &str = "seed";
 
 /// Phase of a program.
@@ -132,7 +133,7 @@ impl<'a> Duty<'a> {
     }
 }
 
-/// Duty outside of tables: role, phase, trigger and rules.
+/// Duty that is not stored in [`Tables`]: role, phase, trigger and rules.
 pub type LooseDuty = (RoleId, PhaseId, Trigger, Vec<(Vec<Condition>, Action)>);
 
 impl Tables {

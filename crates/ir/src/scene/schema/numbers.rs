@@ -7,7 +7,8 @@ use super::number::{Accessor, Range, SchemaNumber};
 use Accessor::{High, Low, Optional, Term};
 use Range::{Acute, AtLeast, Between, Positive, Whole};
 
-/// Makes the location of a value in a variant of an enum.
+/// Expands to the location of a value in one variant of an enum. `None` if the enum has another
+/// variant.
 macro_rules! of {
     ($it:expr, $variant:pat => $place:expr) => {
         match $it {

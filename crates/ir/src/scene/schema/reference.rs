@@ -2,7 +2,8 @@
 use super::{Absent, Range, SchemaEntry, SchemaNumber, SchemaPart};
 
 impl SchemaNumber {
-    /// Returns kind, range and meaning: `a length, more than 0: the edge of a cube`.
+    /// Returns the kind, range and meaning of the parameter: `a length, more than 0: the edge of a
+    /// cube`.
     pub fn described(&self) -> String {
         let noun = self.kind.noun.split(',').next().unwrap_or_default();
         let (rule, meaning) = (self.range.rule(), self.meaning);
@@ -73,7 +74,8 @@ impl SchemaEntry {
         }
     }
 
-    /// Returns the syntax of the entry with the symbols of its values.
+    /// Returns the syntax of the entry with the symbols of its values. `kind` is the kind to show,
+    /// if the entry has several.
     fn pattern(&self, kind: Option<&SchemaEntry>) -> Vec<String> {
         let mut out = vec![format!("`{}`", self.word)];
         for part in self.parts {

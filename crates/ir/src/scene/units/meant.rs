@@ -36,8 +36,8 @@ const NAMES: [(&str, &[&str]); 17] = [
     ("K", &["kelvin", "kelvins"]),
 ];
 
-/// Units that the grammar does not read: their names, a supported unit, the factor and the offset
-/// to it.
+/// Units that the grammar does not read: their names, a supported unit, and the factor and offset
+/// of the conversion to it.
 const FOREIGN: [(&[&str], &str, f64, f64); 11] = [
     (&["mmHg", "Torr"], "Pa", 133.322387415, 0.0),
     (&["atm"], "Pa", 101_325.0, 0.0),
@@ -156,8 +156,8 @@ mod tests {
         assert_eq!(meant("furlong"), None);
     }
 
-    /// Returns laboratory units, and the symbols of all units with one letter added, removed or
-    /// changed.
+    /// Returns unit symbols that the grammar does not read, such as laboratory units and
+    /// misspellings.
     fn words() -> Vec<String> {
         let odd = [
             "mcg", "mcm", "mcL", "mbr", "torr", "cst", "cSt", "kgm", "Nm", "Ns", "mPas", "ccm",

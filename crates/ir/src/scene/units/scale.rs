@@ -54,8 +54,8 @@ impl Scale {
         }
     }
 
-    /// Converts a value in this unit to SI units. The result is the nearest double. With turns, it
-    /// is rounded once more.
+    /// Converts a value in this unit to SI units. The result is the nearest double. If the unit
+    /// contains factors of 2π, the result is rounded a second time.
     pub(super) fn apply(self, value: f64) -> f64 {
         match self.turns {
             0 => self.times_decimal(value),

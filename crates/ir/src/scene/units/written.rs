@@ -104,8 +104,8 @@ fn number(text: &str) -> usize {
     end
 }
 
-/// Returns the factors of the unit at the start of a text, and its length. Empty and 0 if there is
-/// none.
+/// Returns the factors and the length of the unit at the start of a text. Returns no factors and 0
+/// if the text does not begin with a unit.
 fn factors(text: &str) -> (Vec<(&str, i8)>, usize) {
     let (mut factors, mut end) = (Vec::new(), 0);
     let mut next = Some((false, 0));
@@ -146,8 +146,8 @@ fn factor(text: &str) -> Option<(&str, i8, usize)> {
     })
 }
 
-/// Returns whether the operator between two factors divides, and its length. Returns `None` if
-/// there is no operator.
+/// Reads the operator between two factors at the start of a text. Returns whether it divides, and
+/// its length. Returns `None` if there is no operator.
 fn operator(text: &str) -> Option<(bool, usize)> {
     let behind = text.trim_start_matches(BLANK);
     let space = text.len() - behind.len();
