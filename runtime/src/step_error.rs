@@ -53,7 +53,7 @@ pub fn step_errors(scene: &Scene, steps: Substeps) -> Vec<StepError> {
             restitution as Experiment,
         ),
         (
-            "docking, pulled from rest within the reach",
+            "docking from rest within the reach",
             "τ",
             steps.near,
             docking,

@@ -174,7 +174,7 @@ fn the_reynolds_number_uses_the_expected_speed() {
     let with = |viscosity: f64| {
         let clauses = format!("fluid {{ viscosity {viscosity} mPa s }}");
         let scene = scene(&program(&clauses, ""));
-        let groups = stochc_ir::scene::groups::groups(&scene);
+        let groups = stochc_ir::scene::groups::groups(&scene, Substeps::DEFAULT);
         let found = groups.iter().find(|it| it.symbol == "m v / (a² η)");
         let speed = stochc_ir::scene::groups::speed(&scene).rms.unwrap();
         (found.unwrap().value, speed / (0.04 * viscosity * 1e-3))

@@ -5,9 +5,12 @@ use serde_json::{Value as Json, json};
 use stochc_compiler::Checked;
 use stochc_compiler::diagnostic::Code;
 use stochc_ir::scene::describe::{AbsentTerm, DescribedTerm, DescribedValue, absent, terms};
-use stochc_ir::scene::groups::{BlockUnits, DimensionlessGroup, Speed, SpeedFrom, groups, speed};
-use stochc_ir::scene::warnings::{SceneWarning, SceneWarningKind, short};
+use stochc_ir::scene::groups::{
+    AdvisedRange, BlockUnits, DimensionlessGroup, Speed, SpeedFrom, groups, speed,
+};
+use stochc_ir::scene::warnings::{SceneWarning, SceneWarningKind, short, structure_group};
 use stochc_ir::scene::{ContactLaw, Scene, Substeps};
+use stochc_ir::table::Tables;
 use stochc_runtime::{StepError, step_errors};
 use stochc_text::aligned;
 use stochc_text::visible;
@@ -22,6 +25,8 @@ pub struct InForce<'a> {
     absent: Vec<AbsentTerm>,
     speed: Speed,
     groups: Vec<DimensionlessGroup>,
+    /// Smallest density of free blocks at the structures of the assemblies.
+    at_structure: Option<DimensionlessGroup>,
     /// Default number of substeps of the scene.
     steps: Substeps,
     /// Warnings about the scene, with its default substeps.
@@ -39,29 +44,42 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
         };
         let name = program.plan.name.as_str();
         let steps = Substeps::DEFAULT.in_scene(scene);
-        match out.iter_mut().find(|it| it.scene == scene) {
-            Some(known) => known.add(name, &program.scene_warnings),
-            None => out.push(InForce {
+        let number = out.iter().position(|it| it.scene == scene);
+        let number = number.unwrap_or_else(|| {
+            out.push(InForce {
                 file,
                 scene,
-                assemblies: vec![name],
+                assemblies: Vec::new(),
                 terms: terms(scene),
                 absent: absent(scene),
                 speed: speed(scene),
-                groups: groups(scene),
+                groups: groups(scene, steps),
+                at_structure: None,
                 steps,
-                warnings: program.scene_warnings.clone(),
+                warnings: Vec::new(),
                 step_errors: step_errors(scene, steps),
-            }),
-        }
+            });
+            out.len() - 1
+        });
+        let layers = program.tables.as_ref().and_then(Tables::capture_layers);
+        let density = layers.and_then(|layers| structure_group(scene, &layers));
+        out[number].add(name, &program.scene_warnings, density);
     }
     out
 }
 
 impl<'a> InForce<'a> {
-    /// Adds an assembly that uses the scene. `warnings` are about the heights of its captures.
-    fn add(&mut self, assembly: &'a str, warnings: &[SceneWarning]) {
+    /// Adds an assembly, with warnings about the heights of its captures, and the density of free
+    /// blocks there.
+    fn add(
+        &mut self,
+        assembly: &'a str,
+        warnings: &[SceneWarning],
+        density: Option<DimensionlessGroup>,
+    ) {
         self.assemblies.push(assembly);
+        let known = self.at_structure.into_iter().chain(density);
+        self.at_structure = known.min_by(|a, b| a.value.total_cmp(&b.value));
         for warning in warnings {
             let is_same =
                 |known: &SceneWarning| (known.kind, known.symbol) == (warning.kind, warning.symbol);
@@ -71,9 +89,16 @@ impl<'a> InForce<'a> {
         }
     }
 
-    /// Returns whether a dimensionless number exceeds its limit, with the default substeps.
+    /// Returns whether a dimensionless number is outside of its limit with the default substeps.
     fn is_exceeded(&self, group: &DimensionlessGroup) -> bool {
-        group.is_exceeded(group.steps_of(self.steps)) || group.disappoints().is_some()
+        group.is_exceeded(group.steps_of(self.steps))
+            || group.disappoints().is_some()
+            || group.is_unusual()
+    }
+
+    /// Returns all dimensionless numbers.
+    fn groups(&self) -> impl Iterator<Item = &DimensionlessGroup> {
+        self.groups.iter().chain(&self.at_structure)
     }
 
     /// Returns the listing of `--physics` as one JSON object: `{ file, scene, assemblies, terms,
@@ -94,7 +119,8 @@ impl<'a> InForce<'a> {
                 "symbol": group.symbol,
                 "meaning": group.meaning,
                 "value": group.value,
-                "most": max_value(group),
+                "least": least(group),
+                "most": most(group),
                 "taken": group.steps_of(self.steps),
                 "exceeded": self.is_exceeded(group),
                 "substeps": group.substeps(),
@@ -120,7 +146,7 @@ impl<'a> InForce<'a> {
                 "si": self.speed.rms,
                 "block": self.speed.rms.map(|rms| units.speed(rms)),
             },
-            "groups": self.groups.iter().map(group).collect::<Vec<_>>(),
+            "groups": self.groups().map(group).collect::<Vec<_>>(),
             "steps": {
                 "taken": self.steps.to_string(),
                 "needed": self.needed(),
@@ -167,10 +193,7 @@ impl<'a> InForce<'a> {
             );
         }
         if self.needed() > 1 && matches!(self.contact(), Some(ContactLaw::Rigid { .. })) {
-            out.push_str(
-                "  With rigid contacts, a scene with other substeps is another scene: what was calibrated \
-                 has to be calibrated anew.\n",
-            );
+            out.push_str("  With rigid contacts, calibrate the scene again for other substeps.\n");
         }
         out
     }
@@ -183,13 +206,15 @@ impl<'a> InForce<'a> {
 
     /// Returns the sentence that states whether the time step is small enough.
     fn verdict(&self) -> String {
-        let taken = self.steps;
+        let taken = self.steps.in_words();
         if !self.are_steps_short() {
-            format!("The steps are too long: `simulate` takes {taken} a tick.")
-        } else if self.needed() == 1 {
-            "One step a tick is short enough.".to_owned()
+            format!("The time step is too long ({taken}).")
+        } else if self.needed() == 1 && self.steps.longest() > 1 {
+            format!(
+                "The time step is small enough ({taken}).\n  One substep per tick would be enough."
+            )
         } else {
-            format!("The steps are short enough: `simulate` takes {taken} a tick.")
+            format!("The time step is small enough ({taken}).")
         }
     }
 
@@ -220,28 +245,34 @@ impl<'a> InForce<'a> {
     }
 
     fn list_groups(&self, out: &mut String) {
-        let named =
-            |group: &DimensionlessGroup| [group.symbol.to_owned(), group.meaning.to_owned()];
-        let names: Vec<_> = self.groups.iter().map(named).collect();
-        let head = ["groups", "value", "limit, about", ""].map(str::to_owned);
-        let mut rows = vec![head];
-        for (group, name) in self.groups.iter().zip(aligned(&names)) {
-            let most = max_value(group).map(|most| format!("at most {}", short(most)));
-            let mark = if self.is_exceeded(group) {
-                "exceeded"
-            } else {
-                ""
+        let row = |group: &DimensionlessGroup| {
+            let limit = (most(group).map(|most| format!("at most {}", short(most))))
+                .or(least(group).map(|least| format!("at least {}", short(least))));
+            let mark = match (self.is_exceeded(group), least(group)) {
+                (false, _) => "",
+                (true, None) => "exceeded",
+                (true, Some(_)) => "too small",
             };
-            rows.push([
-                format!("  {name}"),
-                format!("{:9}", short(group.value)),
-                most.unwrap_or_default(),
+            [
+                group.symbol.to_owned(),
+                short(group.value),
+                limit.unwrap_or_default(),
                 mark.to_owned(),
-            ]);
-        }
-        out.push('\n');
-        for line in aligned(&rows) {
-            let _ = writeln!(out, "  {line}");
+            ]
+        };
+        let head = ["", "value", "limit, about", ""].map(str::to_owned);
+        let rows: Vec<_> = std::iter::once(head)
+            .chain(self.groups().map(row))
+            .collect();
+        let mut lines = aligned(&rows).into_iter();
+        let _ = writeln!(
+            out,
+            "\n  dimensionless numbers, with limits for {}\n    {}",
+            self.steps.in_words(),
+            lines.next().unwrap_or_default()
+        );
+        for (group, line) in self.groups().zip(lines) {
+            let _ = writeln!(out, "    {line}\n      {}", group.meaning);
         }
     }
 
@@ -249,19 +280,22 @@ impl<'a> InForce<'a> {
         if self.step_errors.is_empty() {
             return;
         }
-        out.push_str("\n  error of the steps, in experiments with the constants of this scene\n");
+        out.push_str(
+            "\n  error of the time step, in experiments with the constants of this scene\n",
+        );
+        let head = ["", "substeps", "value", "resolved", "error"].map(str::to_owned);
         let row = |error: &StepError| {
-            let of = |value| in_unit(value, error.unit);
-            let change = format!(
-                "{} with {} steps a tick, {} if resolved: {:+.1} %",
-                of(error.taken),
-                error.steps,
-                of(error.resolved),
-                error.relative() * 100.0,
-            );
-            [error.figure.to_owned(), change]
+            [
+                error.figure.to_owned(),
+                error.steps.to_string(),
+                in_unit(error.taken, error.unit),
+                in_unit(error.resolved, error.unit),
+                format!("{:+.1} %", error.relative() * 100.0),
+            ]
         };
-        let rows: Vec<_> = self.step_errors.iter().map(row).collect();
+        let rows: Vec<_> = std::iter::once(head)
+            .chain(self.step_errors.iter().map(row))
+            .collect();
         for line in aligned(&rows) {
             let _ = writeln!(out, "    {line}");
         }
@@ -315,11 +349,22 @@ impl<'a> InForce<'a> {
     }
 }
 
-/// Returns the limit of a dimensionless number at one substep per tick. Returns `None` if it has no
-/// limit.
-fn max_value(group: &DimensionlessGroup) -> Option<f64> {
+/// Returns the upper limit of a dimensionless number. Returns `None` if it has none.
+fn most(group: &DimensionlessGroup) -> Option<f64> {
+    let advised = match group.advised {
+        Some(AdvisedRange::Most(most)) => Some(most),
+        _ => None,
+    };
     let expected = group.expected.map(|expected| expected.most);
-    group.limit.map(|limit| limit.most).or(expected)
+    group.limit.map(|limit| limit.most).or(expected).or(advised)
+}
+
+/// Returns the lower limit of a dimensionless number. Returns `None` if it has none.
+fn least(group: &DimensionlessGroup) -> Option<f64> {
+    match group.advised {
+        Some(AdvisedRange::Least(least)) => Some(least),
+        _ => None,
+    }
 }
 
 fn in_unit(value: f64, unit: &str) -> String {

@@ -1,13 +1,24 @@
-use stochc_ir::scene::groups::{Settling, SpeedFrom, groups, speed};
+use stochc_ir::scene::groups::{
+    DimensionlessGroup, Settling, SpeedFrom, groups as groups_with, speed,
+};
 use stochc_ir::scene::{
     Agitation, BOLTZMANN, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid, Scene, Stir,
-    Strength,
+    Strength, Substeps,
 };
 
 use crate::scene::built_in;
 
 fn hemisphere() -> Scene {
     built_in("hemisphere_2005").expect("a built-in scene")
+}
+
+const ONE_STEP: Substeps = Substeps {
+    near: 1,
+    away: None,
+};
+
+fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
+    groups_with(scene, ONE_STEP)
 }
 
 /// Returns the dimensionless numbers of a scene by symbol.
@@ -196,6 +207,20 @@ fn substeps_satisfy_each_limit() {
         .map(|group| (group.symbol, group.substeps()))
         .collect();
     assert_eq!(exceeded, [("v τ / a", Some(3)), ("F τ² / (m d)", Some(3))]);
+}
+
+/// Displacements fall with the number of substeps, and what a force does falls with its square.
+#[test]
+fn limits_grow_with_the_substeps_that_are_taken() {
+    let limit = |steps: &str, symbol: &str| {
+        let all = groups_with(&hemisphere(), steps.parse().expect("steps"));
+        let found = all.iter().find(|group| group.symbol == symbol);
+        found.and_then(|group| group.limit).expect("a limit").most
+    };
+    for (steps, motion, pull) in [("1", 0.1, 1.0), ("4", 0.4, 16.0), ("2/8", 0.2, 64.0)] {
+        assert!(close(limit(steps, "v τ / a"), motion), "{steps}");
+        assert!(close(limit(steps, "F τ² / (m d)"), pull), "{steps}");
+    }
 }
 
 /// Returns the scene of `examples/microns.sa`.

@@ -1,5 +1,6 @@
 //! Substeps of the physics per tick.
 use super::{Bond, Scene};
+use stochc_text::counted;
 
 /// Steps of the model per tick, in the syntax of the option `--substeps`: `4`, or `1/8`.
 ///
@@ -38,6 +39,15 @@ impl Substeps {
         Substeps {
             away: self.away.filter(|_| local),
             ..self
+        }
+    }
+
+    /// Returns the steps in words, such as "2 substeps per tick, 8 near open faces".
+    pub fn in_words(self) -> String {
+        let steps = counted(self.longest() as usize, "substep");
+        match self.away {
+            Some(_) => format!("{steps} per tick, {} near open faces", self.near),
+            None => format!("{steps} per tick"),
         }
     }
 

@@ -2,11 +2,12 @@
 use std::ops::RangeInclusive;
 
 use super::groups::{
-    DRAG_SYMBOL, DimensionlessGroup, ExpectedRange, ResolutionLimit, Settling, carried, groups,
-    speed, turn_in_steps,
+    AdvisedRange, DRAG_SYMBOL, DimensionlessGroup, ExpectedRange, ResolutionLimit, Settling,
+    carried, groups, speed, turn_in_steps,
 };
 pub use super::warning_kind::SceneWarningKind;
 use super::{Agitation, Bond, Scene, Substeps};
+use stochc_text::{counted, percent};
 
 /// Warning about a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,7 +72,7 @@ pub fn scene_warnings(
     layers: Option<RangeInclusive<i32>>,
 ) -> Vec<SceneWarning> {
     let steps = stepping.steps.in_scene(scene);
-    let groups = groups(scene);
+    let groups = groups(scene, steps);
     let taken = |group: &DimensionlessGroup| group.steps_of(steps);
     let exceeded = groups
         .iter()
@@ -79,7 +80,7 @@ pub fn scene_warnings(
     let resolving = resolving(exceeded, steps);
     let mut found = Vec::new();
     found.extend(no_agitation(scene));
-    found.extend(layers.and_then(|layers| buoyant(scene, layers)));
+    found.extend(layers.and_then(|layers| buoyant(scene, &layers)));
     found.extend(groups.iter().filter_map(|group| {
         let steps = taken(group);
         let limit = group.limit.filter(|_| group.is_exceeded(steps))?;
@@ -138,17 +139,31 @@ fn no_agitation(scene: &Scene) -> Option<SceneWarning> {
     })
 }
 
-/// Warns of a structure at heights with few free blocks because of weight or lift. Returns `None`
-/// if there are enough blocks.
-fn buoyant(scene: &Scene, layers: RangeInclusive<i32>) -> Option<SceneWarning> {
+/// Returns the density of free blocks at the structure as a dimensionless number. `None` if neither
+/// weight nor lift moves them.
+pub fn structure_group(scene: &Scene, layers: &RangeInclusive<i32>) -> Option<DimensionlessGroup> {
+    let (_, density) = density_at_structure(scene, layers)?;
+    let meaning = "density of free blocks in the emptiest layer of captures, over the mean";
+    let group = DimensionlessGroup::new("n(z) / n", meaning, density);
+    Some(group.advised(AdvisedRange::Least(MIN_DENSITY)))
+}
+
+/// Returns the layer of captures with the fewest free blocks because of weight or lift, and their
+/// density there, relative to the mean.
+fn density_at_structure(scene: &Scene, layers: &RangeInclusive<i32>) -> Option<(i32, f64)> {
     let settling = Settling::from_scene(scene)?;
     let layer = if settling.is_floating {
         *layers.start()
     } else {
         *layers.end()
     };
-    let density = settling.density_in(scene, layer)?;
-    let where_they_are = if settling.is_floating {
+    Some((layer, settling.density_in(scene, layer)?))
+}
+
+/// Warns of a structure at heights with few free blocks because of weight or lift.
+fn buoyant(scene: &Scene, layers: &RangeInclusive<i32>) -> Option<SceneWarning> {
+    let (layer, density) = density_at_structure(scene, layers)?;
+    let where_they_are = if Settling::from_scene(scene)?.is_floating {
         "most blocks float at the top"
     } else {
         "most blocks lie on the floor"
@@ -157,10 +172,14 @@ fn buoyant(scene: &Scene, layers: RangeInclusive<i32>) -> Option<SceneWarning> {
         kind: SceneWarningKind::BuoyantBlocks,
         symbol: "n(z) / n",
         figure: format!(
-            "in layer {layer} their density is {} of the mean, less than {MIN_DENSITY}",
+            "n(z) / n is {} in layer {layer}, less than {MIN_DENSITY}",
             short(density)
         ),
-        effect: format!("{where_they_are}, and few come to the structure"),
+        effect: format!(
+            "{where_they_are}, and layer {layer} has {} of their mean density, less than {}",
+            percent(density),
+            percent(MIN_DENSITY)
+        ),
         remedy: "bring the density of blocks and fluid closer together, or stir more".to_owned(),
     })
 }
@@ -180,14 +199,11 @@ fn coarse(
         }
         _ => "shorten the `tick`: no allowed number of substeps is enough".to_owned(),
     };
-    let taken = match steps {
-        1 => String::new(),
-        steps => format!("; {steps} steps are taken"),
-    };
+    let taken = counted(steps as usize, "substep");
     SceneWarning {
         kind: SceneWarningKind::CoarseStep,
         symbol,
-        figure: format!("{symbol} is {value} with one step per tick, more than {most}{taken}"),
+        figure: format!("{symbol} is {value}, more than {most} with {taken} per tick"),
         effect: if symbol == DRAG_SYMBOL {
             slowed(group.value / f64::from(steps))
         } else {

@@ -1,25 +1,26 @@
 //! All dimensionless numbers of a scene.
 use super::block_units::BlockUnits;
 use super::gas::Gas;
-use super::number::{DimensionlessGroup, ExpectedRange};
+use super::number::{AdvisedRange, DimensionlessGroup, ExpectedRange};
 use super::settling::Settling;
 use super::softness;
 use super::speed::{self, speed};
 use crate::scene::warning_kind::SceneWarningKind;
-use crate::scene::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene};
+use crate::scene::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene, Substeps};
 
-/// Returns the dimensionless numbers of a scene's terms.
-pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
+/// Returns the dimensionless numbers of a scene's terms, with limits for these steps.
+pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessGroup> {
     let units = BlockUnits::from_scene(scene);
     let v = speed(scene).rms.map(|rms| units.speed(rms));
     let v = v.filter(|&v| v > 0.0);
     let energetic = speed::energetic(scene).map(|rms| units.speed(rms));
     let energetic = energetic.filter(|&v| v > 0.0);
-    let push = Push::from_scene(scene);
+    let push = Push::from_scene(scene, steps);
     let mut out = Vec::new();
     if let Some(v) = v {
         out.push(
-            DimensionlessGroup::new("v τ / a", "sides that a block moves in a tick", v).limited(
+            DimensionlessGroup::new("v τ / a", "block lengths that a block moves in a tick", v).limited(
+                steps,
                 |steps| match scene.agitation {
                     Some(Agitation::Brownian { .. }) => 0.2 - 0.1 * push.left(steps),
                     _ => 0.1,
@@ -42,10 +43,11 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
         out.push(
             DimensionlessGroup::new(
                 "u τ / a",
-                "sides that the mean flow takes a block in a tick, at most",
+                "block lengths that the mean flow carries a block in a tick, at most",
                 carried,
             )
             .limited(
+                steps,
                 |_| 0.1,
                 |steps| carried / steps,
                 "blocks overlap deeply before a contact repels them",
@@ -57,6 +59,7 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
         out.push(
             DimensionlessGroup::new(DRAG_SYMBOL, "what drag takes from a speed in a tick", rate)
                 .limited(
+                    steps,
                     |_| DRAG,
                     |steps| rate / steps,
                     "blocks that a steady force moves fall short of their terminal speed",
@@ -71,22 +74,28 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
         let (hold, depth) = (units.force(magnets.hold), units.length(magnets.depth));
         out.push(push.anchoring(hold, units.length(anchor.within)));
         if let Some(v) = energetic {
-            out.push(DimensionlessGroup::new(
-                "F δ / (3 m v² / 2)",
-                "energy of a bond against that of two blocks' motion to each other",
-                hold * depth / 3.0 / (v * v / 2.0),
-            ));
+            out.push(
+                DimensionlessGroup::new(
+                    "F δ / (3 m v² / 2)",
+                    "energy of a bond against that of two blocks' motion to each other",
+                    hold * depth / 3.0 / (v * v / 2.0),
+                )
+                .advised(AdvisedRange::Least(1.0)),
+            );
         }
     }
     if let Some(Bond::Attract { pull, anchor, .. }) = &scene.bond {
         let (force, reach) = (units.force(pull.force), units.length(pull.within));
         out.push(push.anchoring(force, units.length(anchor.within)));
         if let Some(v) = energetic {
-            out.push(DimensionlessGroup::new(
-                "F r / (m v² / 2)",
-                "work of the pull within its reach against the energy of motion",
-                force * reach / (v * v / 2.0),
-            ));
+            out.push(
+                DimensionlessGroup::new(
+                    "F r / (m v² / 2)",
+                    "work of the pull within its reach against the energy of motion",
+                    force * reach / (v * v / 2.0),
+                )
+                .advised(AdvisedRange::Least(MIN_WORK)),
+            );
         }
     }
     if let Some(Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) =
@@ -108,16 +117,27 @@ pub fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
     out
 }
 
+/// Smallest work of a pull over the energy of motion of any built-in scene (`hemisphere_soft`,
+/// 0.64).
+const MIN_WORK: f64 = 0.6;
+
+/// Largest speed of sinking over the vertical speed of the eddies. Above it, eddies lift fewer than
+/// a tenth of the blocks: erfc(1.6 / √2) = 0.11.
+const MAX_SINKING: f64 = 1.6;
+
 /// Conversion of a force to a displacement in one step.
 #[derive(Clone, Copy)]
 struct Push {
+    /// Steps that are taken.
+    steps: Substeps,
     /// Fraction of a velocity that viscous drag removes per tick.
     pub(super) drag: f64,
 }
 
 impl Push {
-    fn from_scene(scene: &Scene) -> Push {
+    fn from_scene(scene: &Scene, steps: Substeps) -> Push {
         Push {
+            steps,
             drag: speed::viscous(scene),
         }
     }
@@ -147,14 +167,15 @@ impl Push {
             "anchoring distances that the pull moves a block at rest in its first tick",
             value * self.displacement(1.0),
         )
+        .of_faces()
         .limited(
+            self.steps,
             // Without drag the motion is faster in the next step. With strong drag the window is
             // two distances wide.
             |steps| 2.0 - self.left(steps),
             |steps| value * self.displacement(steps),
             "a pulled block jumps over the place where it would be anchored",
         )
-        .of_faces()
     }
 
     /// Returns the dimensionless number of a spring \[1 / tick^2\].
@@ -167,6 +188,7 @@ impl Push {
     ) -> DimensionlessGroup {
         let value = |steps| stiffness * self.displacement(steps);
         DimensionlessGroup::new(self.symbol(symbols), meaning, value(1.0)).limited(
+            self.steps,
             |steps| 1.0 - (1.0 - SPRING) * self.left(steps),
             value,
             beyond,
@@ -258,6 +280,7 @@ fn contact(scene: &Scene, push: Push, out: &mut Vec<DimensionlessGroup>) {
         out.push(
             DimensionlessGroup::new(push.symbol(symbols), "damping of a contact", value(1.0))
                 .limited(
+                    push.steps,
                     |_| 0.5,
                     value,
                     "damping turns a motion round instead of braking it",
@@ -309,9 +332,12 @@ fn settling(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
     let units = BlockUnits::from_scene(scene);
     if let Some(speeds) = settling.speeds {
         let meaning = "speed of sinking against the vertical speed of the eddies";
-        out.push(DimensionlessGroup::new("w / α σ", meaning, speeds));
+        out.push(
+            DimensionlessGroup::new("w / α σ", meaning, speeds)
+                .advised(AdvisedRange::Most(MAX_SINKING)),
+        );
     }
-    let meaning = "height over which sinking thins the blocks that are lifted to 1/e, in sides";
+    let meaning = "height over which sinking thins the lifted blocks to 1/e, in block lengths";
     out.push(DimensionlessGroup::new(
         "h / a",
         meaning,

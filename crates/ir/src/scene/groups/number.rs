@@ -17,14 +17,26 @@ pub struct DimensionlessGroup {
     pub limit: Option<ResolutionLimit>,
     /// Expected range of the number, at any time step. `None` without such a range.
     pub expected: Option<ExpectedRange>,
+    /// Rule of thumb for a working scene, without a warning.
+    pub advised: Option<AdvisedRange>,
     /// Whether the number concerns blocks near an open face, which may take shorter steps.
     pub of_faces: bool,
+}
+
+/// Values of working scenes: a rule of thumb.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AdvisedRange {
+    /// Smallest value, about.
+    Least(f64),
+    /// Largest value, about.
+    Most(f64),
 }
 
 /// Largest value that the time step resolves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ResolutionLimit {
-    /// Approximate limit with one step per tick.
+    /// Approximate limit of [`DimensionlessGroup::value`] with the steps that are taken.
     pub most: f64,
     /// Smallest number of substeps within the limit. `None` if there is none.
     pub substeps: Option<u32>,
@@ -68,6 +80,15 @@ impl DimensionlessGroup {
         self.limit?.substeps
     }
 
+    /// Returns whether the value is outside of its rule of thumb.
+    pub fn is_unusual(&self) -> bool {
+        match self.advised {
+            Some(AdvisedRange::Least(least)) => self.value < least,
+            Some(AdvisedRange::Most(most)) => self.value > most,
+            None => false,
+        }
+    }
+
     /// Returns the range of values for a working scene if the value is outside of it.
     pub fn disappoints(&self) -> Option<ExpectedRange> {
         self.expected.filter(|expected| self.value > expected.most)
@@ -95,7 +116,7 @@ fn fewest(is_enough: impl Fn(u32) -> bool) -> Option<u32> {
 }
 
 impl DimensionlessGroup {
-    pub(super) const fn new(
+    pub(in crate::scene) const fn new(
         symbol: &'static str,
         meaning: &'static str,
         value: f64,
@@ -106,8 +127,14 @@ impl DimensionlessGroup {
             value,
             limit: None,
             expected: None,
+            advised: None,
             of_faces: false,
         }
+    }
+
+    pub(in crate::scene) const fn advised(mut self, range: AdvisedRange) -> DimensionlessGroup {
+        self.advised = Some(range);
+        self
     }
 
     pub(super) const fn of_faces(mut self) -> DimensionlessGroup {
@@ -115,16 +142,20 @@ impl DimensionlessGroup {
         self
     }
 
-    /// Adds a limit. `at` returns the value with a number of steps per tick, and `most` the limit
-    /// for this number of steps.
+    /// Adds a limit for the steps that are taken. `at` returns the value with a number of steps per
+    /// tick, and `most` the limit for this number of steps.
     pub(super) fn limited(
         mut self,
+        taken: Substeps,
         most: impl Fn(f64) -> f64,
         at: impl Fn(f64) -> f64,
         beyond: &'static str,
     ) -> DimensionlessGroup {
+        let steps = f64::from(self.steps_of(taken));
+        let shrinks = at(steps) / self.value;
+        let is_known = steps > 1.0 && shrinks > 0.0;
         self.limit = Some(ResolutionLimit {
-            most: most(1.0),
+            most: most(steps) / if is_known { shrinks } else { 1.0 },
             substeps: fewest(|steps| at(steps.into()) <= most(steps.into())),
             beyond,
         });
@@ -141,6 +172,11 @@ impl DimensionlessGroup {
 mod tests {
     use super::*;
 
+    const ONE_STEP: Substeps = Substeps {
+        near: 1,
+        away: None,
+    };
+
     #[test]
     fn returns_the_fewest_steps_that_resolve_a_number() {
         for (value, most, power, substeps) in [
@@ -154,7 +190,7 @@ mod tests {
             (f64::INFINITY, 1.0, 2, None),
         ] {
             let at = |steps: f64| value / steps.powi(power);
-            let group = DimensionlessGroup::new("", "", value).limited(|_| most, at, "");
+            let group = DimensionlessGroup::new("", "", value).limited(ONE_STEP, |_| most, at, "");
             assert_eq!(group.substeps(), substeps, "{value}");
             assert_eq!(group.is_exceeded(1), substeps != Some(1), "{value}");
             if let Some(substeps) = substeps {
