@@ -360,6 +360,7 @@ def simulate(
         vary: scene parameters or settings, with their values. Every combination is simulated.
         rates: files with rates for the model `rate`. Scenes without rates are calibrated first.
         substeps: steps of the model per tick. `"2/8"` means two, and eight for blocks near magnetized faces.
+            In a scene with a fluid, all blocks take eight.
         solver_iterations: iterations of the contact solver per step.
         precision: floating-point precision. `double` requires `rigid`.
         without: physical term to leave out, with `rigid`.

@@ -48,7 +48,7 @@ pub struct ModelOptions {
     /// Rates of scenes for `--model rate`, written by `stochc calibrate`; others are measured first
     #[arg(long, value_name = "FILE.rates")]
     pub rates: Vec<PathBuf>,
-    /// Time steps per tick; `1/8`: one, and eight for blocks near open faces [default: 2/8]
+    /// Time steps per tick; `1/8`: one, and eight for blocks near open faces [default: 2/8, and 8 in a fluid]
     #[arg(long, value_name = "STEPS")]
     substeps: Option<Substeps>,
     /// Iterations of the contact solver per step [default: 4 for `rapier`, at most 10 for `rigid`]

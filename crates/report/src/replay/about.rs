@@ -2,7 +2,6 @@
 use serde_json::{Value, json};
 use stochc_ir::emit::{graph_json, table_json};
 use stochc_results::{EnsembleProgram, Manifest};
-use stochc_runtime::Substeps;
 use stochc_text::visible;
 
 use super::program_text::{EventLocation, program_text};
@@ -27,10 +26,7 @@ pub fn about(
     let lift = enclosure.map_or(0.0, |it| it.centre_height(&tables.plate, side) / side);
     let file = program.sources.first().map_or("", |source| &source.path);
     let settings = manifest.settings_of(program);
-    let substeps = match settings.steps() {
-        Substeps { near: 1, .. } => "1 substep".to_owned(),
-        steps => format!("{steps} substeps"),
-    };
+    let substeps = settings.steps_in(&program.scene).in_words();
     let mut about = json!({
         "program": program.name,
         "file": file,

@@ -1,7 +1,7 @@
 //! Section about the origin of the results, with commands to repeat them and reading instructions.
 use stochc_files::shell;
 use stochc_ir::scene::describe;
-use stochc_results::{ChosenSetting, EnsembleProgram};
+use stochc_results::{ChosenSetting, EnsembleProgram, Manifest};
 use stochc_runtime::{Precision, Settings};
 use stochc_text::number;
 
@@ -27,7 +27,7 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         let rows: Vec<Vec<HtmlCell>> = [
             ("version", format!("stochc {}", manifest.stochc)),
             ("model", manifest.settings.model.name().to_owned()),
-            ("substeps", steps(&manifest.settings).unwrap_or_default()),
+            ("time step", taken_steps(manifest)),
             ("settings", settings.join(", ")),
             ("seed", manifest.seed.to_string()),
             ("runs of each program", number(manifest.runs as f64)),
@@ -100,6 +100,19 @@ fn steps(settings: &Settings) -> Option<String> {
     (settings.model.has_places()).then(|| settings.steps().to_string())
 }
 
+/// Returns the substeps that the programs take in their scenes. Empty if blocks do not move.
+fn taken_steps(manifest: &Manifest) -> String {
+    let mut all: Vec<String> = Vec::new();
+    for program in &manifest.programs {
+        let settings = manifest.settings_of(program);
+        let steps = settings.steps_in(&program.scene).in_words();
+        if settings.model.has_places() && !all.contains(&steps) {
+            all.push(steps);
+        }
+    }
+    all.join("; ")
+}
+
 /// Returns settings other than model and substeps as options of `simulate`: the iterations, and all
 /// that are not defaults. Returns none if blocks do not move.
 fn further(settings: &Settings) -> Vec<(&'static str, String)> {
@@ -118,7 +131,7 @@ fn further(settings: &Settings) -> Vec<(&'static str, String)> {
 
 /// Returns the command line that makes an ensemble. Returns `None` if its settings are not all
 /// combinations of a set of values.
-pub(super) fn simulate(manifest: &stochc_results::Manifest) -> Option<String> {
+pub(super) fn simulate(manifest: &Manifest) -> Option<String> {
     let axes = manifest.axes();
     let chosen = setting_axes(manifest)?;
     let is_sweep = !(axes.is_empty() && chosen.is_empty());
