@@ -78,21 +78,14 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
     let _ = writeln!(out, "{declarations}");
     let _ = writeln!(
         out,
-        "/// {}, up to {} open at the same time: {} {:.0} ticks, in nine of ten runs within {:.0}{}.\n\
+        "/// {}, up to {} open at the same time: {}.\n\
          /// {PLANNED_MARK}",
         counted(
             plan.captures.len() + later.as_ref().map_or(0, Vec::len),
             "capture"
         ),
         counted(plan.widest, "face"),
-        if plan.estimate.lower_bound.is_empty() {
-            "about"
-        } else {
-            "at least"
-        },
-        plan.estimate.mean,
-        plan.estimate.p90,
-        plan.estimate.caveat(),
+        plan.estimate.in_words(", in"),
     );
     let scene = scene.map_or(String::new(), |scene| format!(" in {scene}"));
     let _ = writeln!(out, "assembly {assembly}{scene} {{");

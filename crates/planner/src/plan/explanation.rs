@@ -29,13 +29,10 @@ pub fn explanation(plan: &BuildPlan) -> String {
     let _ = writeln!(
         out,
         "{}, at most {} open at the same time\n\
-         estimate: {}{:.0} ticks on average, nine of ten runs within {:.0}{}",
+         estimate: {}",
         counted(captures.len() + handed_over, "capture"),
         counted(plan.widest, "face"),
-        plan.estimate.lower_bound.prefix(),
-        plan.estimate.mean,
-        plan.estimate.p90,
-        plan.estimate.caveat(),
+        plan.estimate.in_words(" on average,"),
     );
     let waits = |why: Why| {
         let all = captures.iter().flat_map(|capture| &capture.after);
@@ -85,15 +82,21 @@ pub fn explanation(plan: &BuildPlan) -> String {
     let mut critical: Vec<&Capture> = captures.iter().collect();
     let weight = |capture: &Capture| f64::from(capture.decides) * capture.wait;
     critical.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
-    out += "what decides when a run ends: in how many runs, and the mean wait\n";
+    let is_known = !plan.estimate.is_typical;
+    out += "what decides when a run ends: in how many runs";
+    out += if is_known {
+        ", and the mean wait\n"
+    } else {
+        "\n"
+    };
     for capture in critical.iter().take(MAX_LISTED) {
-        let _ = writeln!(
-            out,
-            "  {:<14} {:>4.0} %  {:>6.0} ticks",
-            capture.cell.to_string(),
-            100.0 * capture.decides,
-            capture.wait
-        );
+        let cell = capture.cell.to_string();
+        let _ = write!(out, "  {cell:<14} {:>4.0} %", 100.0 * capture.decides);
+        let _ = if is_known {
+            writeln!(out, "  {:>6.0} ticks", capture.wait)
+        } else {
+            writeln!(out)
+        };
     }
     if !plan.alternatives.is_empty() {
         out += "alternatives that need no thought, as they would be if no block jammed\n";
@@ -105,13 +108,17 @@ pub fn explanation(plan: &BuildPlan) -> String {
     } in &plan.alternatives
     {
         let diagnostic = diagnostic.map_or(String::new(), |code| format!("; `check` finds {code}"));
-        let _ = writeln!(
-            out,
-            "  {}: {}{:.0} ticks{diagnostic}",
-            baseline.words(),
-            estimate.lower_bound.prefix(),
-            estimate.mean
-        );
+        let time = if is_known {
+            format!(
+                "{}{:.0} ticks",
+                estimate.lower_bound.prefix(),
+                estimate.mean
+            )
+        } else {
+            let ratio = estimate.mean / plan.estimate.mean;
+            format!("about {ratio:.1} times as long as the plan")
+        };
+        let _ = writeln!(out, "  {}: {time}{diagnostic}", baseline.words());
     }
     let _ = writeln!(out, "{} schedules tried", plan.rounds);
     out

@@ -39,14 +39,28 @@ pub struct PlanEstimate {
 }
 
 impl PlanEstimate {
+    /// Returns the mean and the 90th percentile in words, with a `separator` between them. In a
+    /// scene that has not been calibrated, returns why they are unknown.
+    pub(crate) fn in_words(&self, separator: &str) -> String {
+        if self.is_typical {
+            return "no estimate, because this scene has not been calibrated (`stochc calibrate`)"
+                .to_owned();
+        }
+        let bound = if self.lower_bound.is_empty() {
+            "about"
+        } else {
+            "at least"
+        };
+        let (mean, p90, caveat) = (self.mean, self.p90, self.caveat());
+        format!("{bound} {mean:.0} ticks{separator} nine of ten runs within {p90:.0}{caveat}")
+    }
+
     /// Returns the caveat of the estimate. Empty without a caveat.
-    pub(crate) fn caveat(&self) -> String {
-        let origin = match (self.is_typical, self.is_first_guess) {
-            (true, _) => {
-                ", with waiting times of the default scene: this scene has not been calibrated"
-            }
-            (_, true) => ", by an uncalibrated estimate of its waiting times",
-            (false, false) => "",
+    fn caveat(&self) -> String {
+        let origin = if self.is_first_guess {
+            ", by an uncalibrated estimate of its waiting times"
+        } else {
+            ""
         };
         if self.lower_bound.is_empty() {
             origin.to_owned()
