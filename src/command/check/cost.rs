@@ -3,15 +3,16 @@ use serde_json::{Value, json};
 use stochc_compiler::diagnostic::Code;
 use stochc_compiler::{MAX_ESTIMATED, Program, Symbols};
 use stochc_ir::JamRisk;
+use stochc_ir::scene::Scene;
 use stochc_report::tables::{KNOWN_BIAS, first_guess, left_out, lower_bound};
 use stochc_report::text::event_labels;
 use stochc_runtime::rates::{CaptureCost, Cost, PhaseCost, Rates, Times};
+use stochc_runtime::world::SceneError;
 use stochc_runtime::world::rate::RateWorld;
 use stochc_text::{TextColumn, TextTable, paragraph};
 use stochc_text::{number, percent};
 
 use super::super::terminal::output_width;
-use crate::operations::rates::matching;
 
 /// Returns a table of phases, and a table of the captures that dominate their durations. Returns an
 /// empty text without `--cost`.
@@ -62,12 +63,31 @@ pub fn cost_json(program: &Program, symbols: &Symbols, most: usize, rates: &[Rat
     })
 }
 
-/// Returns a line with the expected completion time of a program. Returns an empty text if it is
-/// unknown.
+/// Returns a line with the expected duration of a program, or with the reason why it is unknown.
+/// Empty for a program without captures.
 pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
-    let rates = (program.scene.as_ref()).and_then(|scene| matching(rates, scene));
-    let (true, Some(rates)) = (program.plan.events.len() <= MAX_ESTIMATED, rates) else {
+    let unknown = |reason: &str| format!("  no estimate: {reason}\n");
+    let Some(scene) = &program.scene else {
         return String::new();
+    };
+    if let Some(what) = unsupported(program, scene) {
+        return unknown(&format!(
+            "the rate model does not support {what}; measure times with `stochc simulate`"
+        ));
+    }
+    if program.plan.events.len() > MAX_ESTIMATED {
+        let most = number(MAX_ESTIMATED as f64);
+        return unknown(&format!("more than {most} events; run `stochc estimate`"));
+    }
+    let Some(rates) = Rates::known(rates, scene) else {
+        let rough = Rates::known_or_guessed(rates, scene).map_or(
+            "measure it",
+            |_| "see `--cost` for an uncalibrated one, or measure it",
+        );
+        return unknown(&format!(
+            "scene `{}` has not been calibrated; {rough} with `stochc calibrate`",
+            scene.name
+        ));
     };
     if !program.jam_risks.is_empty() {
         let risks = program.jam_risks.iter().map(|risk| match risk {
@@ -75,7 +95,10 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
             JamRisk::CrowdedCaptures => Code::CrowdedCaptures.name(),
         });
         let risks: Vec<&str> = risks.collect();
-        return format!("  no estimate: blocks may jam ({})\n", risks.join(", "));
+        return unknown(&format!(
+            "blocks may jam ({}); measure times with `stochc simulate`",
+            risks.join(", ")
+        ));
     }
     let Some(cost) = program.estimate(Some(rates)) else {
         return String::new();
@@ -83,6 +106,7 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     let never = stopped(&cost).map(percent);
     let total = match (cost.total, &never) {
         (Some(total), _) if total.mean != Some(0.0) => total,
+        (None, None) => return unknown("one capture has no free block left"),
         (None, Some(never)) => {
             return format!("  estimate: a phase reaches its timeout in {never} of all runs\n");
         }
@@ -96,6 +120,17 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
         format!(": {}", cost.lower_bound.text())
     };
     format!("  estimate: {takes}{never}{reasons}; details: `--cost`\n")
+}
+
+/// Returns the feature of a program or its scene that the rate model does not support.
+fn unsupported(program: &Program, scene: &Scene) -> Option<&'static str> {
+    if program.plan.aggregate.is_some() {
+        return Some("aggregates");
+    }
+    match RateWorld::unsupported(scene)? {
+        SceneError::NotInModel { what, .. } => Some(what),
+        _ => None,
+    }
 }
 
 /// Returns the fraction of sampled times that a timeout of a phase ended. Returns `None` if it is
