@@ -1,6 +1,7 @@
 //! Reads the words of a scene in order.
+use stochc_grammar::Span;
 use stochc_grammar::tree::{Name, Term};
-use stochc_ir::scene::schema::SchemaEntry;
+use stochc_ir::scene::schema::{CLAUSES, SchemaEntry};
 use stochc_text::suggest::nearest;
 
 use super::{SceneReader, named, span, words};
@@ -79,7 +80,9 @@ impl SceneReader<'_, '_> {
                 )
             }
         };
-        let (found, span) = match self.terms.peek() {
+        let next = self.terms.peek().copied();
+        let (found, span) = match next {
+            Some(Term::Word(name)) if self.begins_clause(*name) => ("nothing", self.place),
             Some(Term::Word(name)) => {
                 let found = self.word_of(*name);
                 if let Some(kind) = of.iter().find(|kind| kind.word == found) {
@@ -111,8 +114,26 @@ impl SceneReader<'_, '_> {
             None => ("nothing", self.place),
         };
         let title = format!("expected {expected}, found {found}");
-        self.report(Code::UnknownTerm, title, span, "the kind is missing", help);
+        let location = self.location(span);
+        let diagnostic = Diagnostic::new(Code::UnknownTerm, title)
+            .label(location, "the kind is missing")
+            .help(help);
+        let diagnostic = match (found, known) {
+            ("nothing", [first, ..]) => {
+                let behind = self.location(Span::new(span.end, span.end));
+                let fix = Fix::replace(behind, format!(" {first}"), format!("add `{first}`"));
+                diagnostic.fix(fix.unsafe_if(true))
+            }
+            _ => diagnostic,
+        };
+        report(self.diagnostics, diagnostic);
         None
+    }
+
+    /// Returns whether a word is the beginning of a clause.
+    fn begins_clause(&self, name: Name) -> bool {
+        let word = self.word_of(name);
+        CLAUSES.iter().any(|clause| clause.word == word)
     }
 
     pub(super) fn next_is(&mut self, word: &str) -> bool {

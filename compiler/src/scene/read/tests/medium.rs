@@ -122,3 +122,21 @@ fn reports_an_unknown_kind_once_with_the_known_ones() {
         assert_eq!(found, [(Code::UnknownTerm, title.to_owned())]);
     }
 }
+
+#[test]
+fn a_missing_arrangement_is_one_error() {
+    for clauses in [
+        "free 60",
+        "free 60 enclosure hemisphere { radius 3 m  wall 250 N/m }",
+    ] {
+        let (_, diagnostics) = sample::scene(clauses);
+        let titles: Vec<_> = diagnostics.iter().map(|it| it.title.as_str()).collect();
+        assert_eq!(
+            titles,
+            ["expected an arrangement, found nothing"],
+            "{clauses}"
+        );
+        let fix = diagnostics[0].fix.as_ref().expect("a fix");
+        assert_eq!(fix.edits[0].text, " uniform");
+    }
+}
