@@ -75,7 +75,8 @@ pub fn run(options: &NewArguments) -> Result<Exit, Failure> {
     let stem = options.name.strip_suffix(".sa").unwrap_or(&options.name);
     let path = format!("{stem}.sa");
     let name = Path::new(stem).file_name().and_then(|it| it.to_str());
-    let name = name.filter(|name| is_name(name)).ok_or_else(|| {
+    let name = name.filter(|name| stem.ends_with(name) && is_name(name));
+    let name = name.ok_or_else(|| {
         Failure::usage(format!(
             "`{}` is not a name: use letters, digits and `_`, and begin with a letter",
             visible(stem)

@@ -36,14 +36,16 @@ fn the_next_commands_work() {
         }
         let again = run(&["new", "tower"]);
         assert_eq!(again.status, 2, "{template}: nothing is replaced");
+        let reason = "cannot write `tower.sa`: the file exists";
+        assert!(again.err.contains(reason), "{}", again.err);
     }
 }
 
 #[test]
 fn an_invalid_name_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["", "2towers", "a-b", "a b"] {
-        let refused = run_command(command(["new", name]).current_dir(folder.path()));
+    for name in ["", "2towers", "a-b", "a b", "folder/"] {
+        let refused = said(command(["new", name]).current_dir(folder.path()));
         assert_eq!(refused.status, 2, "{name}");
         assert!(refused.err.contains("is not a name"), "{}", refused.err);
     }

@@ -248,7 +248,10 @@ fn replaced(target: &Path, replaces: Replaces) -> io::Result<Option<Permissions>
     no_link(&metadata)?;
     is_ordinary(&metadata)?;
     let ours = match replaces {
-        Replaces::Nothing => false,
+        Replaces::Nothing => {
+            let reason = "the file exists; remove it, or choose another name";
+            return Err(io::Error::new(io::ErrorKind::AlreadyExists, reason));
+        }
         Replaces::Ordinary | Replaces::Same => true,
         Replaces::Ours(ours) => ours(open(target)?.as_plain())?,
     };
