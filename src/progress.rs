@@ -34,7 +34,11 @@ fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
     const SHOWN: usize = 3;
     let mut text = String::new();
     if let Some(left) = time_left(snapshot, elapsed) {
-        text += &format!("; about {} left", words(left));
+        text += &if left < Duration::from_secs(1) {
+            "; less than 1 s left".to_owned()
+        } else {
+            format!("; about {} left", words(left))
+        };
     }
     let mut running = BTreeMap::<_, u64>::new();
     for &(program, phase) in &snapshot.running {

@@ -46,6 +46,8 @@ pub enum PairwiseResult {
     Same,
     /// Another pair with the same runs has already been tested.
     Repeated,
+    /// The programs differ, but each run takes the same time in both.
+    Equal,
     /// Not testable: too few runs, or no spread of the times.
     Unknown,
     /// Estimated difference with its interval and p-value.
@@ -100,8 +102,11 @@ pub fn pairwise_tests(groups: &[ComparedProgram]) -> Vec<PairwiseTest> {
         let verdict = match identities(first, second) {
             Some([a, b]) if a == b => PairwiseResult::Same,
             Some(both) if tested[&both] != (i, j) => PairwiseResult::Repeated,
-            _ => compare(&first.runs, &second.runs)
-                .map_or(PairwiseResult::Unknown, PairwiseResult::Known),
+            _ => match compare(&first.runs, &second.runs) {
+                Some(difference) => PairwiseResult::Known(difference),
+                None if first.runs.are_equal(&second.runs) => PairwiseResult::Equal,
+                None => PairwiseResult::Unknown,
+            },
         };
         PairwiseTest {
             first: i,
@@ -161,6 +166,18 @@ mod tests {
                 times: (0..).zip(times).collect(),
             },
         }
+    }
+
+    #[test]
+    fn equal_times_of_different_programs_are_stated() {
+        let times = [110.0, 230.0, 320.0];
+        let verdict = |other: &[f64]| {
+            let groups = [group(None, &times), group(None, other)];
+            pairwise_tests(&groups).remove(0).verdict
+        };
+        assert_eq!(verdict(&times), PairwiseResult::Equal);
+        assert_eq!(verdict(&times[..2]), PairwiseResult::Equal);
+        assert_eq!(verdict(&[111.0]), PairwiseResult::Unknown);
     }
 
     /// Checks that equal runs are tested only once. Otherwise, passing a folder twice would double

@@ -28,6 +28,13 @@ impl Runs {
         self.times.iter().map(|&(_, time)| time).collect()
     }
 
+    /// Returns whether the two programs have runs of the same number, and all of these take the
+    /// same time.
+    pub fn are_equal(&self, other: &Runs) -> bool {
+        let ours = self.shared(other);
+        self.seed == other.seed && !ours.is_empty() && ours == other.shared(self)
+    }
+
     /// Returns the runs whose number also occurs in `other`.
     pub(super) fn shared(&self, other: &Runs) -> Vec<Observation> {
         let has_partner = |number: &u64| {

@@ -42,9 +42,10 @@ impl<'a> Orders<'a> {
         let orders = pairs.map(|pair| {
             let longer = match &pair.verdict {
                 PairwiseResult::Known(difference) => difference.longer,
-                PairwiseResult::Same | PairwiseResult::Repeated | PairwiseResult::Unknown => {
-                    Longer::NotSignificant
-                }
+                PairwiseResult::Same
+                | PairwiseResult::Repeated
+                | PairwiseResult::Equal
+                | PairwiseResult::Unknown => Longer::NotSignificant,
             };
             ((&*pair.first, &*pair.second), longer)
         });

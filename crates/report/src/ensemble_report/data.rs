@@ -332,7 +332,9 @@ fn differences(
     for contrast in pairwise_tests {
         let names = [contrast.first, contrast.second].map(|i| subjects[i].label.clone());
         let (test, figures) = match &contrast.verdict {
-            PairwiseResult::Same => ("same runs", [const { String::new() }; 5]),
+            PairwiseResult::Same | PairwiseResult::Equal => {
+                ("same runs", [const { String::new() }; 5])
+            }
             PairwiseResult::Repeated => ("repeated", [const { String::new() }; 5]),
             PairwiseResult::Unknown => ("none", [const { String::new() }; 5]),
             PairwiseResult::Known(found) => {

@@ -43,7 +43,7 @@ pub(crate) fn means(medium: Medium, times: &[(&str, Time)], unit: &str) -> Optio
 }
 
 fn described(name: &str, time: &Time, unit: &str) -> String {
-    let bound = if time.incomplete > 0 { "at least " } else { "" };
+    let bound = if time.incomplete > 0 { "≥ " } else { "" };
     let half = match time.half_width {
         Some(half) => format!(" ± {}", number(half)),
         None => String::new(),

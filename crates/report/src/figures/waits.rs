@@ -1,5 +1,5 @@
 //! Figure of the waiting time of each capture, and of its share of the completion time.
-use stochc_text::{number, percent};
+use stochc_text::{counted, number, percent};
 
 use super::EDGE;
 use crate::analysis::reported_program::ReportedProgram;
@@ -141,14 +141,17 @@ fn draw_wait(
     let half = time.half_width.unwrap_or(0.0);
     let (low, high) = (at(time.mean - half), at(time.mean + half));
     out.stroke(class, (low, y), (high, y), Style::line(4.0));
-    let bound = if time.incomplete > 0 { "at least " } else { "" };
-    let tooltip = format!(
-        "{}: {bound}{} ± {}, {} captures",
-        wait.text,
-        number(subject.on_axis(time.mean)),
-        subject.described(half),
-        time.completed
-    );
+    let bound = if time.incomplete > 0 { "≥ " } else { "" };
+    let interval = match half {
+        0.0 => subject.described(time.mean),
+        half => format!(
+            "{} ± {}",
+            number(subject.on_axis(time.mean)),
+            subject.described(half)
+        ),
+    };
+    let captures = counted(time.completed as usize, "capture");
+    let tooltip = format!("{}: {bound}{interval}, {captures}", wait.text);
     out.disc(class, (at(time.mean), y), 4.5, &tooltip);
     if time.incomplete > 0 {
         out.text("ink", (high + 6.0, y + 4.0), "≥");

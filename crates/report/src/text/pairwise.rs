@@ -13,6 +13,11 @@ pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: u
         PairwiseResult::Repeated => {
             return format!("{first} and {second} repeat the runs of another pair.");
         }
+        PairwiseResult::Equal => {
+            return format!(
+                "{first} and {second} are the same runs: every run takes the same time."
+            );
+        }
         PairwiseResult::Unknown => {
             return format!(
                 "{first} and {second}: not compared; there are too few runs, or no spread."

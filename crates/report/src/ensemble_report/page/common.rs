@@ -93,7 +93,9 @@ pub(super) fn mean_cell(time: Option<&Time>, tick: Option<Tick>) -> HtmlCell {
         return HtmlCell::Number("–".into());
     };
     let seconds = tick.map(|tick| tick.interval(time.mean, time.half_width));
-    let seconds = seconds.map_or(String::new(), |seconds| format!("\n{seconds}"));
+    let seconds = seconds.map_or(String::new(), |seconds| {
+        format!("\n{}{seconds}", bound(time))
+    });
     HtmlCell::Number(mean(time) + &seconds)
 }
 
@@ -121,10 +123,12 @@ pub(super) fn mean(time: &Time) -> String {
         Some(half) => format!(" ± {}", number(half)),
         None => String::new(),
     };
-    match time.incomplete {
-        0 => format!("{}{half}", number(time.mean)),
-        _ => format!("≥ {}{half}", number(time.mean)),
-    }
+    format!("{}{}{half}", bound(time), number(time.mean))
+}
+
+/// Returns the sign before a lower bound.
+pub(super) fn bound(time: &Time) -> &'static str {
+    if time.incomplete > 0 { "≥ " } else { "" }
 }
 
 /// Returns text of several lines as HTML. Preserves line breaks and tabs.

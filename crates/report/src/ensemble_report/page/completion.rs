@@ -152,6 +152,10 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
                 cells.extend([none(), none(), none()]);
                 cells.push(HtmlCell::Plain("the runs of another pair".into()));
             }
+            PairwiseResult::Equal => {
+                cells.extend([none(), none(), none()]);
+                cells.push(HtmlCell::Plain("equal times in every run".into()));
+            }
             PairwiseResult::Unknown => {
                 cells.extend([none(), none(), none()]);
                 cells.push(HtmlCell::Plain(
@@ -179,7 +183,7 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
         &rows,
     );
     out.note(
-        "p is the probability of a difference at least this large if there were none. p (Holm) is \
+        "p is the probability that chance alone makes a difference of this size or larger. p (Holm) is \
          corrected for the number of tested pairs. Differences with p (Holm) below 0.05 are called \
          significant. Programs with the same seed have the same random impulses in runs with the \
          same number, so they are compared run by run.",

@@ -3,7 +3,7 @@ use stochc_experiments::statistics::{Observation, Status};
 use stochc_text::whole_percent;
 
 use super::Parts;
-use super::common::{mean, sentence, tick};
+use super::common::{bound, mean, sentence, tick};
 use super::warnings::warnings;
 use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::html::{Html, code, name};
@@ -33,7 +33,10 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         let may_complete = |it: &Observation| it.status != Status::Competing;
         let is_any = subject.times().iter().any(may_complete);
         if let Some(time) = parts.time(subject).filter(|_| is_any) {
-            let seconds = tick(parts).map(|tick| tick.beside_interval(time.mean, time.half_width));
+            let seconds = tick(parts).map(|tick| {
+                let seconds = tick.interval(time.mean, time.half_width);
+                format!(" ({}{seconds})", bound(&time))
+            });
             let seconds = seconds.unwrap_or_default();
             item += &format!(", in {} {unit}{seconds} on average", mean(&time));
         }

@@ -112,7 +112,7 @@ pub(super) fn described(point: &SweepPoint, unit: &str) -> String {
     let Some(time) = &point.time else {
         return "no time".to_owned();
     };
-    let bound = if time.incomplete > 0 { "at least " } else { "" };
+    let bound = if time.incomplete > 0 { "≥ " } else { "" };
     let half = time.half_width.map(|half| format!(" ± {}", number(half)));
     let median = match time.median {
         Some(median) => format!(", median {}", number(median)),
