@@ -242,8 +242,17 @@ fn list(text: &str) -> Result<(AxisValues, String), RangeError> {
 
 /// Parses a number and its unit.
 pub(crate) fn value(text: &str) -> Result<(f64, String), RangeError> {
-    let WrittenQuantity { value, unit, .. } = WrittenQuantity::parse(text)?;
+    let WrittenQuantity { value, unit, .. } =
+        WrittenQuantity::parse(text).map_err(|error| dash(text).unwrap_or(error.into()))?;
     Ok((value, unit.to_owned()))
+}
+
+/// Returns the error of a range with a dash, such as `10-20`.
+fn dash(text: &str) -> Option<RangeError> {
+    let (from, to) = text.trim().split_once('-')?;
+    let is_value = |text: &str| WrittenQuantity::parse(text).is_ok();
+    let [from, to] = [from, to].map(|it| it.trim().to_owned());
+    (is_value(&from) && is_value(&to)).then_some(RangeError::Dash(from, to))
 }
 
 /// Returns the common unit of these values. The unit of the last value also applies to values
@@ -345,6 +354,11 @@ mod tests {
             ("free", "write NAME=VALUES"),
             ("=5", "write NAME=VALUES"),
             ("free=", "is no value"),
+            (
+                "free=10-20",
+                "write `10..20/3` for three values, or `10,20` for two",
+            ),
+            ("free.cuont=10,20", "did you mean `free`?"),
             ("free=50..600", "how many values from `50` to `600`?"),
             ("bond.pull=2..12 N/m", "how many values"),
             ("free=50..600/1", "2 to 400 values"),

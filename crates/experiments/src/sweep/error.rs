@@ -19,6 +19,9 @@ pub enum RangeError {
     /// A prior does not have the form `NAME=FROM..TO`.
     #[error("write NAME=FROM..TO, such as `bond.pull=2..12 N` or `free=50..500 log`")]
     Prior,
+    /// A range is written with a dash. Contains its ends.
+    #[error("`{0}-{1}` is not a range; write `{0}..{1}/3` for three values, or `{0},{1}` for two")]
+    Dash(String, String),
     /// The word `log` follows a list.
     #[error("`log` spaces a range: write `a..b/n log`")]
     ListWithLog,

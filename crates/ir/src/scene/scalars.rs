@@ -48,14 +48,20 @@ pub fn find(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, ScalarEr
             has: has(),
         });
     }
-    let mut known: Vec<&str> = has();
-    known.extend(all().flat_map(|number| number.names));
+    let anywhere = || nearest(name, all().flat_map(|number| number.names).copied());
+    // The first word of a name may be a name of its own: `free.count` means `free`.
+    let first = || {
+        let (first, _) = name.split_once('.')?;
+        has().into_iter().find(|known| *known == first)
+    };
     // The last word of a name suffices for suggestions: `friction`.
     let last = |number: &&SchemaNumber| number.name().rsplit('.').next() == Some(name);
     let mut ends = scalars(scene).filter(last);
     let meant = match (ends.next(), ends.next()) {
         (Some(only), None) => Some(only.name().to_owned()),
-        _ => nearest(name, known).map(|meant| meant.word),
+        _ => (nearest(name, has()).map(|meant| meant.word))
+            .or_else(|| first().map(str::to_owned))
+            .or_else(|| anywhere().map(|meant| meant.word)),
     };
     Err(ScalarError::Unknown {
         name: name.to_owned(),
