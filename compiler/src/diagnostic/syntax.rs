@@ -127,11 +127,10 @@ fn unclosed(location: SourceLocation, text: &str) -> Diagnostic {
         Some(name) => format!("missing `}}` for `{name}`"),
         None => "missing `}`".to_owned(),
     };
-    let indentation = |line: &str| line.len() - line.trim_start().len();
     let depth = indentation(line);
     let ends = |line: &str| {
-        let is_outside = !line.trim().is_empty() && indentation(line) <= depth;
-        is_outside && !line.trim_start().starts_with('}')
+        let is_brace = line.trim_start().starts_with('}');
+        !line.trim().is_empty() && indentation(line) + usize::from(is_brace) <= depth
     };
     let mut at = start
         + text[start..]
@@ -142,6 +141,13 @@ fn unclosed(location: SourceLocation, text: &str) -> Diagnostic {
             break;
         }
         at += line.len();
+    }
+    // Its own `}` closes a block in it.
+    if at == text.len()
+        && let Some(inner) = closed_by_outer_brace(text, line_start)
+    {
+        let span = Span::new(inner as u32, inner as u32 + 1);
+        return unclosed(SourceLocation { span, ..location }, text);
     }
     let is_line = at == 0 || text[..at].ends_with('\n');
     let brace = format!(
@@ -160,6 +166,33 @@ fn unclosed(location: SourceLocation, text: &str) -> Diagnostic {
             "the indentation suggests a `}}` after line {above}"
         ))
         .fix(Fix::replace(end, brace, "add the `}`").unsafe_if(true))
+}
+
+fn indentation(line: &str) -> usize {
+    line.len() - line.trim_start().len()
+}
+
+/// Returns the first `{` that a `}` with less indentation closes, in blocks of a block that begins
+/// in the line at `start`.
+fn closed_by_outer_brace(text: &str, start: usize) -> Option<usize> {
+    let mut open: Vec<(usize, usize)> = Vec::new();
+    let mut at = start;
+    for line in text[start..].split_inclusive('\n') {
+        let depth = indentation(line);
+        let code = line.split("//").next().unwrap_or(line);
+        for (column, sign) in code.match_indices(['{', '}']) {
+            if sign == "{" {
+                open.push((at + column, depth));
+                continue;
+            }
+            let (inner, inner_depth) = open.pop()?;
+            if column == depth && depth < inner_depth && !open.is_empty() {
+                return Some(inner);
+            }
+        }
+        at += line.len();
+    }
+    None
 }
 
 /// Returns the first two words of the head of a block, such as `phase grow`. Returns `None` if

@@ -26,6 +26,11 @@ impl Parser<'_, '_> {
         }
         self.report(&error, start, at);
         self.docs.clear();
+        // A statement may follow a separator of another language.
+        if at == start && self.text[start..].starts_with(';') {
+            self.at = start + 1;
+            return;
+        }
         // A single word is the whole error. The next line may be right.
         let (end, brace) = self.end_of_piece(
             self.lone_word(start, at)
