@@ -11,7 +11,7 @@ use stochc_text::{TextColumn, TextTable};
 
 /// Note about the accuracy of the rate model.
 pub const KNOWN_BIAS: &str = "Times are estimates of the rate model. In the default scene, its means differed from simulations by 3 % on \
-     average and by at most 7 %; in other scenes by up to 20 % (docs/validation/rates.md).";
+     average and by at most 13 % (26 programs); in other scenes by up to 20 % (docs/validation/rates.md).";
 
 /// Returns a sentence for each program whose times in the rate model are lower bounds.
 pub fn lower_bounds(manifest: &Manifest) -> Vec<String> {
