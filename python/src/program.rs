@@ -56,7 +56,7 @@ pub fn check(
         };
         let mut document = CheckDocument::default();
         let root = checked.sources.files().first();
-        document.add(root.map_or("", |file| &file.name), &checked, |_| None);
+        document.add(root.map_or("", |file| &file.name), &checked, "", |_| None);
         let mut drawn = drawn(&checked, false, WIDTH);
         if checked.has_errors() {
             return Ok((document.text(), drawn, true, Vec::new()));

@@ -117,7 +117,7 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     }
     let stage = options.emit;
     if stage == EmittedStage::Executable && checked.programs.is_empty() {
-        return Err(nothing_to_run(&options.file));
+        return Err(nothing_to_run(&options.file, &checked));
     }
     choose(&mut checked.programs, options.program.as_deref(), form).map_err(Failure::usage)?;
     let Some(path) = &options.out else {

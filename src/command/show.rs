@@ -11,7 +11,7 @@ use super::host::Terminal;
 use super::narrative::show_runs;
 use super::presentation::PresentationOptions;
 use super::run_options::ResultsOptions;
-use super::terminal::{output_width, print, warn};
+use super::terminal::{argument, output_width, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::results::{ensemble_results, read_contents};
 
@@ -21,6 +21,9 @@ pub struct ShowArguments {
     /// Results folder
     #[arg(value_name = "DIR")]
     folder: PathBuf,
+    /// Further folders, which only `report` compares
+    #[arg(value_name = "DIR", hide = true)]
+    others: Vec<PathBuf>,
     /// Print the events of run N of each program instead of the tables
     #[arg(long, value_name = "N", conflicts_with_all = ["captures", "tables"])]
     run: Option<u64>,
@@ -81,6 +84,14 @@ impl ShowArguments {
 
     /// Checks that the output format uses all given options.
     fn are_consistent(&self) -> Result<(), Failure> {
+        if !self.others.is_empty() {
+            let folders = std::iter::once(&self.folder).chain(&self.others);
+            let folders: Vec<String> = folders.map(|folder| argument(folder)).collect();
+            return Err(Failure::usage(format!(
+                "`show` prints one results folder; `stochc report {}` compares several",
+                folders.join(" ")
+            )));
+        }
         let is_published = !matches!(self.format(), TableFormat::Text | TableFormat::Json);
         if self.presentation.presentation().in_seconds && !is_published {
             return Err(Failure::usage(

@@ -2,6 +2,7 @@
 use std::fmt::Write as _;
 
 use clap::Args;
+use serde_json::{Value, json};
 use stochc_compiler::Checked;
 use stochc_control::explore::{
     ExceededBound, Exploration, ExplorationBounds, ExplorationReport, ExplorationVerdict, Faults,
@@ -13,8 +14,9 @@ use stochc_text::{counted, visible};
 
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
+use super::run_options::JsonOption;
 use super::terminal::{exit_of, has_colour, message_width, print, print_folded, warn, warn_drawn};
-use crate::diagnostics::drawn;
+use crate::diagnostics::{CheckDocument, drawn};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::{is_readable, nothing_to_run, verdict};
 use crate::operations::summary::status_lines;
@@ -39,6 +41,8 @@ pub struct VerifyArguments {
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     states: u64,
     #[command(flatten)]
+    output: JsonOption,
+    #[command(flatten)]
     levels: LevelOptions,
     #[command(flatten)]
     imports: ImportOptions,
@@ -56,26 +60,48 @@ struct Verified {
 pub fn run(options: &VerifyArguments) -> Result<Exit, Failure> {
     let mut exit = Exit::Success;
     let mut verified = Verified::default();
+    let mut document = CheckDocument::default();
     for file in programs(&options.files) {
         let done = file.map_err(Failure::usage);
-        let done = done.and_then(|file| verify(&file, options, &mut verified));
+        let done = done.and_then(|file| verify(&file, options, &mut verified, &mut document));
         exit = exit.or_worse(exit_of(done));
     }
-    print(&verified.summary())?;
+    if options.output.json {
+        print(&document.text())?;
+    } else {
+        print(&verified.summary())?;
+    }
     Ok(exit)
 }
 
-fn verify(file: &str, options: &VerifyArguments, verified: &mut Verified) -> Result<Exit, Failure> {
+fn verify(
+    file: &str,
+    options: &VerifyArguments,
+    verified: &mut Verified,
+    document: &mut CheckDocument,
+) -> Result<Exit, Failure> {
     is_readable(file)?;
     let checked = crate::check_within(file, &options.levels.levels, &options.imports.folders);
-    warn_drawn(&drawn(&checked, has_colour(), message_width()));
+    let is_json = options.output.json;
+    if !is_json {
+        warn_drawn(&drawn(&checked, has_colour(), message_width()));
+    }
     if checked.has_errors() {
+        document.add(file, &checked, "", |_| None);
         return Ok(verdict(&checked));
     }
     if checked.programs.is_empty() {
-        return Err(nothing_to_run(file));
+        return Err(nothing_to_run(file, &checked));
     }
-    explore(file, &checked, options.states, verified)
+    let mut explored = Vec::new();
+    let exit = explore(file, &checked, options, verified, &mut explored)?;
+    document.add(file, &checked, "exploration", |program| {
+        let mut known = explored.iter();
+        known.find_map(|(name, value): &(&str, Value)| {
+            (*name == program.plan.name).then(|| value.clone())
+        })
+    });
+    Ok(exit)
 }
 
 impl Verified {
@@ -102,27 +128,35 @@ impl Verified {
     }
 }
 
-/// Executes the programs of a file without errors in every order of events. `states` limits the
-/// number of states of each program.
-fn explore(
+/// Executes the programs of a file without errors in every order of events. Adds the name of each
+/// program with its result to `explored`.
+fn explore<'a>(
     file: &str,
-    checked: &Checked,
-    states: u64,
+    checked: &'a Checked,
+    options: &VerifyArguments,
     verified: &mut Verified,
+    explored: &mut Vec<(&'a str, Value)>,
 ) -> Result<Exit, Failure> {
+    let say = |text: &str| {
+        if options.output.json {
+            Ok(())
+        } else {
+            print_folded(text)
+        }
+    };
     let mut exit = Exit::Success;
     let file = &*visible(file);
     for (number, program) in checked.programs.iter().enumerate() {
         let Some(tables) = &program.tables else {
             continue;
         };
-        print_folded(&status_lines(checked, number))?;
+        say(&status_lines(checked, number))?;
         if tables.aggregate.is_some() {
             continue;
         }
         let expected = expected(&program.event_graph(), tables);
         let bounds = ExplorationBounds {
-            states,
+            states: options.states,
             ..ExplorationBounds::default()
         };
         let mut exploration = Exploration::new(tables, &expected, bounds, Faults::default());
@@ -134,11 +168,12 @@ fn explore(
             exploration.bounds.work = SAMPLED;
             reports.push(exploration.sample(SCHEDULES, &mut schedules(SEED)));
         }
-        print(&describe(&reports, &bounds))?;
+        say(&describe(&reports, &bounds))?;
         let holds = reports[0].verdict == ExplorationVerdict::Holds;
         if holds && tables.bond.is_passive() {
-            print("  Stray blocks that dock at any moment change nothing.\n")?;
+            say("  Stray blocks that dock at any moment change nothing.\n")?;
         }
+        explored.push((&program.plan.name, exploration_json(&reports)));
         let violation = reports
             .iter()
             .find_map(|report| violation_message(file, tables, report));
@@ -153,6 +188,23 @@ fn explore(
         }
     }
     Ok(exit)
+}
+
+/// Returns the result of an exploration as `{ outcome, states, transitions, orders, fault }`.
+fn exploration_json(reports: &[ExplorationReport]) -> Value {
+    let fault = reports.iter().find_map(ExplorationReport::violation);
+    let outcome = match (fault, &reports[0].verdict) {
+        (Some(_), _) => "wrong",
+        (None, ExplorationVerdict::Holds) => "every_order",
+        (None, _) => "random_orders",
+    };
+    json!({
+        "outcome": outcome,
+        "states": reports[0].states,
+        "transitions": reports[0].transitions,
+        "orders": reports.get(1).map(|report| report.schedules),
+        "fault": fault.map(|fault| fault.what.to_string()),
+    })
 }
 
 fn describe(reports: &[ExplorationReport], bounds: &ExplorationBounds) -> String {

@@ -13,14 +13,20 @@ pub struct CheckDocument {
 }
 
 impl CheckDocument {
-    /// Adds the diagnostics and programs of a file. `cost` returns the data of `--cost` for a
-    /// program.
-    pub fn add(&mut self, file: &str, checked: &Checked, cost: impl Fn(&Program) -> Option<Value>) {
+    /// Adds the diagnostics and the programs of a file. Each program may have another key, such as
+    /// `cost`.
+    pub fn add(
+        &mut self,
+        file: &str,
+        checked: &Checked,
+        key: &str,
+        value: impl Fn(&Program) -> Option<Value>,
+    ) {
         self.diagnostics.extend(diagnostics_json(checked));
         for (number, checked_program) in checked.programs.iter().enumerate() {
             let mut document = program_json(file, checked, number);
-            if let Some(cost) = cost(checked_program) {
-                document["cost"] = cost;
+            if let Some(value) = value(checked_program) {
+                document[key] = value;
             }
             self.programs.push(document);
         }

@@ -34,7 +34,8 @@ pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> St
         Format::Json => {
             let mut document = CheckDocument::default();
             let root = checked.sources.files().first();
-            document.add(root.map_or("", |file| &file.name), checked, |_| None);
+            let name = root.map_or("", |file| &file.name);
+            document.add(name, checked, "", |_| None);
             document.text()
         }
         Format::Sarif => {

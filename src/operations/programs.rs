@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use stochc_compiler::{Checked, LintLevels};
 use stochc_files::programs::{executables, not_a_file, programs as in_folders};
+use stochc_grammar::tree::ItemKind;
 use stochc_ir::Executable;
 use stochc_ir::scene::scalars::ScalarChange;
 use stochc_results::{EnsembleProgram, Source, Varied};
@@ -111,7 +112,7 @@ pub fn accept(
         return Err(Failure::silent(verdict(&checked)));
     }
     if checked.programs.is_empty() {
-        return Err(nothing_to_run(file));
+        return Err(nothing_to_run(file, &checked));
     }
     let sources: Vec<Source> = (checked.sources.files().iter())
         .map(|file| Source {
@@ -128,8 +129,21 @@ pub fn accept(
 }
 
 /// Returns the failure for a file without an assembly.
-pub fn nothing_to_run(file: &str) -> Failure {
-    Failure::usage(format!("`{file}` declares no assembly or aggregate to run"))
+pub fn nothing_to_run(file: &str, checked: &Checked) -> Failure {
+    Failure::usage(format!(
+        "`{file}` declares no assembly or aggregate to run{}",
+        plan_advice(file, checked)
+    ))
+}
+
+/// Returns the advice to plan an assembly for the shape of a file. Empty if it declares no shape.
+pub fn plan_advice(file: &str, checked: &Checked) -> String {
+    let mut items = checked.tree.items.iter();
+    if !items.any(|item| matches!(item.kind, ItemKind::Shape(_))) {
+        return String::new();
+    }
+    let file = stochc_files::shell::file(file);
+    format!("; `stochc plan {file}` writes an assembly for its shape")
 }
 
 /// Compiles stored sources for one assembly, with the parameter values that a sweep has set.

@@ -123,6 +123,29 @@ fn a_timeout_reached_by_most_runs_is_reported() {
 }
 
 #[test]
+fn the_reason_for_no_estimate_is_stated() {
+    for (file, reason) in [
+        (
+            "examples/microns.sa",
+            "the rate model does not support fluid",
+        ),
+        (
+            "examples/experiment_2.sa",
+            "the rate model does not support aggregates",
+        ),
+        ("examples/five_tower.sa", "blocks may jam (tight-approach)"),
+        (
+            "tests/fixtures/soft.sa",
+            "scene `soft` has not been calibrated",
+        ),
+    ] {
+        let outcome = stochc_with("check", &[file]);
+        let line = format!("  no estimate: {reason}");
+        assert!(outcome.out.contains(&line), "{file}: {}", outcome.out);
+    }
+}
+
+#[test]
 fn times_need_the_rates_of_the_scene() {
     let folder = tempfile::tempdir().unwrap();
     let program = path(folder.path(), "slow.sa");
@@ -176,6 +199,15 @@ fn a_file_without_an_assembly_is_valid() {
     let outcome = stochc("check tests/fixtures/importing_tower.sa");
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     assert!(outcome.out.ends_with("no assembly or aggregate to check\n"));
+    // A shape without an assembly is for `plan`.
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "shape.sa");
+    fs::write(&file, "shape post { layer 1..3 { # } }\n").unwrap();
+    let outcome = stochc_with("check --allow warnings", &[&file]);
+    let advice = format!("`stochc plan {file}` writes an assembly for its shape");
+    assert!(outcome.out.contains(&advice), "{}", outcome.out);
+    let outcome = stochc_with("simulate", &[&file]);
+    assert!(outcome.err.contains(&advice), "{}", outcome.err);
     let outcome = stochc("check tests/fixtures/importing.sa");
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
     assert!(outcome.out.contains("3 captures"), "{}", outcome.out);

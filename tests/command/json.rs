@@ -214,6 +214,25 @@ fn checks_have_schemas() {
 }
 
 #[test]
+fn verifications_have_schemas() {
+    let files = "examples/gate.sa tests/fixtures/aggregate.sa tests/fixtures/wrong.sa";
+    let outcome = stochc(&format!("verify --json {files}"));
+    assert_output("verify", &outcome);
+    let document = outcome.json();
+    let programs = document["programs"].as_array().unwrap();
+    assert_eq!(programs[0]["exploration"]["outcome"], "every_order");
+    for program in programs {
+        let is_right = program["proved"].is_object();
+        assert_eq!(program.get("exploration").is_some(), is_right, "{program}");
+    }
+    assert!(!document["diagnostics"].as_array().unwrap().is_empty());
+    let outcome = stochc("verify --json --states 5 examples/gate.sa");
+    let exploration = &outcome.json()["programs"][0]["exploration"];
+    assert_eq!(exploration["outcome"], "random_orders");
+    assert_eq!(exploration["orders"], 1000);
+}
+
+#[test]
 fn stages_of_the_compiler_have_schemas() {
     for stage in ["structure", "graph", "table"] {
         let compile = format!("compile --format json --emit {stage} examples/line.sa");

@@ -45,7 +45,7 @@ fn the_next_commands_work() {
 fn an_invalid_name_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["", "2towers", "a-b", "a b", "folder/"] {
-        let refused = said(command(["new", name]).current_dir(folder.path()));
+        let refused = run_command(command(["new", name]).current_dir(folder.path()));
         assert_eq!(refused.status, 2, "{name}");
         assert!(refused.err.contains("is not a name"), "{}", refused.err);
     }

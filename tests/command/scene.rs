@@ -67,7 +67,7 @@ fn scenes_are_part_of_the_json_document() {
     let pull = find(&hemisphere["groups"], "symbol", "F τ² / (m d)");
     assert_eq!(
         (&pull["most"], &pull["exceeded"], &pull["substeps"]),
-        (&1.0.into(), &false.into(), &3.into())
+        (&64.0.into(), &false.into(), &3.into())
     );
     assert_eq!(hemisphere["warnings"].as_array().unwrap().len(), 0);
     let steps = serde_json::json!({ "taken": "2/8", "needed": 3, "resolved": true });
@@ -79,7 +79,7 @@ fn scenes_are_part_of_the_json_document() {
 }
 
 #[test]
-fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
+fn a_scene_is_listed_once_also_for_a_wrong_program() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "several.sa");
     let assembly = |name: &str, scene: &str| {
@@ -104,12 +104,22 @@ fn a_scene_is_listed_once_and_not_for_a_wrong_program() {
     assert_eq!(heads, ["hemisphere, of a, c", "calm, of b"]);
     let (_, calm) = outcome.out.split_once("scene calm").unwrap();
     assert!(
-        calm.ends_with("\n\n  One step a tick is short enough.\n"),
+        calm.ends_with(
+            "\n\n  The time step is small enough (2 substeps per tick, 8 near open faces).\n  \
+             One substep per tick would be enough.\n"
+        ),
         "{calm}"
     );
 
+    // An error outside of the scene is reported in addition to its physics.
     let outcome = stochc("check --physics tests/fixtures/wrong.sa");
-    assert_eq!((outcome.status, outcome.out.as_str()), (1, ""));
+    assert_eq!(outcome.status, 1);
+    assert!(
+        outcome
+            .out
+            .starts_with("tests/fixtures/wrong.sa: scene hemisphere")
+    );
+    assert!(outcome.err.contains("error["), "{}", outcome.err);
     // With `--format short`, standard output has only diagnostics.
     let outcome = stochc("check --physics --format short tests/fixtures/tower.sa");
     assert_eq!((outcome.status, outcome.out.as_str()), (0, ""));
@@ -131,7 +141,7 @@ fn an_unresolved_scene_is_reported_by_simulate() {
     assert_eq!(denied.status, 1, "{}", denied.err);
     for text in [
         "v τ / a is ",
-        "F τ² / (m d) is 6 with one step per tick, more than 1: a pulled",
+        "F τ² / (m d) is 6, more than 1 with 1 substep per tick: a pulled",
         "run with `--substeps 3`, or shorten the `tick`",
     ] {
         assert!(denied.err.contains(text), "{}", denied.err);
@@ -202,10 +212,36 @@ fn warns_of_sinking_blocks() {
         "{}",
         outcome.err
     );
+    assert!(
+        outcome
+            .err
+            .contains("layer 2 has 1.5 % of their mean density, less than 10 %"),
+        "{}",
+        outcome.err
+    );
     // A structure along the floor can still be built.
     std::fs::write(&file, text.replace("A.up -> B", "A")).unwrap();
     let outcome = stochc_with("simulate --runs 1 --max-ticks 1", &[&file]);
     assert!(!outcome.err.contains("warning"), "{}", outcome.err);
+}
+
+/// Dimensionless numbers and their limits fit into 80 columns.
+#[test]
+fn tables_of_physics_fit_the_terminal() {
+    for file in [
+        "line",
+        "microns",
+        "experiment_1",
+        "experiment_2",
+        "suction_growth",
+        "lab/bowl",
+    ] {
+        let outcome = stochc(&format!("check --physics examples/{file}.sa")).out;
+        let tables = outcome.split("dimensionless numbers").skip(1);
+        for line in tables.flat_map(|table| table.lines().take_while(|it| !it.ends_with(".sa"))) {
+            assert!(line.chars().count() <= 80, "{file}: {line}");
+        }
+    }
 }
 
 /// Returns a scene without agitation. Its blocks float, or sink without a floor.
@@ -359,7 +395,7 @@ fn rows_outside_of_their_limit_are_marked() {
     assert!(
         outcome
             .out
-            .contains("The steps are too long: `simulate` takes 2/8 a tick."),
+            .contains("The time step is too long (2 substeps per tick, 8 near open faces)."),
         "{}",
         outcome.out
     );

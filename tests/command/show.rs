@@ -1,6 +1,6 @@
 use std::fs;
 
-use crate::stochc::{path, stochc_with};
+use crate::stochc::{path, stochc, stochc_with};
 
 #[test]
 fn show_repeats_the_output_of_simulate() {
@@ -260,6 +260,14 @@ fn prints_the_runs_needed_for_a_difference() {
         "{words}"
     );
     assert!(needed > 2);
+}
+
+#[test]
+fn several_folders_are_for_report() {
+    let outcome = stochc("show results/a results/b");
+    assert_eq!(outcome.status, 2);
+    let advice = "`stochc report results/a results/b` compares several";
+    assert!(outcome.err.contains(advice), "{}", outcome.err);
 }
 
 #[test]

@@ -16,7 +16,7 @@ use crate::command::terminal::{
 };
 use crate::diagnostics::{CheckDocument, DiagnosticCounts, Format, SarifLog, show};
 use crate::exit::{Exit, Failure};
-use crate::operations::programs::{cannot_read, is_readable, verdict};
+use crate::operations::programs::{cannot_read, is_readable, plan_advice, verdict};
 use crate::operations::rates::{UnusedRates, of_files};
 use crate::operations::summary::{status_lines, warnings};
 use crate::reader::DiskReader;
@@ -78,7 +78,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         match options.format() {
             // In this format, standard output has only diagnostics, which other applications read.
             Format::Short => print(&shown())?,
-            Format::Json => document.add(file, &checked, |program| {
+            Format::Json => document.add(file, &checked, "cost", |program| {
                 let most = options.cost.filter(|_| !checked.has_errors())?;
                 Some(cost_json(program, &checked.symbols, most, &rates))
             }),
@@ -87,21 +87,21 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
                 warn_drawn(&shown());
                 tally.add(&checked);
                 if !checked.has_errors() {
-                    print_summary(&summary(&name, &checked, options.cost, &rates))?;
+                    print_summary(&summary(file, &name, &checked, options.cost, &rates))?;
                 }
             }
         }
         exit = exit.or_worse(verdict(&checked));
         let has_text = matches!(options.format(), Format::Short | Format::Sarif);
         if options.cost.is_some() && has_text && !checked.has_errors() {
-            warn(&summary(&name, &checked, options.cost, &rates));
+            warn(&summary(file, &name, &checked, options.cost, &rates));
         }
         let of_programs = checked
             .programs
             .iter()
             .filter_map(|program| program.scene.as_ref());
         unused.not_of(of_programs);
-        if options.physics && !checked.has_errors() {
+        if options.physics {
             for scene in scenes(file, &checked) {
                 match options.format() {
                     Format::Graphical => print_summary(&scene.text())?,
@@ -163,11 +163,18 @@ pub(super) fn check(
 }
 
 /// Returns the summary of a file without errors. Each line begins with `name`.
-fn summary(name: &str, checked: &Checked, cost: Option<usize>, rates: &[Rates]) -> String {
+fn summary(
+    file: &str,
+    name: &str,
+    checked: &Checked,
+    cost: Option<usize>,
+    rates: &[Rates],
+) -> String {
     if checked.programs.is_empty() {
         let warnings = warnings(checked, |_| true);
         let warnings = warnings.map_or_else(String::new, |it| format!(", {it}"));
-        return format!("{name}no assembly or aggregate to check{warnings}\n");
+        let advice = plan_advice(file, checked);
+        return format!("{name}no assembly or aggregate to check{advice}{warnings}\n");
     }
     let mut out = String::new();
     for (number, program) in checked.programs.iter().enumerate() {
