@@ -194,8 +194,8 @@ impl Printer<'_> {
         self.out.push('}');
     }
 
-    /// Writes the words of a scene, with a line break after each block. Line breaks have no meaning
-    /// in scenes.
+    /// Writes the words of a scene. A line break follows each block and separates a value from a
+    /// word that could be read as its unit.
     fn terms(&mut self, terms: &[Term]) {
         let mut fresh = true;
         let mut valued = false;
@@ -232,8 +232,8 @@ impl Printer<'_> {
         self.out.push('\n');
     }
 
-    /// Ends a value. If it ends in the unit `tick` and another value follows, writes `tick^1`. A
-    /// plain `tick` would be read as the start of a clause.
+    /// Ends a value. If it ends in the unit `tick` and another value follows, appends `^1`. A plain
+    /// `tick` would be read as the start of a clause.
     fn end_of_value(&mut self, quantity: &Quantity, next: Option<&Term>) {
         let is_tick = quantity
             .unit

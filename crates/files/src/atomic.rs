@@ -33,8 +33,9 @@ pub enum Replaces {
     Ours(fn(&mut File) -> io::Result<bool>),
     /// Replaces any regular file, in a folder of stochc.
     Ordinary,
-    /// Replaces identical files, in a folder shared by several machines without locks. Names of
-    /// drafts begin with the stem and `.draft-`. Leftovers are not removed.
+    /// Replaces a file that has the same content, in a folder shared by several machines without
+    /// locks. Names of drafts begin with the stem and `.draft-`. Drafts of killed processes are not
+    /// removed.
     Same,
 }
 
@@ -112,7 +113,8 @@ impl Draft {
     ///
     /// # Errors
     ///
-    /// Errors of the file system, and a new file at the target that must not be replaced.
+    /// Errors of the file system. It is also an error if a file that must not be replaced has
+    /// appeared at the target.
     pub fn keep(self) -> io::Result<()> {
         let written = self.file.into_inner().map_err(|error| error.into_error());
         let Unnamed(file) = written?;
@@ -185,8 +187,8 @@ pub fn replace_text(path: &Path, old: &[u8], new: &[u8]) -> io::Result<bool> {
     Ok(true)
 }
 
-/// Overwrites a file in place if it has other names or another owner. Keeps a copy next to it in
-/// the meantime.
+/// Overwrites a file in place, so that it keeps its owner and its other names. Keeps a copy of the
+/// old text next to the file in the meantime.
 fn write_over(mut target: disk::File, path: &Path, old: &[u8], new: &[u8]) -> io::Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let suffix = format!("-{name}");
@@ -210,7 +212,7 @@ fn write_over(mut target: disk::File, path: &Path, old: &[u8], new: &[u8]) -> io
     Err(error)
 }
 
-/// Returns whether a file has no other names.
+/// Returns whether a file has only one name, that is, no further hard links.
 #[cfg_attr(
     not(unix),
     expect(unused_variables, reason = "other systems have no links and modes")

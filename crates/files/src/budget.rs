@@ -82,11 +82,11 @@ impl ReadBudget {
         }
     }
 
-    /// Rejects a part of a large file with a hole, since holes let small files claim huge sizes.
+    /// Checks a part of a large file for holes, which let small files claim huge sizes.
     ///
     /// # Errors
     ///
-    /// If there is a hole in a kind of file that cannot contain one.
+    /// If the part has a hole and the kind of file cannot contain holes.
     pub(super) fn accepts(self, part: &[u8]) -> io::Result<()> {
         /// Size of a disk page.
         const PAGE: usize = 1 << 12;

@@ -11,7 +11,7 @@ pub fn crc32(bytes: &[u8]) -> u32 {
     crc.sum()
 }
 
-/// Number of bytes and checksum.
+/// Number of bytes with their checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sum {
     /// Number of bytes.
@@ -21,7 +21,7 @@ pub struct Sum {
 }
 
 impl Sum {
-    /// Returns the checksum of bytes.
+    /// Returns the number and the checksum of bytes.
     pub fn from_bytes(bytes: &[u8]) -> Sum {
         Sum {
             bytes: bytes.len() as u64,
@@ -113,7 +113,7 @@ const LENGTH: usize = FIELD.len() + 8 + 2;
 ///
 /// # Panics
 ///
-/// If it is not an object with at least one field, or has trailing white space.
+/// If the text is not an object with at least one field, or has trailing white space.
 pub fn sealed(mut object: String) -> String {
     assert_eq!(object.pop(), Some('}'), "an object ends with a brace");
     let crc = crc32(object.as_bytes());

@@ -51,13 +51,13 @@ pub enum CallDecision {
     Pretend,
 }
 
-/// Test double of the disk.
+/// Replacement of file system calls in tests.
 pub trait Double: Send + Sync {
     /// Decides the outcome of a call before it is made.
     fn decide(&self, path: &Path, call: Call) -> CallDecision;
 }
 
-/// Test doubles, each for the contents of a folder.
+/// Test doubles, each with the folder whose contents it replaces.
 static DOUBLES: RwLock<Vec<(PathBuf, Arc<dyn Double>)>> = RwLock::new(Vec::new());
 /// Number of test doubles: 0 except in tests.
 static COUNT: AtomicUsize = AtomicUsize::new(0);
@@ -101,8 +101,8 @@ pub(crate) fn ask<T: Default>(
     }
 }
 
-/// Returns an error if a test double makes the call fail. Used for calls with a result, which
-/// cannot be pretended.
+/// Returns an error if a test double makes the call fail. Used for calls with a result that a test
+/// double cannot provide.
 pub(crate) fn may(path: &Path, call: Call) -> io::Result<()> {
     ask(path, call, || Ok(()))
 }

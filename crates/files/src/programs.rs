@@ -160,7 +160,7 @@ impl FolderPrograms {
 ///
 /// # Errors
 ///
-/// The errors of [`super::read`], and a file of compiled programs.
+/// The errors of [`super::read`]. A file of compiled programs is also an error.
 pub fn read(program: &str) -> io::Result<Vec<u8>> {
     static INPUT: OnceLock<io::Result<Vec<u8>>> = OnceLock::new();
     let text = match program {

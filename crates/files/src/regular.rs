@@ -19,7 +19,7 @@ pub fn read(path: &str) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 ///
-/// The errors of [`open`], and a file beyond its limit.
+/// The errors of [`open`]. A file beyond its limit is also an error.
 pub fn read_file(path: &Path, budget: ReadBudget) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     budget.admits(file.metadata()?.len())?;
@@ -30,7 +30,7 @@ pub fn read_file(path: &Path, budget: ReadBudget) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 ///
-/// Errors of the stream, and a stream beyond its limit.
+/// Errors of the stream. A stream beyond its limit is also an error.
 pub(crate) fn read_stream(mut stream: impl Read, budget: ReadBudget) -> io::Result<Vec<u8>> {
     /// Number of bytes between two checks. Smaller files are not checked.
     const PIECE: u64 = 1 << 24;
@@ -58,7 +58,7 @@ pub fn open(path: &Path) -> io::Result<File> {
     open_with(path, OpenOptions::new().read(true)).map_err(in_words)
 }
 
-/// Replaces the system's messages for the two most frequent errors.
+/// Replaces the system's messages for the two most frequent errors by shorter ones.
 fn in_words(error: io::Error) -> io::Error {
     let words = match error.kind() {
         io::ErrorKind::NotFound => "file not found",
@@ -113,7 +113,7 @@ fn open_flagged(path: &Path, options: &mut OpenOptions, flags: Flags) -> io::Res
 ///
 /// # Errors
 ///
-/// The errors of [`open`], and a link.
+/// The errors of [`open`]. A link is also an error.
 pub fn open_own(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     match disk::look(path) {
         Ok(metadata) => no_link(&metadata)?,

@@ -25,7 +25,8 @@ pub fn visible(word: &str) -> String {
     format!("$'{}'", spelled.collect::<String>())
 }
 
-/// Returns a file argument of a displayed command, never mistaken for an option.
+/// Returns a file path as an argument of a displayed command. A path that begins with `-` gets the
+/// prefix `./`, so that it is not an option.
 pub fn file(path: &str) -> String {
     if path.starts_with('-') {
         visible(&format!("./{path}"))

@@ -35,7 +35,8 @@ use wire::Incoming;
 /// Largest number of queued messages. Beyond it the client must wait.
 const MAX_WAITING: usize = 256;
 
-/// Serves a client over a pair of streams until it exits. Returns whether it shut down properly.
+/// Serves a client over a pair of streams until the client exits. Returns whether the client sent a
+/// shutdown request before.
 ///
 /// # Errors
 ///

@@ -321,7 +321,8 @@ impl<W: Write> Server<W> {
     /// Returns the analyses that a request needs, its own program first. Returns an error if one of
     /// the checks has failed.
     ///
-    /// Returns `None` if a check must run first. It starts as soon as another job is allowed.
+    /// Returns `None` if a check must run first. The check starts as soon as another job is
+    /// allowed.
     fn needed(&mut self, path: &str, needs: Needs) -> Option<Result<Vec<Arc<Analysis>>, ()>> {
         let paths: Vec<String> = match needs {
             Needs::Text => Vec::new(),

@@ -34,7 +34,7 @@ pub enum Incoming {
     End,
 }
 
-/// Reads the next message of a stream. A message without a valid length ends it.
+/// Reads the next message of a stream. A message without a valid length ends the stream.
 pub fn read(input: &mut impl BufRead) -> Incoming {
     let Ok(body) = body(input) else {
         return Incoming::End;

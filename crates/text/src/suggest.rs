@@ -6,7 +6,7 @@ const MAX: usize = 5_000;
 /// Known word that an unknown one probably means.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Suggestion {
-    /// The known word, as a suggestion.
+    /// The suggested word.
     pub word: String,
     /// Whether the suggestion is unambiguous: one or two letters differ, and no other word is as
     /// close.
@@ -66,8 +66,8 @@ pub fn nearest<S: AsRef<str>>(
     })
 }
 
-/// Returns whether two words certainly differ too much for a suggestion, by a cheap bound. Such a
-/// pair does not affect the second distance either.
+/// Returns whether two words certainly differ too much for a suggestion, by a bound that is fast to
+/// compute. Such a word does not make another suggestion ambiguous either.
 fn is_far(one: &str, other: &str) -> bool {
     if one.len().abs_diff(other.len()) > 3 {
         return true;

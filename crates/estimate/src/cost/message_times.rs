@@ -20,14 +20,14 @@ pub struct StepMessages {
     news: Vec<MessagePath>,
     /// Number of hops of the request for release. 0 for a capture.
     request: u32,
-    /// Draws the time when the news about a predecessor arrives \[ticks\]. `news` is the index of
-    /// the predecessor, which happened at `happened`. `ends` contains the times of all events.
+    /// Number of hops of the report that this event was the last of the phase.
     report: u32,
     hop: HopTime,
 }
 
 impl StepMessages {
-    /// Draws the duration of the block's request for release \[ticks\].
+    /// Draws the time when the news about a predecessor arrives \[ticks\]. `news` is the index of
+    /// the predecessor, which happened at `happened`. `ends` contains the times of all events.
     pub fn heard(&self, news: usize, happened: f64, ends: &[f64], rng: &mut ChaCha8Rng) -> f64 {
         let path = &self.news[news];
         let mut at = happened + self.hop.draw(path.hops, rng);
@@ -37,7 +37,7 @@ impl StepMessages {
         at
     }
 
-    /// Draws the delay of a release by the block's request \[ticks\].
+    /// Draws the duration of the block's request for release \[ticks\].
     pub fn request(&self, rng: &mut ChaCha8Rng) -> f64 {
         self.hop.draw(self.request, rng)
     }

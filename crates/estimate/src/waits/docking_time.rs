@@ -28,7 +28,8 @@ pub(crate) fn summed(time: f64) -> f64 {
     summed_with(x, || libm::exp(-x))
 }
 
-/// Returns the distribution function after x stages, from e^-x.
+/// Returns the distribution function at `x`, the time in units of the mean duration of a stage.
+/// `decay` computes e^-x.
 fn docked_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
     if x < SMALL {
         x * x
@@ -58,7 +59,8 @@ fn summed_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
     integral / f64::from(STAGES)
 }
 
-/// Returns the inverse of [`summed`], by Newton's method from the side without overshooting.
+/// Returns the inverse of [`summed`]. Newton's method starts on the side from which it does not
+/// overshoot.
 pub(crate) fn when_summed(value: f64) -> f64 {
     if value <= 0.0 {
         return 0.0;

@@ -22,10 +22,11 @@ const STEEPNESS: f64 = 9.4;
 /// Exponent of the density: dense blocks knock each other out of reach.
 const CROWDING: f64 = 0.3;
 
-/// Returns the parameters for a logarithmic rate and a docking probability.
+/// Returns the parameters of the rate law for the logarithm `rate` of the rate and the docking
+/// `probability`.
 ///
-/// If few blocks dock, retardation matters more than the number of arrivals. If all dock, it is the
-/// reverse. The other parameters are taken from `like`.
+/// If few blocks dock, surroundings that slow blocks down matter more than the number of arriving
+/// blocks. If all blocks dock, the number matters more. The other parameters are taken from `like`.
 fn parameters(rate: f64, probability: f64, like: Parameters) -> Parameters {
     let fails = 1.0 - probability;
     let [

@@ -26,7 +26,7 @@ pub struct HeadStart {
 
 impl HeadStart {
     /// Returns the time of the capture \[ticks\] for a draw from the exponential distribution with
-    /// mean 1. It is constant for a block captured in place.
+    /// mean 1. A block that is captured in its own cell always takes the same time.
     pub fn time(&self, draw: f64) -> f64 {
         if self.squared_distance == 0 && !self.late {
             self.ticks
@@ -36,8 +36,8 @@ impl HeadStart {
     }
 }
 
-/// Default for a block released in front of a face that opens shortly after, from 1360 releases in
-/// the default scene.
+/// Default for a block that is released in the open cell shortly before the face opens. Measured in
+/// 1360 releases in the default scene.
 const LATE: HeadStart = HeadStart {
     squared_distance: 0,
     before: 0,
@@ -65,15 +65,16 @@ pub struct ReleaseNearby {
     leaves: f64,
 }
 
-/// Default time without random impulses \[ticks\].
+/// Default of [`HeadStarts::leaves`] in scenes without random impulses \[ticks\].
 const LEAVES: f64 = 25.0;
 
 impl<'r> HeadStarts<'r> {
     /// Returns the head starts of a scene with these calibrated values.
     ///
     /// Random impulses with rms j move a block from rest by j t^(3/2) / √3 in t ticks. After twice
-    /// the time to reach the radius of the sphere of reach, it counts as any other block. This was
-    /// validated in the default scene and two others (docs/validation/rates.md).
+    /// the time in which this distance reaches the radius of the sphere of reach, the block counts
+    /// as any other. This was validated in the default scene and two others
+    /// (docs/validation/rates.md).
     pub(crate) fn in_scene(scene: &Scene, known: &'r [HeadStart]) -> HeadStarts<'r> {
         let kick = kick(scene);
         let leaves = 2.0 * libm::cbrt(3.0 * (RADIUS / kick) * (RADIUS / kick));
@@ -83,8 +84,8 @@ impl<'r> HeadStarts<'r> {
         }
     }
 
-    /// Returns the head starts of a block released in the cell `from` at an open cell in direction
-    /// `way`. Returns `None` if there are none.
+    /// Returns the head starts of a block that is released in the cell `from`, at the face open to
+    /// `cell` in direction `way`. Returns `None` if there are none.
     pub fn of(&self, cell: Cell, way: Face, from: Cell) -> Option<ReleaseNearby> {
         let (squared_distance, before) = relative(cell, way, from)?;
         let at = |late: bool| {

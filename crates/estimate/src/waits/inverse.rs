@@ -7,7 +7,7 @@ use crate::waits::docking_time::{docked, when_summed};
 /// Number of leading mantissa bits that select a part of the table.
 const PART_BITS: u32 = 5;
 
-/// Bits of a value within its part.
+/// Number of low mantissa bits, which locate a value within its part.
 const WITHIN_BITS: u32 = f64::MANTISSA_DIGITS - 1 - PART_BITS;
 
 /// Smallest value of the table. Smaller values need Newton steps.
@@ -19,7 +19,7 @@ const MAX: f64 = 8.0;
 /// Number of parts.
 const PARTS: usize = part(MAX) - part(MIN);
 
-/// Bound of the relative error: thirty times the actual one.
+/// Bound of the relative error: thirty times the largest actual error.
 const ERROR: f64 = 1e-7;
 
 /// Value beyond which the spacing of doubles exceeds [`ERROR`].
@@ -71,8 +71,8 @@ fn begin(part: usize) -> f64 {
     f64::from_bits((part as u64) << WITHIN_BITS)
 }
 
-/// Returns the Hermite cubic from the times and slopes at both ends of a part. Its variable runs
-/// from 0 to 1.
+/// Returns the Hermite cubic from the times and slopes at both ends of a part. The variable of the
+/// polynomial runs from 0 to 1.
 fn cubic(part: usize) -> [f64; 4] {
     let ends = [begin(part), begin(part + 1)];
     let [from, to] = ends.map(when_summed);

@@ -24,7 +24,7 @@ pub struct Surroundings {
     /// Whether no block is next to the capturing block, but a block is across one of its edges.
     /// Both directions are perpendicular to the face's normal.
     pub corner_parent: bool,
-    /// Whether the nearest block or ground is two cells from the capturing block. Directions are
+    /// Whether the nearest block or ground is two cells away from the capturing block,
     /// perpendicular to the face's normal.
     pub near_parent: bool,
     /// Whether the open cell is a gap: a block is opposite to the face, and no block is next to the
@@ -149,7 +149,7 @@ impl Parameters {
     ///
     /// Rate and docking time vary with the scene. The effects of geometry vary little. The effect
     /// of adjacent faces depends on how easily blocks are captured: two pulls capture more than one
-    /// if it is hard. In gaps, blocks jam in some scenes and settle faster in others.
+    /// if captures are difficult. In gaps, blocks jam in some scenes and settle faster in others.
     pub const SPREAD: [f64; Parameters::COUNT] = [
         5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 0.5, 3.0, 0.3, 1.0, 5.0, 0.3, 0.3, 0.3, 0.3,
         0.5,

@@ -14,8 +14,8 @@ pub enum LowerBoundReason {
     CrowdedCaptures,
     /// The structure is larger than all structures of the calibration.
     ///
-    /// Solid shapes of 66 to 121 blocks take 11 to 24 % longer with physics
-    /// (docs/validation/rates.md).
+    /// In physical simulations, solid shapes of 66 to 121 blocks take 11 to 24 % longer than in the
+    /// rate model (docs/validation/rates.md).
     LargeStructure,
 }
 
@@ -26,7 +26,7 @@ impl LowerBoundReason {
         LowerBoundReason::LargeStructure,
     ];
 
-    /// Returns the reason as a clause.
+    /// Returns the reason as part of a sentence.
     const fn text(self) -> &'static str {
         match self {
             LowerBoundReason::TightApproach => {
@@ -78,7 +78,7 @@ impl LowerBoundReasons {
         all.filter_map(|(reason, holds)| holds.then_some(reason))
     }
 
-    /// Returns the reasons as a clause. Empty without reasons.
+    /// Returns the reasons as part of a sentence. Empty without reasons.
     pub fn text(self) -> String {
         let reasons: Vec<&str> = self.iter().map(LowerBoundReason::text).collect();
         reasons.join(", and ")

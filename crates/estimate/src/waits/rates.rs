@@ -48,9 +48,9 @@ pub struct Rates {
 pub struct Coverage {
     /// Highest capturing cell.
     pub highest: i32,
-    /// Smallest open fraction of a sphere of reach.
+    /// Smallest observed fraction of a sphere of reach that is not obstructed.
     pub least_open: f64,
-    /// Smallest fraction of free blocks.
+    /// Smallest observed fraction of the initial free blocks that were still free.
     pub least_free: f64,
 }
 
@@ -60,7 +60,7 @@ pub const FORMAT: u32 = 1;
 /// Index of the parameter for a block opposite to the face.
 const AHEAD: usize = 10;
 
-/// Smallest logarithmic rate factor of a passable gap: half of the rate.
+/// Smallest logarithm of the rate in a passable gap, relative to other cells: half of their rate.
 const SLOWEST_GAP: f64 = -0.7;
 
 /// Rates of built-in scenes, written by `stochc calibrate SCENE --out`.
@@ -120,8 +120,8 @@ impl Rates {
         self.scene == alike
     }
 
-    /// Returns whether blocks certainly enter gaps about as fast as other cells. In some scenes
-    /// they jam there.
+    /// Returns whether blocks certainly enter gaps about as fast as other cells. In some scenes,
+    /// blocks jam in gaps.
     pub fn passes_gaps(&self) -> bool {
         let variance = self.covariance[AHEAD * (Parameters::COUNT + 1)];
         variance > 0.0 && self.parameters.0[AHEAD] - 2.0 * variance.sqrt() > SLOWEST_GAP

@@ -10,8 +10,8 @@ use crate::LowerBoundReasons;
 pub struct Times {
     /// Mean. `None` if some cases never end.
     pub mean: Option<f64>,
-    /// Half-width for the mean: normal distribution for draws, Student's for runs. `None` without a
-    /// mean, or for a single time.
+    /// Half-width for the mean. Uses the normal distribution for random samples, and Student's
+    /// distribution for runs. `None` without a mean, or for a single time.
     pub half_width: Option<f64>,
     /// 10th percentile. `None` if fewer than a tenth of the cases end.
     pub p10: Option<f64>,
@@ -116,8 +116,10 @@ impl Cases<'_> {
         Some(below + (above - below) * place.fract())
     }
 
-    /// Returns the half-width for a quantile. The number of values below it is binomial for any
-    /// distribution. Returns `None` if its ends are beyond the values.
+    /// Returns the half-width for a quantile. Returns `None` if an end of the interval is beyond
+    /// the values.
+    ///
+    /// The number of values below a quantile is binomial for any distribution.
     fn half_width(self, q: f64) -> Option<f64> {
         let by = NORMAL * (q * (1.0 - q) / self.count() as f64).sqrt();
         let is_within = q - by >= 0.0 && q + by <= 1.0;

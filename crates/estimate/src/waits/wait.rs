@@ -55,8 +55,8 @@ impl Wait {
         ]
     }
 
-    /// Returns the derivatives of the cumulative hazard and of the logarithmic hazard by the
-    /// logarithm of the docking time.
+    /// Returns the derivatives of the cumulative hazard and of the logarithmic hazard with respect
+    /// to the logarithm of the docking time.
     pub fn docking_slopes(self, ticks: f64) -> (f64, f64) {
         let time = ticks / self.docking;
         let x = f64::from(STAGES) * time;
@@ -118,7 +118,8 @@ impl Wait {
 /// Number of parts of equal probability for the computation of moments.
 const PARTS: usize = 256;
 
-/// Means of an exponential variable of mean 1 within each of [`PARTS`] equal probabilities.
+/// Means of an exponential variable of mean 1 within each of [`PARTS`] intervals of equal
+/// probability.
 static MIDDLES: LazyLock<[f64; PARTS]> = LazyLock::new(|| {
     // Integral of -ln(1 - p) from p = 0.
     let integral = |p: f64| {

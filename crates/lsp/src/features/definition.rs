@@ -48,7 +48,7 @@ pub fn definitions(
     })
 }
 
-/// Returns the seeds and captures of the blocks that the name at a byte means.
+/// Returns the seeds and captures of all blocks that the name at a byte can denote.
 fn introductions(
     analysis: &Analysis,
     at: usize,

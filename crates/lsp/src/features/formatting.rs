@@ -9,14 +9,15 @@ use stochc_grammar::{FormatError, format};
 use crate::wire::RequestFailure;
 use crate::workspace::position::LineIndex;
 
-/// Time limit for an exact comparison. After it, edits may cover more lines than necessary.
+/// Time limit for the exact comparison of the old and the new text. After it, edits may cover more
+/// lines than necessary.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Error for programs that cannot be formatted.
 const WRONG: &str = "the program has syntax errors; fix them first";
 
-/// Returns the edits that format a text. Only changed lines are edited, so that marks on other
-/// lines survive.
+/// Returns the edits that format a text. Only changed lines are edited, so that editor marks such
+/// as breakpoints survive on other lines.
 ///
 /// # Errors
 ///

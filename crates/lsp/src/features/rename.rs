@@ -154,7 +154,8 @@ fn stays_the_same(
     Ok(())
 }
 
-/// Returns whether equal names remain equal and different ones remain different.
+/// Returns whether names with the same definition still have the same one, and names with different
+/// definitions still have different ones.
 fn same_structure(old: &Names, new: &Names) -> bool {
     if old.all().len() != new.all().len() {
         return false;
@@ -190,7 +191,7 @@ fn says_of_names(code: Code) -> bool {
     )
 }
 
-/// Returns the scene of each program without its name.
+/// Returns the scene of each program, with the name of the scene removed.
 fn scenes(checked: &Checked) -> Vec<Option<Scene>> {
     let nameless = |scene: &Scene| Scene {
         name: String::new(),

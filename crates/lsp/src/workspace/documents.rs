@@ -51,7 +51,7 @@ impl Documents {
         path
     }
 
-    /// Changes a text and returns its path, if it is open.
+    /// Changes an open text and returns its path. Returns `None` if the text is not open.
     pub fn change(
         &self,
         uri: &str,

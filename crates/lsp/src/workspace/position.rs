@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use gen_lsp_types::{Position, Range};
 use stochc_compiler::Span;
 
-/// Unit of characters within a line.
+/// Unit of the client for counting characters within a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Encoding {
     /// Columns count bytes.
@@ -53,7 +53,8 @@ impl<'t> LineIndex<'t> {
         }
     }
 
-    /// Returns the position of a byte, or of the end for bytes beyond it.
+    /// Returns the position of a byte. Bytes beyond the end of the text have the position of the
+    /// end.
     pub fn position(&self, at: usize) -> Position {
         let mut at = at.min(self.text.len());
         while !self.text.is_char_boundary(at) {

@@ -171,8 +171,7 @@ impl Programs {
         program.state = job.map_or(AnalysisState::Failed, AnalysisState::Running);
     }
 
-    /// Stores the result of a check unless it is out of date. Returns whether the check was still
-    /// wanted.
+    /// Stores the result of a check unless the check is out of date. Returns `false` if it is.
     pub fn checked(&mut self, job: JobId, checked: Option<CheckedProgram>) -> bool {
         let is_it = |program: &&mut OpenProgram| matches!(program.state, AnalysisState::Running(own) if own == job);
         let Some(program) = self.0.values_mut().find(is_it) else {

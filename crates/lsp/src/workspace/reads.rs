@@ -13,7 +13,7 @@ pub struct Reads(Mutex<BTreeMap<String, ReadState>>);
 /// State of reading a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ReadState {
-    /// The file is being read, before or after a change.
+    /// The file is being read. It is unknown whether this read includes a later change.
     Pending,
     Missing,
     /// Digest of the file's bytes.

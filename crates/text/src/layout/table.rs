@@ -3,17 +3,18 @@ use crate::visible;
 
 use super::line::{GAP, chars, line};
 
-/// Width of a line of a header cell \[characters\].
+/// Largest width of one line of a header cell \[characters\].
 const HEADER: usize = 22;
 
-/// Table of aligned columns. If a line is full, further columns continue in a block below.
+/// Table of aligned columns. Columns that exceed the width of a line continue below, after a
+/// repeated label column.
 ///
 /// Table libraries cut cells instead, or leave line breaks to the terminal.
 #[derive(Clone, Debug, Default)]
 pub struct TextTable {
     /// Header of the label column, possibly empty.
     pub label: String,
-    /// Label column, repeated in each block.
+    /// Label column, repeated before the columns that continue below.
     pub labels: Vec<String>,
     /// Further columns.
     pub columns: Vec<TextColumn>,

@@ -66,7 +66,7 @@ pub fn seconds(seconds: f64) -> String {
 /// Returns the number of decimals of a value with the half-width of its interval. Adds decimals if
 /// the half-width would otherwise round to 0.
 fn decimals_within(value: f64, half: f64) -> usize {
-    /// More decimals are not readable.
+    /// Largest number of decimals. More decimals are not readable.
     const MAX: usize = 6;
     let shows = |&digits: &usize| (half * 10f64.powi(digits as i32)).round() > 0.0;
     let least = decimals(value);
@@ -115,7 +115,8 @@ impl Tick {
         format!(" ({})", self.seconds(ticks))
     }
 
-    /// Converts ticks and an optional half-width to text that follows them: ` (158 ± 21 s)`.
+    /// Converts ticks and an optional half-width to text in seconds that follows a number of ticks:
+    /// ` (158 ± 21 s)`.
     pub fn beside_interval(self, ticks: f64, half_width: Option<f64>) -> String {
         format!(" ({})", self.interval(ticks, half_width))
     }

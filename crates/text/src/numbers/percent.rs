@@ -1,6 +1,6 @@
 //! Formats percentages as text.
 
-/// A text is not a share between 0 and 1.
+/// Error of a text that is not a share between 0 and 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "give a percentage between 0 and 100 with its sign, such as 5%, or a part of 1, such as 0.05"
@@ -39,7 +39,8 @@ pub fn whole_percent(share: f64) -> String {
     format!("{} %", percent_number(share))
 }
 
-/// Returns a share as a percentage without its sign, for an axis with a sign: `13`.
+/// Returns a share as a percentage without the percent sign: `13`. The label of an axis contains
+/// the sign.
 pub fn percent_number(share: f64) -> String {
     format!("{:.0}", 100.0 * share)
 }

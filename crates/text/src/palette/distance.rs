@@ -103,7 +103,7 @@ fn distance([l1, a1, b1]: [f64; 3], [l2, a2, b2]: [f64; 3]) -> f64 {
     (lightness.powi(2) + colourfulness.powi(2) + hues.powi(2) + mixed).sqrt()
 }
 
-/// Returns all pairs of a theme that must be distinguishable.
+/// Returns all pairs of colours in a theme that must be distinguishable.
 fn pairs(theme: &Theme) -> Vec<(String, Rgb, Rgb)> {
     let phases = (0..)
         .zip(PHASES)

@@ -241,6 +241,10 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
 
 /// Largest Reynolds number for Stokes' drag alone. At a Reynolds number of 10, the drag of a cube
 /// is twice Stokes' drag.
+///
+/// # Source
+///
+/// A. Haider and O. Levenspiel, Powder Technology 58, 63 (1989).
 const STOKES: ExpectedRange = ExpectedRange {
     most: 10.0,
     beyond: "Stokes' drag alone slows blocks too little",

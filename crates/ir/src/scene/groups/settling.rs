@@ -187,6 +187,10 @@ fn terminal(scene: &Scene, force: f64) -> Option<f64> {
 
 /// Returns the fraction of a normal distribution that is more than x √2 standard deviations from
 /// its mean, on both sides. Requires x of at least 0. Accurate within 1.5e-7.
+///
+/// # Source
+///
+/// M. Abramowitz and I. A. Stegun, Handbook of Mathematical Functions, 7.1.26.
 fn erfc(x: f64) -> f64 {
     const A: [f64; 5] = [
         0.254829592,
