@@ -4,9 +4,10 @@ use std::sync::Arc;
 use gen_lsp_types::{
     CodeActionParams, CompletionParams, DefinitionParams, DidChangeTextDocumentParams,
     DidCloseTextDocumentParams, DidOpenTextDocumentParams, DidSaveTextDocumentParams,
-    DocumentFormattingParams, DocumentHighlightParams, DocumentSymbolParams, FoldingRangeParams,
-    HoverParams, InlayHintParams, Location, Position, PrepareRenameParams, ReferenceParams,
-    RenameParams, SemanticTokensParams, TextDocumentPositionParams,
+    DocumentFormattingParams, DocumentHighlightParams, DocumentLinkParams,
+    DocumentRangeFormattingParams, DocumentSymbolParams, FoldingRangeParams, HoverParams,
+    InlayHintParams, Location, Position, PrepareRenameParams, ReferenceParams, RenameParams,
+    SemanticTokensParams, TextDocumentPositionParams, TextEdit,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -311,13 +312,30 @@ impl Query {
                     value(folding::ranges(&document.program_text(context.encoding)))
                 })
             }
+            "textDocument/documentLink" => {
+                let it: DocumentLinkParams = params(raw)?;
+                Query::new(&it.text_document.uri.0, Needs::Own, |context| {
+                    let analysis = context.own()?;
+                    let links = definition::imports(analysis).map(|(path, file)| {
+                        let target = context.documents.uri(analysis.path(file));
+                        json!({ "range": analysis.range(path), "target": target })
+                    });
+                    value(links.collect::<Vec<Value>>())
+                })
+            }
             "textDocument/formatting" => {
                 let it: DocumentFormattingParams = params(raw)?;
                 Query::new(&it.text_document.uri.0, Needs::Text, |context| {
-                    let document = context.documents.get(&context.path).ok_or_else(not_open)?;
-                    let text = document.program_text(context.encoding);
-                    let lines = LineIndex::new(&text, context.encoding);
-                    value(formatting::edits(&text, &lines)?)
+                    value(formatted(context)?)
+                })
+            }
+            "textDocument/rangeFormatting" => {
+                let it: DocumentRangeFormattingParams = params(raw)?;
+                Query::new(&it.text_document.uri.0, Needs::Text, move |context| {
+                    let lines = it.range.start.line..=it.range.end.line;
+                    let mut edits = formatted(context)?;
+                    edits.retain(|edit| lines.contains(&edit.range.start.line));
+                    value(edits)
                 })
             }
             "textDocument/codeAction" => {
@@ -339,6 +357,14 @@ impl Query {
             }
         })
     }
+}
+
+/// Returns the edits that format the request's file.
+fn formatted(context: &RequestContext<'_>) -> Result<Vec<TextEdit>, RequestFailure> {
+    let document = context.documents.get(&context.path).ok_or_else(not_open)?;
+    let text = document.program_text(context.encoding);
+    let lines = LineIndex::new(&text, context.encoding);
+    formatting::edits(&text, &lines)
 }
 
 fn references(

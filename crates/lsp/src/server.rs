@@ -419,6 +419,8 @@ impl<W: Write> Server<W> {
                 "documentHighlightProvider": true,
                 "documentSymbolProvider": true,
                 "documentFormattingProvider": true,
+                "documentRangeFormattingProvider": true,
+                "documentLinkProvider": {},
                 "renameProvider": { "prepareProvider": true },
                 "codeActionProvider": { "codeActionKinds": ["quickfix"] },
                 "foldingRangeProvider": true,

@@ -1,7 +1,7 @@
 //! Tests tokens, folding, completion and hints.
 use serde_json::{Value, json};
 
-use crate::lsp::client::{Client, place};
+use crate::lsp::client::{Client, edited, place, shown};
 
 const URI: &str = "file:///nowhere/tower.sa";
 
@@ -166,4 +166,39 @@ fn keywords_names_and_faces_are_completed() {
     for scene in ["mine", "hemisphere", "suction_tank"] {
         assert!(scenes.contains(&scene.to_owned()), "{scenes:?}");
     }
+}
+
+#[test]
+fn a_range_is_formatted_alone() {
+    let careless = TOWER
+        .replace("let n =", "let n  =")
+        .replace("B.up -> C", "B.up->C");
+    let range = |from: u32, to: u32| {
+        let range = json!({
+            "start": { "line": from, "character": 0 },
+            "end": { "line": to, "character": 4 },
+        });
+        let options = json!({ "tabSize": 4, "insertSpaces": true });
+        let params = json!({ "textDocument": { "uri": URI }, "range": range, "options": options });
+        edited(&careless, &ask(&careless, "rangeFormatting", params))
+    };
+    assert_eq!(range(0, 5), careless.replace("let n  =", "let n ="));
+    assert_eq!(range(12, 17), careless.replace("B.up->C", "B.up -> C"));
+    assert_eq!(range(5, 7), careless);
+}
+
+#[test]
+fn imports_are_links() {
+    let folder = tempfile::tempdir().unwrap();
+    let uri = |name: &str| format!("file://{}/{name}", folder.path().to_str().unwrap());
+    std::fs::write(folder.path().join("towers.sa"), "let n = 2\n").unwrap();
+    let text = "import \"towers.sa\"\nimport \"nowhere.sa\"\n";
+    let mut client = Client::new(&["utf-16"]);
+    client.open(&uri("main.sa"), text);
+    let params = json!({ "textDocument": { "uri": uri("main.sa") } });
+    let answer = client.ask("textDocument/documentLink", params);
+    let links = answer["result"].as_array().unwrap();
+    assert_eq!(links.len(), 1, "{answer}");
+    assert_eq!(links[0]["target"], uri("towers.sa"));
+    assert_eq!(shown(&links[0]["range"]), "0:7-0:18");
 }

@@ -72,24 +72,27 @@ fn introductions(
 /// Returns the start of the file that is imported at a byte. Returns `None` if no file is imported
 /// there.
 fn imported(analysis: &Analysis, at: usize) -> Option<SourceLocation> {
-    let checked = &analysis.checked;
-    let import = checked
-        .tree
-        .items
-        .iter()
-        .find_map(|item| match &item.kind {
-            ItemKind::Import(import) => {
-                let span = import.path_span;
-                (span.start..=span.end)
-                    .contains(&(at as u32))
-                    .then_some(import)
-            }
-            _ => None,
-        })?;
-    let path = stochc_compiler::join_import(&checked.sources.file(FileId(0)).name, &import.path);
-    let file = analysis.file(&path)?;
+    let (_, file) = imports(analysis)
+        .find(|(path, _)| (path.span.start..=path.span.end).contains(&(at as u32)))?;
     let span = stochc_compiler::Span::new(0, 0);
     Some(SourceLocation { file, span })
+}
+
+/// Returns the paths of imports in the program's own file, with the imported files.
+pub fn imports(analysis: &Analysis) -> impl Iterator<Item = (SourceLocation, FileId)> {
+    let checked = &analysis.checked;
+    checked.tree.items.iter().filter_map(|item| {
+        let ItemKind::Import(import) = &item.kind else {
+            return None;
+        };
+        let name = &checked.sources.file(FileId(0)).name;
+        let file = analysis.file(&stochc_compiler::join_import(name, &import.path))?;
+        let path = SourceLocation {
+            file: FileId(0),
+            span: import.path_span,
+        };
+        Some((path, file))
+    })
 }
 
 /// Range in a file. The file is given by its path, so the range is valid in every program.
