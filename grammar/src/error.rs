@@ -16,7 +16,7 @@ pub enum SyntaxErrorKind {
     Unexpected {
         /// Source at this position, shortened. Empty at the end of the file.
         found: String,
-        /// Valid alternatives as text. Empty if no statement can contain the word.
+        /// Alternatives that are valid here, as text. Empty if no statement can contain the word.
         expected: Vec<&'static str>,
         /// Word before the error, if it is the only word of the statement up to there. Otherwise
         /// empty.

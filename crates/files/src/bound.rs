@@ -14,8 +14,8 @@ impl ImportFolders {
         ImportFolders(own.chain(further.iter().cloned()).collect())
     }
 
-    /// Returns the program's folder if a file is outside all allowed folders. Does not reveal
-    /// whether the file exists.
+    /// Returns `None` if a file is in one of the allowed folders. Otherwise returns the program's
+    /// folder, for a message. Does not reveal whether the file exists.
     pub fn outside(&self, path: &str) -> Option<String> {
         let path = resolved(Path::new(path));
         let is_above = |folder: &PathBuf| path.starts_with(folder);

@@ -27,28 +27,28 @@ const fn any(bytes: u64) -> ReadBudget {
 
 /// Limit for a program. Positions in a program have 32 bits.
 pub const PROGRAM: ReadBudget = any(4 * GIB);
-/// File of compiled programs.
+/// Limit for a file of compiled programs.
 pub(crate) const EXECUTABLE: ReadBudget = json(4 * GIB);
-/// Manifest of an ensemble.
+/// Limit for the manifest of an ensemble.
 pub const MANIFEST: ReadBudget = json(4 * GIB);
-/// Checksums of a folder.
+/// Limit for the checksums of a folder.
 pub const CHECKSUMS: ReadBudget = json(16 * MIB);
-/// Shards of an ensemble.
+/// Limit for the shards of an ensemble.
 pub const SHARDS: ReadBudget = json(MIB);
-/// Rates of a scene.
+/// Limit for the rates of a scene.
 pub const RATES: ReadBudget = json(16 * MIB);
-/// Table of times to fit.
+/// Limit for a table of times to fit.
 pub const TIMES: ReadBudget = any(256 * MIB);
-/// Voxels of a target.
+/// Limit for the voxels of a target.
 pub const VOXELS: ReadBudget = any(256 * MIB);
-/// Page of an earlier report.
+/// Limit for a page of an earlier report.
 pub const PAGE: ReadBudget = any(GIB);
-/// Journal.
+/// Limit for a journal.
 pub const JOURNAL: ReadBudget = json(256 * GIB);
-/// Compressed recording.
+/// Limit for a compressed recording.
 pub const RECORDING: ReadBudget = any(64 * GIB);
 
-/// State of a running simulation, with its recording so far.
+/// Limit for a checkpoint: the state of a running simulation with its recording so far.
 pub const CHECKPOINT: ReadBudget = any(128 * GIB);
 
 /// Largest header of a recording \[bytes\].

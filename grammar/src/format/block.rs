@@ -128,7 +128,8 @@ impl LineLayout<'_, '_> {
         );
     }
 
-    /// Lays out the head of a block, and its content if both are short.
+    /// Lays out the head of a block. A short block is laid out on one line, including its content.
+    /// Returns the index of the next piece.
     fn head(&mut self, at: usize) -> usize {
         if let Some((text, next)) = self.one_line(at) {
             self.lines
@@ -201,7 +202,8 @@ impl LineLayout<'_, '_> {
         None
     }
 
-    /// Lays out seeds that share a line.
+    /// Lays out consecutive seeds on one line, as far as they fit. Returns the index of the next
+    /// piece.
     fn seats(&mut self, at: usize) -> usize {
         let source = self.source;
         if source.is_commented(&source.pieces[at]) {

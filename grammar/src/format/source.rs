@@ -9,7 +9,7 @@ pub struct TokenizedText<'t> {
     pub pieces: Vec<TextPiece>,
     pub words: Vec<Word<'t>>,
     pub notes: Vec<Note<'t>>,
-    /// Comments after the last piece.
+    /// Indices of the comments after the last piece.
     pub rest: Range<usize>,
 }
 

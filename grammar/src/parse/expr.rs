@@ -114,7 +114,7 @@ impl Parser<'_, '_> {
         })
     }
 
-    /// Returns a `range` or an `expr`.
+    /// Builds a subscript from a `range` or an `expr`.
     pub fn entry(&mut self, pair: Pair<'_, Rule>, base: usize) -> Subscript {
         if pair.as_rule() == Rule::range {
             let (first, last) = self.range(pair, base);

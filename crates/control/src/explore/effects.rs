@@ -32,7 +32,8 @@ pub(super) enum Mistake {
     SecondHolder(RoleId),
     /// An event happened before another one that it must follow.
     TooEarly(News, News),
-    /// A block was captured before enough of its predecessors at the same parent.
+    /// A block was captured too early: too few of its predecessors at the same parent had been
+    /// captured.
     OutOfTurn(RoleId),
     /// A block has too many faces on.
     TooManyFaces(RoleId),

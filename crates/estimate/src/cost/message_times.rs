@@ -86,8 +86,8 @@ impl HopTime {
 struct MessagePath {
     /// Number of hops between existing blocks.
     hops: u32,
-    /// Captures that anchor the last blocks of the path, in order, at most [`MAX_HANDED`]. News
-    /// waits at the parent until the next block is captured.
+    /// Captures that anchor the last blocks of the path, in order, at most [`MAX_HANDED`]. The news
+    /// waits at each parent until the next block of the path is captured.
     handed_to: Vec<u32>,
 }
 

@@ -74,7 +74,8 @@ fn left_open(way: Face, around: Neighbourhood) -> f64 {
     1.0 - f64::from(count) / POINTS as f64
 }
 
-/// Returns whether the content of one cell can affect a face open to another.
+/// Returns whether a block in the cell `other` can affect the waiting time of a face that is open
+/// to the cell `open`.
 pub fn sees(open: Cell, other: Cell) -> bool {
     let near = |a: i32, b: i32| a.abs_diff(b) <= SIGHT.unsigned_abs();
     near(open.x, other.x) && near(open.y, other.y) && near(open.z, other.z)

@@ -59,8 +59,7 @@ fn summed_with(x: f64, decay: impl FnOnce() -> f64) -> f64 {
     integral / f64::from(STAGES)
 }
 
-/// Returns the inverse of [`summed`]. Newton's method starts on the side from which it does not
-/// overshoot.
+/// Returns the inverse of [`summed`]. Newton's method starts on the side that avoids overshooting.
 pub(crate) fn when_summed(value: f64) -> f64 {
     if value <= 0.0 {
         return 0.0;

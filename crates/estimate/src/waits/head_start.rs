@@ -71,9 +71,9 @@ const LEAVES: f64 = 25.0;
 impl<'r> HeadStarts<'r> {
     /// Returns the head starts of a scene with these calibrated values.
     ///
-    /// Random impulses with rms j move a block from rest by j t^(3/2) / √3 in t ticks. After twice
-    /// the time in which this distance reaches the radius of the sphere of reach, the block counts
-    /// as any other. This was validated in the default scene and two others
+    /// Random impulses with rms j move a block from rest by j t^(3/2) / √3 in t ticks. If this
+    /// distance equals the radius of the sphere of reach after T ticks, the block counts as any
+    /// other after 2 T ticks. This was validated in the default scene and two others
     /// (docs/validation/rates.md).
     pub(crate) fn in_scene(scene: &Scene, known: &'r [HeadStart]) -> HeadStarts<'r> {
         let kick = kick(scene);

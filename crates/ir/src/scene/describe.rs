@@ -83,7 +83,8 @@ pub fn absent(scene: &Scene) -> Vec<AbsentTerm> {
     out
 }
 
-/// Adds the optional fields that an entry does not have. `within` is the text before its braces.
+/// Adds the optional fields of an entry that the scene does not have. `within` is the text before
+/// the braces of the entry.
 fn absent_fields(entry: &SchemaEntry, scene: &Scene, within: &str, out: &mut Vec<AbsentTerm>) {
     for part in entry.parts {
         match part {
@@ -144,7 +145,8 @@ fn range_of((low, high): (f64, f64), kind: QuantityKind) -> String {
     format!("{} .. {}", unit.write(low), kind.write(high))
 }
 
-/// Collects the laws of an entry, and of its kind in the scene.
+/// Collects the laws of an entry. If the entry has several kinds, also collects the laws of the
+/// kind in the scene.
 fn collect_laws(entry: &SchemaEntry, scene: &Scene, out: &mut Vec<DescribedLaw>) {
     out.extend(
         entry

@@ -21,7 +21,8 @@ pub enum ScalarError {
         name: &'static str,
         /// Name of the scene.
         scene: String,
-        /// Clause that the scene lacks. `None` if the clause is of another kind.
+        /// Clause that must be added to the scene. `None` if the scene has the clause, but of
+        /// another kind.
         clause: Option<&'static str>,
         /// Parameters of the scene.
         has: Vec<&'static str>,

@@ -239,7 +239,8 @@ fn docs(tree: &Tree, at: u32) -> &[String] {
     docs
 }
 
-/// Describes the phases with a name, which may be in a loop.
+/// Describes the phases that are declared at a location. A declaration in a loop has several
+/// phases.
 fn phases(analysis: &Analysis, location: SourceLocation) -> String {
     let mut text = String::new();
     for program in &analysis.checked.programs {

@@ -11,7 +11,7 @@ pub enum Markup {
 }
 
 impl Markup {
-    /// Escapes text for the language. A `~` is a non-breaking space.
+    /// Escapes text for the markup language.
     pub fn text(self, text: &str) -> String {
         let escape = |letter: char| match self {
             Markup::Markdown => in_markdown(letter),
@@ -20,7 +20,8 @@ impl Markup {
         text.chars().map(escape).collect()
     }
 
-    /// Returns a sentence as a paragraph.
+    /// Returns a sentence as a paragraph. A `~`, which marks a non-breaking space, becomes an
+    /// ordinary space.
     pub fn paragraph(self, sentence: &str) -> String {
         let sentence = sentence.replace('~', " ");
         format!("\n{}\n", self.text(&sentence))
