@@ -29,13 +29,13 @@ pub trait Host: Sync {
     /// Returns the flag that stops the work at the next tick.
     fn stop(&self) -> &AtomicBool;
 
-    /// Shows progress until the channel `ended` closes. `state` returns the progress for the time
-    /// since the start.
+    /// Shows progress until the channel `ended` closes. `state` takes the time since the start and
+    /// returns the progress.
     fn show(&self, state: &dyn Fn(Duration) -> WorkProgress, ended: &Receiver<()>);
 }
 
-/// Runs `work` while the host shows its progress. `state` returns the progress for the time since
-/// the start.
+/// Runs `work` while the host shows its progress. `state` takes the time since the start and
+/// returns the progress.
 pub fn during<R>(
     host: &dyn Host,
     state: impl Fn(Duration) -> WorkProgress + Send,

@@ -10,8 +10,8 @@ use stochc_text::words;
 pub struct WorkProgress {
     /// Fraction of the work that is done, from 0 to 1.
     pub share: f64,
-    /// Finished work as text, such as `3 of 50 runs, 1 failed`. Also printed at the end. Empty if
-    /// it cannot be counted.
+    /// Finished work as text, such as `3 of 50 runs, 1 failed`. The text is also printed at the
+    /// end. Empty if the work cannot be counted.
     pub done: String,
     /// Additional text that is shown only during the work. A narrow terminal truncates it.
     pub more: String,

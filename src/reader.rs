@@ -6,7 +6,7 @@ use stochc_compiler::Reader;
 use stochc_files::bound::{ImportFolders, identity};
 use stochc_files::{programs, read};
 
-/// Reader of a program and its imports from the disk. Limits their size.
+/// Reader of a program and its imports from the disk. Limits the sizes of the files.
 pub(crate) struct DiskReader<'a> {
     program: &'a str,
     text: Option<&'a [u8]>,

@@ -24,7 +24,7 @@ pub struct RunSelection {
 }
 
 /// Returns the run that the options select. By default, this is the run with the median completion
-/// time. A note then names it.
+/// time. In this case, a note names the run.
 pub fn choose(choice: &RunSelection, host: &Terminal) -> Result<ChosenRun, Failure> {
     let (manifest, finished) = read(&choice.folder, host)?;
     let (folder, program) = (Some(choice.folder.as_path()), choice.program.as_deref());

@@ -142,8 +142,7 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
 /// Error message if a picture of an aggregate is requested.
 const NO_PICTURE: &str = "an aggregate has no picture, because it grows at random";
 
-/// Reduces `programs` to those to print. A picture shows one program, which must not be an
-/// aggregate.
+/// Keeps only the programs to print. A picture shows one program, which must not be an aggregate.
 fn choose(
     programs: &mut Vec<Program>,
     name: Option<&str>,
@@ -164,7 +163,7 @@ fn choose(
     }
 }
 
-/// Reduces `programs` to the program with this name, or checks that there is only one.
+/// Keeps only the program with this name. Without a name, checks that there is only one program.
 fn only(programs: &mut Vec<Program>, name: Option<&str>) -> Result<(), String> {
     let names: Vec<_> = programs.iter().map(|it| &*it.plan.name).collect();
     let place = index(&names, name, "file")?;

@@ -72,8 +72,8 @@ pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
 /// Default number of captures in the list.
 const SHOWN: &str = "5";
 
-/// Prints estimates, each with up to `captures` captures. Returns the exit status of an
-/// unsuccessful run if an estimate has no times.
+/// Prints estimates, each with up to `captures` captures. Returns [`Exit::UnsuccessfulRun`] if an
+/// estimate has no times.
 fn print_estimates(
     estimates: &[CompletionEstimate],
     captures: usize,

@@ -11,8 +11,8 @@ pub(super) static STOP: AtomicBool = AtomicBool::new(false);
 /// Whether the signal handlers are installed.
 static LISTENS: Mutex<bool> = Mutex::new(false);
 
-/// Installs the handlers for interrupts, and returns the flag that the first one sets. Further
-/// calls return the same flag.
+/// Installs the handlers for interrupts, and returns the flag that the first interrupt sets.
+/// Further calls return the same flag.
 ///
 /// The first interrupt stops runs at their next tick and stores finished ones. The second ends the
 /// process at once with the status of [`Exit::Interrupted`].
@@ -66,8 +66,8 @@ fn is_ignored(signal: i32) -> bool {
     mask.is_some_and(|mask| mask & (1 << (signal - 1)) != 0)
 }
 
-/// Prevents the signal for the file size limit from ending the process. The write then returns an
-/// error.
+/// Prevents the signal for the file size limit from ending the process. A write beyond the limit
+/// returns an error instead.
 pub fn outlive_file_limit() {
     #[cfg(unix)]
     {

@@ -12,8 +12,8 @@ use super::terminal::print;
 use crate::exit::{Exit, Failure};
 use crate::operations::json::document;
 
-/// Prints the events of runs. Returns the exit status of an unsuccessful run if one of the runs did
-/// not complete.
+/// Prints the events of each run. Returns [`Exit::UnsuccessfulRun`] if one of the runs did not
+/// complete.
 pub fn show_runs(
     records: &[(RunRecord, &EnsembleProgram)],
     is_json: bool,
@@ -89,8 +89,8 @@ impl RunNarrator<'_> {
         counted(n as usize, "tick") + &self.tick().beside(n as f64)
     }
 
-    /// Returns the events of a phase with their ticks. Then follow the events that were still
-    /// running at the end.
+    /// Returns the events of a phase, each with its tick. Captures that were still waiting at the
+    /// end of the run come last.
     fn lines(&self, phase: PhaseId) -> Vec<(u64, String)> {
         let record = self.record;
         let bonds = record.bonds.iter().filter(|bond| bond.phase == phase);

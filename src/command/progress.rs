@@ -15,7 +15,8 @@ use crate::progress::WorkProgress;
 pub enum Display {
     /// Bar that is redrawn.
     Bar,
-    /// Plain lines: after each tenth of the work, at least 10 s and at most 60 s apart.
+    /// Plain lines, at least 10 s apart. A line follows each tenth of the work, or the last line
+    /// after 60 s.
     Lines,
     /// No progress.
     Quiet,
@@ -28,8 +29,8 @@ struct Cadence {
 }
 
 impl Display {
-    /// Returns a bar if standard error is a terminal with cursor control, otherwise lines. Returns
-    /// [`Display::Quiet`] if `quiet`.
+    /// Returns [`Display::Quiet`] if `quiet` is set. Otherwise returns a bar for a terminal with
+    /// cursor control, or lines if standard error is anything else.
     pub fn on_standard_error(quiet: bool) -> Display {
         if quiet {
             Display::Quiet

@@ -82,7 +82,7 @@ impl ShowArguments {
         }
     }
 
-    /// Checks that the output format uses all given options.
+    /// Returns an error if an option does not apply to the chosen output format.
     fn are_consistent(&self) -> Result<(), Failure> {
         if !self.others.is_empty() {
             let folders = std::iter::once(&self.folder).chain(&self.others);
@@ -150,8 +150,8 @@ pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
     Ok(exit.or_worse(Exit::from_runs(missing == 0)))
 }
 
-/// Prints the events of one run of each program. Returns the exit status of an unsuccessful run if
-/// one of the runs did not complete.
+/// Prints the events of run number `run` of each program. Returns [`Exit::UnsuccessfulRun`] if one
+/// of these runs did not complete.
 fn show_run(
     manifest: &Manifest,
     finished: &Records,
@@ -170,8 +170,8 @@ fn show_run(
     show_runs(&records, is_json)
 }
 
-/// Prints the comparison of an ensemble's programs. Returns the exit status of an unsuccessful run
-/// if one of the runs did not complete.
+/// Prints the comparison of an ensemble's programs. Returns [`Exit::UnsuccessfulRun`] if one of the
+/// runs did not complete.
 pub fn show(
     manifest: &Manifest,
     finished: &Records,

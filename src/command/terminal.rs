@@ -101,7 +101,8 @@ pub fn print_with(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Resul
     }
 }
 
-/// Prints a text with colours of stochc. The names in it must already be escaped.
+/// Prints a text that contains the colours of stochc. All names in the text must already be
+/// escaped.
 pub fn print_drawn(text: &str) -> Result<(), Failure> {
     print_to(io::stdout().lock(), |out| out.write_all(text.as_bytes()))
 }
@@ -172,13 +173,13 @@ pub fn argument(path: &Path) -> String {
     shell_file(&visible(&path.to_string_lossy()))
 }
 
-/// Prints a message with colours of stochc to standard error. The names in it must already be
-/// escaped.
+/// Prints a message that contains the colours of stochc to standard error. All names in the message
+/// must already be escaped.
 pub fn warn_drawn(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Warnings that are printed only after the command line has been checked.
+/// Delayed warnings. They are printed when work starts or the command ends.
 static DEFERRED: Mutex<String> = Mutex::new(String::new());
 
 /// Delays a warning until work starts or the command ends, so that errors are printed first.

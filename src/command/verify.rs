@@ -25,7 +25,7 @@ use stochc_compiler::model_check::{MISTAKE, expected, shortest};
 /// Number of sampled orders if a program has too many orders for all of them.
 const SCHEDULES: u64 = 1_000;
 
-/// Limit on the total steps of the sampled orders. It corresponds to about a minute.
+/// Limit on the total steps of the sampled orders. This number of steps takes about a minute.
 const SAMPLED: u64 = 200_000_000;
 
 /// Seed of the sampled orders.
@@ -128,8 +128,8 @@ impl Verified {
     }
 }
 
-/// Executes the programs of a file without errors in every order of events. Adds the name of each
-/// program with its result to `explored`.
+/// Executes the programs of an error-free file in every order of events. Adds the name and the
+/// result of each program to `explored`.
 fn explore<'a>(
     file: &str,
     checked: &'a Checked,

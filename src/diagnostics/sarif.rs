@@ -18,8 +18,8 @@ const SCHEMA: &str =
 /// SARIF log with the diagnostics of one or more files, as one run of the tool.
 #[derive(Debug)]
 pub struct SarifLog {
-    /// Folder that addresses are relative to, with `/` as separator and at the end. `None` for
-    /// absolute addresses.
+    /// Folder that file addresses are relative to. Its path has the separator `/`, also at the end.
+    /// `None` for absolute addresses.
     folder: Option<String>,
     results: Vec<Value>,
     /// Whether every file could be read.

@@ -41,7 +41,8 @@ pub struct EnsembleOptions<'a> {
     pub threads: Option<u16>,
     /// Whether the user has already been warned that other builds made some of the runs.
     pub has_warned_of_build: bool,
-    /// Whether the caller may request more runs afterwards. The folder then stays open for them.
+    /// Whether the caller may request more runs afterwards. If so, the folder stays open for these
+    /// runs.
     pub continues: bool,
     /// Size and format of the figures of a sweep.
     pub figures: &'a Figures,
@@ -83,14 +84,13 @@ pub fn can_record(manifest: &Manifest, record: Option<&Selection>) -> Result<(),
     }
 }
 
-/// Reports warnings about the scenes of a manifest that a check has not reported yet. Reports each
-/// warning only once.
+/// Reports warnings about the scenes of a manifest, each only once.
 ///
-/// For programs read from source, a check has already reported warnings. `is_checked` states that
-/// this check used the same settings.
+/// `is_checked` states that a check with the same settings has already reported warnings. Then
+/// only programs without stored sources and points of a sweep are examined.
 ///
 /// # Errors
-/// If the level of such a warning is "deny".
+/// If the level of a reported warning is "deny".
 pub fn judge_scenes(
     manifest: &Manifest,
     is_checked: bool,

@@ -12,7 +12,7 @@ use super::rates::{matching, of_files_for, of_scenes, supported};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
-/// Approximate number of captures to sample for a program, in all its runs.
+/// Approximate number of captures to sample for a program, in all its runs together.
 const DRAWN: u64 = 1_000_000;
 
 /// Largest number of runs of a program.
@@ -23,8 +23,8 @@ const MIN: u64 = 20;
 /// Options of an estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimating<'a> {
-    /// Files with calibrated rates. Other scenes get the uncalibrated estimate. If `runs` is given,
-    /// they are calibrated first.
+    /// Files with calibrated rates, in addition to built-in rates. A scene without rates is
+    /// calibrated first if its estimate needs runs. Otherwise it gets the uncalibrated estimate.
     pub rates: &'a [PathBuf],
     /// Number of runs of each program in the rate model. `None` means that waiting times are summed
     /// along the dependency graph. For executables, `None` means enough runs to sample a million

@@ -352,8 +352,8 @@ fn check_limit(setup: &FitSetup, measured: &[FitProgram]) -> Result<(), Failure>
     Ok(())
 }
 
-/// Simulates every program at every point. Returns the times. Also returns the number of runs whose
-/// unknown times the fit would need.
+/// Simulates every program at every point. Returns the times of each program. Also returns the
+/// number of runs without a time that the fit would need.
 fn simulated(
     setup: &FitSetup,
     measured: &[FitProgram],

@@ -8,8 +8,8 @@ use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
 use crate::progress::of_ensemble;
 
-/// Makes all runs of a manifest. Each program gets its own seed: equal random impulses would
-/// correlate the errors of programs.
+/// Makes all runs of a manifest. Each program gets its own seed, because equal random impulses
+/// would correlate the errors of programs.
 ///
 /// # Errors
 /// If a scene cannot be set up, or the user interrupts. The message about an interrupt includes

@@ -13,7 +13,7 @@ use crate::host::Host;
 /// Number of runs per program in the first round.
 const FIRST: u64 = 30;
 
-/// Number of runs after which programs with fewer than two completed runs no longer count.
+/// Number of runs after which a program with fewer than two completed runs is ignored.
 const HOPELESS: u64 = 100;
 
 /// Makes runs until the half-width of every mean's 95 % confidence interval, divided by the mean,
@@ -85,9 +85,9 @@ fn relative(program: &ProgramSummary) -> f64 {
     }
 }
 
-/// Returns the number of runs per program that the precision `within` requires. Returns `None` if
-/// `runs` suffice. `programs` gives the number of completed runs and the relative half-width for
-/// each program.
+/// Returns the number of runs per program that is needed for the precision `within`. Returns `None`
+/// if the current number `runs` suffices. `programs` contains the number of completed runs and the
+/// relative half-width of each program.
 fn wanted(programs: impl Iterator<Item = (u64, f64)>, runs: u64, within: f64) -> Option<u64> {
     let hopeful = programs.filter(|&(completed, _)| completed >= 2 || runs < HOPELESS);
     let worst = hopeful.map(|(_, relative)| relative).fold(0.0, f64::max);
@@ -100,7 +100,8 @@ fn wanted(programs: impl Iterator<Item = (u64, f64)>, runs: u64, within: f64) ->
     Some((needed.min(most as f64).ceil() as u64).max(least))
 }
 
-/// Warns about means that are not precise enough after the largest number of runs.
+/// Warns about means that are less precise than `within` after the last round. `runs` is the number
+/// of runs made, and `most` is the limit.
 fn warn_of_unknown(comparison: &Comparison, [runs, most]: [u64; 2], within: f64, host: &dyn Host) {
     let unknown = comparison
         .programs

@@ -66,7 +66,7 @@ pub struct UnusedRates<'a> {
 }
 
 impl<'a> UnusedRates<'a> {
-    /// Creates a list of all files. [`UnusedRates::not_of`] removes those that are used.
+    /// Creates a list of all files of rates. [`UnusedRates::not_of`] then removes the used files.
     pub fn new(files: &'a [PathBuf], rates: &'a [Rates]) -> UnusedRates<'a> {
         let files = files.iter().map(PathBuf::as_path);
         UnusedRates {
@@ -74,7 +74,7 @@ impl<'a> UnusedRates<'a> {
         }
     }
 
-    /// Removes the files whose scene is one of these.
+    /// Removes the files with rates for one of the `scenes`.
     pub fn not_of<'b>(&mut self, scenes: impl Iterator<Item = &'b Scene> + Clone) {
         let is_about = |rates: &Rates| scenes.clone().any(|scene| rates.are_of(scene));
         self.of.retain(|(_, rates)| !is_about(rates));
@@ -91,7 +91,7 @@ impl<'a> UnusedRates<'a> {
     }
 }
 
-/// Reads files of rates. Warns about files whose scene is not one of these.
+/// Reads files of rates. Warns about files whose scene is not one of the `scenes`.
 ///
 /// # Errors
 /// If a file cannot be read.

@@ -58,8 +58,8 @@ impl<'a> Recordings<'a> {
         })
     }
 
-    /// Warns about selected runs without a recording. Returns the failure of the command if there
-    /// are any.
+    /// Returns a failure if a recording could not be written. Otherwise warns about selected runs
+    /// without a recording, which were made by an earlier command.
     pub fn comment(&self, finished: &Records, host: &dyn Host) -> Option<Failure> {
         let (folder, runs) = self.wanted?;
         let broken = self.broken.lock().ok().and_then(|mut broken| broken.take());

@@ -255,8 +255,9 @@ fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Res
     }
 }
 
-/// Returns the address of the replay of a run, relative to the page of a report. The replay is next
-/// to the page of a single folder, or in the results folder. Returns `None` if neither has one.
+/// Returns the address of a run's replay, relative to the page of a report. For a report on a
+/// `single` folder, a replay next to the page has precedence. Otherwise, the replay is in the
+/// results folder. Returns `None` if there is no replay.
 fn replay(page: &Path, folder: &Path, single: bool, names: &[String]) -> Option<String> {
     let here = match page.parent()? {
         empty if empty == Path::new("") => Path::new("."),

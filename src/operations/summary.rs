@@ -3,7 +3,8 @@ use stochc_compiler::diagnostic::Diagnostic;
 use stochc_compiler::{Checked, Program};
 use stochc_text::counted;
 
-/// Returns lines with the size, the number of warnings and the proof of a program.
+/// Returns text lines about program `number`: its size, its number of warnings and the result of
+/// its proof.
 pub fn status_lines(checked: &Checked, number: usize) -> String {
     let program = &checked.programs[number];
     let proof = match checked.proof(number) {

@@ -163,7 +163,7 @@ pub(crate) fn share_tables(programs: &mut [EnsembleProgram]) {
 }
 
 /// Returns the files that a sweep adds to a results folder: `sweep.json`, `sweep.csv` and figures.
-/// If settings are varied, these include `trade.json` and its figure.
+/// If the sweep varies settings, it also adds `trade.json` and its figure.
 ///
 /// # Errors
 /// If the records cannot be read, or a figure cannot be drawn.

@@ -23,11 +23,13 @@ pub struct CompletionEstimate {
     /// Number of samples or runs that did not complete, because of a timeout or the limit of ticks.
     pub incomplete: u64,
     /// Completion times of the program. Incomplete samples count as slower than all others. `None`
-    /// if less than a tenth completed, or a capture has no remaining block.
+    /// if fewer than a tenth completed or the scene has too few free blocks. Also `None` if a run
+    /// was stopped earlier than the slowest completed run ended.
     pub total: Option<Times>,
     /// Times of each phase, except phases of pre-attached blocks.
     pub phases: Vec<PhaseEstimate>,
-    /// Captures and releases with their shares of the time, the largest share first.
+    /// Captures and releases, each with its share of the completion time. The largest share is
+    /// first.
     pub shares: Vec<Share>,
 }
 
@@ -35,11 +37,12 @@ pub struct CompletionEstimate {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Method {
-    /// Sums of sampled waiting times along the dependency graph.
+    /// Addition of sampled waiting times along the dependency graph.
     Graph {
-        /// Interaction of captures that the sums ignore.
+        /// Effect of waiting captures on each other. The addition ignores this effect.
         interaction: Interaction,
-        /// Largest relative error of means, measured against runs with the same rates.
+        /// Largest measured relative error of a mean time with this interaction. The reference is
+        /// runs of the rate model with the same rates.
         error: f64,
         /// Whether the scene has no calibrated rates, so that the estimate is uncalibrated.
         is_first_guess: bool,
@@ -53,8 +56,8 @@ pub enum Method {
 pub struct PhaseEstimate {
     /// Name of the phase.
     pub name: String,
-    /// Times of the samples that reached the phase \[ticks\]. `None` if too few completed it, or
-    /// some reached the limit of ticks before.
+    /// Durations of the phase in the samples that reached it \[ticks\]. `None` under the conditions
+    /// of [`CompletionEstimate::total`], applied to this phase.
     pub times: Option<Times>,
 }
 
@@ -65,13 +68,13 @@ pub struct Share {
     pub event: String,
     /// Name of the event's phase.
     pub phase: String,
-    /// Fraction of the total time during which this event is on the critical path alone.
+    /// Fraction of the total time that critical paths spend waiting for this event.
     pub share: f64,
 }
 
 impl CompletionEstimate {
-    /// Estimates the times of a program from records of its runs by the rate model. For
-    /// `lower_bound`, see [`EnsembleProgram::lower_bound`].
+    /// Estimates the times of a program from records of its runs by the rate model. `lower_bound`
+    /// is the result of [`EnsembleProgram::lower_bound`].
     pub fn of_runs(
         program: &EnsembleProgram,
         records: &[&RunRecord],
@@ -126,7 +129,8 @@ fn times(seen: &[Observation]) -> Option<Times> {
     })
 }
 
-/// Returns the share of each event on the critical paths.
+/// Returns the share of the total time that the critical paths spend on each event. The largest
+/// share is first. Events without a share are absent.
 fn shares(program: &EnsembleProgram, records: &[&RunRecord]) -> Vec<Share> {
     let events = Events::new(program);
     let mut ticks = vec![0.0; events.events.len()];

@@ -16,8 +16,8 @@ pub struct ProgramLabel {
 /// Names of programs and unit of times in tables and figures.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Presentation {
-    /// Whether all times are in seconds. Otherwise they are in ticks if all programs have ticks of
-    /// one length.
+    /// Whether all times are in seconds. If `false`, times are in ticks, or in seconds if the tick
+    /// lengths of programs differ.
     pub in_seconds: bool,
     /// Labels that the user gave to programs.
     pub labels: Vec<ProgramLabel>,

@@ -133,8 +133,8 @@ fn unsupported(program: &Program, scene: &Scene) -> Option<&'static str> {
     }
 }
 
-/// Returns the fraction of sampled times that a timeout of a phase ended. Returns `None` if it is
-/// 0.
+/// Returns the fraction of samples that ended at the timeout of a phase. Returns `None` if no
+/// sample did.
 fn stopped(cost: &Cost) -> Option<f64> {
     let stopped = cost.stopped();
     (stopped > 0).then(|| stopped as f64 / cost.draws.len() as f64)

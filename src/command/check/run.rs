@@ -121,8 +121,8 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// Returns the arguments that are readable files, and whether any argument is not. Reports the
-/// unreadable ones.
+/// Returns the arguments that are readable files. Reports other arguments, and returns whether
+/// there are any.
 fn readable(arguments: &[String]) -> (Vec<String>, bool) {
     let opened = |file: String| {
         if file != STDIN_NAME {

@@ -79,7 +79,8 @@ impl ModelOptions {
         }
     }
 
-    /// Returns whether the command line sets a setting. `axis` is its name in a sweep.
+    /// Returns whether the command line contains the option for a setting. `axis` is the name of
+    /// the setting in a sweep.
     pub fn gives(&self, axis: &str) -> bool {
         match axis {
             "model" => self.model.is_some(),
@@ -91,7 +92,7 @@ impl ModelOptions {
         }
     }
 
-    /// Checks that the model uses all given options.
+    /// Returns an error if the model does not use one of the given options.
     pub fn are_used(&self, settings: &Settings) -> Result<(), Failure> {
         let model = settings.model;
         // Options with their default value are accepted for every model.

@@ -42,7 +42,7 @@ pub struct Ensemble<'a> {
     pub out: Option<&'a Path>,
     /// Rule for runs that the folder already contains.
     pub resume: Resume,
-    /// Whether a check has already reported warnings about the scenes, with the same settings.
+    /// Whether warnings about the scenes were already reported by a check with the same settings.
     pub is_checked: bool,
     /// Levels of warnings about scenes.
     pub levels: &'a LintLevels,

@@ -26,8 +26,9 @@ pub const MIN_RACE: u64 = 8;
 /// Largest number of runs of a plan in a race.
 pub const MAX_RACE: u64 = 100_000;
 
-/// Lead of the fastest plan that removes a slower plan from the race, in confidence intervals. It
-/// is above 1, because plans are compared after each round.
+/// Limit on the lead of the fastest plan, divided by the half-width of the lead's confidence
+/// interval. A plan leaves the race if its distance from the fastest plan exceeds this limit. The
+/// limit is above 1, because plans are compared after each round.
 const MAX_BEHIND: f64 = 1.5;
 
 /// Limit on the ticks of a run, as a multiple of its plan's estimated time.
@@ -122,8 +123,8 @@ fn remove_slow(running: &mut Vec<Entrant>) -> Vec<RaceTimes> {
     slow.map(|(times, _)| times).collect()
 }
 
-/// Returns the fastest plan, or the first of several equally fast ones. It receives the messages of
-/// the first plan, which are valid for all.
+/// Returns the fastest plan. Of several equally fast plans, returns the first. The result receives
+/// the messages of the first plan in the race, which are valid for all plans.
 fn fastest(mut running: Vec<Entrant>, objective: Objective) -> Planned {
     let first = running.remove(0);
     let mut best = first.value(objective);

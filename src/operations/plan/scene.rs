@@ -33,8 +33,8 @@ pub fn choose(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Host) -> Re
     Ok(())
 }
 
-/// Selects the only scene that a program declares if no assembly builds the shape. Reports the
-/// selection.
+/// Selects the scene that the target program declares, if there is only one. Does nothing if an
+/// option or an assembly already determines the scene. Reports the selection.
 pub fn choose_declared(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Host) {
     // A plate comes from an assembly, whose scene is already selected.
     if options.scene.is_some() || goal.plate.is_some() {

@@ -22,7 +22,8 @@ use crate::operations::rates::of_files_for;
 use crate::progress::WorkProgress;
 use crate::reader::DiskReader;
 
-/// Checks that a completed program is also correct at another path, because imports are relative.
+/// Checks that a completed program has no errors at another path. Its imports are relative, so
+/// errors can appear there.
 ///
 /// # Errors
 /// If the program has errors at that path. Ignores claims that the plan does not fulfil yet.

@@ -19,22 +19,23 @@ pub(crate) struct CriticalPathSegment {
     /// First tick of the segment in the run.
     pub from: u64,
     pub to: u64,
-    /// Event and dependency that ended the previous wait, at tick `from`. `None` at the beginning
-    /// of a phase.
+    /// Event that caused the start of this segment, and the kind of the dependency on this event.
+    /// `None` at the beginning of a phase.
     pub since: Option<(usize, Dependency)>,
 }
 
 /// Cause of the duration of a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SegmentKind {
-    /// Wait for event number `event`. For a capture, `bond` is its index in the record. For a
-    /// release, it is `None`.
+    /// Wait for event number `event`. For a capture, `bond` is its index among the captures of the
+    /// record. For a release, `bond` is `None`.
     Event { event: usize, bond: Option<usize> },
     /// Wait for capture number `event`, which had not happened when the run was stopped.
     Pending { event: usize },
-    /// Transfer of messages about a dependency to the block of the waiting event.
+    /// Transfer of messages to the block of the waiting event, after a dependency of the event
+    /// happened.
     News,
-    /// Transfer of the reports of a phase to the plate.
+    /// Transfer of messages to the plate that report the events of a phase.
     Reports,
 }
 
@@ -89,8 +90,8 @@ pub(crate) fn moments(events: &Events, record: &RunRecord) -> Vec<EventTiming> {
     moments
 }
 
-/// Returns the dependencies of an event, each with its tick. For a choice of captures, returns only
-/// the capture that completed the required number.
+/// Returns the dependencies of an event, each with its kind and the tick when it happened. If n of
+/// several captures suffice, returns only the nth of them.
 fn met<'a>(
     event: &'a OrderedEvent,
     moments: &'a [EventTiming],

@@ -7,7 +7,8 @@ use stochc_results::EnsembleProgram;
 /// All events of a program except the attachment of pre-attached blocks, which never waits.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Events {
-    /// All events, sorted by phase. Each event follows its dependencies, directly if possible.
+    /// All events, sorted by phase. Each event comes after its dependencies, if possible directly
+    /// after the last one.
     pub events: Vec<OrderedEvent>,
 }
 
@@ -16,8 +17,8 @@ pub(crate) struct Events {
 pub(crate) struct OrderedEvent {
     pub phase: PhaseId,
     pub action: EventAction,
-    /// Index and kind of each dependency. Events of a [choice](Dependency::Face) may follow this
-    /// event in the list. All others precede it.
+    /// Event index and kind of each dependency. Events of a [choice](Dependency::Face) may follow
+    /// this event in the list. All others precede this event.
     pub waits_for: Vec<(usize, Dependency)>,
 }
 

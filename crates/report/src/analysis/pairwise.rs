@@ -4,8 +4,8 @@ use stochc_experiments::{ComparedProgram, PairwiseTest, TimeUnit, pairwise_tests
 
 use super::reported_program::ReportedProgram;
 
-/// Tests all pairs of programs. Points of a sweep are tested only against different programs at
-/// equal values.
+/// Tests each pair of programs for a difference in time. Two points of a sweep are tested only if
+/// they have different programs and equal parameter values.
 pub(crate) fn pairwise_tests(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<PairwiseTest> {
     let side = |subject: &ReportedProgram| {
         let tick = clock.tick(subject.program);

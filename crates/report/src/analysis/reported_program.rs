@@ -40,7 +40,7 @@ pub struct Input {
     pub finished: Records,
 }
 
-/// Program of a report, with the accumulated data of its runs. A run adds only a few bytes.
+/// Program of a report, with the accumulated data of its runs. Stores only a few bytes per run.
 #[derive(Clone, Debug)]
 pub(crate) struct ReportedProgram<'a> {
     /// Name in tables, unique within the report.
@@ -56,19 +56,19 @@ pub(crate) struct ReportedProgram<'a> {
     pub events: Events,
     /// Number of finished runs.
     pub runs: usize,
-    /// Number and time to completion of each run \[ticks\]. Failed runs are excluded.
+    /// Run number and time to completion \[ticks\] of each run. Failed runs are excluded.
     pub times: Vec<(u64, Observation)>,
     /// Number of failed runs.
     pub failed: usize,
     /// Details of the first failed runs.
     pub failures: Vec<FailedRun>,
-    /// Accumulated results of the program, in the form for a point of a sweep.
+    /// Accumulated results of the program, as if it were one point of a sweep.
     pub point: PointTally,
     pub waits: WaitsTally,
     pub decisive: DecisiveEvents,
     phase_times: Vec<TimeSample>,
-    /// For each size of an aggregate's largest group, the time from the start to this size. Empty
-    /// for assemblies.
+    /// Times from the start until the largest group of an aggregate reached each size. Empty for
+    /// assemblies.
     size_times: Vec<TimeSample>,
     /// Example runs, each with a description such as "median".
     example_runs: Vec<(&'static str, FinishedRun)>,
@@ -291,8 +291,8 @@ impl<'a> ReportedProgram<'a> {
         self.program.tables().aggregate.is_some()
     }
 
-    /// Returns the times from the start to a size of an aggregate's largest group \[ticks\].
-    /// `phase` is the index of the phase with this size.
+    /// Returns the times from the start until an aggregate's largest group reached a size
+    /// \[ticks\]. `phase` is the index of the phase that ends at this size.
     pub fn size_times(&self, phase: usize) -> Vec<Observation> {
         self.size_times[phase].to_vec()
     }

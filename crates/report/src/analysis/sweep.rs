@@ -8,7 +8,7 @@ use stochc_ir::scene::scalars::scalars;
 
 use super::reported_program::ReportedProgram;
 
-/// Index of a program in the report, with the scene parameters of the program by name.
+/// Index of a program in the report, and its scene parameters: the name and value of each.
 type SweepMember = (usize, BTreeMap<&'static str, f64>);
 
 /// Properties that programs must share for a comparison of one scene parameter.
@@ -96,7 +96,8 @@ fn difference(group: &[SweepMember]) -> Option<&'static str> {
     }
 }
 
-/// Collects the texts in the JSON of a scene, by path. Numbers are replaced by `a number`.
+/// Adds each value in the JSON of a scene to `words`, with the path of the value as key. Each
+/// number becomes the text `a number`.
 fn leaves(at: String, value: &Json, words: &mut BTreeMap<String, String>) {
     let below = |name: &str| match at.as_str() {
         "" => name.to_owned(),

@@ -37,7 +37,7 @@ impl ReportedCapture {
         self.waits.as_ref()?.spread
     }
 
-    /// Returns the mean number of entries into the capture range per capture.
+    /// Returns the mean number of times per capture that a block enters the capture range.
     pub fn entries(&self) -> Option<f64> {
         self.waits.as_ref()?.entries
     }
@@ -52,7 +52,7 @@ impl ReportedCapture {
         self.waits.as_ref().map_or(0, |waits| waits.free)
     }
 
-    /// Returns the number of captured blocks that had been released before, by their last role.
+    /// Returns, for each former role, the number of captured blocks that had been released from it.
     pub fn released(&self) -> &[(RoleId, usize)] {
         self.waits.as_ref().map_or(&[], |waits| &waits.released)
     }

@@ -138,7 +138,8 @@ fn sizes(subjects: &[ReportedProgram]) -> String {
     table.finish()
 }
 
-/// Adds a row for each step of a survival curve. Each row begins with the two cells `of`.
+/// Adds a row for each step of the survival curve of `times`. Each row begins with the cells `of`:
+/// program and phase.
 fn add_curve(table: &mut CsvTable, of: [&str; 2], times: &[Observation]) {
     let Some(estimate) = KaplanMeier::new(times) else {
         return;

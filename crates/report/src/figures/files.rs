@@ -63,8 +63,8 @@ impl Figures {
         names.collect()
     }
 
-    /// Returns the name and content of each file of a figure. The figure must be drawn for the same
-    /// [`Medium`].
+    /// Returns the name and content of each file of a figure. The figure must be drawn for the
+    /// [`Medium`] of these options.
     ///
     /// # Errors
     ///

@@ -12,7 +12,7 @@ pub(crate) struct MapColumn<'a> {
     pub maps: Vec<&'a SliceMap>,
     /// Quantity and unit of the colours.
     pub shows: PlotAxis,
-    /// Factor from values of the maps to this unit.
+    /// Factor that converts values of the maps to the unit of `shows`.
     pub unit: f64,
 }
 

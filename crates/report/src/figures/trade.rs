@@ -18,7 +18,7 @@ const WIDTH: f64 = 1020.0;
 const BESIDE: f64 = 840.0;
 /// Width of the list of settings, in units of a drawing.
 const LIST: f64 = 420.0;
-/// Largest bias on the linear part of the scale. It is logarithmic above.
+/// Largest bias on the linear part of the scale. The scale is logarithmic for larger biases.
 const SMALL: f64 = 0.02;
 /// Dash pattern of the line through Pareto-optimal settings.
 const FRONT: &str = "5 4";
@@ -27,9 +27,9 @@ const MARK: f64 = 5.5;
 /// Height of a line in the list of settings, in units of a drawing.
 const ROW: f64 = 19.0;
 
-/// Candidate with its position in the figure.
+/// Candidate setting with its position in the figure.
 struct PlottedSetting<'a> {
-    /// Number of the candidate in tables and in the figure, from 1.
+    /// Number of the setting in tables and in the figure, from 1.
     number: usize,
     candidate: &'a CandidateResult,
     reference: bool,
@@ -63,8 +63,8 @@ impl Axes {
     }
 }
 
-/// Draws the figure of a trade. Each mark is a candidate, at its cost and the largest bias of any
-/// program.
+/// Draws the figure of a trade. Each mark is a candidate setting, at its CPU time per run and its
+/// largest bias for any program.
 pub fn trade(medium: Medium, trade: &Trade) -> Drawing {
     let points = points(trade);
     let names: Vec<&str> = trade.programs.iter().map(|p| p.name.as_str()).collect();

@@ -120,8 +120,8 @@ pub(crate) fn waits(
     Some(out.high(foot - 8.0))
 }
 
-/// Draws the mean waiting time of a capture with its interval and spread. `y` is the middle of its
-/// row.
+/// Draws a capture's mean waiting time, its interval, and the range from the 10th to the 90th
+/// percentile. `y` is the middle of the row.
 fn draw_wait(
     out: &mut Drawing,
     subject: &ReportedProgram,

@@ -16,7 +16,7 @@ const PAGE: &str = include_str!("page/page.html");
 
 const STYLE: &str = include_str!("page/style.css");
 
-/// Parts of the script in order. Each uses only earlier parts.
+/// Parts of the page's script, in the order of execution. Each part uses only earlier parts.
 const SCRIPT: &[&str] = &[
     include_str!("page/failure.js"),
     include_str!("page/maths.js"),
@@ -51,7 +51,7 @@ const SCRIPT: &[&str] = &[
 ];
 
 /// Writes the replay page of a recording. `about` is the result of [`about()`](super::about()).
-/// `against` is the recording of another run of the same program.
+/// `against` is the recording of another run of the same program, for comparison.
 ///
 /// # Errors
 ///

@@ -56,7 +56,8 @@ impl Drawing {
         all.find(fits).unwrap_or(first)
     }
 
-    /// Returns the position nearest to `x` for centring a text within the margins.
+    /// Returns the horizontal position of a centred text: the value nearest to `x` where the text
+    /// fits into the drawing.
     pub(crate) fn within(&self, x: f64, text: &str) -> f64 {
         let half = letters::width(text) / 2.0 + 2.0;
         let last = (self.size().0 - half).max(half);

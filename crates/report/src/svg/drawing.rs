@@ -240,8 +240,8 @@ impl Drawing {
         self.push("", Style::area(colour), form, "");
     }
 
-    /// Draws a legend in columns. The first baseline is at `place`. Returns the baseline after the
-    /// last line.
+    /// Draws a legend in columns, up to the horizontal position `right`. `place` is the start of
+    /// the first line of text. Returns the baseline after the last line.
     pub(crate) fn keys(&mut self, place: Point, right: f64, keys: &[LegendEntry]) -> f64 {
         const ROW: f64 = 19.0;
         const APART: f64 = 16.0;

@@ -20,8 +20,8 @@ impl Drawing {
         self.element("xmlns=\"http://www.w3.org/2000/svg\" ", "", &rest)
     }
 
-    /// Returns the drawing as SVG for a page. The page must provide the styles. `prefix`
-    /// distinguishes its identifiers from the identifiers of other drawings.
+    /// Returns the drawing as an SVG element of an HTML page. The page must provide the styles.
+    /// `prefix` makes the identifiers in the element unique on the page.
     pub(crate) fn inline(&self, prefix: &str) -> String {
         self.element("", prefix, &self.body())
     }

@@ -21,8 +21,8 @@ impl Medium {
     /// Smallest and largest width of a figure in print \[mm\].
     const WIDTHS: (f64, f64) = (80.0, 300.0);
 
-    /// Returns the number of points per unit of a drawing. A pixel of a browser is three quarters
-    /// of a point.
+    /// Returns the number of points per unit of a drawing. On a screen, a unit is one pixel, which
+    /// is three quarters of a point.
     pub(crate) fn unit(self) -> f64 {
         match self {
             Medium::Screen => 0.75,

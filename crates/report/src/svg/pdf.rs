@@ -27,7 +27,7 @@ const CODES: SystemInfo = SystemInfo {
 };
 const FONT_NAME: Name = Name(b"F");
 
-/// Opacity of areas and of lines, in thousandths.
+/// Opacity of areas, then opacity of lines, in thousandths.
 type Opacity = (u32, u32);
 
 /// Content of a page and its resources.

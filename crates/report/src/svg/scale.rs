@@ -1,6 +1,6 @@
 //! Scales that convert values to positions.
 
-/// Conversion of values to positions. Both have a lower and an upper end.
+/// Conversion from a range of values to a range of positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
     values: (f64, f64),

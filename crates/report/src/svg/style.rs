@@ -141,7 +141,7 @@ impl Style {
     }
 }
 
-/// Style class with its style.
+/// Name of a style class, and its style.
 type StyleRule = (String, Style);
 
 /// Returns the style rules of a theme, in ascending precedence.

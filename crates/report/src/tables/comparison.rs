@@ -182,7 +182,7 @@ pub(super) fn in_ticks(time: &Time, suffix: &str) -> String {
     }
 }
 
-/// Returns a mean and its half-width in seconds. Returns an empty text without a mean.
+/// Returns a mean and its half-width in seconds. Returns an empty text if `time` is `None`.
 fn in_seconds(column: &ProgramSummary, time: Option<&Time>) -> String {
     time.map_or(String::new(), |time| {
         let bound = if time.horizon.is_some() { "≥ " } else { "" };

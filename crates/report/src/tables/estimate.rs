@@ -8,8 +8,9 @@ use crate::estimate::{CompletionEstimate, Method};
 use crate::text::event_labels;
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// Returns tables of the estimated times of programs and phases. Adds up to `most` events with the
-/// largest shares. `width` is the width of the terminal \[characters\].
+/// Returns tables of the estimated times of programs and phases. Also lists at most `most` events
+/// of each program, those with the largest shares. `width` is the width of the terminal
+/// \[characters\].
 pub fn estimates_to_text(estimates: &[CompletionEstimate], most: usize, width: usize) -> String {
     let mut text = String::new();
     for (number, estimate) in estimates.iter().enumerate() {

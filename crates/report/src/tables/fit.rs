@@ -4,8 +4,8 @@ use stochc_text::{number, percent, percent_number};
 
 use stochc_text::{TextColumn, TextTable, paragraph};
 
-/// Ratio of the posterior's width to the prior's. Above it, the data do not constrain the
-/// parameter.
+/// Limit on the posterior's width divided by the prior's width. Above this limit, the data do not
+/// constrain the parameter.
 const UNINFORMED: f64 = 0.8;
 
 /// Returns the fitted parameters, the predicted times and notes as text. `width` is the width of

@@ -11,7 +11,7 @@ use stochc_text::{TextColumn, TextTable, paragraph};
 /// Text of a cell whose value is unknown.
 const NONE: &str = "-";
 
-/// Prefix of a bias that compares restricted means.
+/// Mark before a bias that compares restricted means, which count times only up to a horizon.
 pub(crate) const RESTRICTED: &str = "* ";
 
 /// Headers of the columns with numbers.
@@ -251,13 +251,13 @@ fn table(header: &[&str], lines: &[TradeRow]) -> TextTable {
     }
 }
 
-/// Returns the name of a setting after its number, which figures also show.
+/// Returns the number and the name of a setting. Figures show the same number.
 fn label(number: usize, setting: &CandidateResult) -> String {
     format!("{:>2}  {}", number + 1, setting.name)
 }
 
-/// Returns a sentence about the convergence of the reference. `changes` is the text about its last
-/// doubling.
+/// Returns a sentence about the convergence of the reference. `changes` describes the effect of its
+/// last doubling of substeps.
 fn convergence(reference: &Reference, changes: &str) -> String {
     let Some(last) = reference.doublings.last() else {
         return "Whether it has converged is undecided: no other substeps were measured."

@@ -2,9 +2,8 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// Returns a unique label for each event. The label is the event in the notation of the program. It
-/// includes the phase if `all` contains the same action twice. `shown` are the events with their
-/// texts and phases.
+/// Returns a label for each event of `shown`: its text, followed by its phase if `all` contains its
+/// action twice. `shown` contains the action, the text and the phase of each event.
 pub fn event_labels<'a, A: Eq + Hash>(
     all: impl IntoIterator<Item = A>,
     shown: impl IntoIterator<Item = (A, String, &'a str)>,

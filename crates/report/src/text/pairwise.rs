@@ -3,9 +3,9 @@ use stochc_experiments::PairwiseResult;
 use stochc_experiments::statistics::{Difference, Longer, SIGNIFICANT, Test};
 use stochc_text::number;
 
-/// Returns a sentence about the test of two programs with these `names`.
+/// Returns a sentence about the result of testing two programs for a difference in time.
 ///
-/// `pairs` is the number of differences that were tested together.
+/// `pairs` is the number of pairs that were tested together.
 pub fn sentence(names: [&str; 2], verdict: &PairwiseResult, unit: &str, pairs: usize) -> String {
     let [first, second] = names;
     let found = match verdict {
@@ -75,7 +75,7 @@ pub fn method(found: &Difference, unit: &str) -> String {
     }
 }
 
-/// Returns a probability as text. The text is below [`SIGNIFICANT`] only if the exact value is.
+/// Returns a probability as text. Rounding never moves the probability across [`SIGNIFICANT`].
 pub fn probability(p: f64) -> String {
     // Values that would round to the limit get more digits.
     if (0.0495..SIGNIFICANT).contains(&p) {

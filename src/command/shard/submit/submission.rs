@@ -65,7 +65,7 @@ impl SubmitArguments {
     }
 }
 
-/// One call of `submit`, which holds the lock of the folder.
+/// Data of one call of `submit`, which locks the folder while it submits jobs.
 struct Submission<'a> {
     pub(super) options: &'a SubmitArguments,
     pub(super) ensemble: &'a SlurmEnsemble,
@@ -77,7 +77,8 @@ struct Submission<'a> {
 /// Jobs and shards of an ensemble at one moment.
 struct State {
     pub(super) queue: Queue,
-    /// Existing shards. `None` while a job array is active.
+    /// Shards that exist in the folder. `None` if a job array is active: the folder is then not
+    /// examined.
     found: Option<FoundShards>,
 }
 

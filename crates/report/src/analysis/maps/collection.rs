@@ -118,7 +118,7 @@ pub(crate) fn maps(
     Ok(Some(maps))
 }
 
-/// Returns the known values of all cells in a rectangle.
+/// Returns the values of all cells in a rectangle. Cells without a known value are absent.
 fn every(
     ((west, east), (low, high)): ((i32, i32), (i32, i32)),
     known: impl Fn(i32, i32) -> Option<Ratio>,

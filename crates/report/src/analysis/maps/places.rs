@@ -32,27 +32,27 @@ const MAX_CAPTURES: usize = 2000;
 /// Cell in a slice: index of the slice, then the two coordinates of the cell.
 pub(super) type SlicePlace = (usize, i32, i32);
 
-/// Capture: parent, face and child, as in the record.
+/// Key of a capture: role of the parent, index of its face, and role of the child.
 pub(super) type LocatedCapture = (u32, usize, u32);
 
 /// Counts of one run for all maps.
 pub(super) struct RunCounts {
     pub(super) before: [Counts<SlicePlace>; 3],
     pub(super) occupation: Counts<SlicePlace>,
-    /// Number of entries and ticks of waiting at each face.
+    /// Number of entries and number of waiting ticks for each face.
     pub(super) faces: BTreeMap<LocatedCapture, (f64, f64)>,
 }
 
 /// Cells and slices that the maps of a program show.
 pub(super) struct MapPlaces {
-    /// Horizontal and vertical plane that contain the cells of most captures.
+    /// Horizontal plane and vertical plane, each through as many captured cells as possible.
     pub(super) slices: [Slice; 2],
     pub(super) ends: [((i32, i32), (i32, i32)); 2],
     /// Cells of the plate and of all captures.
     pub(super) cells: Vec<Cell>,
     /// Cell and text of each capture. The keys are parent, face and child.
     pub(super) captures: BTreeMap<LocatedCapture, (Cell, String)>,
-    /// Offset from world coordinates to cells.
+    /// Offset that converts world coordinates to the coordinates of cells.
     corner: [f64; 3],
 }
 
@@ -231,7 +231,8 @@ impl MapPlaces {
         Cell::new(x, y, z)
     }
 
-    /// Counts the position of a block before its capture, for one query.
+    /// Counts the position of the queried block, relative to the cell that captures it later.
+    /// Ignores a position that was recorded too late after the queried tick.
     fn look(&self, places: &Places, wanted: &PlaceQuery, before: &mut [Counts<SlicePlace>; 3]) {
         // Positions are recorded at intervals, so this position can be late.
         let late = places.tick() - wanted.tick;

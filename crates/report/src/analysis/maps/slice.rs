@@ -77,9 +77,9 @@ pub(crate) struct Maps {
     /// Density of the positions of captured blocks, for each of the times [`AGES`](super::AGES)
     /// before the capture. A value is the share of blocks in a cell.
     pub before: Vec<[SliceMap; 2]>,
-    /// Mean number of free blocks in each cell. `None` if it was not counted.
+    /// Mean number of free blocks in each cell. `None` if free blocks were not counted.
     pub occupation: Option<[SliceMap; 2]>,
-    /// Number of entries per tick of waiting, by the cell in front of the face.
+    /// Number of entries per tick of waiting, for each cell in front of an open face.
     pub entries: Option<[SliceMap; 2]>,
     pub faces: Vec<FaceEntries>,
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use stochc_ir::Cell;
 use stochc_ir::record::RunRecord;
 
-/// Shown times before a capture \[ticks\].
+/// Times before a capture \[ticks\]. Maps show the positions of captured blocks at these times.
 pub(crate) const AGES: [u64; 3] = [50, 200, 1000];
 
 /// Time intervals that each block spends in the structure.
@@ -49,8 +49,8 @@ pub(super) struct PlaceQuery {
     pub cell: Cell,
 }
 
-/// Returns the queries for all captures of a run, latest first. Leaves out blocks that were not
-/// free at the time of the query.
+/// Returns the position queries for all captures of a run, latest first. Omits a query if the block
+/// was part of the structure at the queried tick.
 pub(super) fn wanted(record: &RunRecord, held: &StructureMembership) -> Vec<PlaceQuery> {
     let mut wanted = Vec::new();
     for bond in &record.bonds {

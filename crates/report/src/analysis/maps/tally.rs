@@ -7,7 +7,7 @@ use stochc_experiments::resampling::{Ratio, Replicates};
 #[derive(Clone, Debug, Default)]
 pub(super) struct Counts<K> {
     by: BTreeMap<K, f64>,
-    /// Denominator of the counts, such as a number of ticks.
+    /// Common denominator of all counts, such as a number of ticks.
     pub of: f64,
 }
 

@@ -76,8 +76,8 @@ pub(super) fn tick(parts: &Parts) -> Option<Tick> {
     }
 }
 
-/// Returns a table cell with a time. If `tick` is given, the time is in ticks, and seconds follow
-/// below.
+/// Returns a table cell with a time. If `tick` is given, the time is in ticks, with the same time
+/// in seconds below.
 pub(super) fn figure(value: Option<f64>, tick: Option<Tick>) -> HtmlCell {
     let Some(value) = value else {
         return HtmlCell::Number("–".into());
@@ -86,8 +86,8 @@ pub(super) fn figure(value: Option<f64>, tick: Option<Tick>) -> HtmlCell {
     HtmlCell::Number(number(value) + &seconds)
 }
 
-/// Returns a table cell with a mean and its interval. If `tick` is given, the mean is in ticks, and
-/// seconds follow below.
+/// Returns a table cell with a mean and its interval. If `tick` is given, the mean is in ticks,
+/// with the same mean in seconds below.
 pub(super) fn mean_cell(time: Option<&Time>, tick: Option<Tick>) -> HtmlCell {
     let Some(time) = time else {
         return HtmlCell::Number("–".into());
@@ -100,7 +100,7 @@ pub(super) fn mean_cell(time: Option<&Time>, tick: Option<Tick>) -> HtmlCell {
 }
 
 /// Returns table cells with the mean, median, SD, CV, minimum and maximum. If `tick` is given,
-/// seconds follow below.
+/// times are in ticks, with seconds below.
 pub(super) fn figures(time: Option<&Time>, tick: Option<Tick>) -> Vec<HtmlCell> {
     let figure = |of: fn(&Time) -> Option<f64>| figure(time.and_then(of), tick);
     vec![

@@ -113,8 +113,8 @@ fn taken_steps(manifest: &Manifest) -> String {
     all.join("; ")
 }
 
-/// Returns settings other than model and substeps as options of `simulate`: the iterations, and all
-/// that are not defaults. Returns none if blocks do not move.
+/// Returns settings as names and values of `simulate` options. Contains the solver iterations, the
+/// precision if not the default, and the reduction. Empty if blocks do not move.
 fn further(settings: &Settings) -> Vec<(&'static str, String)> {
     if !settings.model.has_places() {
         return Vec::new();
@@ -129,8 +129,8 @@ fn further(settings: &Settings) -> Vec<(&'static str, String)> {
     further
 }
 
-/// Returns the command line that makes an ensemble. Returns `None` if its settings are not all
-/// combinations of a set of values.
+/// Returns the command line that makes an ensemble. Returns `None` if the sweep lacks a combination
+/// of settings, which no command line can state.
 pub(super) fn simulate(manifest: &Manifest) -> Option<String> {
     let axes = manifest.axes();
     let chosen = setting_axes(manifest)?;
@@ -186,8 +186,8 @@ pub(super) fn simulate(manifest: &Manifest) -> Option<String> {
     Some(words.join(" "))
 }
 
-/// Returns the settings that a sweep varies, with their values. Returns `None` if the sweep lacks a
-/// combination of the values.
+/// Returns the settings that a sweep varies, each with its values. Returns `None` if the sweep
+/// lacks a combination of these values.
 fn setting_axes(manifest: &stochc_results::Manifest) -> Option<Vec<(&str, Vec<&str>)>> {
     let mut points: Vec<&[ChosenSetting]> = Vec::new();
     for program in &manifest.programs {

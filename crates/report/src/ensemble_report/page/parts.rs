@@ -11,8 +11,8 @@ use crate::ensemble_report::ReportLocation;
 /// Largest number of rows in a table on the page. The data files contain all rows.
 pub(super) const ROWS: usize = 60;
 
-/// Largest number of points of a sweep with a section for each point. Larger sweeps have one
-/// section.
+/// Largest number of points in a sweep with one section per point. A larger sweep has one section
+/// in total.
 const POINTS: usize = 12;
 
 /// Data that the sections of a page use.
@@ -27,7 +27,7 @@ pub(crate) struct Parts<'a> {
     pub maps: &'a [Option<Maps>],
     pub pairwise_tests: &'a [PairwiseTest],
     pub sweeps: &'a [Sweep],
-    /// Trade of each results folder whose sweep varies settings.
+    /// Trade (speed against accuracy) of each results folder whose sweep varies settings.
     pub trades: &'a [Trade],
     pub surroundings: &'a ReportLocation<'a>,
 }
@@ -39,8 +39,8 @@ impl<'a> Parts<'a> {
         detailed(self.subjects)
     }
 
-    /// Returns the statistics of a program's completion time, comparable with other programs, in
-    /// the unit of the page. Returns `None` without times.
+    /// Returns the statistics of a program's completion time, in the unit of the page. They can be
+    /// compared with other programs. Returns `None` if no run has a time.
     pub(super) fn time(&self, subject: &ReportedProgram) -> Option<Time> {
         Time::beside(&subject.times_by(self.clock), self.last)
     }

@@ -16,8 +16,8 @@ pub(super) struct AxesFrame {
     pub bottom: f64,
 }
 
-/// Returns the horizontal offset of curve `i` of `n`. It keeps the intervals of several curves
-/// apart.
+/// Returns the horizontal offset of curve `i` of `n`. The offset keeps the intervals of several
+/// curves apart.
 pub(super) fn aside(i: usize, n: usize) -> f64 {
     4.0 * (i as f64 - (n as f64 - 1.0) / 2.0)
 }

@@ -8,8 +8,8 @@ use crate::figures::EDGE;
 use crate::svg::letters::{fitted, widest, width as width_of};
 use crate::svg::{Drawing, Style};
 
-/// Draws a coloured field for each pair of values. Longer times are darker. Returns `None` if no
-/// run of the program has a time.
+/// Draws a heat map of a program: a coloured field for each pair of parameter values. Longer times
+/// are darker. Returns `None` if no run of the program has a time.
 pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> {
     const HEIGHT: f64 = 30.0;
     let own = || panel.points.iter().filter(|point| point.program == program);
