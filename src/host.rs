@@ -26,7 +26,7 @@ pub trait Host: Sync {
     /// Returns the diagnostics of a file as text for a message.
     fn draw(&self, checked: &Checked) -> String;
 
-    /// Returns the flag that stops the work at the next tick.
+    /// Returns a flag. Setting this flag stops the work at the next tick.
     fn stop(&self) -> &AtomicBool;
 
     /// Shows progress until the channel `ended` closes. `state` takes the time since the start and

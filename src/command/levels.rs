@@ -73,7 +73,7 @@ impl FromArgMatches for LevelOptions {
     }
 }
 
-/// Warning that an option names. `None` is all warnings.
+/// Warning that an option names. `None` means all warnings.
 #[derive(Clone, Copy, Debug)]
 struct Warning(Option<Code>);
 

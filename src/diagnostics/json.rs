@@ -13,8 +13,8 @@ pub struct CheckDocument {
 }
 
 impl CheckDocument {
-    /// Adds the diagnostics and the programs of a file. Each program may have another key, such as
-    /// `cost`.
+    /// Adds the diagnostics and the programs of a file. `value` returns a value for a program, which
+    /// is stored under the additional `key`.
     pub fn add(
         &mut self,
         file: &str,

@@ -136,7 +136,8 @@ pub fn nothing_to_run(file: &str, checked: &Checked) -> Failure {
     ))
 }
 
-/// Returns the advice to plan an assembly for the shape of a file. Empty if it declares no shape.
+/// Returns the advice to plan an assembly for the shape of a file. Empty if the file
+/// declares no shape.
 pub fn plan_advice(file: &str, checked: &Checked) -> String {
     let mut items = checked.tree.items.iter();
     if !items.any(|item| matches!(item.kind, ItemKind::Shape(_))) {

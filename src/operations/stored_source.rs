@@ -8,7 +8,7 @@ use super::programs::recompile;
 #[derive(Debug)]
 pub struct StoredSource<'a> {
     stored: &'a EnsembleProgram,
-    /// Result of the check. If no source is stored, it contains a diagnostic that reports this.
+    /// Result of the check. If no source is stored, it contains a diagnostic about this.
     pub checked: Checked,
 }
 

@@ -114,7 +114,7 @@ pub fn complete(
 }
 
 /// Compiles a program with the parameter values of its point. Does not repeat warnings that the
-/// program has without these values.
+/// program also has with the values in its source.
 ///
 /// # Errors
 /// If the program cannot run at this point.

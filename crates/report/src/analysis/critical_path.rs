@@ -117,7 +117,8 @@ fn met<'a>(
     others.chain(face)
 }
 
-/// Returns the recorded timings of each action of a phase, in the order of its repetitions.
+/// Returns the timings that the record contains for each action in each phase, in the order of
+/// repetitions.
 fn recorded(record: &RunRecord) -> HashMap<(PhaseId, EventAction), VecDeque<EventTiming>> {
     let mut recorded: HashMap<_, VecDeque<EventTiming>> = HashMap::new();
     let mut add = |phase, action, moment| {

@@ -211,7 +211,7 @@ impl<'a> ReportedProgram<'a> {
 
     /// Adds a run to the accumulated data.
     fn add(&mut self, run: &FinishedRun) {
-        /// Largest number of failed runs with details.
+        /// Largest number of failed runs whose details are stored.
         const MAX_FAILURES: usize = 5;
         let record = &run.record;
         self.runs += 1;

@@ -77,8 +77,8 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
     sweeps.into_iter().map(sweep).collect()
 }
 
-/// Returns the scene parameter that differs within a group. Returns `None` if none or several
-/// differ.
+/// Returns the scene parameter whose value differs between the programs of a group. Returns `None`
+/// if there is no such parameter, or several.
 fn difference(group: &[SweepMember]) -> Option<&'static str> {
     let (_, first) = group.first()?;
     let mut found = BTreeSet::new();

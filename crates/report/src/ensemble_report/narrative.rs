@@ -98,8 +98,8 @@ pub(super) fn narrative(of: &NarrativeContext, run: &FinishedRun) -> Vec<String>
     items
 }
 
-/// Returns a sentence of HTML about the longest wait. Returns `None` if it does not dominate the
-/// run.
+/// Returns a sentence of HTML about the longest wait. Returns `None` if this wait does not dominate
+/// the run.
 pub(super) fn lead(of: &NarrativeContext, run: &FinishedRun) -> Option<String> {
     let total = run.record.ticks;
     let longest = run

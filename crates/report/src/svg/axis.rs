@@ -15,7 +15,7 @@ pub(crate) struct PlotAxis {
 }
 
 impl PlotAxis {
-    /// Creates the quantity of an axis. `unit` is `1` if it has no dimension.
+    /// Creates the quantity of an axis. `unit` is `1` if the quantity has no dimension.
     pub fn new(name: &str, unit: &str) -> PlotAxis {
         PlotAxis {
             name: name.to_owned(),

@@ -16,7 +16,7 @@ pub struct Drawing {
     pub name: String,
     /// Title of the figure.
     pub title: String,
-    /// Description of its content.
+    /// Description of the figure's content.
     pub description: String,
     /// Medium that the drawing is laid out for.
     pub(super) medium: Medium,

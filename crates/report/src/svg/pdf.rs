@@ -236,8 +236,8 @@ impl PdfPage {
         codes
     }
 
-    /// Returns the name of the reduced font. Its first six letters depend on the glyphs, so that
-    /// several figures in one document have different fonts.
+    /// Returns the name of the reduced font. Its first six letters depend on the used glyphs. Fonts
+    /// of several figures in one document therefore have different names.
     fn base_font(&self) -> String {
         let glyphs = self
             .signs

@@ -27,7 +27,8 @@ fn is_censored(captures: &[CaptureSummary]) -> bool {
     captures.iter().any(|capture| capture.wait.incomplete > 0)
 }
 
-/// Returns the table of the captures, with times in ticks and also in seconds if there is a `tick`.
+/// Returns the table of the captures, with times in ticks. If `tick` is given, times are also in
+/// seconds.
 fn table(captures: &[CaptureSummary], tick: Option<Tick>) -> TextTable {
     const NONE: &str = "-";
     let seconds = |ticks: f64| tick.map_or(String::new(), |tick| tick.beside(ticks));
@@ -65,7 +66,8 @@ fn table(captures: &[CaptureSummary], tick: Option<Tick>) -> TextTable {
     }
 }
 
-/// Returns the shares of captured blocks that had been released from each role.
+/// Returns each former role as text, with the share of captured blocks that had been released from
+/// this role.
 fn released(capture: &CaptureSummary) -> String {
     let share = |&(ref role, n): &(String, usize)| {
         let share = percent(n as f64 / capture.wait.completed as f64);

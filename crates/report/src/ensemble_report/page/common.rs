@@ -126,7 +126,7 @@ pub(super) fn mean(time: &Time) -> String {
     format!("{}{}{half}", bound(time), number(time.mean))
 }
 
-/// Returns the sign before a lower bound.
+/// Returns the sign `≥` if a time is a lower bound. Otherwise returns an empty text.
 pub(super) fn bound(time: &Time) -> &'static str {
     if time.incomplete > 0 { "≥ " } else { "" }
 }
