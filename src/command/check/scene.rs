@@ -337,8 +337,8 @@ impl<'a> InForce<'a> {
         )
     }
 
-    /// Returns the smallest number of substeps per tick that resolves the motion as far as substeps
-    /// can.
+    /// Returns the smallest number of substeps per tick within the limits of all dimensionless
+    /// numbers. Ignores limits that no number of substeps can satisfy.
     fn needed(&self) -> u32 {
         let needed = self.groups.iter().filter_map(DimensionlessGroup::substeps);
         needed.max().unwrap_or(1)
