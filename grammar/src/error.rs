@@ -73,7 +73,7 @@ pub enum SyntaxErrorKind {
     TooManyTerms,
     /// A single statement longer than [`crate::MAX_STATEMENT`] bytes.
     StatementTooLong,
-    /// An `allow` or `deny` without a reason. The span is its code.
+    /// An `allow` or `deny` without a reason. The span is the code of the warning.
     MissingReason,
     /// A `///` comment without a declaration or statement after it.
     DanglingDoc,

@@ -205,7 +205,7 @@ pub struct LintDirective {
     pub verdict: LintDirectiveKind,
     /// Code of the warning, including hyphens.
     pub code: Name,
-    /// Reason in quotation marks. Empty if it is missing, which is an error.
+    /// Reason in quotation marks. Empty if the reason is missing, which is an error.
     pub reason: String,
 }
 

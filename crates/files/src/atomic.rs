@@ -83,7 +83,7 @@ impl Draft {
         })
     }
 
-    /// Returns the content written so far. The caller must flush it before.
+    /// Returns the content written so far. The caller must flush the draft first.
     ///
     /// # Errors
     ///

@@ -104,7 +104,7 @@ pub enum LineIntegrity {
     Unsealed,
 }
 
-/// Start of the checksum field, the last of its object.
+/// Start of the checksum field, which is the last field of a JSON object.
 const FIELD: &[u8] = b",\"crc\":\"";
 /// Length of the field `,"crc":"01234567"}`.
 const LENGTH: usize = FIELD.len() + 8 + 2;

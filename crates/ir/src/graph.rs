@@ -30,7 +30,7 @@ pub struct GraphEvent {
     /// Action of the event.
     #[serde(flatten)]
     pub action: EventAction,
-    /// Cell of the block. `None` if it is unknown.
+    /// Cell of the block. `None` if the cell is unknown.
     pub cell: Option<Cell>,
 }
 

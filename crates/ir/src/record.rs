@@ -71,7 +71,7 @@ fn is_zero(number: &u64) -> bool {
 pub enum Outcome {
     /// Every phase was reported complete.
     Completed,
-    /// A phase reached its timeout, or the run its tick limit. The time is right-censored.
+    /// A phase reached its timeout, or the run reached its tick limit. The time is right-censored.
     TimedOut {
         /// Phase that did not end.
         phase: PhaseId,

@@ -9,7 +9,7 @@ use crate::workspace::programs::CheckedProgram;
 pub enum ServerEvent {
     /// Input from the client.
     Incoming(Incoming),
-    /// End of a job. `None` if it was cancelled or has failed.
+    /// End of a job. `None` if the job was cancelled or has failed.
     Done(JobId, Option<Done>),
 }
 

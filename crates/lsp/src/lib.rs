@@ -32,7 +32,7 @@ use std::sync::mpsc;
 use event::ServerEvent;
 use wire::Incoming;
 
-/// Largest number of queued messages. Beyond it the client must wait.
+/// Largest number of queued messages. If the queue is full, the client must wait.
 const MAX_WAITING: usize = 256;
 
 /// Serves a client over a pair of streams until the client exits. Returns whether the client sent a

@@ -32,7 +32,8 @@ pub fn is_invisible(c: char) -> bool {
 }
 
 /// Returns the text with its invisible characters spelled out, such as `⟨U+202E⟩` for a change of
-/// direction. The result cannot disguise itself, and cannot end a line or a document.
+/// direction. The result has no hidden or reordered characters, and cannot end a line or a
+/// document.
 pub fn visible(text: &str) -> String {
     spelled_out(text, is_invisible)
 }

@@ -73,8 +73,8 @@ impl LineLayout<'_, '_> {
         next
     }
 
-    /// Returns whether the layout always writes a blank line before the piece. It does so around
-    /// blocks at the top level.
+    /// Returns whether the layout always writes a blank line before the piece. Blocks at the top
+    /// level are surrounded by blank lines.
     fn is_set_apart(&self, at: usize) -> bool {
         let (Some(was_block), 0, false) = (self.ended, self.depth, self.documented) else {
             return false;

@@ -48,7 +48,8 @@ pub enum Gap {
 pub struct Note<'t> {
     /// Text of the comment with its slashes, without trailing space.
     pub text: &'t str,
-    /// Number of line breaks directly before the comment. 0 if it follows code.
+    /// Number of line breaks directly before the comment. 0 if the comment follows code on the same
+    /// line.
     pub newlines: u32,
     /// Column of the comment, from 0.
     pub column: usize,

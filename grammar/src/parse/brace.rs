@@ -74,8 +74,8 @@ impl Parser<'_, '_> {
             .is_some_and(|next| holds(head, next))
     }
 
-    /// Returns whether a `}` that ends at `end` is an extra brace. It is one if the next piece fits
-    /// into the innermost block, but not into the block around it.
+    /// Returns whether a `}` that ends at `end` is an extra brace. The brace is extra if the next
+    /// piece fits into the innermost block, but not into the block around that block.
     pub fn continues(&mut self, end: usize) -> bool {
         let Some(outer) = self.frames.len().checked_sub(1) else {
             return false;

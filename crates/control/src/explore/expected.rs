@@ -6,7 +6,7 @@ use stochc_ir::table::{Action, Condition, News, PhaseId, RoleId, Tables};
 
 use crate::Reporter;
 
-/// Goals of each phase of a program, and the structure at its end.
+/// Goals of each phase of a program, and the structure at the end of each phase.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramGoals {
     /// Goals of each phase.

@@ -12,7 +12,7 @@ pub(super) struct InTransit {
     /// Number of the message on its contact. 0 if messages are never lost. Comparisons of states
     /// ignore it.
     pub number: Ignored<u32>,
-    /// Number of losses of the message or its acknowledgement.
+    /// Number of times that the message or its acknowledgement was lost in this transfer.
     pub lost: u8,
     /// Whether the receiver has accepted the message, but the sender has received no
     /// acknowledgement.

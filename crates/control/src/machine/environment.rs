@@ -9,17 +9,18 @@ use crate::body::{BlockFace, Body, Docking};
 ///
 /// A structure has neither time nor chance. Its driver supplies both.
 pub trait Environment {
-    /// Note attached to an open face until it captures, for example the time.
+    /// Note attached to an open face until the face captures a block. For example, the note is the
+    /// time.
     type Mark: Copy;
 
     /// Switches a face on for a planned capture. Faces that always attract need no switching.
     fn magnetize(&mut self, site: BlockFace, capture: &PlannedCapture) -> Self::Mark;
 
-    /// Switches a face off and releases its block. For faces that always attract, this is an
-    /// impulse.
+    /// Switches a face off and releases its block. A face that always attracts rejects its block
+    /// with an impulse instead.
     fn switch_off(&mut self, site: BlockFace);
 
-    /// Sends a message to a neighbour: one hop. It returns through
+    /// Sends a message to a neighbour: one hop. The driver later delivers the message by
     /// [`Structure::receive`](super::Structure::receive).
     fn send(&mut self, from: Body, to: Body, message: Message);
 

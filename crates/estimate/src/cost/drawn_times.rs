@@ -10,7 +10,7 @@ pub const NO_BLOCK: u32 = u32::MAX;
 pub struct DrawnTimes {
     /// Earliest possible time of each event \[ticks\].
     pub starts: Vec<f64>,
-    /// Time of each event \[ticks\]. Infinite if it has not happened.
+    /// Time of each event \[ticks\]. Infinite if the event has not happened.
     pub ends: Vec<f64>,
     /// For each event, the event of its phase that it waited for last. [`NO_BLOCK`] if none.
     pub last: Vec<u32>,

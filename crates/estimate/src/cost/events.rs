@@ -23,7 +23,7 @@ pub struct ProgramParts<'a> {
 /// A block, identified by the capture that anchored it. `None` for the plate.
 pub type Block = Option<EventId>;
 
-/// A block by one of its names. The plate has a name for each seed.
+/// A block with one of its roles. The plate has a role for each seed.
 pub type NamedBlock = (RoleId, Block);
 
 /// The events of a program.

@@ -16,7 +16,7 @@ fn sum_of_powers<const N: usize>(x: f64, factors: [f64; N]) -> f64 {
         .fold(0.0, |sum, factor| sum * x + factor)
 }
 
-/// Returns the distribution function of a docking time, in units of its mean.
+/// Returns the probability that docking takes at most `time`, in units of the mean docking time.
 pub(crate) fn docked(time: f64) -> f64 {
     let x = f64::from(STAGES) * time;
     docked_with(x, || libm::exp(-x))

@@ -194,8 +194,8 @@ impl Parameters {
         )
     }
 
-    /// Returns the factor of all rates for a fraction `part` of free blocks. It never decreases
-    /// with the fraction.
+    /// Returns the factor of all rates for a fraction `part` of free blocks. The factor never
+    /// decreases with the fraction.
     pub fn of_free(&self, part: f64) -> f64 {
         let part = part.max(0.0);
         match self.0[DEPLETION] {

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 pub enum Bond {
     /// A face is switched on to capture. Distances are between the centres of two faces.
     Attract {
-        /// Pull of the face on every free block within reach. It acts on the centre of the block's
-        /// nearest face.
+        /// Pull of the face on every free block within reach. The pull acts on the centre of the
+        /// block's nearest face.
         pull: Reach,
         /// Pull on each corner of the block's nearest face, towards the matching corner of the open
         /// face.
@@ -93,7 +93,7 @@ impl BondKind {
 /// pattern, any two faces attract each other in all four quarter turns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Magnets {
-    /// Force between two touching faces \[N\]. A larger load separates them.
+    /// Force between two touching faces \[N\]. A larger load separates the faces.
     pub hold: f64,
     /// Distance of two opposite dipoles of touching faces \[m\].
     pub depth: f64,

@@ -91,7 +91,7 @@ impl Interior {
     ///
     /// # Errors
     ///
-    /// If they do not fit.
+    /// If the blocks do not fit.
     pub fn has_room(&self, count: u32, arrangement: Arrangement, side: f64) -> Result<(), NoRoom> {
         match arrangement {
             Arrangement::Uniform => {
@@ -132,7 +132,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// If they do not fit.
+    /// If the blocks do not fit.
     pub fn has_room(&self, plate: &Plate) -> Result<(), NoRoom> {
         let count = self.free.count;
         if count == 0 {

@@ -35,7 +35,8 @@ pub struct Scene {
     pub agitation: Option<Agitation>,
     /// Drag between collisions.
     pub drag: Option<Drag>,
-    /// Contact between blocks and with the ground. `None` lets them pass through each other.
+    /// Contact between blocks and with the ground. `None` lets blocks pass through each other and
+    /// through the ground.
     pub contact: Option<Contact>,
     /// Capture and bonding of free blocks. `None` captures no blocks.
     pub bond: Option<Bond>,

@@ -240,7 +240,8 @@ impl Tables {
             .filter_map(|(i, role)| Some((RoleId(i as u32), role.seed?)))
     }
 
-    /// Returns the duty of a role in a phase for a trigger, or `None` if it has none.
+    /// Returns the duty of a role in a phase for a trigger. Returns `None` if the role has no such
+    /// duty.
     pub fn duty(&self, role: RoleId, phase: PhaseId, trigger: Trigger) -> Option<Duty<'_>> {
         let key = (role, phase, trigger);
         let i = self

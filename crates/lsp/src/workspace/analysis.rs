@@ -50,7 +50,7 @@ impl Analysis {
         &self.checked.sources.file(file).name
     }
 
-    /// Returns the file with a path. Returns `None` if it is not part of the program.
+    /// Returns the file with a path. Returns `None` if the file is not part of the program.
     pub fn file(&self, path: &str) -> Option<FileId> {
         let mut files = self.checked.sources.files().iter();
         let number = files.position(|file| file.name == path)?;

@@ -256,7 +256,7 @@ const STOKES: ExpectedRange = ExpectedRange {
 pub(crate) const DRAG_SYMBOL: &str = "γ τ";
 
 /// Largest fraction of a speed that drag may remove per step. Forces act before drag, so terminal
-/// speeds are too small by half of it.
+/// speeds are too small by half of this fraction.
 const DRAG: f64 = 0.2;
 
 /// Limit of a spring's dimensionless number without drag: the phase √(k/m) τ per step stays below

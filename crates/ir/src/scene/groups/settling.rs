@@ -69,7 +69,8 @@ impl Settling {
     /// Returns the density of free blocks in a layer of cells, relative to their mean in the
     /// enclosure.
     ///
-    /// The lowest layer is 1. Sinking blocks always reach it. Returns `None` without an enclosure.
+    /// The lowest layer is 1. Sinking blocks always reach the lowest layer. Returns `None` without
+    /// an enclosure.
     pub fn density_in(&self, scene: &Scene, layer: i32) -> Option<f64> {
         let enclosure = scene.enclosure.as_ref()?;
         let side = scene.block.side;

@@ -69,7 +69,7 @@ pub enum FieldGroup {
 pub struct Either {
     /// The two alternatives.
     pub of: [FieldAlternative; 2],
-    /// Title of the diagnostic if both are given.
+    /// Title of the diagnostic if both alternatives are given.
     pub both: &'static str,
     /// Help if both alternatives are given.
     pub help: &'static str,
