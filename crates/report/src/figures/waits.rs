@@ -150,7 +150,7 @@ fn draw_wait(
             subject.described(half)
         ),
     };
-    let captures = counted(time.completed as usize, "capture");
+    let captures = counted(time.completed, "capture");
     let tooltip = format!("{}: {bound}{interval}, {captures}", wait.text);
     out.disc(class, (at(time.mean), y), 4.5, &tooltip);
     if time.incomplete > 0 {

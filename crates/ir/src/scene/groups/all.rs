@@ -67,37 +67,7 @@ pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessGroup> {
         );
     }
     fluid(scene, v, &mut out);
-    if let Some(Bond::Reject {
-        magnets, anchor, ..
-    }) = &scene.bond
-    {
-        let (hold, depth) = (units.force(magnets.hold), units.length(magnets.depth));
-        out.push(push.anchoring(hold, units.length(anchor.within)));
-        if let Some(v) = energetic {
-            out.push(
-                DimensionlessGroup::new(
-                    "F δ / (3 m v² / 2)",
-                    "energy of a bond against that of two blocks' motion to each other",
-                    hold * depth / 3.0 / (v * v / 2.0),
-                )
-                .advised(AdvisedRange::Least(1.0)),
-            );
-        }
-    }
-    if let Some(Bond::Attract { pull, anchor, .. }) = &scene.bond {
-        let (force, reach) = (units.force(pull.force), units.length(pull.within));
-        out.push(push.anchoring(force, units.length(anchor.within)));
-        if let Some(v) = energetic {
-            out.push(
-                DimensionlessGroup::new(
-                    "F r / (m v² / 2)",
-                    "work of the pull within its reach against the energy of motion",
-                    force * reach / (v * v / 2.0),
-                )
-                .advised(AdvisedRange::Least(MIN_WORK)),
-            );
-        }
-    }
+    bond(scene, push, energetic, &mut out);
     if let Some(Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) =
         &scene.enclosure
     {
@@ -115,6 +85,42 @@ pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessGroup> {
     settling(scene, &mut out);
     softness::softness(scene, &mut out);
     out
+}
+
+/// Adds the numbers of the bond. `speed` is the energetic speed of a block \[block lengths / tick\].
+fn bond(scene: &Scene, push: Push, speed: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
+    let units = BlockUnits::from_scene(scene);
+    if let Some(Bond::Reject {
+        magnets, anchor, ..
+    }) = &scene.bond
+    {
+        let (hold, depth) = (units.force(magnets.hold), units.length(magnets.depth));
+        out.push(push.anchoring(hold, units.length(anchor.within)));
+        if let Some(v) = speed {
+            out.push(
+                DimensionlessGroup::new(
+                    "F δ / (3 m v² / 2)",
+                    "energy of a bond against that of two blocks' motion to each other",
+                    hold * depth / 3.0 / (v * v / 2.0),
+                )
+                .advised(AdvisedRange::Least(1.0)),
+            );
+        }
+    }
+    if let Some(Bond::Attract { pull, anchor, .. }) = &scene.bond {
+        let (force, reach) = (units.force(pull.force), units.length(pull.within));
+        out.push(push.anchoring(force, units.length(anchor.within)));
+        if let Some(v) = speed {
+            out.push(
+                DimensionlessGroup::new(
+                    "F r / (m v² / 2)",
+                    "work of the pull within its reach against the energy of motion",
+                    force * reach / (v * v / 2.0),
+                )
+                .advised(AdvisedRange::Least(MIN_WORK)),
+            );
+        }
+    }
 }
 
 /// Smallest work of a pull over the energy of motion of any built-in scene (`hemisphere_soft`,
