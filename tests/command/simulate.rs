@@ -84,7 +84,7 @@ fn a_timeout_is_reported_with_its_status() {
     assert_eq!(mean, "≥ 2, to 2");
     assert_eq!(outcome.row("  in seconds").join(" "), "≥ 40.0 ms");
     assert_eq!(outcome.row("SD (CV)"), ["-"], "unknown");
-    assert!(outcome.out.contains("≥: some runs did not complete"));
+    assert!(outcome.out.contains("≥ marks a lower bound"));
     // The limit of the command has the same exit status as a timeout in the program.
     let outcome = stochc_with(TOWER, &["--runs", "3", "--max-ticks", "2"]);
     assert_eq!(outcome.status, 3);
@@ -105,7 +105,7 @@ fn a_stopped_run_reports_its_limit_and_its_wait() {
         let outcome = stochc_with(LATE, &["--max-ticks", limit]);
         assert_eq!(outcome.status, 3);
         assert!(outcome.out.contains(end), "{}", outcome.out);
-        assert!(outcome.out.contains("1 wait under way"), "{}", outcome.out);
+        assert!(outcome.out.contains("1 capture still waiting"), "{}", outcome.out);
     }
     let outcome = stochc(LATE);
     let wait =

@@ -46,7 +46,7 @@ fn the_report_is_rewritten_until_the_command_ends() {
     assert!(rewritten.contains(RELOADS), "{rewritten}");
     let text = fs::read_to_string(&page).unwrap();
     assert!(!text.contains("http-equiv=\"refresh\""), "{text}");
-    assert!(text.contains("0 of 1000 runs are there"), "{text}");
+    assert!(text.contains("0 of 1000 runs are finished"), "{text}");
 }
 
 #[test]

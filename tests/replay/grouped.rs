@@ -67,7 +67,7 @@ fn check_groups(page: &mut impl Page, recording: &Recording) {
         let largest = groups.iter().map(Vec::len).max();
         let legend = page.value("document.getElementById('groups').textContent");
         let words = match (groups.len(), largest) {
-            (_, None) => "now no group".to_owned(),
+            (_, None) => "no groups now".to_owned(),
             (1, Some(most)) => format!("now 1 group, the largest of {most} blocks"),
             (count, Some(most)) => format!("now {count} groups, the largest of {most} blocks"),
         };
@@ -192,7 +192,7 @@ fn check_history(page: &mut impl Page, recording: &Recording) {
                 ObservedEvent::Bonded { bond, size } => side(&bond).map(|own| {
                     let other = 1 - own;
                     format!(
-                        "{} bonds to block {}, {} to its {}: a group of {size}",
+                        "{} bonds to block {}, {} to its {} and forms a group of {size}",
                         happening.tick,
                         bond.bodies[other],
                         face(bond.faces[own]),
@@ -201,7 +201,7 @@ fn check_history(page: &mut impl Page, recording: &Recording) {
                 }),
                 ObservedEvent::Unbonded { bond, sizes } => side(&bond).map(|own| {
                     let left = match sizes[own] {
-                        1 => "a lone block".to_owned(),
+                        1 => "a single block".to_owned(),
                         size => format!("in a group of {size}"),
                     };
                     format!(

@@ -169,7 +169,7 @@ fn a_click_finds_a_block_at_its_position() {
     assert!(text.contains(&format!("Event table of {name}")), "{text}");
     assert!(text.contains(&format!("as {name}, ")), "{text}");
     assert!(text.contains("docks on"), "{text}");
-    assert!(text.contains("in the field"), "{text}");
+    assert!(text.contains("entered the reach"), "{text}");
     // A click on an empty point selects nothing.
     browser.click(20.0, 600.0);
     assert_eq!(browser.value("replay.state().selected"), Value::Null);

@@ -48,21 +48,30 @@ pub fn check(browser: &mut impl Page) {
     assert_eq!(message(browser, &page, &text), "");
     for (text, reason) in [
         (with(&|bytes| bytes[8] = 7), "version 7"),
-        (with(&|bytes| bytes.truncate(bytes.len() / 2)), "cut short"),
-        (with(&|bytes| bytes.truncate(bytes.len() - 3)), "cut short"),
-        (with(&|bytes| bytes.clear()), "cut short"),
+        (
+            with(&|bytes| bytes.truncate(bytes.len() / 2)),
+            "is incomplete",
+        ),
+        (
+            with(&|bytes| bytes.truncate(bytes.len() - 3)),
+            "is incomplete",
+        ),
+        (with(&|bytes| bytes.clear()), "is incomplete"),
         (with(&|bytes| bytes[0] = b'x'), "no recording"),
         // The page was copied incompletely: up to the recording, to a point before it, or to a
         // point within the script.
-        (text[..start + 1000].to_owned(), "cut short"),
-        (text[..start - 40].to_owned(), "cut short"),
+        (
+            text[..start + 1000].to_owned(),
+            "end of this page is missing",
+        ),
+        (text[..start - 40].to_owned(), "end of this page is missing"),
         (
             text[..text.find("class Painter").unwrap()].to_owned(),
-            "cut short",
+            "is incomplete",
         ),
         (
             text[..text.find("<aside>").unwrap()].to_owned(),
-            "cut short",
+            "is incomplete",
         ),
     ] {
         let outcome = message(browser, &page, &text);

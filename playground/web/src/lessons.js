@@ -25,8 +25,8 @@ export const LESSONS = [
   },
   {
     title: 'Run it',
-    text: `Nothing here is planned for a certain time: a face waits until a free block happens to come close. <b>Run</b> simulates one run with physics: collisions, drag, random impulses and the attraction of open faces, which glow. Drag the picture to turn it. The slider below rewinds.`,
-    task: 'Press <b>Run</b> and wait until the run is computed to its end.',
+    text: `No event has a fixed time: an open face waits until a free block comes close by chance. <b>Run</b> simulates one run with physics: collisions, drag, random impulses and the attraction of open faces. Open faces glow. Drag the picture to turn it. The slider below the picture rewinds the run.`,
+    task: 'Press <b>Run</b> and wait until the run is complete.',
     program: `assembly tower {
     seed plate 3 x 3 {
         M at (1, 1)
@@ -41,7 +41,7 @@ export const LESSONS = [
   },
   {
     title: 'Rows of blocks',
-    text: `<code>->></code> captures a row, one block after the other: <code>M.up ->> T[1..3]</code> captures <code>T[1]</code> on <code>M</code>, <code>T[2]</code> on <code>T[1]</code>, and so on. The chain can turn: <code>.east</code> names the face that captures next.`,
+    text: `<code>->></code> captures a row, one block after the other: <code>M.up ->> T[1..3]</code> captures <code>T[1]</code> on <code>M</code>, <code>T[2]</code> on <code>T[1]</code>, and so on. A chain can change its direction: <code>.east</code> names the face that captures next.`,
     task: 'Make the tower six blocks high, and add a row of two blocks at its top to the east: end the line with <code>.east ->> E[1..2]</code>.',
     program: `assembly tower {
     seed plate 3 x 3 {
@@ -57,7 +57,7 @@ export const LESSONS = [
   },
   {
     title: 'Parallel, and in phases',
-    text: `Statements of a phase run in parallel, in any order that chance decides. A phase ends when all its captures have happened. Then the next one begins. Below, two posts grow at the same time.`,
+    text: `The statements of a phase run in parallel, and chance decides their order. A phase ends when all its captures have happened. Then the next phase begins. In the program below, two posts grow at the same time.`,
     task: 'Add a second phase <code>lintel</code> that joins the posts: <code>A[3].east -> K</code>.',
     program: `assembly gate {
     seed plate 3 x 1 {
@@ -75,8 +75,8 @@ export const LESSONS = [
   },
   {
     title: 'When chance shuts a door',
-    text: `Every order of arrivals must work. stochc proves it before anything runs. Here it finds an order in which four blocks and a lid wall in the cell of <code>X</code> before its block has come. The message shows that order, and proposes a change.`,
-    task: 'Repair the program so that no error is left. The button <b>Fix</b> of the message does it.',
+    text: `A program must work for every order of arrivals. stochc proves this before anything runs. In this program, it finds a bad order: four blocks and a lid close the cell of <code>X</code> before the block <code>X</code> has come. The message shows that order and proposes a change.`,
+    task: 'Repair the program so that no error is left. The button <b>Fix</b> of the message does this.',
     program: `assembly well {
     seed plate 3 x 3 {
         M at (1, 1)
@@ -94,7 +94,7 @@ export const LESSONS = [
   },
   {
     title: 'Claim a shape',
-    text: `A <em>shape</em> draws layers as text, from above. <code>yields</code> claims that the structure has that shape when the phase ends, and stochc proves the claim. The claim below is wrong: the message shows the layer that differs.`,
+    text: `A <em>shape</em> draws layers as text, from above. <code>yields</code> claims that the structure has this shape when the phase ends. stochc proves the claim. The claim in the program below is wrong, and the message shows the layer that differs.`,
     task: 'Change the program, not the shape, so that the claim holds: the lintel belongs on layer 3.',
     program: `shape gate {
     layer 1..2 {
@@ -125,7 +125,7 @@ assembly gate {
   },
   {
     title: 'A scaffold that is taken down',
-    text: `<code>release ARM</code> sets a block free again. A <em>scaffold</em> is a block that helps for a while. Drag the slider below the picture to see the structure before and after each event.`,
+    text: `<code>release ARM</code> sets the block <code>ARM</code> free again. A <em>scaffold</em> is a temporary block that helps to build a structure. Drag the slider below the picture to see the structure before and after each event.`,
     task: 'Add a third phase <code>clear</code> that releases <code>ARM</code>.',
     program: `assembly scaffold {
     seed plate 3 x 3 {
@@ -144,7 +144,7 @@ assembly gate {
   },
   {
     title: 'A scene of your own',
-    text: `A <em>scene</em> is the physical world: blocks, fluid, agitation, enclosure. <code>scene crowded from hemisphere</code> changes single parameters of a known scene. <b>Many runs</b> repeats the program with other random numbers. It draws the share of complete runs over time.`,
+    text: `A <em>scene</em> is the physical world: blocks, fluid, agitation, enclosure. <code>scene crowded from hemisphere</code> copies the built-in scene <code>hemisphere</code> and changes single parameters. <b>Many runs</b> repeats the program with other random numbers. It draws the share of complete runs over time.`,
     task: 'Double the number of free blocks to <code>free 240 uniform</code>. Then make at least 10 runs under <b>Many runs</b>.',
     program: `scene crowded from hemisphere {
     free 120 uniform

@@ -20,9 +20,9 @@ const MAX_TICKS = 1_000_000;
 
 /** Description of the cost of each model. */
 const COSTS = {
-  rigid: 'Physics: collisions, drag, agitation, attraction. A fraction of a second of computing per run, more for long runs.',
+  rigid: 'Physics with collisions, drag, agitation and attraction. A short run takes a fraction of a second to compute.',
   rate: 'No motion: waiting times are drawn from rates that were calibrated with physics. Thousands of runs per second.',
-  shuffle: 'No physics: captures in random order, one per tick. Its times mean nothing.',
+  shuffle: 'No physics: captures in random order, one per tick. Times have no meaning.',
 };
 
 /** Description of each example, and its picture. */
@@ -31,17 +31,17 @@ const EXAMPLES = {
   'line.sa': ['Tower', 'Thirteen blocks in a row, open on every side.', 'line'],
   'open_platform.sa': ['Open platform', 'A stem and a ring that never touches itself.', 'open_platform'],
   'closed_platform.sa': ['Closed platform', 'The same number of blocks as a closed plate.', 'closed_platform'],
-  'five_tower.sa': ['Five towers', 'The centre tower waits in a well for chance.', 'five_tower'],
-  'five_tower_reconfigured.sa': ['Five towers, reconfigured', 'Scaffolds drop blocks into the well, and it is faster.', 'five_tower_reconfigured'],
-  'planned/five_towers.sa': ['Five towers, planned', 'The same towers as the planner builds them.', 'five_tower'],
+  'five_tower.sa': ['Five towers', 'The last tower grows in a narrow gap between four others.', 'five_tower'],
+  'five_tower_reconfigured.sa': ['Five towers, reconfigured', 'Arms drop blocks into the gap, which is faster.', 'five_tower_reconfigured'],
+  'planned/five_towers.sa': ['Five towers, planned', 'The same towers, built in the order of the planner.', 'five_tower'],
   'planned/chair.sa': ['Chair', 'Written by the planner for a drawn shape.', 'chair'],
   'planned/serpentine.sa': ['Serpentine', 'Planned with scaffolds, which are removed again.', 'serpentine'],
   'lab/bowl.sa': ['Laboratory bowl', 'The gate in a tank of one’s own, in two orders.', 'bowl'],
   'microns.sa': ['Micrometres', 'Cubes of 10 µm in water, moved by heat only.', 'microns'],
-  'suction_growth.sa': ['Suction', 'A cross: four valves at once, or one after the other.', 'suction_growth'],
+  'suction_growth.sa': ['Suction', 'A cross with four open valves at once, or one after the other.', 'suction_growth'],
   'experiment_1.sa': ['Recapture in oil', 'A block is rejected and captured by another face.', 'experiment_1'],
-  'experiment_3.sa': ['Recapture by suction', 'A valve holds a block, lets it go, and another one draws it.', 'experiment_1'],
-  'experiment_2.sa': ['Free units', 'Units in stirred oil find each other. No structure.', null],
+  'experiment_3.sa': ['Recapture by suction', 'A valve holds a block and releases it. Another valve captures it.', 'experiment_1'],
+  'experiment_2.sa': ['Free blocks', 'Free blocks in stirred oil find each other.', null],
 };
 
 const state = {
@@ -265,7 +265,7 @@ function spans(text) {
 function proof(program) {
   const plural = (n, one) => `${n} ${one}${n === 1 ? '' : 's'}`;
   const counts = [program.captures && plural(program.captures, 'capture'), program.releases && plural(program.releases, 'release')].filter(Boolean).join(' and ');
-  if (program.kind === 'aggregate') return 'Correct. Free units meet by chance; there is no structure to prove.';
+  if (program.kind === 'aggregate') return 'Correct. Free blocks meet by chance, so there is no structure to prove.';
   const { proved } = program;
   const facts = [proved?.completes && 'completes in every order of arrivals', proved?.no_cell_blocked && proved.no_cell_used_twice && 'no cell is blocked or used twice', ...(proved?.shapes ?? []).map(shape => `builds \`${shape}\``)].filter(Boolean);
   return `✓ ${counts || 'no captures'}. ${facts.length ? `Proved: ${facts.join(', ')}.` : ''}`;
@@ -283,12 +283,12 @@ function drawStructure() {
   const isGood = program?.structure && !errors().length;
   if (program?.structure) state.good = { program, text: state.checked };
   element('run').disabled = element('start').disabled = !isGood;
-  const warning = isGood ? '' : program?.structure ? 'A run of this program can get stuck.' : state.good ? 'The program has errors. This is an earlier version.' : '';
+  const warning = isGood ? '' : program?.structure ? 'This program has errors, so a run can get stuck.' : state.good ? 'The program has errors. This is an earlier version.' : '';
   element('stale').textContent = warning;
   element('stale').hidden = !warning || state.tab !== 'structure';
   if (state.tab !== 'structure') return;
   empty(null);
-  if (program?.kind === 'aggregate') return empty('Free units that meet have no structure. Run them.', isGood ? node('button', { className: 'primary', onclick: () => run() }, '▶ Run') : null);
+  if (program?.kind === 'aggregate') return empty('An aggregate has no planned structure. Press Run to watch it.', isGood ? node('button', { className: 'primary', onclick: () => run() }, '▶ Run') : null);
   if (program?.structure) return stage.structure(program.structure);
   if (!state.good) return empty(errors().length ? 'The structure appears here when the program has no errors.' : 'Nothing to show yet.');
   if (stage.shown?.kind !== 'structure') stage.structure(state.good.program.structure);
@@ -328,8 +328,8 @@ function drawFacts() {
     return node('span', {}, i ? ', ' : '', button, ` ${Math.round(100 * share)} %`);
   });
   place.replaceChildren(
-    node('p', {}, node('b', {}, `Expected: ${least}${ticks(middle)}`), total.p10 != null && total.p90 != null ? `, 80 % of the runs between ${number(total.p10)} and ${number(total.p90)} ticks.` : '.', is_guess ? ' This scene is not calibrated: a first guess from kinetic theory.' : ''),
-    slowest.length ? node('p', {}, 'Waits longest for: ', ...slowest) : null ?? '');
+    node('p', {}, node('b', {}, `Expected: ${least}${ticks(middle)}`), total.p10 != null && total.p90 != null ? `, 80 % of the runs between ${number(total.p10)} and ${number(total.p90)} ticks.` : '.', is_guess ? ' This scene is not calibrated, so this is a rough estimate from kinetic theory.' : ''),
+    slowest.length ? node('p', {}, 'Captures that take most of the time: ', ...slowest) : null ?? '');
 }
 
 /** Selects the statement of an event in the editor, and its block in the view. */
@@ -360,7 +360,7 @@ function show(tab) {
       empty(null);
       stage.show('run', state.run.about, state.run.stream.recording);
       stage.shown.growing = !state.record && state.run.isRunning;
-    } else empty('One run with physics, live.', node('button', { className: 'primary', onclick: () => run(), disabled: !current()?.structure || errors().length > 0 }, '▶ Run'));
+    } else empty('Watch one run with physics while it is computed.', node('button', { className: 'primary', onclick: () => run(), disabled: !current()?.structure || errors().length > 0 }, '▶ Run'));
   }
   element('stop').hidden = !(tab === 'run' && state.run?.isRunning);
   stage.wake();
@@ -554,7 +554,7 @@ function drawShape() {
 function lessons() {
   const done = finished();
   const items = LESSONS.map(({ title }, i) => node('li', {}, node('button', { onclick: () => { element('dialog').close(); openLesson(i); } }, `${i + 1}. ${title}${done.has(i) ? ' ✓' : ''}`)));
-  dialog('Lessons', node('p', { className: 'hint' }, 'From one capture to a scene of your own. Each has a task that the page checks.'), node('ol', { className: 'lessons' }, ...items));
+  dialog('Lessons', node('p', { className: 'hint' }, 'The lessons lead from one capture to a scene of your own. Each lesson has a task that the page checks.'), node('ol', { className: 'lessons' }, ...items));
 }
 
 function download(text, name, type) {
@@ -614,7 +614,7 @@ function welcome() {
   place.classList.remove('done');
   place.replaceChildren(
     node('h2', {}, 'Structures that build themselves, by chance'),
-    node('p', {}, 'Cubes without motors drift in an agitated tank. A program says which face of which block attracts the next one. This one builds the gate in the picture. stochc has proved that it completes, in whatever order blocks arrive.'),
+    node('p', {}, 'Cubes without motors drift in an agitated tank. A program lists which face of which block attracts the next block. This program builds the gate in the picture. stochc has proved that it completes in every order of arrivals.'),
     node('div', { className: 'row' },
       node('button', { className: 'primary', onclick: () => run() }, '▶ Watch it build itself'),
       node('button', { onclick: () => openLesson(0) }, 'Learn it in 8 short lessons'),

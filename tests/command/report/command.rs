@@ -184,12 +184,12 @@ fn an_unfinished_ensemble_is_marked() {
         format!("note: `{out}` is not finished: 2 of 4 runs\n")
     );
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
-    assert!(page.contains("<strong>not finished</strong>: 2 of 4 runs are there"));
+    assert!(page.contains("<strong>not finished</strong>: 2 of 4 runs are finished"));
     // If only the first line remains, the report is still written.
     fs::write(&journal, format!("{}\n", lines[0])).unwrap();
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
-    assert!(page.contains("No run of it is finished."));
+    assert!(page.contains("No run of this program is finished."));
     // The journal belongs to another ensemble.
     fs::write(&journal, "{\"ensemble\":\"0\"}\n").unwrap();
     let outcome = stochc_with("report", &[&out]);

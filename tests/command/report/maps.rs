@@ -144,7 +144,7 @@ fn a_folder_without_recordings_names_the_command() {
     let folder = tempfile::tempdir().unwrap();
     let out = simulated(folder.path(), &[]);
     let page = page(&out);
-    assert!(page.contains("There is no map, because no run of it has a recording"));
+    assert!(page.contains("There are no maps, because no run has a readable recording"));
     assert!(page.contains("--record all --out AGAIN"), "{page}");
     assert!(!Path::new(&out).join("report-figures/maps.csv").exists());
 }

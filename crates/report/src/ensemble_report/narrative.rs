@@ -109,10 +109,10 @@ pub(super) fn lead(of: &NarrativeContext, run: &FinishedRun) -> Option<String> {
     let share = longest.ticks() as f64 / total.max(1) as f64;
     let text = |event: usize| code(&of.events.events[event].text(of.program));
     let subject = match (longest.kind, longest.since) {
-        (SegmentKind::News, Some((first, _))) => format!("The news of {}", text(first)),
+        (SegmentKind::News, Some((first, _))) => format!("The message about {}", text(first)),
         _ => text(longest.event()?),
     };
-    (share >= 0.25).then(|| format!("{subject} alone took {} of it.", whole_percent(share)))
+    (share >= 0.25).then(|| format!("{subject} alone took {} of this time.", whole_percent(share)))
 }
 
 /// Returns the times when the largest group of an aggregate reached each size, as list items of
@@ -143,7 +143,7 @@ fn between(of: &NarrativeContext, passed: &[&CriticalPathSegment]) -> Option<Str
     }
     let (first, last) = (passed.first()?, passed.last()?);
     Some(format!(
-        "{} waits of at most {}, one after the other, took {}, from tick {} to {}.",
+        "{} shorter waits, each of at most {}, followed one after the other. Together they took {}, from tick {} to {}.",
         waits.iter().filter(|wait| **wait > 0).count(),
         ticks(of, longest),
         ticks(of, spent),
@@ -171,14 +171,14 @@ pub(crate) fn item(
             of.at(segment.from)
         ),
         SegmentKind::News => format!(
-            "Then the news of it took {}{share} to reach the block that waited for it, from tick {} on.",
+            "Then the message about it took {}{share} to reach the block that waited for it, from tick {} on.",
             count(segment.ticks()),
             of.at(segment.from)
         ),
         SegmentKind::Pending { event } => {
             let text = of.events.events[event].text(of.program);
             format!(
-                "{} had waited <strong>{}</strong>{share} when the run was stopped: from tick {}, {}.",
+                "{} had waited <strong>{}</strong>{share} when the run was stopped. It waited from tick {}, {}.",
                 code(&text),
                 count(segment.ticks()),
                 of.at(segment.from),

@@ -26,7 +26,7 @@ pub fn fit(medium: Medium, fit: &Fit, priors: &[Prior]) -> Drawing {
             )
         })
         .collect();
-    let title = "Numbers that measured times speak for";
+    let title = "Scene parameters that fit the measured times";
     let mut out = Drawing::new(medium, "fit", title, &numbers.join("; "));
     let mut foot = out.paragraph("ink", (EDGE, 22.0), medium.width() - 2.0 * EDGE, title);
     for (prior, (i, known)) in priors.iter().zip(fit.numbers.iter().enumerate()) {

@@ -113,5 +113,5 @@ fn description(program: &EnsembleProgram, rows: &[&ReportedCapture]) -> String {
         format!("{}: {} of {total}", wait.text, each.join(", "))
     };
     let rows: Vec<_> = rows.iter().take(12).map(row).collect();
-    format!("A bar for each capture. {}.", rows.join(". "))
+    format!("Each capture has a bar. {}.", rows.join(". "))
 }

@@ -51,7 +51,7 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
             counts.collect::<Vec<_>>().join(", of ")
         )
     };
-    let title = format!("What {} builds", built.program);
+    let title = format!("Structure that {} builds", built.program);
     let width = column * built.phases.len() as f64;
     let name = format!("structure-{}", built.program.replace('_', "-"));
     let mut out = Drawing::sized(Medium::Screen, width, &name, &title, &description);

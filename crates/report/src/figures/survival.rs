@@ -175,7 +175,7 @@ fn description(known: &[(usize, &SurvivalCurve, KaplanMeier)]) -> String {
         .iter()
         .map(|(_, curve, estimate)| legend(curve, estimate));
     format!(
-        "Falling steps from 100 %, one curve for each. {}.",
+        "Each curve falls in steps from 100 %. {}.",
         each.collect::<Vec<_>>().join(". ")
     )
 }

@@ -68,7 +68,7 @@ impl Axes {
 pub fn trade(medium: Medium, trade: &Trade) -> Drawing {
     let points = points(trade);
     let names: Vec<&str> = trade.programs.iter().map(|p| p.name.as_str()).collect();
-    let title = format!("What accuracy costs: {}", names.join(", "));
+    let title = format!("Speed against accuracy: {}", names.join(", "));
     let below = match trade.reference.as_ref().zip(trade.reference_candidate()) {
         None => "no reference".to_owned(),
         Some((reference, candidate)) => {
@@ -358,20 +358,20 @@ fn list(out: &mut Drawing, points: &[PlottedSetting], (x, y): (f64, f64)) -> f64
         key(&format!("key {class}"), LegendSymbol::Mark(marker), meaning)
     };
     let keys = [
-        mark("s0", Marker::Disc, "rigid; open: double precision"),
+        mark("s0", Marker::Disc, "rigid (open: double precision)"),
         mark("s1", Marker::Square, "Rapier"),
         mark("s3", Marker::Disc, "rate model"),
         mark("s2", Marker::Triangle, "reduced model"),
         mark(
             "hot",
             Marker::Triangle,
-            "red: it reverses an order of programs",
+            "red: reverses the order of two programs",
         ),
         mark("reference", Marker::Diamond, "reference"),
         key(
             "mark",
             LegendSymbol::Line(FRONT),
-            "Pareto-optimal: none is cheaper and less biased",
+            "Pareto-optimal: no setting is cheaper and less biased",
         ),
     ];
     let foot = out.keys((x, y), right, &keys);

@@ -111,7 +111,7 @@ pub(crate) fn waits(
     }
     if waits.len() > shown.len() {
         let note = format!(
-            "{} of {} captures, with the largest shares",
+            "The {} of {} captures with the largest shares",
             shown.len(),
             waits.len()
         );
@@ -195,10 +195,10 @@ fn description(subject: &ReportedProgram, shown: &[&ReportedCapture]) -> String 
     let longest = shown.iter().max_by(|a, b| mean(a).total_cmp(&mean(b)));
     let share = |wait: &&&ReportedCapture| wait.share.unwrap_or(0.0);
     let most = shown.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
-    let mut text = format!("A row for each of {} captures.", shown.len());
+    let mut text = format!("Each of {} captures has a row.", shown.len());
     if let Some(wait) = longest {
         text += &format!(
-            " The longest mean wait is that of {}, {}.",
+            " {} has the longest mean waiting time, {}.",
             wait.text,
             subject.described(mean(&wait))
         );

@@ -83,7 +83,7 @@ pub(super) const UNFINISHED: &str =
     "Some runs are not finished. The slowest runs are missing, so the times are too short.";
 
 /// Note about right-censored runs.
-pub(super) const LOWER_BOUND: &str = "≥: some runs did not complete, so the mean is that of min(time, horizon), a lower bound. The median is \
+pub(super) const LOWER_BOUND: &str = "≥ marks a lower bound, because some runs did not complete. The mean is that of min(time, horizon). The median is \
      the Kaplan-Meier estimate.";
 
 /// Returns the notes that the values of the table require.
@@ -96,10 +96,10 @@ fn notes(comparison: &Comparison) -> Vec<String> {
     ticks.dedup();
     let tick = match ticks[..] {
         [tick] => Tick(tick).unit(),
-        _ => "ticks, each of its own scene".to_owned(),
+        _ => "ticks of each scene".to_owned(),
     };
     let mut notes = vec![format!(
-        "Times in {tick}; ± is the 95 % confidence interval of the mean."
+        "Times are in {tick}. ± is the 95 % confidence interval of the mean."
     )];
     if comparison.programs.iter().any(|c| c.finished < c.runs) {
         notes.push(UNFINISHED.to_owned());

@@ -48,7 +48,9 @@ pub fn estimates_to_text(estimates: &[CompletionEstimate], most: usize, width: u
 fn origin(estimate: &CompletionEstimate) -> String {
     let all = estimate.completed + estimate.incomplete;
     let mut text = match (estimate.method, all) {
-        (Method::Graph { .. }, 0) => return "One capture has no free block left.".to_owned(),
+        (Method::Graph { .. }, 0) => {
+            return "There is no estimate, because one capture has no free block left.".to_owned();
+        }
         (Method::Graph { interaction, .. }, _) => format!(
             "{all} samples of the dependency graph. {}",
             left_out(interaction)
@@ -57,7 +59,7 @@ fn origin(estimate: &CompletionEstimate) -> String {
     };
     if estimate.incomplete > 0 {
         text += &format!(
-            " {} of these did not complete, so the mean is unknown. The quantiles count them as the slowest.",
+            " {} of them did not complete, so the mean is unknown. The quantiles count them as the slowest ones.",
             estimate.incomplete
         );
     }

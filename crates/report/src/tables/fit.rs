@@ -42,7 +42,7 @@ fn numbers(fit: &Fit, priors: &[Prior]) -> TextTable {
     let remarks = fit.numbers.iter().map(|it| {
         let remark = match it {
             it if it.is_at_edge => "at an end of its range",
-            it if it.width > UNINFORMED => "the data say little of it",
+            it if it.width > UNINFORMED => "hardly constrained by the data",
             _ => "",
         };
         remark.to_owned()
@@ -147,22 +147,23 @@ fn notes(fit: &Fit) -> Vec<String> {
         Unit::Seconds => "seconds",
     };
     let mut notes = vec![format!(
-        "Times in {unit}. Within its range every value was as likely as any other before. Predicted: where the mean and the \
-         standard deviation of another measurement of n runs would be, with 95~% probability. {} points, {} runs.",
+        "Times are in {unit}. Before the fit, all values of a range were equally likely. The predicted intervals contain the \
+         mean and the standard deviation of another measurement of n runs with 95~% probability. The fit used {} points \
+         with {} runs.",
         fit.points, fit.runs
     )];
     if has_horizon(fit) {
         notes.push(
-            "Some runs were stopped. Each time is cut where the remark says, also in the mean; incomplete: the share of runs \
-             that take longer."
+            "Some runs were stopped. The remark (up to) gives the largest time that counts: longer times are counted with this \
+             value. Incomplete is the share of runs that take longer."
                 .to_owned(),
         );
     }
     if fit.stopped > 0 {
         let share = percent(fit.stopped as f64 / fit.runs as f64);
         notes.push(format!(
-            "{} of the runs ({share}) were stopped before they completed and count for nothing; points at which more than a \
-             tenth were are left out.",
+            "{} runs ({share}) were stopped before they completed, and are not used. Points with more than a tenth of such runs \
+             are left out.",
             fit.stopped
         ));
     }
@@ -177,13 +178,13 @@ fn notes(fit: &Fit) -> Vec<String> {
         .collect();
     if !together.is_empty() {
         notes.push(format!(
-            "The data tell these apart badly, by their correlation: {}.",
+            "The data separate these parameters poorly (correlation in brackets): {}.",
             together.join(", ")
         ));
     }
     if fit.numbers.iter().any(|it| it.is_at_edge) {
         notes.push(
-            "A number at an end of its range would rather be beyond: give a wider one, if that makes sense.".to_owned(),
+            "A parameter is at an end of its range. Its best value may be outside: use a wider range if that is possible.".to_owned(),
         );
     }
     notes

@@ -74,7 +74,7 @@ fn notes(markup: Markup, is_bound: bool, are_timed_out: bool) -> String {
     let mut notes = markup.paragraph("± is the 95 % confidence interval of the mean.");
     if is_bound {
         notes += &markup.paragraph(
-            "≥ is a lower bound: runs timed out or were censored. The mean is one of min(time, horizon).",
+            "≥ marks a lower bound, because some runs did not complete. The mean is that of min(time, horizon).",
         );
     }
     if are_timed_out {

@@ -11,7 +11,7 @@ use stochc_text::{TextColumn, TextTable};
 
 /// Note about the accuracy of the rate model.
 pub const KNOWN_BIAS: &str = "Times are estimates of the rate model. In the default scene, its means differed from simulations by 3 % on \
-     average and by at most 13 % (26 programs); in other scenes by up to 20 % (docs/validation/rates.md).";
+     average and by at most 13 % (26 programs). In other scenes they differed by up to 20 % (docs/validation/rates.md).";
 
 /// Returns a sentence for each program whose times in the rate model are lower bounds.
 pub fn lower_bounds(manifest: &Manifest) -> Vec<String> {
@@ -32,9 +32,9 @@ pub fn lower_bounds(manifest: &Manifest) -> Vec<String> {
 pub fn first_guess() -> String {
     let (usual, most) = GUESS_ERROR;
     format!(
-        "The scene has no calibrated rates: these are uncalibrated estimates from kinetic theory. In \
-         calibrated scenes, such estimates of mean waiting times were off by a factor of {usual} (root mean \
-         square), and of at most {most} (docs/validation/rates.md). Measure the rates with \
+        "The scene has no calibrated rates, so these are uncalibrated estimates from kinetic theory. In \
+         calibrated scenes, such mean waiting times were wrong by a factor of {usual} (root mean square), and of {most} \
+         at most (docs/validation/rates.md). Measure the rates with \
          `stochc calibrate FILE --out X.rates`, and pass them with `--rates X.rates`."
     )
 }

@@ -72,11 +72,11 @@ pub(super) fn sweep_rows(sweep: &Sweep, with_seconds: bool) -> TextTable {
 
 fn notes(sweep: &Sweep) -> Vec<String> {
     let mut notes = vec![format!(
-        "Times in {}; ± is the 95 % confidence interval of the mean. Per capture: the time of all runs \
-         over their number of captures.",
+        "Times are in {}. ± is the 95 % confidence interval of the mean. Per capture: the time of all runs, divided by their \
+         number of captures.",
         match sweep.unit {
             "s" => "seconds, because the points differ in the length of a tick",
-            _ => "ticks, and in brackets in seconds",
+            _ => "ticks, with seconds in brackets",
         }
     )];
     let points = || sweep.points.iter();

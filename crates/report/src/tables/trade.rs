@@ -135,12 +135,11 @@ fn ranking(trade: &Trade, width: usize, colour: bool) -> String {
         .map(|ranked| pair(trade, ranked.first, ranked.second))
         .collect();
     if ordered.is_empty() {
-        return "By the reference's runs, it is undecided of every two programs which takes \
-                longer, so that there is no order to keep.\n"
+        return "No two programs differ significantly in the runs of the reference, so there is no order to compare.\n"
             .to_owned();
     }
     let mut text = format!(
-        "Order of the means, by the reference: {}\n",
+        "Order of the means in the reference: {}\n",
         ordered.join(", ")
     );
     let count = |candidate: &CandidateResult, verdict| {
@@ -188,10 +187,10 @@ fn pair(trade: &Trade, first: usize, second: usize) -> String {
 /// Returns the notes that the values of the tables require.
 fn notes(trade: &Trade) -> Vec<String> {
     let mut notes = vec![
-        "Settings are model and substeps, and what differs from the defaults. CPU/run is the \
-         median CPU time of a run, ratio the same over the reference's; means are in \
-         ticks, in brackets in seconds; n counts runs; bias is the mean over the reference's, less one; ±~is half \
-         of a 95~% interval. front: Pareto-optimal, no cheaper setting is known to be as close."
+        "A setting is a model with its substeps, and all options that differ from their defaults. CPU/run is the median CPU \
+         time of a run. ratio is this time, divided by that of the reference. Means are in ticks, with seconds in brackets. \
+         n is the number of runs. bias is the difference from the mean of the reference, as a fraction of it. ±~is the \
+         95~% confidence interval. front marks Pareto-optimal settings: no cheaper setting is known to be as accurate."
             .to_owned(),
     ];
     if let (Some(reference), Some(candidate)) = (&trade.reference, trade.reference_candidate()) {
@@ -203,7 +202,7 @@ fn notes(trade: &Trade) -> Vec<String> {
         });
         let changes: Vec<String> = changes.collect();
         notes.push(format!(
-            "Reference: `{}`, the finest that was measured. {}",
+            "Reference: `{}`, the finest setting that was measured. {}",
             candidate.options,
             convergence(reference, &changes.join(", "))
         ));
@@ -219,14 +218,15 @@ fn notes(trade: &Trade) -> Vec<String> {
             .max_ticks
             .map_or("none".to_owned(), |it| it.to_string());
         notes.push(format!(
-            "incompl.: runs that timed out or were censored by the limit of ticks ({limit}). Means \
-             of such samples (≥) count min(time, the last time seen). Biases with * are no bounds: they compare \
-             means of min(time, h), where h is the last time that both samples tell of, and say nothing of longer \
-             times."
+            "incompl. counts runs that timed out or reached the limit of ticks ({limit}). Means with ≥ are lower bounds: each \
+             of these runs counts with the last observed time. Biases with * compare means of min(time, h), and do not \
+             cover longer times. h is the last time that both samples cover."
         ));
     }
     if cells().any(|cell| cell.failed > 0) {
-        notes.push("failed: the physics broke down; no figure but the cost counts them.".into());
+        notes.push(
+            "failed counts runs with an error of the physics. Only the cost includes them.".into(),
+        );
     }
     notes
 }
@@ -260,20 +260,20 @@ fn label(number: usize, setting: &CandidateResult) -> String {
 /// last doubling of substeps.
 fn convergence(reference: &Reference, changes: &str) -> String {
     let Some(last) = reference.doublings.last() else {
-        return "Whether it has converged is undecided: no other substeps were measured."
+        return "It is undecided whether it has converged: no other number of substeps was measured."
             .to_owned();
     };
     let (from, to) = (last.from, last.to);
     match (reference.convergence, reference.bound) {
         (Convergence::Converged, Some(bound)) => format!(
-            "It has converged within {}: its last doubling, from {from} to {to} substeps, changed no \
-             mean by more than {}, intervals included: {changes}.",
+            "It has converged within {}. The last doubling of its substeps, from {from} to {to}, changed no \
+             mean by more than {}, including the confidence intervals: {changes}.",
             percent(CLOSE),
             percent(bound)
         ),
         (Convergence::NotConverged, _) => format!(
-            "It has NOT CONVERGED: one of the last two doublings of its substeps is known to have \
-             changed a mean. The last, from {from} to {to}: {changes}."
+            "It has NOT CONVERGED: one of the last two doublings of its substeps changed a mean significantly. Changes \
+             by the last one, from {from} to {to}: {changes}."
         ),
         (_, bound) => {
             let open = match bound {
@@ -281,20 +281,20 @@ fn convergence(reference: &Reference, changes: &str) -> String {
                     "only one doubling of its substeps was measured".to_owned()
                 }
                 Some(bound) if last.censored.iter().any(|&runs| runs > 0) => format!(
-                    "the limit of ticks has stopped {} runs of its last doubling, which tells of times up to that \
-                     limit (a change of {} at most), and of no longer ones",
+                    "the limit of ticks has stopped {} runs of its last doubling. Up to that limit, times changed by at \
+                     most {}, but the change of longer times is unknown",
                     last.censored.iter().sum::<usize>(),
                     percent(bound)
                 ),
                 Some(bound) => format!(
-                    "its last doubling may have changed a mean by up to {}, and more runs would \
-                     tell",
+                    "its last doubling may have changed a mean by up to {}. More runs would \
+                     decide",
                     percent(bound)
                 ),
                 None => "there are too few runs for an interval".to_owned(),
             };
             format!(
-                "Whether it has converged is undecided: {open}. The last doubling, from {from} to \
+                "It is undecided whether it has converged: {open}. Changes by the last doubling, from {from} to \
                  {to} substeps: {changes}."
             )
         }

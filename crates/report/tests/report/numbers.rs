@@ -245,7 +245,7 @@ fn failed_runs_are_excluded() {
         };
         [
             cells("Times of the phases"),
-            cells("Captures: mean waiting"),
+            cells("Mean waiting and docking times"),
         ]
     };
     let mut runs: Vec<Finished> = Vec::new();

@@ -193,7 +193,7 @@ fn a_bias_up_to_a_horizon_is_not_a_bound() {
     // The candidate has no stopped run, but the reference has one.
     assert!(of("rate").contains(" * "), "{text}");
     let text = text.replace("\n  ", " ");
-    assert!(text.contains("Biases with * are no bounds"), "{text}");
+    assert!(text.contains("Biases with * compare means"), "{text}");
     assert!(
         text.contains("undecided: the limit of ticks has stopped 11 runs of its last doubling"),
         "{text}"

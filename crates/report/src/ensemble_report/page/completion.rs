@@ -14,7 +14,7 @@ use crate::svg::{Colours, Drawing, PlotAxis};
 use crate::text::{method, probability};
 
 pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
-    out.heading(2, "completion", "Time to completion");
+    out.heading(2, "completion", "Completion time");
     let unit = parts.clock.unit();
     let curves: Vec<SurvivalCurve> = (parts.detailed())
         .map(|(_, subject)| SurvivalCurve {
@@ -38,15 +38,15 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
             Colours::Compared,
         )
     };
-    let caption = "Kaplan-Meier estimate. Bands are pointwise 95 % confidence intervals (up to four \
-                   curves), <code>|</code> marks a run that timed out or was censored. At risk is the number of \
+    let caption = "The curves are Kaplan-Meier estimates. Bands are pointwise 95 % confidence intervals, drawn for up to four \
+                   curves. <code>|</code> marks a run that timed out or was censored. <em>At risk</em> is the number of \
                    runs under observation, including runs that timed out.";
     show(parts, out, drawings, figure, caption, &["survival.csv"]);
     let times: Vec<(&str, Time)> = (parts.detailed())
         .filter_map(|(_, subject)| Some((subject.label.as_str(), parts.time(subject)?)))
         .collect();
     if times.len() > 1 {
-        let caption = "Dots are means, lines their 95 % confidence intervals. ≥ marks lower bounds: some runs \
+        let caption = "Dots are means. Lines are their 95 % confidence intervals. ≥ marks lower bounds, because some runs \
                        timed out or were censored.";
         let figure = |medium| picture::means(medium, &times, unit);
         show(parts, out, drawings, figure, caption, &["means.csv"]);
@@ -85,7 +85,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         None => "",
     };
     let caption = format!(
-        "Times to completion in {unit}{seconds}; ± is the 95 % confidence interval of the mean"
+        "Completion times in {unit}{seconds} (± is the 95 % confidence interval of the mean)"
     );
     out.table(&caption, &header, &rows);
     for subject in parts.subjects {
@@ -101,7 +101,7 @@ fn failures(parts: &Parts, subject: &ReportedProgram, out: &mut Html) {
     let label = name(&subject.label);
     let n = subject.failed;
     out.paragraph(&format!(
-        "{n} runs of {label} failed, and no figure counts them:"
+        "{n} runs of {label} failed. No figure includes them:"
     ));
     let item = |failed: &FailedRun| {
         let replay = (parts.surroundings.replay)(subject.folder, subject.number, failed.run);
@@ -134,7 +134,7 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
         rows.sort_by(|a, b| p(a).total_cmp(&p(b)));
         rows.truncate(ROWS);
         out.note(&format!(
-            "The {ROWS} of {} pairs with the smallest p.",
+            "The table shows the {ROWS} of {} pairs with the smallest p.",
             parts.pairwise_tests.len()
         ));
     }
@@ -158,9 +158,7 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
             }
             PairwiseResult::Unknown => {
                 cells.extend([none(), none(), none()]);
-                cells.push(HtmlCell::Plain(
-                    "too few runs, or no spread, to tell".into(),
-                ));
+                cells.push(HtmlCell::Plain("too few runs, or no spread".into()));
             }
             PairwiseResult::Known(found) => {
                 let [difference, half] = [found.difference, found.half_width].map(number);
@@ -174,7 +172,7 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
     };
     let rows: Vec<_> = rows.iter().map(row).collect();
     let caption = format!(
-        "Mean of the first program minus mean of the second, in {}; ± is the 95 % confidence interval",
+        "Mean of the first program minus mean of the second, in {} (± is the 95 % confidence interval)",
         parts.clock.unit()
     );
     out.table(
@@ -185,7 +183,7 @@ pub(super) fn differences(parts: &Parts, out: &mut Html) {
     out.note(
         "p is the probability that chance alone makes a difference of this size or larger. p (Holm) is \
          corrected for the number of tested pairs. Differences with p (Holm) below 0.05 are called \
-         significant. Programs with the same seed have the same random impulses in runs with the \
-         same number, so they are compared run by run.",
+         significant. If programs have the same seed, runs with the same number have the same random impulses. Such \
+         programs are compared run by run.",
     );
 }

@@ -31,8 +31,7 @@ pub(super) fn maps(parts: &Parts, index: usize, out: &mut Html, drawings: &mut V
         let folder = shell::file(&parts.inputs[subject.folder].path);
         let line = format!("stochc repeat {folder} --record all --out AGAIN");
         out.note(&format!(
-            "There is no map, because no run of it has a recording here that can be read: {} makes the same \
-             runs with one each.",
+            "There are no maps, because no run has a readable recording. This command repeats the runs and records them: {}",
             code(&line)
         ));
         return;
@@ -42,8 +41,9 @@ pub(super) fn maps(parts: &Parts, index: usize, out: &mut Html, drawings: &mut V
         runs => format!("{runs} runs"),
     };
     out.note(&format!(
-        "Of {runs} with a recording. The lighter a place, the more; what is blank was never seen. A dot says that the 95 % \
-         interval, by a bootstrap over runs, is longer than twice the value. Outlined are places of the structure."
+        "These maps use {runs} with a recording. Lighter places have larger values, and blank places have none. A dot marks a \
+         value whose 95 % confidence interval (bootstrap over runs) is wider than twice the value. Cells of the structure \
+         are outlined."
     ));
     before(parts, n, maps, out, drawings);
     near(parts, n, maps, out, drawings);
@@ -57,16 +57,15 @@ fn before(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut V
         .map(|(age, slices)| MapColumn {
             title: format!("{} before", program.described(*age as f64)),
             maps: slices.iter().collect(),
-            shows: PlotAxis::new("part of the captures", "% per cubic side"),
+            shows: PlotAxis::new("part of the captures", "% per cubic block length"),
             unit: 100.0,
         })
         .collect();
-    let description = "Two slices for each of three times before a capture, around the cell in which the block \
-                then sits.";
+    let description = "Two slices for each of three times before a capture, around the cell in which the block is captured.";
     let file = format!("before-{n}");
     let figure = |medium| picture(medium, &file, (&title, description), &columns);
-    let caption = "Around the cell of their capture, which is at 0: above in a horizontal slice of two \
-                   sides, below in a vertical one. Blocks that were part of the structure then are left out.";
+    let caption = "The cell of the capture is at 0. The upper row shows a horizontal slice, two block lengths thick, and the lower row \
+                   a vertical one. Blocks that were part of the structure at that time are left out.";
     show(parts, out, drawings, figure, caption, &["maps.csv"]);
 }
 
@@ -91,8 +90,8 @@ fn near(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut Vec
         });
     let columns: Vec<MapColumn> = columns.collect();
     let title = format!("{label}: free blocks near the structure");
-    let description = "Free blocks in each cell on average over time, and how often blocks enter the reach of a \
-                face that waits, at the cell that it fills.";
+    let description = "Mean number of free blocks in each cell, and how often blocks enter the reach of an open face, at the cell that the \
+                face fills.";
     let file = format!("near-{n}");
     let figure = |medium| picture(medium, &file, (&title, description), &columns);
     let slices = maps.occupation.iter().flatten().map(|map| match map.slice {
@@ -101,7 +100,7 @@ fn near(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut Vec
     });
     let slices: Vec<String> = slices.collect();
     let caption = format!(
-        "Places are cells of the program: {}, which have most of the captures.",
+        "The maps show the cells of two slices with most of the captures: {}.",
         slices.join(" and ")
     );
     let data = ["maps.csv", "faces.csv"];

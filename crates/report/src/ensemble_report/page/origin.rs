@@ -218,17 +218,17 @@ pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
              Blocks enter the reach of the face (<em>entries</em>) and may leave again. The \
              <em>docking</em> time starts at the last entry."
                 .to_owned(),
-            "<strong>Censored</strong> runs reached <code>--max-ticks</code>, so their times are only known to be \
-             longer. Runs that <strong>timed out</strong> never complete. The curves account for both \
-             (Kaplan-Meier estimate; intervals by Greenwood's formula for log(−log S)). Means are then \
+            "<strong>Censored</strong> runs were stopped at <code>--max-ticks</code>. Their completion times are longer, but \
+             unknown. Runs that <strong>timed out</strong> never complete. The curves account for both \
+             (Kaplan-Meier estimate; intervals by Greenwood's formula for log(−log S)). In both cases, means are \
              those of min(time, horizon), which are lower bounds."
                 .to_owned(),
             "The <strong>critical path</strong> of a run is found backwards from its last event: each event \
-             leads to the event that it waited for last. <em>Share of time</em> is the time spent on \
-             the critical path of all runs, over the time of all runs."
+             leads to the event that it waited for last. <em>Share of time</em> is the time that a capture spent on \
+             the critical paths of all runs, divided by the time of all runs."
                 .to_owned(),
-            "<strong>Tests</strong>: paired t-test for programs with the same seed, Welch's t-test for \
-             others. Times are cut at the last tick that both programs have. p (Holm) is corrected for \
+            "<strong>Tests</strong>: a paired t-test compares programs with the same seed, and Welch's t-test all others. \
+             Longer times count as the last tick that both programs reached. p (Holm) is corrected for \
              all pairs."
                 .to_owned(),
             "Formulas with their sources, and the columns of the data files: \
@@ -250,7 +250,7 @@ pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
     names.extend(tables.into_iter().map(|table| table.name().to_owned()));
     let links: Vec<String> = names.iter().map(|file| link(folder, file)).collect();
     out.paragraph(&format!(
-        "The figures and their data, in {}: {}.",
+        "The folder {} contains the figures and their data: {}.",
         code(folder),
         links.join(", ")
     ));

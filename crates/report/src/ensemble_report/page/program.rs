@@ -31,7 +31,7 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     let n = index + 1;
     out.heading(2, &format!("program-{n}"), &name(&subject.label));
     if subject.runs == 0 {
-        out.paragraph("No run of it is finished.");
+        out.paragraph("No run of this program is finished.");
         return;
     }
     out.paragraph(&text_link(parts, subject));
@@ -43,11 +43,11 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     phases(parts, n, subject, out, drawings);
     out.heading(3, &format!("waits-of-{n}"), "Waiting times of captures");
     let figure = |medium| picture::waits(medium, n, subject, waits);
-    let caption = "Waiting time: from the tick at which a face is switched on to the docking of a block. Dots \
-                   are means, thick lines their 95 % confidence intervals, thin lines the middle 80 %. \
-                   ≥ marks lower bounds. Captures are in the order of the dependency graph; a hook \
+    let caption = "A waiting time lasts from the tick at which a face is switched on to the docking of a block. Dots \
+                   are means. Thick lines are their 95 % confidence intervals, and thin lines contain the middle 80 %. \
+                   ≥ marks lower bounds. Captures are in the order of the dependency graph. A hook \
                    marks a capture that needs the one above. Bars show the share of the completion \
-                   time spent waiting for this capture only.";
+                   time in which the run waited only for this capture.";
     show(
         parts,
         out,
@@ -121,7 +121,7 @@ fn sizes(
         "min",
         "max",
     ];
-    let caption = "Times from the start in ticks, and below in seconds";
+    let caption = "Times from the start of a run in ticks, with seconds below";
     out.table(caption, &header, &rows);
 }
 
@@ -166,7 +166,7 @@ pub(super) fn phases(
                 Colours::Phases,
             )
         };
-        let caption = "Time from the start of each phase, for the runs that reached it.";
+        let caption = "Times are counted from the start of each phase. Only runs that reached the phase are included.";
         show(parts, out, drawings, figure, caption, &["survival.csv"]);
     }
     let total = subject.decisive.total;
@@ -201,7 +201,7 @@ pub(super) fn phases(
         "share of time",
     ];
     out.table(
-        "Times of the phases in ticks, and below in seconds",
+        "Times of the phases in ticks, with seconds below",
         &header,
         &rows,
     );
@@ -214,7 +214,7 @@ pub(super) fn captures(subject: &ReportedProgram, waits: &[ReportedCapture], out
         shown.sort_by(|a, b| share(b).total_cmp(&share(a)));
         shown.truncate(ROWS);
         out.note(&format!(
-            "The {ROWS} of {} captures with the largest shares.",
+            "The table shows the {ROWS} of {} captures with the largest shares.",
             waits.len()
         ));
     }
@@ -247,7 +247,7 @@ pub(super) fn captures(subject: &ReportedProgram, waits: &[ReportedCapture], out
         "share of time",
     ];
     out.table(
-        "Captures: mean waiting and docking times in ticks, and below in seconds; ± is the 95 % confidence interval",
+        "Mean waiting and docking times of the captures in ticks, with seconds below (± is the 95 % confidence interval)",
         &header,
         &rows,
     );
@@ -283,7 +283,7 @@ pub(super) fn origins(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     ));
     let label = &subject.label;
     let figure = |medium| picture::origins(medium, index + 1, label, subject.program, waits);
-    let caption = "Captures that bonded a released block, and its last role in the structure.";
+    let caption = "Each bar counts captures of released blocks, grouped by the last role of the block in the structure.";
     show(parts, out, drawings, figure, caption, &["origins.csv"]);
 }
 
@@ -295,9 +295,8 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut
         "Critical paths of single runs"
     };
     out.heading(3, &format!("runs-of-{n}"), title);
-    let note = "The critical path is the chain of waiting times that decided the completion time. Shares are \
-                those of the whole run. A captured block had never been captured before, unless \
-                stated.";
+    let note = "The critical path is the chain of waiting times that decided the completion time. Percentages are \
+                shares of the whole run. If a captured block had been released before, the text mentions it.";
     if !is_aggregate {
         out.note(note);
     }

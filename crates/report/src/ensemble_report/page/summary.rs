@@ -45,7 +45,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         let most = waits.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
         if let Some(wait) = most.filter(|wait| share(wait) > 0.0) {
             item += &format!(
-                "The bottleneck is {}, with {} of the time.",
+                "The bottleneck is {}: it takes {} of the time.",
                 code(&wait.text),
                 whole_percent(share(&wait))
             );
@@ -63,7 +63,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
     let left_out = parts.subjects.len() - parts.detailed().count();
     if left_out > 0 {
         items.push(format!(
-            "{left_out} points of sweeps are summarized together: <a href=\"#sweeps\">Sweeps</a>."
+            "{left_out} points of sweeps are summarized in the section <a href=\"#sweeps\">Sweeps</a>."
         ));
     }
     out.list("ul", &items);
@@ -73,7 +73,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
             out.raw(&format!("<p class=\"warn\">{warning}</p>\n"));
         }
     }
-    let mut sections = vec![("completion", "Time to completion".to_owned())];
+    let mut sections = vec![("completion", "Completion time".to_owned())];
     if !parts.pairwise_tests.is_empty() {
         sections.push(("differences", "Differences".into()));
     }

@@ -22,9 +22,9 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
         let [screen, printed] = [Medium::Screen, parts.surroundings.figures.medium].map(drawn);
         for (screen, printed) in screen.into_iter().zip(printed) {
             let caption = if screen.name.ends_with("-completed") {
-                "Dots are shares of the finished runs, lines their 95 % confidence intervals."
+                "Dots are shares of the finished runs. Lines are their 95 % confidence intervals."
             } else {
-                "Lines are 95 % confidence intervals. ≥ marks lower bounds: some runs did not \
+                "Lines are 95 % confidence intervals. ≥ marks lower bounds, because some runs did not \
                  complete."
             };
             let figure = |medium| match medium {
@@ -46,8 +46,8 @@ fn differences(sweep: &Sweep) -> String {
     let numbers: Vec<String> = sweep.axes.iter().map(|axis| code(&axis.name)).collect();
     let programs: Vec<String> = sweep.programs().into_iter().map(name).collect();
     let differing = match programs.len() {
-        1 => ", which",
-        _ => "; runs of one program",
+        1 => ". They",
+        _ => ". Runs of one program",
     };
     format!(
         "These are runs of {}{differing} differ only in {} of its scene.",
@@ -80,7 +80,7 @@ fn table(sweep: &Sweep, out: &mut Html) {
         Some(_) => ", and below in seconds",
         None => "",
     };
-    let caption = format!("Time to completion in {}{seconds}", sweep.unit);
+    let caption = format!("Completion time in {}{seconds}", sweep.unit);
     let axes: Vec<String> = sweep.axes.iter().map(|axis| axis.label()).collect();
     let figures = [
         "mean",
@@ -96,7 +96,7 @@ fn table(sweep: &Sweep, out: &mut Html) {
     out.table(&caption, &header, &rows);
     if sweep.points.len() > ROWS {
         out.note(&format!(
-            "The first {ROWS} of {} points; the data file has all.",
+            "The table shows the first {ROWS} of {} points. The data file contains all points.",
             sweep.points.len()
         ));
     }

@@ -14,14 +14,14 @@ pub(super) fn trades(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
     if parts.trades.is_empty() {
         return;
     }
-    out.heading(2, "trades", "What accuracy costs");
+    out.heading(2, "trades", "Speed against accuracy");
     for (i, trade) in parts.trades.iter().enumerate() {
         let figure = |medium| {
             let mut drawing = picture(medium, trade);
             drawing.name = format!("trade-{}", i + 1);
             Some(drawing)
         };
-        let caption = "Each mark is a setting, with the 95 % interval of its bias.";
+        let caption = "Each mark is a setting with its bias and the 95 % confidence interval.";
         show(parts, out, drawings, figure, caption, &[]);
         table(trade, out);
         out.paragraph(&escaped(&trade.advice));
@@ -50,7 +50,7 @@ fn table(trade: &Trade, out: &mut Html) {
     };
     let rows: Vec<_> = trade.candidates.iter().enumerate().map(row).collect();
     out.table(
-        "CPU time of a run and largest bias of any program, relative to the reference",
+        "CPU time of a run, and the largest bias of any program, relative to the reference",
         &["", "setting", "CPU/run", "ratio", "bias", "bound", ""],
         &rows,
     );

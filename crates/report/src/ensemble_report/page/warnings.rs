@@ -21,15 +21,15 @@ pub(super) fn warnings(input: &Input, is_running: bool) -> Vec<String> {
         ));
     } else if done < total {
         found.push(format!(
-            "{path} is <strong>not finished</strong>: {done} of {total} runs are there. Those under way \
-             longest are missing, so that times are too short. To resume: {}",
+            "{path} is <strong>not finished</strong>: {done} of {total} runs are finished. The \
+             slowest runs are missing, so the times are too short. To resume, run {}",
             code(&format!("stochc resume {}", shell::file(&input.path)))
         ));
     }
     if manifest.uses(Model::Shuffle) {
         found.push(format!(
-            "{path} was made with the model <code>shuffle</code>, which has no physics: its times \
-             mean nothing."
+            "{path} was made with the model <code>shuffle</code>. It has no physics, so its times \
+             have no meaning."
         ));
     }
     if manifest.uses(Model::Rate) {
@@ -39,15 +39,15 @@ pub(super) fn warnings(input: &Input, is_running: bool) -> Vec<String> {
     found.extend(bounds.map(|bound| format!("{path}: {}", name(&bound))));
     if let Some(reduction) = manifest.settings.reduction {
         found.push(format!(
-            "{path} was made without {}, which the scene has.",
+            "The runs of {path} leave out one part of the scene: {}.",
             reduction.name()
         ));
     }
     let version = env!("CARGO_PKG_VERSION");
     if manifest.stochc != version {
         found.push(format!(
-            "The runs of {path} were made by stochc {}, and this report by {version}: to make them \
-             again exactly takes that version.",
+            "The runs of {path} were made by stochc {}, and this report by {version}. Only that version can repeat the runs \
+             exactly.",
             name(&manifest.stochc)
         ));
     }

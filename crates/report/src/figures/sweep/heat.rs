@@ -27,7 +27,7 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
     let width = (all - left - 24.0) / across.len() as f64;
     let axes = &panel.sweep.axes;
     let title = format!(
-        "Mean time to completion of {program} over {} and {}{}",
+        "Mean completion time of {program} over {} and {}{}",
         axes[0].name,
         axes[1].name,
         panel.at()
@@ -89,7 +89,7 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
         }
     }
     let legend = format!(
-        "{}{}: mean time to completion [{unit}], {} (light) to {} (dark); ≥: some runs were stopped; ×: no time",
+        "{}{}: mean completion time [{unit}], from {} (light) to {} (dark). ≥ is a lower bound, × has no time",
         fitted(program, 200.0),
         panel.at(),
         number(least),

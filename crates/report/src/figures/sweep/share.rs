@@ -10,7 +10,7 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
     let curves = panel.curves();
     panel.points.iter().find(|point| point.share.is_some())?;
     let of = &panel.sweep.axes[0].name;
-    let title = format!("Runs that completed, over {of}");
+    let title = format!("Share of completed runs over {of}");
     let words = description(&curves, described);
     let name = format!("{}-completed", panel.name);
     let notes = ["dots: the part of the finished runs that completed, lines: 95 % intervals"];

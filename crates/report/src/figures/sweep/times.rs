@@ -27,7 +27,7 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
         notes.push("×: no run has a time");
     }
     let of = &panel.sweep.axes[0].name;
-    let title = format!("Mean time to completion over {of}");
+    let title = format!("Mean completion time over {of}");
     let words = description(&curves, |point| described(point, unit));
     let axis = PlotAxis::new("mean time to completion", unit);
     let AxesFrame {

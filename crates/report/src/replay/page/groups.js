@@ -147,7 +147,7 @@ class GroupLegend {
   show(tick) {
     if (this.element.hidden) return;
     const { groups, largest } = this.groups.at(tick);
-    const words = groups.size ? `now ${count(groups.size, 'group')}, the largest of ${largest} blocks` : 'now no group';
+    const words = groups.size ? `now ${count(groups.size, 'group')}, the largest of ${largest} blocks` : 'no groups now';
     if (this.now.textContent !== words) this.now.textContent = words;
   }
 }

@@ -147,7 +147,7 @@ class History {
     if (kind === 'bond') return `${name(row[2])} and ${name(row[3])} bond, ${row[4]} to ${row[5]}: a group of ${row[6]}`;
     if (kind === 'unbond') return `${name(row[2])} and ${name(row[3])} part, ${row[4]} from ${row[5]}: ${remainder(row[6])} and ${remainder(row[7])}`;
     if (kind === 'free') return `${this.roles[row[4]]} releases ${this.roles[row[3]]}: block ${row[2]}`;
-    if (kind === 'shed') return `${this.roles[row[5]]}.${row[4]} rejects block ${row[2]}, which nobody expects`;
+    if (kind === 'shed') return `${this.roles[row[5]]}.${row[4]} rejects block ${row[2]}, which is not expected there`;
     if (kind === 'say') return `${name(row[2])} to ${name(row[3])}: ${SAID[row[4]](this.roles[row[5]])}`;
     return `the plate counts the report of ${this.roles[row[2]]}`;
   }
@@ -165,11 +165,11 @@ const NOTABLE = new Set(['phase', 'on', 'dock', 'shed', 'free']);
 const BONDS = new Set(['bond', 'unbond']);
 
 /** Returns a description of the rest of a group. */
-const remainder = size => (size > 1 ? `a group of ${size}` : 'a lone block');
+const remainder = size => (size > 1 ? `a group of ${size}` : 'a single block');
 
 const SAID = {
   report: role => `${role} is done`,
-  ask: role => `${role} asks to be let go`,
+  ask: role => `${role} asks for its release`,
   anchored: role => `${role} is anchored`,
   released: role => `${role} is released`,
 };

@@ -19,7 +19,7 @@ class Panel {
     this.key = key;
     if (body === null) {
       const hint = part('p', 'hint', 'Click a block to see its name, its history and its event table.');
-      this.replace(hint, part('h2', 'small', 'What has happened'), this.latest(tick));
+      this.replace(hint, part('h2', 'small', 'Latest events'), this.latest(tick));
       return;
     }
     const title = part('h2', '', history.nameAt(body, tick));
@@ -88,23 +88,23 @@ class Panel {
     if (body >= 0) {
       for (const { from, to, of, face } of history.pulls.filter(pull => pull.body === body)) {
         const name = history.nameIn(of, from);
-        say(from, `enters the field of ${name}.${face}`, 'in');
+        say(from, `enters the reach of ${name}.${face}`, 'in');
         const docks = history.holds[body].some(hold => hold.from === to && hold.of === of && hold.face === face);
-        if (!docks && Number.isFinite(to)) say(to, `leaves the field of ${name}.${face}`, 'out');
+        if (!docks && Number.isFinite(to)) say(to, `leaves the reach of ${name}.${face}`, 'out');
       }
       for (const hold of history.holds[body]) {
         const { from, to, role, of, face, bond } = hold;
         const name = history.roles[role];
         const site = `${history.nameIn(of, from)}.${face}`;
         const origin = bond?.origin.kind === 'released' ? `; it was ${history.roles[bond.origin.role]} until ${bond.origin.tick}` : '; it was free from the beginning';
-        const wait = bond ? `, ${count(bond.docked - bond.magnetized, 'tick')} after the face was on, which saw ${count(bond.entries, 'entry', 'entries')}` : '';
+        const wait = bond ? `, ${count(bond.docked - bond.magnetized, 'tick')} after the face was switched on, with ${count(bond.entries, 'entry', 'entries')}` : '';
         say(from, history.isPreAttached(hold) ? `is pre-attached to ${site} as ${name}` : `docks on ${site} as ${name}${wait}${origin}`, 'dock');
-        if (Number.isFinite(to)) say(to, `is let go as ${name}`, 'free');
+        if (Number.isFinite(to)) say(to, `is released as ${name}`, 'free');
       }
     }
     for (const { from, to, a, b, faces, size, left: sizes } of history.groups.of(body)) {
       const [other, own, its] = body === a ? [b, faces[0], faces[1]] : [a, faces[1], faces[0]];
-      say(from, `bonds to block ${other}, ${own} to its ${its}: a group of ${size}`, 'bond');
+      say(from, `bonds to block ${other}, ${own} to its ${its} and forms a group of ${size}`, 'bond');
       if (sizes) say(to, `parts from ${history.nameIn(other, to)}, and is left ${remainder(sizes[body === a ? 0 : 1]).replace('a group', 'in a group')}`, 'unbond');
     }
     for (const stretch of history.faces.filter(face => face.body === body)) {
@@ -112,15 +112,15 @@ class Panel {
       if (stretch.took) say(stretch.to, `holds ${history.roles[stretch.child]} on ${stretch.face}`, 'dock');
     }
     for (const { tick: at, from, to, what, role } of history.messages) {
-      if (from === body) say(at, `tells ${history.nameIn(to, at)}: ${SAID[what](history.roles[role])}`, 'say');
-      if (to === body) say(at, `hears from ${history.nameIn(from, at)}: ${SAID[what](history.roles[role])}`, 'say');
+      if (from === body) say(at, `sends a message to ${history.nameIn(to, at)}: ${SAID[what](history.roles[role])}`, 'say');
+      if (to === body) say(at, `receives a message from ${history.nameIn(from, at)}: ${SAID[what](history.roles[role])}`, 'say');
     }
     const entries = lines.filter(({ kind }) => kind === 'in').length;
     const left = lines.filter(({ kind }) => kind === 'out').length;
     lines.sort((a, b) => b.at - a.at);
     const list = this.list(lines.slice(0, 200));
-    const title = body < 0 ? 'History' : `History: in the field ${count(entries, 'time')}, out of it again ${count(left, 'time')}`;
-    return [part('h3', '', title), lines.length ? list : part('p', 'hint', 'Nothing has happened to it yet.')];
+    const title = body < 0 ? 'History' : `History: entered the reach of a face ${count(entries, 'time')}, left it ${count(left, 'time')}`;
+    return [part('h3', '', title), lines.length ? list : part('p', 'hint', 'This block has no events yet.')];
   }
 
   /** Returns the event table of the role that a block has. */
@@ -141,24 +141,24 @@ class Panel {
       return table;
     });
     const title = part('h3', '', `Event table of ${this.history.roles[role]}`);
-    return [title, ...(duties.length ? duties : [part('p', 'hint', 'It has nothing to do.')])];
+    return [title, ...(duties.length ? duties : [part('p', 'hint', 'This table has no rules.')])];
   }
 }
 
 function condition(when) {
   const [kind, what] = Object.entries(when)[0];
-  if (kind !== 'heard') return `${what} ${kind === 'asked' ? 'asks to go' : kind}`;
+  if (kind !== 'heard') return `${what} ${kind === 'asked' ? 'asks for its release' : kind}`;
   const [news, role] = Object.entries(what)[0];
-  return `told that ${role} is ${news}`;
+  return `after the message that ${role} is ${news}`;
 }
 
 function action(then) {
   const news = what => Object.entries(what).map(([kind, role]) => `${role} is ${kind}`)[0];
   const words = {
     magnetize: () => `magnetize ${then.face} for ${then.child}`,
-    ask_release: () => 'ask the parent to be let go',
-    switch_off: () => `switch ${then.face} off, and let ${then.child} go`,
-    tell: () => `tell ${then.to} that ${news(then.news)}`,
+    ask_release: () => 'ask the parent for its release',
+    switch_off: () => `switch ${then.face} off and release ${then.child}`,
+    tell: () => `send ${then.to} the message that ${news(then.news)}`,
     report: () => 'report to the plate',
   };
   return words[then.do] ? words[then.do]() : then.do;

@@ -26,7 +26,7 @@ class Base64 {
   }
 }
 
-const CUT_SHORT = 'The recording in this page was cut short. Make the page again with `stochc replay`.';
+const CUT_SHORT = 'The recording in this page is incomplete. Write the page again with `stochc replay`.';
 
 async function inflate(bytes) {
   if (typeof DecompressionStream === 'undefined') {

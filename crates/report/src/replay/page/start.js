@@ -4,7 +4,7 @@ const element = id => document.getElementById(id);
 
 async function start() {
   const whole = element('whole');
-  if (!whole) throw new Unreadable('This page was cut short: its end is missing. Copy it again, or make it again with `stochc replay`.');
+  if (!whole) throw new Unreadable('The end of this page is missing. Copy the page again, or write it again with `stochc replay`.');
   const about = JSON.parse(element('about').textContent);
   const recording = await Recording.open(element('recording').textContent.trim());
   const history = new History(about, recording);
@@ -231,7 +231,7 @@ function head(about, recording, against) {
   const { record } = recording;
   text('name', about.program);
   if (against) text('beside', `right: ${outcome(about, against.recording)}`);
-  const waiting = record.waiting ? [`${count(record.waiting.length, 'wait')} under way`] : [];
+  const waiting = record.waiting ? [`${count(record.waiting.length, 'capture')} still waiting`] : [];
   text('facts', [outcome(about, recording), count(record.bonds.length, 'capture'), ...waiting, about.model, `scene ${about.scene.name}`, `seed ${about.seed}`].join(' · '));
 }
 
