@@ -28,7 +28,7 @@ pub struct Cli {
     /// Print no progress, notes or warnings
     #[arg(long, short, global = true, help_heading = "Global options")]
     pub quiet: bool,
-    /// Use colors
+    /// When to use colors: `auto`, `always` or `never`
     #[arg(
         long,
         value_name = "WHEN",
@@ -56,7 +56,7 @@ pub enum Command {
     /// Write a commented program to start from
     #[command(after_help = "Examples:\n  stochc new tower\n  stochc new tank --template scene")]
     New(new::NewArguments),
-    /// Check programs: report errors and warnings, and prove that they finish
+    /// Report errors and warnings, and prove that programs complete
     #[command(
         after_help = "Examples:\n  stochc check tower.sa\n  stochc check tower.sa --fix --dry-run"
     )]
@@ -74,7 +74,7 @@ pub enum Command {
         after_help = "Examples:\n  stochc plan shape.txt -o tower.sa\n  stochc plan castle.vox --time 10s -o castle.sa"
     )]
     Plan(Box<plan::PlanArguments>),
-    /// Print a stage of the compilation: structure, graph or event tables
+    /// Compile a program, and print its structure, its graph or its event tables
     Compile(compile::CompileArguments),
     /// Explain an error or a warning by its code
     Explain(explain::ExplainArguments),
@@ -93,7 +93,7 @@ pub enum Command {
         after_help = "Examples:\n  stochc trace tower.sa\n  stochc trace tower.sa --run 17 --seed 2"
     )]
     Trace(Box<trace::TraceArguments>),
-    /// Make the runs that an interrupted ensemble lacks, or more runs
+    /// Make the missing runs of an interrupted ensemble, or add runs
     #[command(
         after_help = "Examples:\n  stochc resume results/tower\n  stochc resume results/tower -n 400"
     )]
@@ -103,7 +103,7 @@ pub enum Command {
         after_help = "Examples:\n  stochc repeat results/tower -o results/again\n  stochc repeat results/tower --record all -o results/recorded"
     )]
     Repeat(Box<repeat::RepeatArguments>),
-    /// Estimate completion times from calibrated rates, in milliseconds
+    /// Estimate completion times at once, from calibrated rates and without physics
     #[command(
         after_help = "Examples:\n  stochc estimate tower.sa\n  stochc estimate tower.sa --captures=10"
     )]
@@ -113,7 +113,7 @@ pub enum Command {
         after_help = "Examples:\n  stochc show results/tower\n  stochc show results/tower --run 17"
     )]
     Show(show::ShowArguments),
-    /// Write an HTML report: completion curves, waiting times, comparisons
+    /// Write an HTML report with completion curves, waiting times and comparisons
     #[command(
         after_help = "Examples:\n  stochc report results/tower\n  stochc report results/one results/other -o report.html"
     )]
@@ -123,17 +123,17 @@ pub enum Command {
         after_help = "Examples:\n  stochc replay results/tower\n  stochc replay results/tower --run 17 --tour"
     )]
     Replay(replay::ReplayArguments),
-    /// Export the trajectories of a run: Parquet table or glTF animation
+    /// Export the trajectories of a run as a Parquet table or a glTF animation
     #[command(
         after_help = "Examples:\n  stochc export results/tower -o run.parquet\n  stochc export results/tower --run 17 -o run.glb"
     )]
     Export(export::ExportArguments),
-    /// Measure speed against accuracy of models and time steps
+    /// Measure how fast and how accurate models and time steps are
     #[command(
         after_help = "Examples:\n  stochc trade tower.sa -o results/trade\n  stochc trade tower.sa --time 10m"
     )]
     Trade(trade::TradeArguments),
-    /// Measure the rates of a scene, for `--model rate`
+    /// Measure the rates of a scene for `--model rate`
     #[command(
         after_help = "Examples:\n  stochc calibrate hemisphere -o hemisphere.rates\n  stochc calibrate tower.sa -n 20 -o tank.rates"
     )]

@@ -127,16 +127,14 @@ impl Model {
     /// Returns a one-line description.
     pub const fn meaning(self) -> &'static str {
         match self {
-            Model::Rapier => "Rigid bodies by the general engine Rapier",
+            Model::Rapier => "Rigid bodies, computed by the physics engine Rapier",
             Model::Rigid => {
-                "Rigid bodies by our own kernel, fast for many blocks that rarely touch"
+                "Rigid bodies, computed by stochc. Fast for many blocks that rarely touch"
             }
             Model::Rate => {
-                "No motion: waits drawn by rates that were measured with `rigid`, thousands of times faster"
+                "No motion. Waiting times are drawn from rates that were measured with `rigid`. Thousands of times faster"
             }
-            Model::Shuffle => {
-                "No physics: one random capture in each tick, to try out event tables"
-            }
+            Model::Shuffle => "No physics. Each tick has one random capture, to test event tables",
         }
     }
 

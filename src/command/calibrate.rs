@@ -23,22 +23,22 @@ use crate::operations::rates::{Effort, MAX_TICKS, RUNS, SEED, measure};
 /// Arguments of `calibrate`.
 #[derive(Debug, Args)]
 pub struct CalibrateArguments {
-    /// Built-in scene, or a program whose scene is calibrated
+    /// Name of a built-in scene, or a program whose scene is calibrated
     #[arg(value_name = "SCENE|FILE")]
     target: String,
-    /// File for the rates; it must be new
+    /// File for the rates. It must not exist yet
     #[arg(long, short, value_name = "FILE.rates")]
     out: Option<PathBuf>,
-    /// Runs of each calibration program
+    /// Number of runs of each calibration program
     #[arg(long, short = 'n', value_name = "N", default_value_t = RUNS, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     runs: u64,
-    /// Time steps per tick; `1/8`: one, and eight for blocks near open faces
+    /// Time steps per tick. `2/8` means eight steps for blocks near open faces, and two for all other blocks
     #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
     substeps: Substeps,
-    /// Stop a run after this many ticks; its captures until then are used
+    /// Stop each run after this many ticks. The captures before this time are used
     #[arg(long, value_name = "TICKS", default_value_t = MAX_TICKS, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
-    /// Seed of the random numbers
+    /// Seed of the random numbers. The same seed gives the same runs
     #[arg(long, value_name = "N", default_value_t = SEED)]
     seed: u64,
     #[command(flatten)]

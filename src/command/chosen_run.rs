@@ -15,10 +15,10 @@ pub struct RunSelection {
     /// Results folder of `simulate --out`
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Number of the run, from 0 [default: the run with the median time to completion]
+    /// Number of the run, counted from 0 [default: the run with the median completion time]
     #[arg(long, value_name = "N")]
     pub run: Option<u64>,
-    /// Name of the program; needed if the folder holds several
+    /// Name of the program. Needed if the folder contains several programs
     #[arg(long, value_name = "NAME")]
     pub program: Option<String>,
 }
@@ -33,7 +33,7 @@ pub fn choose(choice: &RunSelection, host: &Terminal) -> Result<ChosenRun, Failu
         None => {
             let run = median_run(&manifest, &finished, program)?;
             host.warn(&format!(
-                "note: run {run} has the median time to completion; choose another with `--run N`\n"
+                "note: run {run} has the median completion time. Choose another run with `--run N`\n"
             ));
             run
         }

@@ -29,18 +29,18 @@ pub struct CompileArguments {
     /// Program to compile
     #[arg(value_name = "FILE")]
     file: String,
-    /// Stage to print
+    /// Result to print
     #[arg(long, value_name = "STAGE", default_value = "table")]
     emit: EmittedStage,
-    /// Output format; `dot` for the graph only, `svg` for the structure only [default: text, of an executable json]
+    /// Output format. An executable is always JSON [default: text]
     #[arg(long, value_name = "FORMAT", conflicts_with = "json")]
     format: Option<EmittedFormat>,
     #[command(flatten)]
     output: JsonOption,
-    /// Show only this program of the file; a picture shows one program
+    /// Print only this program of the file. Needed for a picture if the file contains several programs
     #[arg(long, value_name = "NAME")]
     program: Option<String>,
-    /// Write to this file instead of the output
+    /// File for the output [default: print it]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -52,26 +52,26 @@ pub struct CompileArguments {
 /// A stage of the compilation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum EmittedStage {
-    /// The blocks at the end of each phase
+    /// Structure: the blocks at the end of each phase
     Structure,
-    /// The dependency graph: the dependencies of each event
+    /// Dependency graph: the events that each event waits for
     Graph,
-    /// The event table of each block
+    /// Event table of each block
     Table,
-    /// The compiled programs as one file, which `simulate` runs without their source
+    /// Compiled programs in one file, which `simulate` runs without the source
     Executable,
 }
 
 /// An output format of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum EmittedFormat {
-    /// Text
+    /// Text for the terminal
     Text,
     /// JSON
     Json,
-    /// The graph, for Graphviz
+    /// Dependency graph in the format of Graphviz
     Dot,
-    /// A picture of the structure
+    /// Picture of the structure
     Svg,
 }
 

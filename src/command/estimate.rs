@@ -20,19 +20,19 @@ use crate::operations::programs::programs;
 #[derive(Debug, Args)]
 #[command(mut_arg("seed", |it| it.requires("runs")))]
 pub struct EstimateArguments {
-    /// Programs or compiled programs
+    /// Programs (`*.sa`) or compiled programs
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
     #[command(flatten)]
     rates: RatesOption,
-    /// Estimate from N runs of the rate model per program (2 to 10,000,000), instead of waiting
-    /// times along the dependency graph
+    /// Estimate from N runs of the rate model per program (2 to 10,000,000). The default adds waiting times along the
+    /// dependency graph
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MAX_RUNS))]
     runs: Option<u64>,
-    /// List the N captures that take most of the time, or all captures [default: the first 5]
+    /// List the N captures that take most of the time. Without N, list all captures [default: 5]
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_value = SHOWN, default_missing_value = ALL, hide_default_value = true, value_parser = count)]
     captures: usize,
-    /// Stop each of these runs after this many ticks
+    /// Stop each run of `--runs` after this many ticks
     #[arg(long, value_name = "TICKS", requires = "runs", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     #[command(flatten)]

@@ -11,7 +11,7 @@ use crate::operations::codes::explain;
 /// Arguments of `explain`.
 #[derive(Debug, Args)]
 pub struct ExplainArguments {
-    /// Code of an error or a warning, such as `cycle`; without a code, all codes are listed
+    /// Code of an error or a warning, such as `cycle` [default: list all codes]
     #[arg(value_parser = CodeParser, hide_possible_values = true)]
     code: Option<String>,
 }

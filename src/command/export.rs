@@ -16,13 +16,13 @@ use crate::operations::export::{gltf, parquet};
 pub struct ExportArguments {
     #[command(flatten)]
     choice: RunSelection,
-    /// File format [default: by the extension of the file, `.parquet` or `.glb`]
+    /// File format [default: the format that fits the name of the file, `.parquet` or `.glb`]
     #[arg(long, value_name = "FORMAT", required_unless_present = "out")]
     format: Option<TrajectoryFormat>,
-    /// Interval of the exported positions in ticks [default: 1 for parquet, 8 for gltf]
+    /// Interval of the exported positions, in ticks [default: 1 for `parquet`, 8 for `gltf`]
     #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     every: Option<u32>,
-    /// File to write [default: `DIR/PROGRAM-N.parquet` or `.glb`]
+    /// File to write [default: `DIR/PROGRAM-N.parquet` or `DIR/PROGRAM-N.glb`]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 }

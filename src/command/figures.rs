@@ -6,11 +6,11 @@ use stochc_report::figures::{FigureFormat, Figures, Medium};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct FigureOptions {
-    /// Width of the figures for print, with 7 pt type, such as `89mm` or `183mm` (80 to 300)
-    /// [default: for a screen]
+    /// Make figures for print, with 7 pt type and this width, such as `89mm`. The width is 80 to 300 mm
+    /// [default: figures for a screen]
     #[arg(long, value_name = "WIDTH")]
     figure_width: Option<Medium>,
-    /// File format of the figures; several are separated by commas
+    /// File format of the figures. Separate several formats by commas
     #[arg(
         long,
         value_name = "FORMAT",
@@ -23,9 +23,9 @@ pub struct FigureOptions {
 /// A file format of figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum FigureForm {
-    /// For browsers and drawing programs
+    /// Format for browsers and drawing programs
     Svg,
-    /// For papers, with embedded fonts
+    /// Format for papers, with embedded fonts
     Pdf,
 }
 

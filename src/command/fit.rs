@@ -33,11 +33,12 @@ pub struct FitArguments {
     /// Programs whose times were measured
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
-    /// Measured times (CSV): `program,ticks` with a row for each run, or `program,n,mean_ticks,sd_ticks`; `seconds` in
-    /// place of ticks. A third column `stopped` marks runs that were stopped at this time with `true`
+    /// CSV file with measured times. The header is `program,ticks`, with a row for each run, or
+    /// `program,n,mean_ticks,sd_ticks`. Times can be in `seconds` instead of `ticks`. In a third column `stopped`, `true`
+    /// marks a run that was stopped at this time
     #[arg(long, value_name = "FILE.csv")]
     data: PathBuf,
-    /// Scene parameter to fit, and its range: `bond.pull=2..12 N`, `free=50..500 log`
+    /// Scene parameter to fit, and its range. Examples: `bond.pull=2..12 N` and `free=50..500 log`
     #[arg(long, value_name = "NAME=RANGE", required = true, value_parser = Prior::parse)]
     vary: Vec<Prior>,
     /// Predict the times of this program instead of using them in the fit
@@ -46,28 +47,28 @@ pub struct FitArguments {
     /// Predict the times of this program, which has no measured times
     #[arg(long, value_name = "PROGRAM")]
     predict: Vec<String>,
-    /// Predict the mean and standard deviation of this number of runs
+    /// Number of runs for which `--predict` predicts the mean and the standard deviation
     #[arg(long, value_name = "N", default_value_t = 30, requires = "predict", value_parser = clap::value_parser!(u32).range(2..))]
     predict_runs: u32,
-    /// Number of points per round, 8 to 200 [default: three per coefficient of the polynomials]
+    /// Number of parameter sets that each round simulates, 8 to 200 [default: depends on the number of parameters]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(8..=200))]
     points: Option<u16>,
-    /// Rounds, 1 to 10; each samples the range that the previous one left
+    /// Number of rounds, 1 to 10. Each round narrows the ranges for the next one
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=10))]
     rounds: u8,
-    /// Runs of each program at each point, 4 to 10,000
+    /// Number of runs of each program with each parameter set, 4 to 10,000
     #[arg(long, short = 'n', value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(4..=10_000))]
     runs: u64,
-    /// Time steps per tick; `1/8`: one, and eight for blocks near open faces
+    /// Time steps per tick. `2/8` means eight steps for blocks near open faces, and two for all other blocks
     #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
     substeps: Substeps,
-    /// Stop a run after this many ticks; its time is not used, and a warning counts such runs
+    /// Stop each run after this many ticks. The fit does not use stopped runs, and a warning counts them
     #[arg(long, value_name = "TICKS", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
-    /// Folder for `fit.json`, the figure `fit.svg` and the fitted scenes, `fitted.sa`; it must be new or empty
+    /// Folder for `fit.json`, the figure `fit.svg`, and `fitted.sa` with the fitted scenes. It must be new or empty
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
-    /// Print the expected CPU time and end
+    /// Print the expected CPU time without making runs
     #[arg(long)]
     dry_run: bool,
     /// Size and format of the figure.

@@ -17,10 +17,10 @@ use crate::operations::programs::cannot_read;
 /// Arguments of `fmt`.
 #[derive(Debug, Args)]
 pub struct FmtArguments {
-    /// Programs, or folders with programs (`*.sa`) in them; `-` formats standard input
+    /// Programs to format, or folders that contain programs (`*.sa`). `-` formats the standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
-    /// Show the changes without writing them; exit with status 1 if there are any
+    /// Show the changes without writing them. The exit status is 1 if there are changes
     #[arg(long)]
     check: bool,
 }

@@ -18,7 +18,7 @@ pub struct FsckArguments {
     /// Results folder
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Move corrupted files into `DIR/corrupted`, and rewrite the journal and the tables from the rest
+    /// Repair the folder. This moves corrupted files into `DIR/corrupted`, and rewrites journal and tables from valid lines
     #[arg(long)]
     repair: bool,
 }

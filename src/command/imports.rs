@@ -8,7 +8,7 @@ use stochc_files::bound::folder;
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Warnings and imports")]
 pub struct ImportOptions {
-    /// Also allow imports from this folder
+    /// Allow imports from this folder, in addition to the folder of the program
     #[arg(long = "allow-import", value_name = "DIR", value_parser = resolved)]
     pub folders: Vec<PathBuf>,
 }

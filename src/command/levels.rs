@@ -21,13 +21,13 @@ const OPTIONS: [(&str, Level, &str); 3] = [
     (
         "allow",
         Level::Allow,
-        "Do not report this warning. `warnings` means all warnings; `stochc explain` lists their codes",
+        "Do not report this warning. The code `warnings` means all warnings. `stochc explain` lists the codes",
     ),
     ("warn", Level::Warn, "Report this warning [default]"),
     (
         "deny",
         Level::Deny,
-        "Report this warning as an error; levels in the file take precedence",
+        "Report this warning as an error. An `allow` or `deny` in the file takes precedence",
     ),
 ];
 

@@ -12,7 +12,7 @@ use crate::exit::{Exit, Failure};
 /// Arguments of `man`.
 #[derive(Debug, Args)]
 pub struct ManArguments {
-    /// Write one page for each subcommand into DIR instead of printing the main page
+    /// Write a page for each command into DIR, instead of printing the main page
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
 }

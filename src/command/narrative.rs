@@ -168,7 +168,7 @@ impl RunNarrator<'_> {
         ];
         if !record.waiting.is_empty() {
             let waiting = record.waiting.len();
-            parts.insert(1, counted(waiting, "wait") + " under way");
+            parts.insert(1, counted(waiting, "capture") + " still waiting");
         }
         let mut out = format!(
             "  {end} after {}; {}\n",

@@ -12,10 +12,10 @@ use crate::exit::{Exit, Failure};
 /// Arguments of `new`.
 #[derive(Debug, Args)]
 pub struct NewArguments {
-    /// Name of the program; the file is NAME.sa
+    /// Name of the program. The file is called NAME.sa
     #[arg(value_name = "NAME")]
     name: String,
-    /// Subject of the program
+    /// Kind of program
     #[arg(long, value_name = "TEMPLATE", default_value = "structure")]
     template: Template,
 }
@@ -25,9 +25,9 @@ pub struct NewArguments {
 enum Template {
     /// A structure in two phases
     Structure,
-    /// A tank of your own with a small structure
+    /// A small structure in a tank of your own
     Scene,
-    /// A shape that `stochc plan` writes a program for
+    /// A shape, for which `stochc plan` writes the program
     Plan,
 }
 

@@ -26,18 +26,18 @@ use stochc_planner::Planned;
 /// Arguments of `plan`.
 #[derive(Debug, Args)]
 pub struct PlanArguments {
-    /// Shape to build: a program with a shape (`.sa`), a MagicaVoxel scene (`.vox`), or layers
-    /// drawn as text (`.txt`); with `--run` the results folder of the run
+    /// File with the shape to build: a program with a shape (`.sa`), a MagicaVoxel model (`.vox`), or layers drawn as text
+    /// (`.txt`). With `--run`, the results folder of the run
     #[arg(value_name = "TARGET")]
     target: String,
-    /// Complete the program: add the captures that a phase needs to build the shape that it claims
+    /// Complete the program. This adds the missing captures to the phase that claims the shape
     #[arg(long, conflicts_with_all = ["run", "plate", "offset", "scene", "keep_scaffolds"])]
     complete: bool,
-    /// Plan the rest of run N of a results folder: the program starts from the blocks at its end,
-    /// and releases blocks outside the shape
+    /// Write a program that finishes run N of a results folder. It starts from the structure at the end of the run, and
+    /// releases blocks outside the shape
     #[arg(long, value_name = "N", conflicts_with_all = ["plate", "offset", "keep_scaffolds"])]
     run: Option<u64>,
-    /// Name of the program of the run; needed if the folder holds several
+    /// Name of the program of the run. Needed if the folder contains several programs
     #[arg(
         long,
         value_name = "NAME",
@@ -45,8 +45,7 @@ pub struct PlanArguments {
         conflicts_with = "complete"
     )]
     program: Option<String>,
-    /// Name of a block at the end of the run that is broken: it neither captures nor passes
-    /// messages on; may be repeated
+    /// Name of a broken block. A broken block cannot capture, and does not pass messages on. Can be repeated
     #[arg(
         long,
         value_name = "NAME",
@@ -54,62 +53,62 @@ pub struct PlanArguments {
         conflicts_with = "complete"
     )]
     dead: Vec<String>,
-    /// Shape of the program to build [default: the only one, or the last one claimed]
+    /// Name of the shape to build, if the program has several [default: the last shape that a phase claims]
     #[arg(long, value_name = "NAME")]
     shape: Option<String>,
-    /// Build only this model of a `.vox` file, counted from 0: one frame of an animation, for instance
+    /// Build only this model of a `.vox` file, for example one frame of an animation. Models are counted from 0
     #[arg(long, value_name = "N", conflicts_with_all = ["run", "complete"])]
     model: Option<u32>,
-    /// Plate to build on, and its blocks that may capture: `3 x 3`, `3 x 3 at (1, 1) (2, 0)`
-    /// [default: that of the assembly with the shape, or the smallest plate under the shape]
+    /// Size of the plate, and its blocks that may capture. Examples: `3 x 3`, or `3 x 3 at (1, 1) (2, 0)`
+    /// [default: the plate of the assembly that claims the shape, or the smallest plate under the shape]
     #[arg(long, value_name = "PLATE", value_parser = SeedPlate::parse)]
     plate: Option<SeedPlate>,
     /// Move the shape on the plate by this many cells to the east and north, such as `2, 1`
     #[arg(long, value_name = "X, Y", value_parser = Offset::parse, allow_hyphen_values = true)]
     offset: Option<Offset>,
-    /// Leave out parts that are not attached to a block of the plate that may capture
+    /// Leave out loose parts. A part is loose if no block of the plate that may capture supports it
     #[arg(long, conflicts_with_all = ["supports", "run", "complete"])]
     drop_loose: bool,
-    /// Add the fewest cells that support such parts
+    /// Add the fewest cells that support all loose parts
     #[arg(long, conflicts_with_all = ["run", "complete"])]
     supports: bool,
-    /// Scene to build in, also of another file: `FILE.sa:NAME` [default: that of the assembly with
-    /// the shape, the only one of the file, or one with enough blocks]
+    /// Name of the scene to build in, or `FILE.sa:NAME` for a scene of another file [default: the scene of the assembly that
+    /// claims the shape, the only scene of the file, or a scene with enough blocks]
     #[arg(long, value_name = "NAME")]
     scene: Option<String>,
-    /// Number of free blocks; the program gets a scene of the same density with this number
+    /// Number of free blocks. The program declares a scene with this number and, if possible, the same density
     #[arg(long, value_name = "N", conflicts_with = "complete", value_parser = clap::value_parser!(u32).range(1..))]
     free: Option<u32>,
-    /// Name of the assembly [default: `build_` and the name of the shape]
+    /// Name of the assembly to write [default: `build_` and the name of the shape]
     #[arg(long, value_name = "NAME", conflicts_with = "complete")]
     name: Option<String>,
-    /// Write the program to this file instead of the output
+    /// File for the program [default: print the program]
     #[arg(long, short, value_name = "FILE.sa")]
     out: Option<PathBuf>,
-    /// Replace the file of `--out` if `stochc plan` wrote it
+    /// Replace the file of `--out` if an earlier `stochc plan` wrote it
     #[arg(long, requires = "out", conflicts_with = "complete")]
     force: bool,
     #[command(flatten)]
     rates: RatesOption,
-    /// Search for a better plan during this time, such as 10s or 2m [default: about one second]
+    /// Time to search for better plans, such as 10s or 2m [default: about one second]
     #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "tries")]
     time: Option<Duration>,
-    /// Search for a better plan with this number of tries; the same number always gives the same plan
+    /// Number of tries to find better plans. The same number always gives the same plan
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     tries: Option<u64>,
     #[command(flatten)]
     chance: SeedOption,
-    /// Time to minimize: the mean completion time, or its 90 % quantile
+    /// Time to minimize
     #[arg(long, value_name = "WHAT", default_value = "mean")]
     minimize: Minimize,
-    /// Keep scaffolds: the program claims the shape together with them
+    /// Do not release scaffolds at the end. The program claims the shape together with its scaffolds
     #[arg(long)]
     keep_scaffolds: bool,
-    /// Simulate the plan and the plans of simple strategies with physics, at most N runs each, and
-    /// write the fastest; jams are allowed
+    /// Simulate the plan and several simple plans with physics, at most N runs each, and write the fastest one. Blocks may
+    /// jam in it
     #[arg(long, value_name = "N", conflicts_with_all = ["run", "complete"], value_parser = clap::value_parser!(u64).range(MIN_RACE..=MAX_RACE))]
     race: Option<u64>,
-    /// Describe the order, what limits it, and the cost of alternatives, with a picture
+    /// Print a picture of the plan, the reasons for its order, and the cost of alternatives
     #[arg(long)]
     explain: bool,
     #[command(flatten)]

@@ -6,10 +6,10 @@ use stochc_report::presentation::{Presentation, ProgramLabel};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct PresentationOptions {
-    /// Unit of times in document tables and figures
+    /// Unit of times in figures, and in tables for documents (CSV, LaTeX, Markdown)
     #[arg(long, value_name = "UNIT", default_value = "ticks")]
     unit: UnitOption,
-    /// Text for a program, such as `tower=Tower of five`; may be repeated
+    /// Text to show instead of the name of a program, such as `tower=Tower of five`. Can be repeated
     #[arg(long, value_name = "NAME=TEXT")]
     label: Vec<ProgramLabel>,
 }
@@ -17,7 +17,7 @@ pub struct PresentationOptions {
 /// Unit of times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum UnitOption {
-    /// Ticks of the scene; seconds if programs have ticks of several lengths
+    /// Ticks of the scene. Programs with ticks of different lengths are shown in seconds
     Ticks,
     /// Seconds of the scene
     S,

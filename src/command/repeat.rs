@@ -10,14 +10,17 @@ use super::host::Terminal;
 use super::levels::LevelOptions;
 use crate::exit::{Exit, Failure};
 
+/// Help of `--runs`.
+const RUNS: &str = "Number of runs of each program. With `--until`, the largest number [default: the number of the manifest, or 10000 with `--until`]";
+
 /// Arguments of `repeat`.
 #[derive(Debug, Args)]
-#[command(mut_arg("figure_width", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
+#[command(mut_arg("runs", |it| it.help(RUNS)), mut_arg("figure_width", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
 pub struct RepeatArguments {
     /// Results folder, or its `manifest.json`
     #[arg(value_name = "DIR|MANIFEST")]
     from: PathBuf,
-    /// Folder for the new results; it must be new or empty
+    /// Folder for the new results. It must be new or empty
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]

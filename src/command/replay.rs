@@ -15,10 +15,10 @@ use crate::operations::replay::{View, write};
 pub struct ReplayArguments {
     #[command(flatten)]
     choice: RunSelection,
-    /// Another run of the same program to show side by side
+    /// Number of another run of the same program, which is shown next to the first run
     #[arg(long, value_name = "N")]
     against: Option<u64>,
-    /// Open the page with a tour of the critical path
+    /// Start the page with a tour of the critical path
     #[arg(long)]
     tour: bool,
     /// File to write [default: `DIR/replay-PROGRAM-N.html`, or `DIR/replay-PROGRAM-N-against-N.html`]

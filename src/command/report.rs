@@ -14,10 +14,10 @@ use crate::operations::report::write;
 /// Arguments of `report`.
 #[derive(Debug, Args)]
 pub struct ReportArguments {
-    /// Results folders of `simulate --out`; several are compared
+    /// Results folders of `simulate --out`. The report compares the programs of all folders
     #[arg(value_name = "DIR", required = true)]
     folders: Vec<PathBuf>,
-    /// File to write [default: `report.html` in DIR, or in the current folder for several]
+    /// File to write [default: `report.html` in DIR, or in the current folder if there are several folders]
     #[arg(long, short, value_name = "FILE.html")]
     out: Option<PathBuf>,
     /// Size and format of the figures.

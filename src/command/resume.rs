@@ -10,15 +10,19 @@ use super::host::Terminal;
 use super::levels::LevelOptions;
 use crate::exit::{Exit, Failure};
 
+/// Help of `--runs`.
+const RUNS: &str = "Number of runs of each program, including finished runs. With `--until`, the largest number [default: the number of the folder, or 10000 with `--until`]";
+
 /// Arguments of `resume`.
 #[derive(Debug, Args)]
+#[command(mut_arg("runs", |it| it.help(RUNS)))]
 pub struct ResumeArguments {
     /// Results folder
     #[arg(value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
     making: MakingOptions,
-    /// Resume runs of another build of stochc, if this build reproduces one of them exactly
+    /// Also resume a folder of another build of stochc, if this build reproduces one of its runs exactly
     #[arg(long, help_heading = "Runs")]
     mixed_builds: bool,
     #[command(flatten)]

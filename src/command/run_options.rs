@@ -7,7 +7,7 @@ use clap::Args;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Runs")]
 pub struct ThreadsOption {
-    /// Number of runs at the same time [default: number of cores]
+    /// Number of runs that are computed at the same time [default: number of cores]
     #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
 }
@@ -16,7 +16,7 @@ pub struct ThreadsOption {
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Runs")]
 pub struct SeedOption {
-    /// Seed of the random numbers
+    /// Seed of the random numbers. The same seed gives the same runs
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
 }
@@ -25,7 +25,7 @@ pub struct SeedOption {
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct JsonOption {
-    /// Print JSON
+    /// Print the output as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -45,7 +45,7 @@ pub struct MeasuringOptions {
 #[derive(Clone, Copy, Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct ResultsOptions {
-    /// Also list every capture, or the N with the longest waiting times
+    /// Also list the captures with their waiting times. With N, list only the N slowest captures
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = ALL, value_parser = count)]
     pub captures: Option<usize>,
     #[command(flatten)]
@@ -55,7 +55,7 @@ pub struct ResultsOptions {
 /// Calibrated rates of scenes.
 #[derive(Debug, Args)]
 pub struct RatesOption {
-    /// Rates of scenes, written by `stochc calibrate`; rates of the default scene are built in
+    /// File with the rates of a scene, written by `stochc calibrate`. Rates of the default scene are built in
     #[arg(long, value_name = "FILE.rates")]
     pub rates: Vec<PathBuf>,
 }

@@ -24,10 +24,10 @@ pub struct ShowArguments {
     /// Further folders, which only `report` compares
     #[arg(value_name = "DIR", hide = true)]
     others: Vec<PathBuf>,
-    /// Print the events of run N of each program instead of the tables
+    /// Print the events of run N of each program, instead of the results of all runs
     #[arg(long, value_name = "N", conflicts_with_all = ["captures", "tables"])]
     run: Option<u64>,
-    /// Output format of the table
+    /// Format of the output
     #[arg(
         long,
         value_name = "FORMAT",
@@ -37,7 +37,7 @@ pub struct ShowArguments {
     format: TableFormat,
     #[command(flatten)]
     presentation: PresentationOptions,
-    /// Also write the Parquet tables of the finished runs into this folder
+    /// Also write Parquet tables of the finished runs into this folder
     #[arg(long, value_name = "FOLDER")]
     tables: Option<PathBuf>,
     #[command(flatten)]
@@ -47,15 +47,15 @@ pub struct ShowArguments {
 /// Output format of the tables of a folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum TableFormat {
-    /// Table for the terminal
+    /// A table for the terminal
     Text,
     /// JSON
     Json,
-    /// Comma-separated values, a row for each program
+    /// Comma-separated values with a row for each program
     Csv,
-    /// LaTeX table for the package `booktabs`
+    /// A LaTeX table for the package `booktabs`
     Latex,
-    /// Markdown table
+    /// A Markdown table
     Markdown,
 }
 

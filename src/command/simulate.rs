@@ -14,7 +14,7 @@ use crate::exit::{Exit, Failure};
 pub struct SimulateArguments {
     #[command(flatten)]
     programs: ProgramOptions,
-    /// Folder for the results; it must be new or empty
+    /// Folder for the results. It must be new or empty
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]

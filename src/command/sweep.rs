@@ -16,11 +16,11 @@ use crate::exit::{Exit, Failure};
 pub struct SweepArguments {
     #[command(flatten)]
     programs: ProgramOptions,
-    /// Scene parameter or setting, and its values: `free=50..600/6`, `bond.pull=2..12 N/5 log` or `substeps=1,2,4`;
-    /// with several, every combination is simulated
+    /// Scene parameter or setting, and its values. Examples: `free=50..600/6` or `bond.pull=2..12 N/5 log` or
+    /// `substeps=1,2,4`. If given several times, every combination is simulated
     #[arg(long, value_name = "NAME=VALUES", required = true, help_heading = "Runs", value_parser = Axis::parse)]
     vary: Vec<Axis>,
-    /// Folder for the results; it must be new or empty
+    /// Folder for the results. It must be new or empty
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]

@@ -14,7 +14,7 @@ use crate::exit::{Exit, Failure};
 pub struct TraceArguments {
     #[command(flatten)]
     programs: ProgramOptions,
-    /// Number of the run, from 0
+    /// Number of the run, counted from 0
     #[arg(long, value_name = "N", default_value_t = 0)]
     run: u64,
     #[command(flatten)]

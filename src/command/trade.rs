@@ -26,34 +26,36 @@ use crate::operations::trade::{MeasuredTrade, TradeSetup, manifest, measured};
 #[derive(Debug, Args)]
 #[command(mut_arg("figure_width", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
 pub struct TradeArguments {
-    /// Programs to simulate; with several, the report also compares their ranking at each setting
+    /// Programs to simulate. For several programs, the report also compares their order at each setting
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
-    /// Runs of each program at each setting [default: 30; at most 10000 with `--time` or `--until`]
+    /// Number of runs of each program at each setting. With `--time` or `--until`, the largest number [default: 30, or
+    /// 10000 with `--time` or `--until`]
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MAX_RUNS))]
     runs: Option<u64>,
-    /// Start no run after this time, such as 90s, 10m or 2h
+    /// Start no more runs after this time, such as 90s, 10m or 2h
     #[arg(long, value_name = "TIME", value_parser = time)]
     time: Option<Duration>,
-    /// Make runs until the half-width of the 95 % confidence interval of every mean is at most PERCENT of it, such as 3%
+    /// Make runs until the mean time of every program is known to this precision, such as 3%: the half-width of its 95 %
+    /// confidence interval
     #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with = "time")]
     until: Option<f64>,
-    /// Stop a run after this many ticks; its time is then censored
+    /// Stop each run after this many ticks. A stopped run counts as incomplete (right-censored)
     #[arg(long, value_name = "TICKS", default_value_t = MAX_TICKS, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
-    /// Refine the reference up to this many substeps
+    /// Largest number of substeps to simulate. The setting with most substeps is the reference
     #[arg(long, value_name = "N", default_value_t = FINEST, value_parser = clap::value_parser!(u32).range(1..=1000))]
     finest: u32,
-    /// Folder for the results, `trade.json` and the figure `trade.svg`; it must be new or empty
+    /// Folder for the results, with `trade.json` and the figure `trade.svg`. It must be new or empty
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     /// Size and format of the figure.
     #[command(flatten)]
     figures: FigureOptions,
-    /// Continue an interrupted trade in `--out`, or add runs to a finished one
+    /// Continue an interrupted measurement in the folder of `--out`, or add runs to a finished one
     #[arg(long, requires = "out")]
     resume: bool,
-    /// Print the expected CPU time, and measure nothing
+    /// Print the expected CPU time without making runs
     #[arg(long, conflicts_with_all = ["time", "until"])]
     dry_run: bool,
     #[command(flatten)]

@@ -34,10 +34,10 @@ const SEED: u64 = 0;
 /// Arguments of `verify`.
 #[derive(Debug, Args)]
 pub struct VerifyArguments {
-    /// Programs to verify, or folders with programs (`*.sa`) in them
+    /// Programs to verify, or folders that contain programs (`*.sa`)
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
-    /// Explore at most this many states of each program; larger programs are executed in random orders
+    /// Explore at most this many states of each program. A program with more states is executed in random orders
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     states: u64,
     #[command(flatten)]

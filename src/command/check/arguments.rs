@@ -9,10 +9,10 @@ use std::path::PathBuf;
 /// Arguments of `check`.
 #[derive(Debug, Args)]
 pub struct CheckArguments {
-    /// Programs to check, or folders with programs (`*.sa`) in them; `-` is the standard input
+    /// Programs to check, or folders that contain programs (`*.sa`). `-` checks the standard input
     #[arg(required = true, value_name = "FILE")]
     pub(super) files: Vec<String>,
-    /// Output format of the diagnostics; all except `graphical` write to standard output
+    /// Format of errors and warnings. All formats except `graphical` are written to the standard output
     #[arg(
         long,
         value_name = "FORMAT",
@@ -22,18 +22,18 @@ pub struct CheckArguments {
     pub(super) format: Format,
     #[command(flatten)]
     pub(super) output: JsonOption,
-    /// Print the depth, width and expected duration of each phase, and the N captures that take
-    /// most of the time [default: 10]
+    /// Print the expected duration of each phase, and the N captures that take most of the time. N is 10 if it is not given
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = count)]
     pub(super) cost: Option<usize>,
-    /// Rates of scenes for `--cost`, written by `stochc calibrate`; other scenes are estimated
+    /// File with the rates of a scene for `--cost`, written by `stochc calibrate`. Without rates, the cost is a rougher
+    /// estimate
     #[arg(long, value_name = "FILE.rates", requires = "cost")]
     pub(super) rates: Vec<PathBuf>,
-    /// List the physics of the scenes: each term with its equation and value, the terms left out, dimensionless numbers, and the
-    /// error of the time step
+    /// Print the physics of the scene: each term with its equation and value, and the terms that the scene does not have.
+    /// Also print its dimensionless numbers and the error of the time step
     #[arg(long)]
     pub(super) physics: bool,
-    /// Apply all safe fixes and show them as a diff
+    /// Apply all safe fixes to the files, and show the changes
     #[arg(long)]
     pub(super) fix: bool,
     /// Show the changes of `--fix` without writing them

@@ -25,7 +25,7 @@ pub const MAX_TICKS: u64 = 1_000_000;
 /// Programs, and how each of their runs is computed.
 #[derive(Debug, Args)]
 pub struct ProgramOptions {
-    /// Programs to simulate, or folders with programs (`*.sa`) in them
+    /// Programs to simulate, or folders that contain programs (`*.sa`)
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<String>,
     #[command(flatten)]
@@ -42,25 +42,27 @@ pub struct ProgramOptions {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Model")]
 pub struct ModelOptions {
-    /// Physical model [default: rigid]
+    /// Model of the motion of blocks [default: rigid]
     #[arg(long, value_parser = one_of(&Model::ALL, Model::name, Model::meaning))]
     model: Option<Model>,
-    /// Rates of scenes for `--model rate`, written by `stochc calibrate`; others are measured first
+    /// File with the rates of a scene for `--model rate`, written by `stochc calibrate`. Missing rates are measured before
+    /// the runs
     #[arg(long, value_name = "FILE.rates")]
     pub rates: Vec<PathBuf>,
-    /// Time steps per tick; `1/8`: one, and eight for blocks near open faces [default: 2/8, and 8 in a fluid]
+    /// Time steps per tick. `2/8` means eight steps for blocks near open faces, and two for all other blocks. Scenes with a
+    /// fluid, a flow or `bond reject` take eight steps for all blocks [default: 2/8]
     #[arg(long, value_name = "STEPS")]
     substeps: Option<Substeps>,
-    /// Iterations of the contact solver per step [default: 4 for `rapier`, at most 10 for `rigid`]
+    /// Iterations of the contact solver per step [default: 4 for `rapier`, up to 10 for `rigid`]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     solver_iterations: Option<u32>,
-    /// Floating-point precision; `double` needs `--model rigid` [default: single]
+    /// Floating-point precision. `double` needs `--model rigid` [default: single]
     #[arg(long, value_parser = one_of(&Precision::ALL, Precision::name, Precision::meaning))]
     precision: Option<Precision>,
-    /// Leave out one term of the physics, to measure its effect; needs `--model rigid`
+    /// Leave out a part of the physics to measure its effect. This needs `--model rigid`
     #[arg(long, value_name = "PART", value_parser = one_of(&Reduction::ALL, Reduction::name, Reduction::meaning))]
     without: Option<Reduction>,
-    /// Stop a run after this many ticks; its time is then censored
+    /// Stop each run after this many ticks. A stopped run counts as incomplete (right-censored)
     #[arg(long, value_name = "TICKS", default_value_t = MAX_TICKS, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
 }
@@ -118,28 +120,29 @@ impl ModelOptions {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Runs")]
 pub struct MakingOptions {
-    /// Runs of each program; the limit of `--until` [default: 50; 10000 with `--until`; as in the
-    /// folder for `resume` and `repeat`]
+    /// Number of runs of each program. With `--until`, the largest number [default: 50, or 10000 with `--until`]
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_RUNS))]
     pub runs: Option<u64>,
-    /// Make runs until the half-width of the 95 % confidence interval of every mean is at most PERCENT of it, such as 3%
+    /// Make runs until the mean time of every program is known to this precision, such as 3%: the half-width of its 95 %
+    /// confidence interval
     #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with_all = ["record", "watch"])]
     pub until: Option<f64>,
     #[command(flatten)]
     pub work: ThreadsOption,
-    /// Interval of checkpoints: a time (90s, 5m, 2h), ticks of each run (20000ticks) or `never`; `rapier` runs have none
+    /// Save running simulations at this interval. It is a time (90s, 5m, 2h), a number of ticks (20000ticks) or `never`.
+    /// Simulations with `rapier` are not saved
     #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT, requires = "out", help_heading = "Output")]
     pub checkpoints: Interval,
-    /// Record the trajectories of these runs for `stochc replay`: 17, 0..4, 0,5,10..12 or all
+    /// Record the trajectories of these runs for `stochc replay`. Examples: 17 or 0..4 or 0,5,10..12 or all
     #[arg(long, value_name = "RUNS", requires = "out", help_heading = "Output")]
     pub record: Option<Selection>,
-    /// Record positions once per this many ticks
+    /// Interval of recorded positions, in ticks
     #[arg(long, value_name = "TICKS", default_value_t = EVERY, requires = "record", help_heading = "Output", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub record_every: u32,
-    /// Rewrite `report.html` in the folder every few seconds; open it in a browser
+    /// Write `report.html` in the folder, and update it every few seconds
     #[arg(long, requires = "out", help_heading = "Output")]
     pub watch: bool,
-    /// Print the expected CPU time, and make no runs
+    /// Print the expected CPU time without making runs
     #[arg(long, conflicts_with_all = ["watch", "captures"])]
     pub dry_run: bool,
     #[command(flatten)]

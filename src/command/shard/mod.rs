@@ -25,9 +25,9 @@ enum ShardCommand {
     Run(run::RunArguments),
     /// List the shards of an ensemble and their states
     Status(status::StatusArguments),
-    /// Merge shards into the results folder that one machine would have made
+    /// Merge the finished shards into one results folder
     Merge(merge::MergeArguments),
-    /// Submit missing shards and a merge job to Slurm
+    /// Submit the missing shards to Slurm, with a job that merges them
     Submit(submit::SubmitArguments),
 }
 

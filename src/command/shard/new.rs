@@ -23,13 +23,13 @@ pub struct NewArguments {
     /// Number of shards
     #[arg(long, value_name = "M")]
     shards: u64,
-    /// Folder for the shards; it must be new or empty
+    /// Folder for the shards. It must be new or empty
     #[arg(long, short, value_name = "DIR")]
     out: PathBuf,
-    /// Runs of each program
+    /// Number of runs of each program
     #[arg(long, short = 'n', value_name = "N", default_value_t = RUNS, value_parser = clap::value_parser!(u64).range(1..=MAX_RUNS))]
     runs: u64,
-    /// Scene parameter or setting, and its values, as for `stochc sweep`
+    /// Scene parameter or setting, and its values, in the format of `stochc sweep`
     #[arg(long, value_name = "NAME=VALUES", value_parser = Axis::parse)]
     vary: Vec<Axis>,
     #[command(flatten)]

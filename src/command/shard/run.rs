@@ -19,12 +19,13 @@ pub struct RunArguments {
     /// Folder of `stochc shard new`
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Number of the shard, from 0
+    /// Number of the shard, counted from 0
     #[arg(value_name = "I")]
     shard: u64,
     #[command(flatten)]
     work: ThreadsOption,
-    /// Interval of checkpoints: a time (90s, 5m, 2h), ticks of each run (20000ticks) or `never`; `rapier` runs have none
+    /// Save running simulations at this interval. It is a time (90s, 5m, 2h), a number of ticks (20000ticks) or `never`.
+    /// Simulations with `rapier` are not saved
     #[arg(long, value_name = "EVERY", default_value_t = Interval::DEFAULT)]
     checkpoints: Interval,
 }

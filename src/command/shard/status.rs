@@ -18,7 +18,7 @@ pub struct StatusArguments {
     /// Folder of `stochc shard new`
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Print only the numbers of missing shards, one per line
+    /// Print only the numbers of the missing shards, one per line
     #[arg(long)]
     missing: bool,
     #[command(flatten)]

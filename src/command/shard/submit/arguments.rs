@@ -9,28 +9,28 @@ use crate::operations::time;
 /// Arguments of `submit`.
 #[derive(Debug, Args)]
 pub struct SubmitArguments {
-    /// Folder of `stochc shard new`, which all nodes see under the same path
+    /// Folder of `stochc shard new`. It needs the same path on all nodes
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Partition of the jobs [default: that of the site]
+    /// Partition of the jobs [default: the default partition of the site]
     #[arg(long, short, value_name = "NAME")]
     pub partition: Option<String>,
-    /// Time limit of a task, in Slurm's form, such as 30 (minutes), 2:00:00 or 1-0
+    /// Time limit of each task, in the format of Slurm: 30 (minutes), 2:00:00 (hours) or 1-0 (days-hours)
     #[arg(long, short, value_name = "TIME")]
     pub time: Option<String>,
-    /// Shards per task; more if the site allows fewer tasks
+    /// Smallest number of shards per task. It is larger if the site limits the number of tasks
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     pub per_task: u64,
-    /// Run at most this number of tasks at the same time
+    /// Largest number of tasks that run at the same time
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub at_most: Option<u64>,
-    /// Further option of `sbatch`, for all jobs, such as --sbatch=--mem=2G; can be given several times
+    /// Another option of `sbatch` for all jobs, such as --sbatch=--mem=2G. Can be repeated
     #[arg(long, value_name = "OPTION", allow_hyphen_values = true, value_parser = sbatch_option)]
     pub sbatch: Vec<String>,
-    /// Before resubmitting, wait this long for jobs and files that are not visible yet
+    /// Waiting time before resubmission, because new jobs and files may not be visible at once
     #[arg(long, value_name = "TIME", default_value = "90s", value_parser = time)]
     pub grace: Duration,
-    /// Print the scripts and the `sbatch` commands, and submit nothing
+    /// Print the scripts and the `sbatch` commands without submitting them
     #[arg(long)]
     pub dry_run: bool,
 }
