@@ -12,15 +12,16 @@ const PAGE: &str = "docs/reference/diagnostics.md";
 const HEAD: &str = "\
 # Diagnostics
 
-Every error and warning of `stochc`, by topic, with a program that causes it and the message. `stochc explain CODE`
-explains one in more detail and shows a corrected program. A program with errors cannot be run. Warnings can
-be [allowed or denied](language.md#warnings).
+This page lists every error and warning of stochc, grouped by topic. Each entry has a program that causes the
+diagnostic, and the message. `stochc explain CODE` explains a diagnostic in more detail and shows a corrected program.
+A program with errors cannot be run. Warnings can be [allowed or denied](language.md#warnings).
 
-A fix that `stochc check --fix` offers is safe: it was applied in memory and the program was checked again. The fixed
-diagnostic was gone, and no new one appeared. A *possible fix* has not passed this test, or there are others. Programs
-of more than two million bytes and events are not checked again, so all their fixes are possible fixes.
+stochc tests a fix before it offers it: it applies the fix in memory and checks the program again. The fix is safe if
+its diagnostic disappears and no new one appears. `stochc check --fix` applies safe fixes. A *possible fix* has not
+passed this test, or it is one of several fixes. If a program has more than two million bytes and events, all its fixes
+are possible fixes.
 
-*This page is generated from the pages of `stochc explain` and from messages of the compiler.*
+*This page is generated from the pages of `stochc explain` and the messages of the compiler.*
 ";
 
 /// Program that causes a diagnostic, with the conditions of its check.
