@@ -81,7 +81,7 @@ fn the_critical_path_includes_messages() {
     assert_eq!(news, 3 * 2 * 50, "{chains}");
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     assert!(
-        page.contains("Then the news of it took 100 ticks"),
+        page.contains("Then the message about it took 100 ticks"),
         "{page}"
     );
 }

@@ -57,7 +57,7 @@ fn equal_waits_in_a_row_are_one_sentence() {
     assert_eq!(stochc_with(simulate, &["--out", &out]).status, 0);
     assert_eq!(stochc_with("report", &[&out]).status, 0);
     let page = std::fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
-    let expected = "<ol>\n<li>13 waits of at most 1 tick (20.0 ms), one after the other, took 13 ticks \
+    let expected = "<ol>\n<li>13 waits of at most 1 tick (20.0 ms) followed one after the other. Together they took 13 ticks \
                 (260 ms), from tick 0 to 13.</li>\n</ol>";
     assert!(page.contains(expected), "{page}");
     assert!(page.contains("It has no physics, so its times have no meaning"));

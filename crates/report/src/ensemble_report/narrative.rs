@@ -143,7 +143,7 @@ fn between(of: &NarrativeContext, passed: &[&CriticalPathSegment]) -> Option<Str
     }
     let (first, last) = (passed.first()?, passed.last()?);
     Some(format!(
-        "{} shorter waits, each of at most {}, followed one after the other. Together they took {}, from tick {} to {}.",
+        "{} waits of at most {} followed one after the other. Together they took {}, from tick {} to {}.",
         waits.iter().filter(|wait| **wait > 0).count(),
         ticks(of, longest),
         ticks(of, spent),
