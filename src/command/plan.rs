@@ -66,7 +66,7 @@ pub struct PlanArguments {
     /// Move the shape on the plate by this many cells to the east and north, such as `2, 1`
     #[arg(long, value_name = "X, Y", value_parser = Offset::parse, allow_hyphen_values = true)]
     offset: Option<Offset>,
-    /// Leave out loose parts. A part is loose if no block of the plate that may capture supports it
+    /// Leave out loose parts. A part is loose if it is not connected to a block of the plate that may capture
     #[arg(long, conflicts_with_all = ["supports", "run", "complete"])]
     drop_loose: bool,
     /// Add the fewest cells that support all loose parts

@@ -36,8 +36,8 @@ pub struct TradeArguments {
     /// Start no more runs after this time, such as 90s, 10m or 2h
     #[arg(long, value_name = "TIME", value_parser = time)]
     time: Option<Duration>,
-    /// Make runs until the mean time of every program is known to this precision, such as 3%: the half-width of its 95 %
-    /// confidence interval
+    /// Make runs until the mean time of every program is known to this precision, such as 3%. The precision is the half-width
+    /// of the 95 % confidence interval
     #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with = "time")]
     until: Option<f64>,
     /// Stop each run after this many ticks. A stopped run counts as incomplete (right-censored)

@@ -123,8 +123,8 @@ pub struct MakingOptions {
     /// Number of runs of each program. With `--until`, the largest number [default: 50, or 10000 with `--until`]
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_RUNS))]
     pub runs: Option<u64>,
-    /// Make runs until the mean time of every program is known to this precision, such as 3%: the half-width of its 95 %
-    /// confidence interval
+    /// Make runs until the mean time of every program is known to this precision, such as 3%. The precision is the half-width
+    /// of the 95 % confidence interval
     #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with_all = ["record", "watch"])]
     pub until: Option<f64>,
     #[command(flatten)]

@@ -6,8 +6,8 @@ use stochc_text::{percent, ratio};
 /// Returns the recommendation of a trade as text.
 pub(super) fn advice(trade: &Trade) -> String {
     let (Some(known), Some(reference)) = (&trade.reference, trade.reference_candidate()) else {
-        return "There is no reference: too few runs of `rigid` with uniform substeps were completed. More \
-                runs help, or a larger `--max-ticks`."
+        return "There is no reference, because too few runs of `rigid` with uniform substeps were completed. Make more \
+                runs, or use a larger `--max-ticks`."
             .to_owned();
     };
     let mut sentences = Vec::new();
@@ -18,15 +18,15 @@ pub(super) fn advice(trade: &Trade) -> String {
     };
     if let Some(problem) = problem {
         sentences.push(format!(
-            "The reference, `{}`, {problem}: biases are relative to it, not to the limit of small steps.",
+            "The reference, `{}`, {problem}. Biases are relative to this reference, not to the limit of small steps.",
             reference.options
         ));
     }
     let mut programs = 0..trade.programs.len();
     if programs.any(|program| trade.reference_runs_at_limit(program) > 0) {
         sentences.push(
-            "The limit of ticks has stopped runs of the reference: nothing is known of longer times; a larger \
-             `--max-ticks` would tell."
+            "The limit of ticks has stopped runs of the reference, so longer times are unknown. Use a larger \
+             `--max-ticks` to measure them."
                 .to_owned(),
         );
     }
@@ -46,7 +46,7 @@ pub(super) fn advice(trade: &Trade) -> String {
         .collect();
     if !reversed.is_empty() {
         sentences.push(format!(
-            "Do not compare programs with {}: the order of some comes out reversed.",
+            "Do not compare programs with {}, because the order of some programs is reversed.",
             reversed.join(", ")
         ));
     }
@@ -77,12 +77,12 @@ fn clause(candidate: &CandidateResult) -> String {
     let bound = candidate.bound.map_or_else(String::new, percent);
     let cost = candidate.cost_ratio.map_or_else(String::new, ratio);
     let reduced = if candidate.reduced() {
-        ", though it leaves out what the scene has"
+        ", but leaves out a part of the scene"
     } else {
         ""
     };
     format!(
-        "`{}` is within {bound} of the reference, intervals included, at {cost} of its cost{reduced}",
+        "`{}` is within {bound} of the reference, including the confidence interval, at {cost} of its cost{reduced}",
         candidate.options
     )
 }

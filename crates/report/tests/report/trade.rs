@@ -195,7 +195,7 @@ fn a_bias_up_to_a_horizon_is_not_a_bound() {
     let text = text.replace("\n  ", " ");
     assert!(text.contains("Biases with * compare means"), "{text}");
     assert!(
-        text.contains("undecided: the limit of ticks has stopped 11 runs of its last doubling"),
+        text.contains("converged: the limit of ticks has stopped 11 runs of its last doubling"),
         "{text}"
     );
     assert!(text.contains("a larger `--max-ticks` would tell"), "{text}");
