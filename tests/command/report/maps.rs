@@ -44,7 +44,7 @@ fn maps_are_sums_over_recordings() {
     let out = simulated(folder.path(), &["--record", "all"]);
     let page = page(&out);
     parsed(&page);
-    assert!(page.contains("Of 3 runs with a recording."), "{page}");
+    assert!(page.contains("These maps use 3 runs with a recording."), "{page}");
     for figure in ["before-1.svg", "near-1.svg"] {
         let svg = fs::read_to_string(Path::new(&out).join("report-figures").join(figure)).unwrap();
         check(figure, &svg, Medium::Screen);
@@ -161,7 +161,7 @@ fn a_corrupted_recording_is_reported_and_left_out() {
     fs::write(&first, &bytes).unwrap();
     fs::copy(&third, &second).unwrap();
     let two_left_out = page(&out);
-    assert!(two_left_out.contains("Of 1 run with a recording."));
+    assert!(two_left_out.contains("These maps use 1 run with a recording."));
     assert!(two_left_out.contains("The recording of run 0 is left out:"));
     let another = "it is damaged: it is the recording of another run";
     assert!(two_left_out.contains(another), "{two_left_out}");
