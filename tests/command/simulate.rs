@@ -105,7 +105,11 @@ fn a_stopped_run_reports_its_limit_and_its_wait() {
         let outcome = stochc_with(LATE, &["--max-ticks", limit]);
         assert_eq!(outcome.status, 3);
         assert!(outcome.out.contains(end), "{}", outcome.out);
-        assert!(outcome.out.contains("1 capture still waiting"), "{}", outcome.out);
+        assert!(
+            outcome.out.contains("1 capture still waiting"),
+            "{}",
+            outcome.out
+        );
     }
     let outcome = stochc(LATE);
     let wait =

@@ -190,7 +190,11 @@ fn programs_are_ranked() {
     assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(outcome.out.contains("dense (2)"), "{}", outcome.out);
     // The same program is given twice.
-    assert!(outcome.out.contains("no order to compare"), "{}", outcome.out);
+    assert!(
+        outcome.out.contains("no order to compare"),
+        "{}",
+        outcome.out
+    );
 }
 
 #[test]

@@ -391,7 +391,7 @@ fn a_sweep_lists_its_programs() {
     let (_, rest) = page.split_once("These are runs of ").unwrap();
     let sentence = rest.split_once("</p>").unwrap().0;
     assert!(
-        sentence.contains("; runs of one program differ only in ")
+        sentence.contains("Runs of one program differ only in ")
             && sentence.contains("free</bdi></code> and <code"),
         "{sentence}"
     );

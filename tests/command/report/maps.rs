@@ -44,7 +44,10 @@ fn maps_are_sums_over_recordings() {
     let out = simulated(folder.path(), &["--record", "all"]);
     let page = page(&out);
     parsed(&page);
-    assert!(page.contains("These maps use 3 runs with a recording."), "{page}");
+    assert!(
+        page.contains("These maps use 3 runs with a recording."),
+        "{page}"
+    );
     for figure in ["before-1.svg", "near-1.svg"] {
         let svg = fs::read_to_string(Path::new(&out).join("report-figures").join(figure)).unwrap();
         check(figure, &svg, Medium::Screen);

@@ -112,7 +112,12 @@ pub(super) fn lead(of: &NarrativeContext, run: &FinishedRun) -> Option<String> {
         (SegmentKind::News, Some((first, _))) => format!("The message about {}", text(first)),
         _ => text(longest.event()?),
     };
-    (share >= 0.25).then(|| format!("{subject} alone took {} of this time.", whole_percent(share)))
+    (share >= 0.25).then(|| {
+        format!(
+            "{subject} alone took {} of this time.",
+            whole_percent(share)
+        )
+    })
 }
 
 /// Returns the times when the largest group of an aggregate reached each size, as list items of
