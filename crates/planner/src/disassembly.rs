@@ -25,7 +25,7 @@ pub struct Disassembly {
     pub access_path: Vec<Option<AccessPath>>,
     /// Number of steps from the plate to each site within the complete target.
     pub level: Vec<u32>,
-    /// Free positions of cubes of sizes two and one.
+    /// Free space for a cube with edges of two cells, and for a cube of one cell.
     pub spaces: [FreeSpace; 2],
 }
 
@@ -123,19 +123,19 @@ struct Disassembler<'a, U> {
     spaces: [FreeSpace; 2],
     taken: Vec<u32>,
     access_path: Vec<Option<AccessPath>>,
-    /// For each space, the sites that may have a path.
+    /// Queued sites for each of [`Self::spaces`]. Each may have an access path.
     frontiers: [Frontier; 2],
-    /// For each space, whether a site is queued.
+    /// For each of the spaces and each site, whether the site is queued.
     is_queued: [Vec<bool>; 2],
-    /// For each space, skipped sites that have a path. Other sites may be attached only through
-    /// them.
+    /// For each of the spaces, skipped sites that have an access path. Removing such a site may
+    /// disconnect others.
     undecided: [Vec<u32>; 2],
     urgency: &'a U,
 }
 
 impl<U: Fn(u32) -> (u32, u32)> Disassembler<'_, U> {
-    /// Returns a site that can be removed through a space. Other sites are reconsidered after a
-    /// change nearby. Returns `None` if no queued site can be removed.
+    /// Returns a queued site that has an access path in a space, and that no other site needs for
+    /// support. Skips sites that may be needed. Returns `None` if no queued site can be removed.
     fn next(&mut self, space: usize) -> Option<(u32, AccessPath)> {
         while let Some((_, site)) = self.frontiers[space].pop() {
             self.is_queued[space][site as usize] = false;
@@ -155,8 +155,8 @@ impl<U: Fn(u32) -> (u32, u32)> Disassembler<'_, U> {
         None
     }
 
-    /// Returns a skipped site that can be removed through a space. Searches the whole structure.
-    /// Returns `None` if no skipped site can be removed.
+    /// Returns the most urgent skipped site that can be removed. Searches the whole structure for
+    /// sites that others need. Returns `None` if no skipped site can be removed.
     fn next_exactly(&mut self, space: usize) -> Option<(u32, AccessPath)> {
         let support = &self.support;
         self.undecided[space].retain(|&site| support.stands(site));
@@ -229,7 +229,7 @@ mod tests {
         })
     }
 
-    /// Returns whether a cube with edges of `size` cells can bring a block to a cell from outside.
+    /// Returns whether a cube with edges of `size` cells can come from outside and cover a cell.
     /// Tries every position.
     fn has_way(full: &BTreeSet<Cell>, cell: Cell, size: i32) -> bool {
         comes_out(

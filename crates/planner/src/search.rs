@@ -85,7 +85,7 @@ impl FoundSchedule {
     }
 }
 
-/// Access paths, and the best schedule with them.
+/// Access paths, and the best schedule for these paths.
 struct ScheduleCandidate {
     /// Keys of the sites for the disassembly order. A higher key is removed first.
     order: Vec<f32>,
@@ -104,7 +104,7 @@ pub struct PrioritizedSchedule {
     pub priorities: Priorities,
     /// The schedule.
     pub schedule: Schedule,
-    /// Estimated completion time of its program.
+    /// Estimated completion time of the program with this schedule.
     pub estimate: PlanEstimate,
 }
 
@@ -121,17 +121,17 @@ const JAMS: f64 = 20_000.0;
 const VARIANTS: u64 = 8;
 
 /// Number of consecutive variations of access paths, multiplied by the number of cells. Large
-/// targets thus get fewer variations, and the effort is the same for all targets.
+/// targets get fewer variations, so that the effort stays the same.
 const WAYS: u64 = 2000;
 
-/// Number of consecutive variations of priorities after the variations of access paths.
+/// Number of variations of priorities after each series of variations of access paths.
 const PRIORITIES: u64 = 150;
 
-/// Largest number of schedules tried with the less promising access paths.
+/// Largest number of schedules tried to improve each candidate before the candidates are compared.
 const MAX_FIRST: u64 = 1500;
 
-/// Initial relative tolerance for continuing from worse schedules. Smaller for large targets, where
-/// a single change matters less.
+/// Initial relative tolerance: a schedule that is worse by less than this is accepted. Smaller for
+/// large targets, where a single change matters less.
 const TOLERANCE: f64 = 0.02;
 
 /// Returns the best schedule of a target.
@@ -271,7 +271,8 @@ impl Searcher<'_> {
         Ok(best)
     }
 
-    /// Improves the priorities of a schedule, up to round `most`.
+    /// Improves the priorities of a schedule until `most` rounds have been made in the whole
+    /// search.
     fn reschedule(&mut self, best: ScheduleCandidate, most: u64) -> ScheduleCandidate {
         let search = PlanSearch {
             rounds: most.min(self.search.rounds),
@@ -314,7 +315,7 @@ impl Searcher<'_> {
 /// noise.
 fn rearranged(of: &ScheduleCandidate, rng: &mut ChaCha8Rng) -> Vec<f32> {
     const MAX: usize = 4;
-    /// Amplitude of the noise \[waiting times\].
+    /// Largest random delay of a site in the disassembly order \[waiting times\].
     const CHANCE: f32 = 3.0;
     let sites = of.order.len();
     let mut order = of.order.clone();

@@ -39,7 +39,7 @@ const CHECKSUM: u64 = 4;
 
 /// Number of ticks between two readings of the clock.
 const LOOK_EVERY: u32 = 16;
-/// Reciprocal of the largest share of a run's time that may be spent on its checkpoints.
+/// Checkpoints may take one part in this many of a run's time.
 const SHARE: u32 = 100;
 /// Shortest interval between two checkpoints. A run that is stopped loses at most this time.
 const MIN: Duration = Duration::from_secs(10);
@@ -105,7 +105,7 @@ impl FromStr for Interval {
     }
 }
 
-/// Key of a run: the index of its program and its number.
+/// Index of a program, and the number of its run.
 type RunKey = (usize, u64);
 
 /// First line of a checkpoint file.
@@ -247,7 +247,7 @@ impl Checkpoints {
         ignore_missing(disk::remove(&self.file(key)))
     }
 
-    /// Returns the access of a beginning run to its checkpoints.
+    /// Returns the checkpoints of a run that begins now.
     pub(crate) fn of_run(&self, program: usize, run: u64) -> RunCheckpoints<'_> {
         RunCheckpoints {
             all: self,
@@ -435,7 +435,8 @@ fn files(path: &Path) -> io::Result<Vec<PathBuf>> {
     }
 }
 
-/// Removes leftovers and all checkpoints that `wants` rejects. No simulation may use the folder.
+/// Removes leftover files and all checkpoints that `wants` rejects. Must not be called while a
+/// simulation uses the folder.
 ///
 /// # Errors
 ///

@@ -8,8 +8,8 @@ use super::statement::{Called, NameWords};
 use crate::plan::capture::Capture;
 use crate::scaffold::{Dismantling, HandOver, Mast};
 
-/// Returns the captures of the phase. Handed-over blocks come first, so that no other capture takes
-/// their faces.
+/// Returns the captures of the second phase. Handed-over blocks come first, so that no other
+/// capture takes their faces.
 pub fn captures(dismantling: &Dismantling) -> Vec<Capture> {
     let handed_over = dismantling
         .hand_overs
@@ -63,8 +63,8 @@ pub fn write_releases(dismantling: &Dismantling, out: &mut String) {
     }
 }
 
-/// Returns the length of the first row of consecutive hand-overs in one direction. Returns 1 if the
-/// row is too short for a loop.
+/// Returns the number of hand-overs in the row at the start of `rest`. A row consists of
+/// consecutive hand-overs in one direction. Returns 1 if the row is too short for a loop.
 fn row(rest: &[HandOver]) -> usize {
     let continues =
         |two: &&[HandOver]| two[1].way == rest[0].way && two[1].after == Some(two[0].cell);
@@ -76,7 +76,7 @@ fn row(rest: &[HandOver]) -> usize {
     }
 }
 
-/// Returns the axis of a row, or `None` for a single hand-over.
+/// Returns the axis of a row (0 is x, 1 is y, 2 is z). Returns `None` for a single hand-over.
 fn along(row: &[HandOver]) -> Option<usize> {
     (row.len() > 1).then(|| match row[0].way {
         Face::East | Face::West => 0,

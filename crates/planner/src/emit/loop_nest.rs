@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use rustc_hash::FxHashMap;
 use stochc_ir::Cell;
 
-/// Nested loops around a statement that begins at a cell.
+/// Nested `for` loops around a statement. The first iteration begins at the cell `base`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct LoopNest {
     pub(super) base: Cell,
@@ -44,7 +44,7 @@ impl LoopNest {
         <[i32; 3]>::from(self.base)[axis]
     }
 
-    /// Writes the loops around the body, which gets the indices of one iteration.
+    /// Writes the loops. `inner` writes their body with the indices of one iteration.
     pub fn write(&self, out: &mut String, inner: impl FnOnce(&mut String, &Indices<'_>)) {
         let loops = || (0..3).filter_map(|axis| Some((axis, self.loops[axis]?)));
         for (axis, it) in loops() {
@@ -116,8 +116,8 @@ impl Indices<'_> {
     }
 }
 
-/// Returns runs of equal nests at equal distances along an axis, the lowest first. All runs are
-/// long enough for a loop.
+/// Returns groups of equal nests that stand at equal distances along an axis, as indices of
+/// `nests`. The lowest nest of a group comes first. Every group is long enough for a loop.
 pub(super) fn runs<'a>(
     axis: usize,
     nests: impl Iterator<Item = (usize, &'a LoopNest)>,
@@ -156,7 +156,7 @@ pub(super) fn runs<'a>(
     runs
 }
 
-/// Returns one nest that repeats the nests of a run.
+/// Returns one nest that replaces a group of nests from [`runs`] by a loop along `axis`.
 pub(super) fn joined<'a>(
     axis: usize,
     run: &[usize],

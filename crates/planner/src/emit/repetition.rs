@@ -14,7 +14,7 @@ pub struct Repeated<'a> {
     pub nest: LoopNest,
 }
 
-/// Returns the plate positions that statements need.
+/// Returns the positions of all seeds that the statements use, combined in loops.
 pub fn seats(statements: &[Statement]) -> Vec<LoopNest> {
     let seeds = statements.iter().filter_map(Statement::seed);
     let mut nests: Vec<LoopNest> = seeds
@@ -32,11 +32,11 @@ pub fn seats(statements: &[Statement]) -> Vec<LoopNest> {
     nests
 }
 
-/// Equal statements at the positions of a nest.
+/// Equal statements that become one statement in nested loops.
 struct RepeatedItem {
     /// Index of the first of these statements in the text.
     at: usize,
-    /// Number of the statement. Equal statements have equal numbers.
+    /// Number of the statement's content. Statements with equal content have equal numbers.
     kind: usize,
     nest: LoopNest,
     members: Vec<usize>,

@@ -16,7 +16,7 @@ pub enum Called {
     Scaffold,
 }
 
-/// First words of block names.
+/// First words of the names of blocks, by kind of block.
 #[derive(Clone, Copy, Debug)]
 pub struct NameWords<'a> {
     /// First word of the names of target blocks.
@@ -60,14 +60,14 @@ pub struct Statement {
     base: Cell,
     /// Direction and number of cells of each straight section.
     rows: Vec<(Face, i32)>,
-    /// Predecessors of the first capture, as rows along an axis: kind of name, first cell and last
-    /// cell.
+    /// Blocks that must exist before the first capture, as rows along an axis. Each row has the
+    /// kind of its names, its first cell and its last cell.
     after: Vec<(Called, Cell, Cell)>,
-    /// Kinds of name of the first parent and of the captured blocks.
+    /// Kind of the first parent's name, and kind of the names of the captured blocks.
     called: [Called; 2],
     /// Name of the first parent, if it is not a block of the plan.
     parent: Option<String>,
-    /// Index of the statement with the previous capture of the same parent.
+    /// Index of the statement that contains the previous capture by the same parent.
     pub follows: Option<usize>,
 }
 
@@ -187,8 +187,9 @@ fn rows_of(mut cells: Vec<Cell>) -> Vec<(Cell, Cell)> {
     )
 }
 
-/// Content of a statement, relative to its base. Parts in order: whether a seed captures first, any
-/// other name of the first parent, kinds of names, sections, predecessors.
+/// Content of a statement, relative to its base cell. Parts in order: whether a seed captures
+/// first, name of the first parent if it is not in the plan, kinds of names, straight sections,
+/// predecessors.
 pub type StatementSignature<'a> = (
     bool,
     Option<&'a str>,

@@ -25,12 +25,12 @@ use stochc_compiler::check_texts;
 /// A partial program with the shape to complete.
 #[derive(Debug)]
 pub struct Completion {
-    /// Names and sources of the program and its imports, its own first.
+    /// Names and sources of all files: the program first, then its imports.
     texts: Vec<(String, String)>,
     target: Target,
     hardware: Hardware,
     scene: Scene,
-    /// Names in the program of the blocks that can capture.
+    /// Names of the existing blocks that can capture, by cell.
     names: BTreeMap<Cell, String>,
     /// Word for new block names. The program does not use it.
     word: String,
@@ -50,7 +50,7 @@ struct Change {
     removed: Range<usize>,
     /// Position of the new text in the old source.
     at: usize,
-    /// Text before and after the new captures.
+    /// Text to insert before the new captures, and text to insert after them.
     around: [String; 2],
 }
 
@@ -73,7 +73,7 @@ struct Claim<'a> {
     location: SourceLocation,
     /// Cells of the claimed shape.
     cells: Vec<Cell>,
-    /// Blocks that exist at the end of the phase.
+    /// Blocks at the end of the phase, with their roles.
     there: Vec<(ExistingBlock, RoleId)>,
 }
 
@@ -372,8 +372,7 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
     })
 }
 
-/// Returns the start of the documentation comment of a statement. The comment has this number of
-/// lines.
+/// Returns the start of a statement with its documentation comment, which has `lines` lines.
 fn with_docs(text: &str, statement: usize, mut lines: usize) -> usize {
     let (mut start, mut at) = (statement, statement);
     for line in text[..statement].split_inclusive('\n').rev() {

@@ -134,7 +134,8 @@ fn farthest(enclosure: &Enclosure, cells: &[Cell], plate: &Plate, side: f64) -> 
     distances.fold(0.0, f64::max)
 }
 
-/// Returns the number of free blocks of a scene, at least 1, as a divisor.
+/// Returns the number of free blocks of a scene. Returns 1 instead of 0, because the result is a
+/// divisor.
 fn count(scene: &Scene) -> f64 {
     f64::from(scene.free.count.max(1))
 }

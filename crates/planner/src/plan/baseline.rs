@@ -43,8 +43,8 @@ impl Baseline {
         }
     }
 
-    /// Returns a tree from the plate: the sites in order, each with the direction from its parent
-    /// and its stage.
+    /// Returns a spanning tree from the plate, parents first. Each entry is a site, the direction
+    /// from its parent, and its stage: a layer, or the number of steps from the plate.
     fn tree(self, sites: &Sites<'_>) -> Vec<(u32, Face, u32)> {
         let height = |site: u32| sites.cell(site).z as u32;
         let stage = |before: u32, site: u32| match self {

@@ -28,11 +28,11 @@ pub struct BuildPlan {
     pub dismantling: Option<Dismantling>,
     /// Estimated completion time, from mean waiting times \[ticks\].
     pub estimate: PlanEstimate,
-    /// Largest number of faces open at the same time, for mean waiting times.
+    /// Largest number of faces that are open at the same time, computed with mean waiting times.
     pub widest: usize,
     /// Number of schedules tried.
     pub rounds: u64,
-    /// The baseline that this plan is. `None` for the result of a search.
+    /// Baseline that this plan comes from. `None` for the result of a search.
     pub baseline: Option<Baseline>,
     /// Times of the baselines. Empty if they were not computed.
     pub alternatives: Vec<Alternative>,
@@ -49,7 +49,7 @@ pub struct RaceTimes {
     pub baseline: Option<Baseline>,
     /// Number of runs.
     pub runs: u64,
-    /// Number of right-censored runs. Their times count up to censoring.
+    /// Number of right-censored runs. Their times are the times of censoring.
     pub stopped: u64,
     /// Mean completion time \[ticks\].
     pub mean: f64,

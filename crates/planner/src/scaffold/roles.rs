@@ -22,7 +22,7 @@ pub struct SiteRoles {
     /// The only direction of a site's first capture, if it is fixed.
     way: Vec<Option<Face>>,
     segments: Vec<SiteSegment>,
-    /// Number of target sites on masts, plus sites of masts.
+    /// Number of target sites that are first captured on masts, plus the number of mast sites.
     temporary: usize,
 }
 

@@ -48,7 +48,7 @@ impl Scaffolding {
         self.segments.is_empty() && self.guides.is_empty()
     }
 
-    /// Returns the cells of the masts, each from the plate on.
+    /// Returns the cells of all masts, each mast from bottom to top.
     pub fn cells(&self) -> impl Iterator<Item = Cell> {
         let masts = self.masts().into_iter();
         masts.flat_map(|((x, y), height)| (1..=height).map(move |z| Cell::new(x, y, z)))
@@ -62,7 +62,7 @@ impl MastSegment {
         (self.cells.iter().copied()).zip(std::iter::once(self.way).chain(steps))
     }
 
-    /// Returns each cell in hand-over order, with the direction from its final parent.
+    /// Returns the cells in hand-over order. Each has the direction from its final parent.
     pub fn handed_over(&self) -> impl Iterator<Item = (Cell, Face)> {
         let holders = std::iter::once(self.join).chain(self.cells.iter().rev().copied());
         let cells = self.cells.iter().rev().copied();

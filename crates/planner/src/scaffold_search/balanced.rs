@@ -16,7 +16,7 @@ const NEW: f32 = 1.0;
 /// Cost of a mast per diagonal neighbour, because the two masts take turns \[captures\].
 const ACROSS: f32 = 1.5;
 
-/// Duration of a mast block's capture next to another mast \[captures\].
+/// Duration of capturing a mast block next to another mast \[captures\].
 const GUIDED: f32 = 0.7;
 
 /// Amplitude of the random cost of a position \[captures\].

@@ -175,7 +175,8 @@ impl ScaffoldTrials<'_> {
         self.tries as f64 / self.all as f64
     }
 
-    /// Uses one try if more than the fraction `part` of the tries is left. Returns whether it did.
+    /// Uses one try if the fraction of tries left is larger than `part`. Returns whether a try was
+    /// used.
     fn may_try(&mut self, part: f64, value: f64) -> bool {
         let may = self.left() > part && !self.how.enough.is_cancelled();
         if may {

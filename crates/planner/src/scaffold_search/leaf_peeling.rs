@@ -5,8 +5,8 @@ use crate::disassembly::Disassembly;
 use crate::space::free_space::{AccessPath, FreeSpace};
 use crate::space::sites::{NONE, Sites};
 
-/// Disassembles a target: removes the leaf that comes last, preferring leaves with a wide access
-/// path.
+/// Disassembles a target. Repeatedly removes a block that holds no others, the latest in `times`
+/// first. Prefers blocks with a wide access path.
 ///
 /// `holders` are the parents at capture, [`NONE`] for the plate. `times` are approximate capture
 /// times. Returns `None` if no remaining block can be removed.

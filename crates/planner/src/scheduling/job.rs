@@ -28,8 +28,8 @@ pub struct SchedulingJob<'a> {
     pub waits: &'a RateLaw<'a>,
     /// Parts that sites belong to. `None` without scaffolds.
     pub roles: Option<&'a SiteRoles>,
-    /// Mean time from the opening of each site to the end, along its longest chain of successors
-    /// \[ticks\].
+    /// For each site, mean time from its opening to the end of the schedule, along the longest
+    /// chain of sites that depend on it \[ticks\].
     pub(super) tail: Vec<f32>,
 }
 
@@ -151,8 +151,8 @@ impl<'a> SchedulingJob<'a> {
         self.sites.next(site, way.opposite())
     }
 
-    /// Returns whether a parent can capture a site in a direction. The direction must agree with
-    /// the corridor of the site. The parent must be the plate or a site that `holds` accepts.
+    /// Returns whether `site` can be captured in direction `way`. If the site is in a gap, `way`
+    /// must be along its axis. The parent must be a seed, or a site that `holds` accepts.
     pub(super) fn is_way(&self, site: u32, way: Face, holds: impl FnOnce(u32) -> bool) -> bool {
         let along = self.corridors.along[site as usize];
         if along.is_some_and(|axis| way != axis && way != axis.opposite()) {
@@ -164,8 +164,8 @@ impl<'a> SchedulingJob<'a> {
         }
     }
 
-    /// Returns the price for comparing directions \[ticks\]: the waiting time, slightly less for
-    /// straight continuation.
+    /// Returns the price of a direction \[ticks\]. This is the waiting time, reduced by 2 % if the
+    /// chain continues straight.
     pub(super) fn price(&self, schedule: &Schedule, site: u32, way: Face, wait: f32) -> f32 {
         let parent = self.parent(site, way);
         let is_straight = parent == NONE || schedule.way[parent as usize] == way;

@@ -5,7 +5,7 @@ use crate::scaffold::{SitePart, SiteRoles};
 #[derive(Clone)]
 pub struct SchedulePhase<'a> {
     pub roles: &'a SiteRoles,
-    /// Deadline for sites that the hand-over does not need \[ticks\].
+    /// Latest time for opening sites that the hand-over does not need \[ticks\].
     pub(super) limit: f32,
     /// Number of temporary sites not yet present.
     pub missing: usize,
@@ -27,8 +27,8 @@ impl<'a> SchedulePhase<'a> {
         }
     }
 
-    /// Returns whether a captured site has its final attachment, so that it can hold other sites
-    /// for good.
+    /// Returns whether a captured site is attached to its final parent. Other sites can then be
+    /// attached to it permanently.
     pub fn is_own(&self, site: u32) -> bool {
         match self.roles.part(site) {
             SitePart::Own => true,

@@ -3,8 +3,9 @@ use super::state::{ScheduleState, SiteState};
 use crate::scaffold::SitePart;
 
 impl ScheduleState<'_> {
-    /// Returns whether a site may open if half of its waiting time is over at `half`. No site opens
-    /// between the completion of the temporary blocks and their hand-over.
+    /// Returns whether a site may open in the current phase. In the first phase, a site without
+    /// hand-over may open only while temporary blocks are missing. Half of its waiting time must be
+    /// over at `half`, which must not exceed the limit.
     pub(super) fn is_its_phase(&self, site: u32, half: f32) -> bool {
         match &self.phase {
             Some(phase) if !phase.is_second && phase.roles.part(site) == SitePart::Own => {

@@ -12,7 +12,7 @@ pub struct Priorities {
     /// J. C. Bean, *Genetic algorithms and random keys for sequencing and optimization*, ORSA
     /// Journal on Computing 6 (1994).
     keys: Vec<f32>,
-    /// Number of better directions skipped for each site.
+    /// For each site, the number of cheaper directions to skip when one is selected.
     skipped: Vec<u8>,
 }
 
@@ -31,7 +31,8 @@ impl Priorities {
         tail * (0.5 + self.keys[site as usize])
     }
 
-    /// Returns the selected direction into a site, by price. Returns `None` without directions.
+    /// Returns the direction into a site that the priorities select from `ways`, pairs of direction
+    /// and price. Returns `None` if `ways` is empty.
     pub fn chosen<T>(&self, site: u32, ways: impl Iterator<Item = (T, f32)>) -> Option<T> {
         let skipped = usize::from(self.skipped[site as usize]);
         if skipped == 0 {

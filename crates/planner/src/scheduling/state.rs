@@ -25,7 +25,7 @@ pub(super) enum SiteState {
 pub(super) struct ScheduleState<'a> {
     pub(super) job: &'a SchedulingJob<'a>,
     pub(super) priorities: &'a Priorities,
-    /// For each site, the number of predecessors still missing.
+    /// For each site, the number of sites that must be captured before it and are still missing.
     pub(super) missing: Vec<u32>,
     pub(super) state: Vec<SiteState>,
     /// Number of open faces of each site.
@@ -80,8 +80,9 @@ impl ScheduleState<'_> {
         (self.state[here] == SiteState::Open).then(|| self.schedule.way[here])
     }
 
-    /// Returns the direction with the lowest price from a parent with an available face, unless
-    /// priorities select another. Returns `None` if no such parent exists.
+    /// Returns the cheapest direction from a parent with an available face, and its mean waiting
+    /// time \[ticks\]. Priorities may select another direction. Returns `None` if no such parent
+    /// exists.
     fn best_way(&self, site: u32, now: f32) -> Option<(Face, f32)> {
         let ways = self.ways(site, now).map(|(way, mean)| {
             let price = self.job.price(&self.schedule, site, way, mean);

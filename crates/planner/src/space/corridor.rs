@@ -19,7 +19,7 @@ use crate::space::sites::{NONE, Sites};
 /// Sites that wait to keep access paths open.
 #[derive(Clone, Debug)]
 pub struct Corridors {
-    /// For each site, the sites that wait for it, sorted.
+    /// For each site, the sites that must wait until it is captured, sorted.
     pub waiting: Vec<Vec<u32>>,
     /// For each site in a gap, the axis of the capturing face. `None` for other sites.
     pub along: Vec<Option<Face>>,
@@ -68,7 +68,7 @@ impl Corridors {
 struct CorridorSearch<'a> {
     sites: &'a Sites<'a>,
     disassembly: &'a Disassembly,
-    /// For cubes of sizes two and one, the sites whose paths begin at a position.
+    /// For each position of a cube of size two or one, the site whose access path begins there.
     first: [FxHashMap<Cell, u32>; 2],
 }
 
@@ -119,7 +119,8 @@ impl CorridorSearch<'_> {
         unreachable!("a removed site has an access path")
     }
 
-    /// Returns the cost of keeping a position open that is entered from the position `from`.
+    /// Returns the cost of moving the cube from `from` to `low` on the access path of a site. The
+    /// cost counts the blocks that must wait for this.
     fn toll(&self, site: u32, number: usize, low: Cell, from: Option<Cell>) -> u32 {
         let space = &self.disassembly.spaces[number];
         let level = |site: u32| self.disassembly.level[site as usize];
@@ -137,7 +138,8 @@ impl CorridorSearch<'_> {
         toll.sum()
     }
 
-    /// Returns the sites on a path that ends at `low`, and keeps the path for earlier sites.
+    /// Returns the sites on the access path of `site` that ends at `low`. Stores the path, so that
+    /// earlier sites can use it.
     fn follow(
         &mut self,
         site: u32,

@@ -45,8 +45,8 @@ impl Crowding<'_> {
             && !self.beside_on_plate(site, way, &open).any(|_| true)
     }
 
-    /// Returns the sites to wait for, possibly with duplicates. `before` returns the direction and
-    /// completion time of sites that open earlier.
+    /// Returns the sites that must be captured before a face opens, possibly with duplicates.
+    /// `before` returns the direction and capture time of a site that opens earlier.
     pub fn waits(
         &self,
         site: u32,

@@ -10,7 +10,7 @@ use crate::space::sites::{NONE, Sites};
 pub struct FreeSpace {
     /// Edge length of the cube \[cells\].
     size: i32,
-    /// Whether a reachable cube also gives access to adjacent gaps.
+    /// Whether a cube at a reachable position can also bring a block into adjacent gaps.
     has_gaps: bool,
     reach: Grid<PlaceReach>,
 }
@@ -85,7 +85,8 @@ impl FreeSpace {
         lows.filter(sees_sky).collect()
     }
 
-    /// Marks all free positions that are connected to a position in `open`.
+    /// Marks the positions in `open`, and all free positions connected to them, as reachable. Calls
+    /// `reached` with each new one.
     fn flood(
         &mut self,
         sites: &Sites<'_>,

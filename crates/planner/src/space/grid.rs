@@ -2,7 +2,7 @@
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, offsets_within};
 
-/// Value for each cell whose coordinates are within a margin of a structure.
+/// Value for each cell in the bounding box of a structure, enlarged by a margin.
 #[derive(Clone, Debug)]
 pub struct Grid<T> {
     low: Cell,
@@ -19,7 +19,8 @@ enum Values<T> {
     Sparse(FxHashMap<Cell, T>),
 }
 
-/// Largest dense box: a constant number of cells, plus this many per cell of the structure.
+/// Largest size of a dense grid \[cells\]: the first number, plus the second number per cell of the
+/// structure.
 const DENSE: (i128, i128) = (1 << 22, 32);
 
 impl<T: Copy + Default> Grid<T> {

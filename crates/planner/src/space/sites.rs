@@ -56,7 +56,7 @@ pub struct Sites<'a> {
     pub target: &'a Target,
     number: Grid<Number>,
     windows: Vec<[u32; 27]>,
-    /// Sites with existing blocks, and whether these can capture.
+    /// Sites with existing blocks. The value states whether the block can capture.
     existing: FxHashMap<u32, bool>,
 }
 
@@ -120,7 +120,7 @@ impl<'a> Sites<'a> {
         !self.existing.is_empty() && self.existing.get(&site) == Some(&false)
     }
 
-    /// Returns whether a site is on a block of the plate or has an existing block.
+    /// Returns whether a site is directly above a seed, or has an existing block.
     pub fn is_root(&self, site: u32) -> bool {
         self.is_on_seed(site) || self.is_existing(site)
     }
@@ -167,15 +167,15 @@ impl<'a> Sites<'a> {
         others.map(|(_, &near)| near)
     }
 
-    /// Returns the squares of four cells that contain a site. Each square has the two adjacent
-    /// sites and the diagonal site. [`NONE`] stands for a missing site.
+    /// Returns the squares of four cells that contain a site. Each result has the two sites
+    /// adjacent to the site, then the diagonal one. [`NONE`] stands for a missing site.
     pub fn squares(&self, site: u32) -> impl Iterator<Item = [u32; 3]> + '_ {
         let window = &self.windows[site as usize];
         let squares = DIAGONAL.iter();
         squares.map(|&(across, [one, two])| [window[one], window[two], window[across]])
     }
 
-    /// Returns the set of cells of a site's window that fulfil `has`.
+    /// Returns the cells of a site's window whose sites fulfil `has`.
     pub fn window(&self, site: u32, has: impl Fn(u32) -> bool) -> NeighbourMask {
         let window = self.windows[site as usize].iter().enumerate();
         let full = window.filter(|&(_, &near)| near != NONE && has(near));

@@ -40,7 +40,7 @@ impl Support {
         Support { level, stands }
     }
 
-    /// Returns the number of steps from the plate to a site through standing blocks.
+    /// Returns the level of a standing site: an upper bound on its number of steps from the plate.
     pub fn level(&self, site: u32) -> u32 {
         self.level[site as usize]
     }
@@ -171,7 +171,7 @@ impl Support {
     }
 }
 
-/// Bits of the cells across the six faces.
+/// Set of the six cells of a window that share a face with the centre.
 const FACES: u32 = {
     let mut bits = 0;
     let mut i = 0;
@@ -182,7 +182,7 @@ const FACES: u32 = {
     bits
 };
 
-/// For each cell of a window, its adjacent cells.
+/// For each cell of a window, the set of cells that share a face with it.
 const BESIDE: [u32; 27] = {
     let mut beside = [0; 27];
     let mut i = 0;

@@ -78,8 +78,8 @@ impl PlanEstimate {
     }
 }
 
-/// Sampled waiting times of each site in a few runs, with mean 1. All schedules use the same
-/// samples, so differences come from the schedules.
+/// Random waiting times of each site in a few runs, with mean 1. All schedules use the same random
+/// times, so that only the schedules cause differences.
 #[derive(Clone, Debug)]
 pub struct Samples {
     runs: usize,
@@ -162,8 +162,8 @@ impl Samples {
         &self.waits[site as usize * self.runs..][..self.runs]
     }
 
-    /// Completes the last times of `times`. On entry they are the start of the phase. On return
-    /// they are the capture times of the site.
+    /// Adds a waiting time to each of the last values of `times`, one value per run. On entry,
+    /// these values are the start of the phase. On return, they are the capture times of the site.
     fn wait(&self, site: u32, mean: f32, before: &[u32], times: &mut [f32]) {
         let runs = self.runs;
         let (done, here) = times.split_at_mut(times.len() - runs);

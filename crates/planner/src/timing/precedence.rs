@@ -31,10 +31,10 @@ pub struct After {
 }
 
 impl Waiting {
-    /// Returns the dependencies of each site that the program must state.
+    /// Returns, for each site, the dependencies that the program must state.
     ///
-    /// Omits dependencies that follow from other dependencies, from attachment, or from the turns
-    /// of a parent. `in_way` are the sites on each access path, sorted.
+    /// Omits dependencies that follow from other dependencies, from attachment, or from the order
+    /// of captures by one parent. `in_way` contains the sites on each access path, sorted.
     pub fn afters(
         &self,
         sites: &Sites<'_>,
@@ -75,7 +75,7 @@ impl Waiting {
 
 /// Search among transitive dependencies.
 struct Ancestors {
-    /// For each position, the number of the last search that reached it.
+    /// For each position, the number of the last search that visited it.
     seen: Vec<u32>,
     search: u32,
     open: Vec<u32>,

@@ -22,7 +22,7 @@ pub enum CellState {
     Full,
 }
 
-/// Conditions of a wait other than its surroundings.
+/// Conditions that a waiting time depends on, other than the surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
     /// Fraction of the initial free blocks that are still free.
@@ -168,7 +168,7 @@ impl<'a> RateLaw<'a> {
         })
     }
 
-    /// Returns the mean of a waiting time, within half a percent.
+    /// Returns the mean waiting time, with a relative error of at most half a percent.
     fn mean_of(&self, wait: Wait) -> f64 {
         let step = ((wait.rate * wait.docking).ln() * STEPS).round();
         let mut scaled = self.scaled.borrow_mut();

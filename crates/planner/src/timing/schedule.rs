@@ -66,8 +66,8 @@ impl Schedule {
         adjacent.filter(move |&other| self.parent(sites, other) == parent)
     }
 
-    /// Returns the position of the block that must be captured in the same phase to hold a site.
-    /// Returns `None` if that block exists before the phase.
+    /// Returns the position in the opening order of the block that holds a site and is captured in
+    /// the same phase. Returns `None` if the holding block exists before the phase.
     pub fn held(&self, sites: &Sites<'_>, site: u32) -> Option<u32> {
         let parent = self.parent(sites, site);
         let same = |other: u32| (other != NONE && self.is_same_phase(site, other)).then_some(other);
@@ -82,8 +82,8 @@ impl Schedule {
         is_first(site) == is_first(other)
     }
 
-    /// Returns the position of the previous capture by the same parent, if only one face may be
-    /// open at a time.
+    /// Returns the position of the previous capture by the same parent. Returns `None` if there is
+    /// none, or if captures by one parent need not take turns.
     pub fn turn(&self, sites: &Sites<'_>, hardware: Hardware, site: u32) -> Option<u32> {
         if hardware.faces != 1 || hardware.attracts_always {
             return None;

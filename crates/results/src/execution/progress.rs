@@ -17,7 +17,7 @@ use crate::execution::is_panic;
 use crate::now;
 use crate::{Checkpoints, Finished, JournalError, Manifest, Records};
 
-/// Program index of an idle worker.
+/// Program index that marks a worker without a run.
 const IDLE: usize = usize::MAX;
 
 /// Progress of an ensemble, shared by its threads and displays.
@@ -51,7 +51,7 @@ pub struct Totals {
     pub ticks_here: u64,
 }
 
-/// Duration of a program's runs.
+/// Progress of the runs of one program.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProgramProgress {
     /// Number of finished runs, of this process or an earlier one.
@@ -82,7 +82,7 @@ pub struct Snapshot {
 /// Supervisor of a run, called once per tick.
 pub struct RunWatch<'a> {
     worker: &'a Worker,
-    /// Stop flags, set by the user and by failed storage.
+    /// Flags that stop the run: one set by the user, one set by a storage error.
     stops: [&'a AtomicBool; 2],
     /// Checkpoints of the run. `None` if they are disabled.
     checkpoints: Option<RunCheckpoints<'a>>,
@@ -158,7 +158,7 @@ impl Progress {
         Progress::from_jobs(manifest, &(0..manifest.total()), threads)
     }
 
-    /// Creates the progress of a range of [jobs](crate::execution::job).
+    /// Creates the initial progress for a range of [jobs](crate::execution::job).
     pub(crate) fn from_jobs(
         manifest: &Manifest,
         jobs: &Range<u64>,

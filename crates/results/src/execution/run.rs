@@ -177,8 +177,8 @@ pub(crate) struct RunTracker<'a> {
     pub checkpoints: Option<&'a Checkpoints>,
 }
 
-/// Makes runs and appends each to a journal. Returns the positions of their lines, with `file` as
-/// the index of the journal.
+/// Makes the pending runs and appends each to a journal. Returns the positions of their lines, with
+/// `file` as the index of the journal file.
 pub(crate) fn journaled(
     pending: PendingRuns,
     journal: Journal,

@@ -26,7 +26,7 @@ struct FileChecksum {
 }
 
 impl FolderChecksums {
-    /// Records the checksum of a file.
+    /// Adds the size and the checksum of a file.
     pub fn note(&mut self, name: &str, sum: Sum) {
         self.files.push(FileChecksum {
             name: name.to_owned(),
