@@ -67,17 +67,19 @@ pub struct Waits {
     /// 10th and 90th percentile of the waiting time \[ticks\], from a Kaplan-Meier curve if waiting
     /// times are censored. `None` if too few waits ended in a capture.
     pub spread: Option<(f64, f64)>,
-    /// Mean number of entries into the reach of the pull per capture. `None` without captures or
-    /// motion.
+    /// Mean number of times, per capture, that free blocks enter the reach of the pull. `None`
+    /// without captures or motion.
     pub entries: Option<f64>,
-    /// Mean time from the captured block's last entry to its capture \[ticks\].
+    /// Mean time from the moment when the captured block last enters the reach of the pull to the
+    /// capture \[ticks\].
     pub docking: Option<f64>,
-    /// Number of entries per tick of waiting, including censored waits. `None` without waiting or
-    /// motion.
+    /// Number of entries into the reach of the pull per tick of waiting. Includes censored waiting
+    /// times. `None` without waiting or motion.
     pub entry_rate: Option<f64>,
     /// Number of captured blocks that had never been captured before.
     pub free: usize,
-    /// Number of captured blocks that had been released before, by their last role.
+    /// Numbers of captured blocks that had been released before. Each number belongs to the last
+    /// role of the blocks.
     pub released: Vec<(RoleId, usize)>,
 }
 
@@ -87,7 +89,8 @@ struct CaptureTally {
     times: TimeSample,
     entries: Mean,
     docking: Mean,
-    /// Number of entries in all waiting times, including censored ones.
+    /// Number of entries into the reach of the pull during all waiting times, including censored
+    /// ones.
     all_entries: f64,
     free: usize,
     released: BTreeMap<RoleId, usize>,
@@ -191,14 +194,17 @@ pub struct CaptureSummary {
     /// Waiting time from switching the face on to the capture. Right-censored at the end of the
     /// run.
     pub wait: Time,
-    /// Mean number of entries into the reach of the pull per capture. `None` without captures.
+    /// Mean number of times, per capture, that free blocks enter the reach of the pull. `None`
+    /// without captures.
     pub entries: Option<f64>,
-    /// Mean time from the captured block's last entry to its capture \[ticks\].
+    /// Mean time from the moment when the captured block last enters the reach of the pull to the
+    /// capture \[ticks\].
     pub docking: Option<f64>,
-    /// Number of entries per tick of waiting, over all waiting times. `None` without waiting.
+    /// Number of entries into the reach of the pull per tick of waiting, over all waiting times.
+    /// `None` without waiting.
     pub entry_rate: Option<f64>,
-    /// Number of captured blocks with each former role, sorted by role. All other captured blocks
-    /// had never been captured before.
+    /// Number of captured blocks for each role that they had before their release, sorted by role.
+    /// All other captured blocks had never been captured before.
     pub released: Vec<(String, usize)>,
 }
 

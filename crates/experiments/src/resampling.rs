@@ -88,8 +88,7 @@ impl Replicates {
         }
     }
 
-    /// Returns this sum divided by the product of `times` and the other sum. Returns `None` if the
-    /// other sum is 0.
+    /// Returns this sum divided by `times` and by the sum `other`. Returns `None` if `other` is 0.
     pub fn over(&self, other: &Replicates, times: f64) -> Option<Ratio> {
         if other.sum <= 0.0 {
             return None;

@@ -8,9 +8,10 @@ use super::head_start::HeadStartTally;
 use super::observation::Observations;
 use super::{likelihood, observation};
 
-/// Programs to observe for a calibration: name and source.
+/// Programs whose runs are observed for a calibration, as name and source.
 ///
-/// Their structures must grow. Single blocks next to a fixed structure give errors of 5 to 10 %.
+/// In each program, a structure grows. Observing single blocks next to a fixed structure would give
+/// errors of 5 to 10 %.
 pub const PROGRAMS: [(&str, &str); 25] = [
     ("towers", include_str!("programs/towers.sa")),
     ("wall", include_str!("programs/wall.sa")),
@@ -39,7 +40,7 @@ pub const PROGRAMS: [(&str, &str); 25] = [
     ("fin", include_str!("programs/fin.sa")),
 ];
 
-/// Observed waiting times and head starts of a scene.
+/// Observations of a scene for its calibration: waiting times, and captures shortly after releases.
 #[derive(Debug)]
 pub struct Calibration {
     pub(super) scene: Scene,

@@ -5,7 +5,8 @@ use stochc_estimate::{HeadStart, relative};
 
 use super::observation::{History, LATELY, NEAR, WaitingFace};
 
-/// Number of ticks after a release. A block that is captured later counts as any other free block.
+/// Number of ticks after a release until a capture of the released block is no longer early. After
+/// that, the block counts as any other free block.
 const LATEST: u64 = 2 * LATELY;
 
 /// Smallest number of releases for estimating a head start.
@@ -15,8 +16,8 @@ const MIN: u32 = 10;
 /// time arrive within one tick.
 const A_MOMENT: u64 = 2;
 
-/// Counts of releases, captures, and the sum of capture times. The key is the lateness of the face,
-/// and the position of the block relative to the open cell ([`relative`]).
+/// Number of releases, number of early captures, and sum of their times. The key states whether the
+/// face opened late, and the position of the block relative to the open cell ([`relative`]).
 #[derive(Debug, Default)]
 pub(super) struct HeadStartTally(BTreeMap<(bool, u32, i32), (u32, u32, u64)>);
 
@@ -57,7 +58,8 @@ impl HeadStartTally {
         }
     }
 
-    /// Returns the mean probability and time of the early captures, by the position of the block.
+    /// Returns the probability and the mean time of early captures, for each position of the
+    /// released block.
     pub fn summary(&self) -> Vec<HeadStart> {
         let known = self
             .0

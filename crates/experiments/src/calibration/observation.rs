@@ -11,7 +11,7 @@ pub(super) const NEAR: u32 = 8;
 /// Number of ticks after which a release has no effect.
 pub(super) const LATELY: u64 = 150;
 
-/// Largest observation time of a face, in medians of the completed waiting times. One exponential
+/// Largest time that a face is observed, as a multiple of the median waiting time. One exponential
 /// waiting time in 65,536 is longer.
 const LONGEST: f64 = 16.0;
 
@@ -138,9 +138,9 @@ impl Observations {
         self.pieces.iter().filter(|piece| piece.captured).count() as u64
     }
 
-    /// Returns the intervals of faces that did not jam, because the rate law does not include jams.
-    /// All observations are cut at the same time limit. It is independent of each face's capture,
-    /// so the result has no bias.
+    /// Returns the intervals, cut at a time limit. Longer waiting times are very probably jams,
+    /// which the rate model does not include. The limit is the same for all faces and does not
+    /// depend on the capture of a face. The result therefore has no bias.
     pub fn without_jams(&self) -> Vec<WaitInterval> {
         let mut waits: Vec<f64> = (self.pieces.iter())
             .filter(|piece| piece.captured)

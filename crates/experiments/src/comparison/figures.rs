@@ -15,8 +15,8 @@ pub struct Comparison {
     pub time_unit: &'static str,
     /// Results of each program, in the order of the manifest.
     pub programs: Vec<ProgramSummary>,
-    /// Result for each pair of programs, in the same order. A sweep compares only different
-    /// programs at equal values.
+    /// Result for each pair of programs, in the order of the manifest. In a sweep, only different
+    /// programs with equal values of the axes are compared.
     pub pairs: Vec<Pair>,
     /// Unit of the differences: ticks, or seconds if the programs have different ticks.
     pub unit: &'static str,
@@ -51,9 +51,9 @@ pub struct ProgramSummary {
     pub censored: u64,
     /// Number of failed runs. They are excluded from all times.
     pub failed: u64,
-    /// Completion time of a run. `None` if no run has a time.
+    /// Statistics of the completion time. `None` if no run has a time.
     pub time: Option<Time>,
-    /// Time of each phase in order.
+    /// Statistics of the time of each phase, in order.
     pub phase_times: Vec<PhaseTime>,
 }
 
@@ -75,13 +75,14 @@ pub struct Time {
     pub completed: usize,
     /// Number of incomplete times: timed out or right-censored.
     pub incomplete: usize,
-    /// Mean. If some times are incomplete, the mean of min(time, horizon), a lower bound of the
-    /// mean.
+    /// Mean time. If some times are incomplete, this is the mean of min(time, horizon), a lower
+    /// bound of the mean.
     pub mean: f64,
     /// Half-width of the 95 % confidence interval of the mean. `None` for fewer than two completed
     /// times.
     pub half_width: Option<f64>,
-    /// Horizon: upper limit of the times in the mean. `None` if all times are complete.
+    /// Horizon: times above this limit count as this limit in `mean`. `None` if all times are
+    /// complete.
     pub horizon: Option<f64>,
     /// Shortest completed time.
     pub min: Option<f64>,

@@ -83,11 +83,12 @@ impl TimeUnit {
     }
 }
 
-/// Tests all pairs of programs. In a sweep, tests only pairs of different programs at equal values.
+/// Tests all pairs of programs. In a sweep, tests only pairs of different programs with equal
+/// values of the axes.
 ///
 /// Programs with the same runs are not tested against each other. Of several pairs with the same
-/// runs, only one is tested. Each p-value is also corrected for the number of tested pairs, for the
-/// conclusions.
+/// runs, only one is tested. Conclusions use p-values that are corrected for the number of tested
+/// pairs.
 pub fn pairwise_tests(groups: &[ComparedProgram]) -> Vec<PairwiseTest> {
     let mut pairs = Vec::new();
     for (i, first) in groups.iter().enumerate() {
@@ -130,8 +131,8 @@ fn identities<'a>(first: &'a ComparedProgram, second: &'a ComparedProgram) -> Op
     Some(both)
 }
 
-/// Selects one pair of those that have the same runs: the pair with the most runs, or the first of
-/// several.
+/// Selects one of several pairs whose programs have the same runs. Selects the pair with the most
+/// runs, or the first such pair.
 fn tested<'a>(
     groups: &'a [ComparedProgram],
     pairs: &[(usize, usize)],

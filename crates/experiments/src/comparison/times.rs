@@ -15,8 +15,8 @@ pub fn completion_time(record: &RunRecord) -> Option<Observation> {
     })
 }
 
-/// Returns the status, at the end of a run, of every event that the run did not reach. Returns
-/// `None` if the run failed.
+/// Returns the [`Status`] of events that did not happen before the end of a run with this outcome.
+/// Returns `None` if the run failed.
 pub fn completion_status(outcome: &Outcome) -> Option<Status> {
     match outcome {
         Outcome::Completed => Some(Status::Completed),

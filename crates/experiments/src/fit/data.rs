@@ -16,7 +16,7 @@ const MAX: f64 = 1e15;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Unit {
-    /// Ticks of each program's scene.
+    /// Ticks of the scene of each program.
     Ticks,
     /// Seconds.
     Seconds,
@@ -107,7 +107,7 @@ impl fmt::Display for PileUp {
     }
 }
 
-/// Meaning of the rows of a table.
+/// Subject of each row of a table: one run or one program.
 #[derive(Clone, Copy, PartialEq)]
 enum Rows {
     Runs { with_stopped: bool },

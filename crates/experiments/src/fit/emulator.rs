@@ -22,7 +22,7 @@ pub struct Emulator {
     polynomials: Vec<Polynomial>,
     /// Matrix (XᵀX)⁻¹ of the least-squares fit.
     inverse: DMatrix<f64>,
-    /// Mean leverage of the points.
+    /// Mean leverage (xᵀ (XᵀX)⁻¹ x) over the points of the design.
     mean_leverage: f64,
     /// Covariance of the statistics of one run. For n runs, it is divided by n.
     unit_covariance: DMatrix<f64>,
@@ -34,7 +34,7 @@ struct Polynomial {
     coefficients: DVector<f64>,
     /// Variance of the residuals.
     residual: f64,
-    /// Part of this variance that the scatter of the runs does not explain.
+    /// Part of the residual variance that the scatter of the runs does not explain.
     lack_of_fit: f64,
 }
 
@@ -100,12 +100,13 @@ impl Emulator {
         DVector::from_vec(features(at, &self.scale))
     }
 
-    /// Returns the values of the polynomials for these terms.
+    /// Returns the value of each polynomial at a point with these [`Emulator::features`].
     fn values(&self, features: &DVector<f64>) -> impl Iterator<Item = f64> {
         (self.polynomials.iter()).map(|it| it.coefficients.dot(features))
     }
 
-    /// Returns the variances of the emulator's errors at a point with this leverage.
+    /// Returns, for each statistic, the variance of the emulator's error at a point with this
+    /// leverage.
     fn variances(&self, leverage: f64) -> impl Iterator<Item = f64> {
         (self.polynomials.iter()).map(move |it| it.residual * leverage + it.lack_of_fit)
     }

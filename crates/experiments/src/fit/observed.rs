@@ -1,7 +1,7 @@
 //! Statistics of measured times, which may be right-censored.
 use crate::statistics::{KaplanMeier, Observation, Summary};
 
-/// Fraction of runs that must have been observed up to the horizon.
+/// Fraction of runs that must have been observed up to the horizon, of those that lasted longer.
 const FOLLOWED: f64 = 0.5;
 
 /// Statistics of a program's measured completion times.
@@ -98,8 +98,8 @@ impl Observed {
     }
 }
 
-/// Returns the end of the time range that enough runs were observed for. If all runs have the same
-/// limit, this is the limit.
+/// Returns the horizon: the latest time that enough runs were observed for.
+/// If all runs have the same limit, this is the limit.
 ///
 /// Returns `None` if enough runs were observed to completion.
 fn horizon(runs: &[Observation]) -> Option<f64> {

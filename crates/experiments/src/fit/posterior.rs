@@ -15,7 +15,7 @@ use crate::statistics::quantile;
 /// Number of draws from the posterior distribution.
 const DRAWS: usize = 4_000;
 
-/// Number of steps that each draw takes at each temperature.
+/// Number of Metropolis steps of each draw at each power of the likelihood.
 const MOVES: usize = 12;
 
 /// Smallest width of a box, as a fraction of the prior. Narrower boxes do not allow fitting a
@@ -39,7 +39,7 @@ pub struct Marginal {
     pub unit: String,
     /// Median of the posterior.
     pub median: f64,
-    /// 95 % interval of the posterior.
+    /// 95 % interval of the parameter, in `unit`.
     pub interval: (f64, f64),
     /// Width of the interval, as a fraction of the prior's width. If it is near 1, the data do not
     /// constrain the parameter.
@@ -148,7 +148,8 @@ fn weights(known: &[f64], power: f64) -> Vec<f64> {
     weights.iter().map(|it| it / sum).collect()
 }
 
-/// Returns the next power of the likelihood, at most 1. It keeps half of the draws effective.
+/// Returns the power of the likelihood for the next step, at most 1. At least half of the draws
+/// stay effective with it.
 fn next_temperature(known: &[f64], heat: f64) -> f64 {
     let of_use = |power: f64| {
         let squares: f64 = weights(known, power - heat).iter().map(|it| it * it).sum();
@@ -187,7 +188,8 @@ fn resample(weights: &[f64], offset: f64) -> Vec<usize> {
         .collect()
 }
 
-/// Returns a matrix that turns independent normal numbers into steps of a suitable size.
+/// Returns a matrix. It converts independent normal random numbers into random steps of suitable
+/// size between draws.
 fn step(draws: &[Vec<f64>]) -> DMatrix<f64> {
     let numbers = draws[0].len();
     let n = draws.len() as f64;

@@ -116,7 +116,8 @@ impl Prior {
         }
     }
 
-    /// Extends an interval of probabilities until it has enough values for fitting a polynomial.
+    /// Extends an interval of probabilities. If the parameter is an integer, the result contains
+    /// enough values for fitting a polynomial.
     pub fn surroundings(&self, ends: (f64, f64)) -> (f64, f64) {
         let (low, high) = self.outward(ends);
         if !self.is_whole {

@@ -23,7 +23,7 @@ pub struct Fit {
     pub points: usize,
     /// Number of runs at all these points.
     pub runs: usize,
-    /// Number of incomplete runs whose completion times the fit would need.
+    /// Number of simulated runs that are incomplete although the fit needs their completion times.
     pub stopped: usize,
     /// Draws from the posterior, in the units of the priors. Each is a list of values.
     pub draws: Vec<Vec<f64>>,
@@ -147,8 +147,8 @@ impl Observed {
 }
 
 impl Posterior {
-    /// Returns the posterior of the parameters, given the data of the fitted programs. The box with
-    /// these ends is the range of the emulators, which give no information outside of the box.
+    /// Returns the posterior of the parameters, given the data of the fitted programs. `ends` is
+    /// the box that the emulators were fitted in. Outside of this box, the posterior is zero.
     pub fn new(ends: &[(f64, f64)], programs: &[FittedProgram], seed: u64) -> Posterior {
         let fitted = programs.iter().filter(|it| it.measurement.is_fitted);
         let likelihoods: Vec<_> = fitted
@@ -162,7 +162,7 @@ impl Posterior {
         Posterior::sample(ends, likelihood, seed)
     }
 
-    /// Returns the prediction for a repeated measurement of a program.
+    /// Returns the prediction for another measurement of the program with the same number of runs.
     pub fn predict(&self, program: &FittedProgram) -> Prediction {
         let measurement = program.measurement;
         let chance = program

@@ -34,14 +34,15 @@ pub struct Difference {
     pub difference: f64,
     /// Half-width of the 95 % confidence interval of the difference.
     pub half_width: f64,
-    /// p-value: probability of a difference at least this large if the true difference were zero.
+    /// Probability of a difference at least this large if the true difference were zero.
     pub p: f64,
-    /// `p`, corrected for the number of reported differences (S. Holm, 1979).
+    /// The p-value `p`, corrected by Holm's method for the number of reported differences (S. Holm,
+    /// 1979).
     pub p_holm: f64,
     /// Sample with the significantly longer times.
     pub longer: Longer,
-    /// Number of runs of each program that detects a difference of 5 % with a probability of 80 %.
-    /// The percentage is of the mean. `None` if the mean is 0.
+    /// Number of runs of each program that detects a difference of 5 % of the mean with a
+    /// probability of 80 %. `None` if the mean is 0.
     pub runs_for_5_percent: Option<u64>,
 }
 
@@ -145,7 +146,7 @@ impl Difference {
     }
 }
 
-/// Corrects the p-values and conclusions of reported differences for the number of differences.
+/// Applies Holm's correction to the p-values of all reported differences. Updates the conclusions.
 pub fn correct<'a>(differences: impl Iterator<Item = &'a mut Difference>) {
     let differences: Vec<&mut Difference> = differences.collect();
     let p: Vec<f64> = differences.iter().map(|it| it.p).collect();

@@ -17,7 +17,7 @@ pub struct Relative {
     pub horizon: Option<f64>,
 }
 
-/// Mean with the data that its interval needs.
+/// Mean of a sample, with the standard error and the degrees of freedom for its interval.
 struct MeanEstimate {
     mean: f64,
     /// Standard error of the mean. `None` for a single run.

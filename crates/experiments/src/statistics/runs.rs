@@ -48,7 +48,7 @@ impl Runs {
 
 /// Two samples of values whose means can be compared.
 pub(super) struct Comparable {
-    /// One value per time, in the order of the sample.
+    /// For each sample, one value per time, in the order of the times.
     pub values: [Vec<f64>; 2],
     /// Additional standard error of each mean. If no run completes before the horizon, all values
     /// are equal. The only error is then the unknown share of runs that would complete. It is

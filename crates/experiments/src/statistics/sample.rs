@@ -8,7 +8,7 @@ pub struct TimeSample(StoredTimes);
 
 #[derive(Clone, Debug)]
 enum StoredTimes {
-    /// For each time, four times its value plus the number of its status.
+    /// Each element is four times the time, plus the number of the status.
     Short(Vec<u32>),
     /// Times, and the status of each.
     Any(Vec<f64>, Vec<Status>),

@@ -23,7 +23,7 @@ pub fn share_interval(k: usize, n: usize) -> Option<(f64, f64)> {
     Some((low, high))
 }
 
-/// Returns the standard error of the share of an outcome that none of `n` runs had. Its
+/// Returns the standard error of the share of an outcome that did not occur in any of `n` runs. Its
 /// [interval](share_interval) is 1.96 standard errors wide.
 pub fn unseen_share_error(n: usize) -> f64 {
     share_interval(0, n).map_or(1.0, |(_, most)| most) / normal_quantile()

@@ -166,8 +166,8 @@ impl KaplanMeier {
         }
     }
 
-    /// Returns the mean of min(time, horizon), the area under the curve up to `horizon`. The
-    /// horizon is reduced to the end of the known curve. An infinite horizon becomes the last
+    /// Returns the mean of min(time, horizon): the area under the curve up to `horizon`. If the
+    /// known curve ends before `horizon`, uses this end instead. If that is infinite, uses the last
     /// observed time.
     pub(crate) fn restricted_mean(&self, horizon: f64) -> RestrictedMean {
         let horizon = self.known_until(horizon);
@@ -233,7 +233,8 @@ impl KaplanMeier {
         observations.iter().map(contribution).collect()
     }
 
-    /// Returns the horizon, reduced to the end of the known curve. The result is finite.
+    /// Returns the smaller of `horizon` and the end of the known curve. Returns the last observed
+    /// time if both are infinite.
     fn known_until(&self, horizon: f64) -> f64 {
         let known = horizon.min(self.reach);
         if known.is_finite() { known } else { self.last }

@@ -61,7 +61,8 @@ impl Axis {
         })
     }
 
-    /// Returns the values of a setting. Returns `None` if the axis is a scene parameter.
+    /// Returns the values of the setting that the axis varies. Returns `None` if the axis varies a
+    /// scene parameter.
     pub fn settings(&self) -> Option<&[ChosenSetting]> {
         match &self.values {
             AxisValues::Settings(chosen) => Some(chosen),
@@ -178,8 +179,8 @@ pub(crate) fn digits(value: f64, n: usize) -> f64 {
     rounded.unwrap_or(value)
 }
 
-/// Returns the error for evenly spaced values that are not integers. It suggests another number of
-/// values.
+/// Returns the error for an integer parameter whose evenly spaced values are not all integers. The
+/// error suggests another number of values.
 fn not_whole(name: &'static str, from: f64, to: f64, n: u32, broken: f64) -> RangeError {
     let whole = |n: &u32| (1..n - 1).all(|i| even(from, to, *n, i).fract() == 0.0);
     let ends = from.fract() == 0.0 && to.fract() == 0.0;

@@ -69,7 +69,8 @@ pub struct SweepPoint {
     pub captures: u64,
     /// Fraction of captures whose block had been released before. `None` without captures.
     pub released: Option<f64>,
-    /// Total time of all runs that did not fail, divided by their number of captures.
+    /// Mean time per capture: total time of all runs that did not fail, divided by their number of
+    /// captures.
     pub time_per_capture: Option<f64>,
 }
 

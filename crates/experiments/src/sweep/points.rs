@@ -58,7 +58,11 @@ pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Point>, RangeError> {
     Ok(all)
 }
 
-/// Checks that no earlier axis has the same name.
+/// Adds the name of an axis to `seen`.
+///
+/// # Errors
+///
+/// If an earlier axis has the same name.
 fn first_time<'a>(seen: &mut Vec<&'a str>, name: &'a str) -> Result<(), RangeError> {
     if seen.contains(&name) {
         return Err(RangeError::AxisTwice(name.to_owned()));
@@ -67,7 +71,7 @@ fn first_time<'a>(seen: &mut Vec<&'a str>, name: &'a str) -> Result<(), RangeErr
     Ok(())
 }
 
-/// Checks that multiplying the number of points by `values` keeps it within the limit.
+/// Checks that `points` multiplied by `values` is within the limit of points.
 fn few(points: usize, values: usize) -> Result<(), RangeError> {
     let count = points.saturating_mul(values);
     if count <= MAX_POINTS {

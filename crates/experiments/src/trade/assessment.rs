@@ -20,14 +20,14 @@ pub struct TradeTally<'a> {
     settings: Vec<&'a [ChosenSetting]>,
     /// Programs without the settings of their points, without duplicates.
     programs: Vec<TradedProgram>,
-    /// For each combination of settings, the index of each program in the manifest. `None` if the
-    /// program was not run with these settings.
+    /// For each combination of settings and each of `programs`, the index in the manifest. `None`
+    /// if the program was not run with these settings.
     places: Vec<Vec<Option<usize>>>,
     /// Times and costs of each program of the manifest.
     samples: Vec<Sample>,
 }
 
-/// Combination of settings with its runs.
+/// Combination of settings, with the results of each program.
 struct Row<'a> {
     settings: Settings,
     samples: Vec<&'a Sample>,
@@ -138,7 +138,8 @@ impl Trade {
     }
 }
 
-/// Returns the index of the element that `is_it` accepts. Appends `new()` if there is none.
+/// Returns the index of the first element that `is_it` accepts. If there is none, appends `new()`
+/// and returns its index.
 fn place<T>(list: &mut Vec<T>, is_it: impl Fn(&T) -> bool, new: impl FnOnce() -> T) -> usize {
     let place = list.iter().position(is_it).unwrap_or(list.len());
     if place == list.len() {
@@ -228,8 +229,8 @@ fn cell(sample: &Sample, reference: Option<&[Observation]>) -> ProgramResult {
     }
 }
 
-/// Marks the Pareto-optimal candidates. The bias of the reference is 0. The bias of other
-/// candidates is bounded by its interval.
+/// Marks the Pareto-optimal candidates. The bias of the reference counts as 0, the bias of another
+/// candidate as the bound of its interval.
 fn draw_front(candidates: &mut [CandidateResult], reference: Option<usize>) {
     let bias = |i: usize, candidate: &CandidateResult| {
         if reference == Some(i) {

@@ -43,8 +43,8 @@ fn settings(finest: u32) -> Vec<Settings> {
     all
 }
 
-/// Returns the base settings for candidates with a single change: the default steps, or the finest
-/// uniform steps.
+/// Returns the base settings. Some candidates differ from them in one setting only. These are the
+/// defaults, or the finest uniform steps if the default steps are finer than `finest`.
 fn usual(finest: u32) -> Settings {
     if Substeps::DEFAULT.near <= finest {
         Settings::default()

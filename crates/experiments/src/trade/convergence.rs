@@ -13,8 +13,8 @@ pub const CLOSE: f64 = 0.1;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Convergence {
-    /// Converged: the last doubling caused a small change, including the interval. The doubling
-    /// before caused no significant larger change.
+    /// The last doubling caused a small change, including its interval. The doubling before caused
+    /// no change that is significant and may be large.
     Converged,
     /// Undecided: the intervals are too wide, or there are fewer than two doublings.
     Undecided,
@@ -29,11 +29,11 @@ pub struct Doubling {
     pub from: u32,
     /// Number of substeps after the doubling.
     pub to: u32,
-    /// For each program, the mean after the doubling divided by the mean before, minus one. `None`
-    /// if a mean is unknown.
+    /// For each program, the relative change of the mean time: mean after the doubling divided by
+    /// mean before, minus one. `None` if a mean is unknown.
     pub changes: Vec<Option<Relative>>,
-    /// For each program, the number of right-censored runs before and after the doubling. If it is
-    /// positive, the change compares restricted means.
+    /// For each program, the number of right-censored runs before and after the doubling. If the
+    /// number is positive, the change is of restricted means.
     pub censored: Vec<usize>,
 }
 
@@ -63,8 +63,8 @@ impl Doubling {
         bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))
     }
 
-    /// Returns whether the mean of one of these programs changed significantly and possibly by more
-    /// than `within`.
+    /// Returns whether the mean of any of these programs changed significantly by an amount that
+    /// may exceed `within`.
     fn has_changed(&self, programs: &[usize], within: f64) -> bool {
         let changes = programs.iter().filter_map(|&p| self.changes[p].as_ref());
         let beyond = |change: &Relative| change.bound().is_some_and(|bound| bound > within);

@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::statistics::Longer;
 use crate::{Comparison, PairwiseResult};
 
-/// Pair of programs. The first is faster at the reference.
+/// Pair of programs. The first program is faster with the reference settings.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Ranked {
     /// Index of the first program.
@@ -31,8 +31,7 @@ pub enum Verdict {
     Reversed,
 }
 
-/// For each tested pair of programs, the program that takes longer. The keys are the names of the
-/// programs.
+/// For each tested pair of programs, which of the two takes longer. The key is the pair of names.
 pub(super) struct Orders<'a>(HashMap<(&'a str, &'a str), Longer>);
 
 impl<'a> Orders<'a> {
@@ -52,9 +51,10 @@ impl<'a> Orders<'a> {
         Orders(orders.collect())
     }
 
-    /// Compares the order of all pairs of programs between a candidate and the reference.
+    /// Compares the order of each pair of programs with the candidate settings to the order with
+    /// the reference settings.
     ///
-    /// Both lists have the names of the same programs in the ensemble. A name is `None` if the
+    /// Both lists contain the names of the same programs in the ensemble. A name is `None` if the
     /// program has no runs.
     pub fn rank(&self, reference: &[Option<&str>], candidate: &[Option<&str>]) -> Vec<Ranked> {
         let places = 0..reference.len();

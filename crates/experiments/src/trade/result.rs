@@ -37,11 +37,11 @@ pub struct TradedProgram {
 pub struct Reference {
     /// Index of the candidate.
     pub candidate: usize,
-    /// Whether the reference has converged, within 10 %. Undecided if the last doubling has
-    /// right-censored runs.
+    /// Whether the mean times at the reference have converged, within 10 %. Undecided if the last
+    /// doubling has right-censored runs.
     pub convergence: Convergence,
-    /// Largest change of a mean by the last doubling that is compatible with the intervals. `None`
-    /// if the intervals exclude nothing.
+    /// Upper limit, over all programs, of the relative change of a mean by the last doubling.
+    /// Derived from the intervals. `None` if the intervals give no limit.
     pub bound: Option<f64>,
     /// All doublings of the substeps up to the reference, in order.
     pub doublings: Vec<Doubling>,
@@ -63,8 +63,8 @@ pub struct CandidateResult {
     pub cost_ratio: Option<f64>,
     /// Bias of the program with the largest bias. `None` if the bias of some program is unknown.
     pub worst: Option<Relative>,
-    /// Largest bias of any program that is compatible with the intervals. `None` if the intervals
-    /// exclude nothing, for example with right-censored runs.
+    /// Upper limit of the bias of all programs, derived from the intervals. `None` if the intervals
+    /// give no limit, for example with right-censored runs.
     pub bound: Option<f64>,
     /// Whether the candidate is Pareto-optimal: no cheaper candidate has a smaller bound on its
     /// bias.
@@ -110,8 +110,8 @@ impl Trade {
         stamped_json(self, manifest)
     }
 
-    /// Returns the number of a program's right-censored runs at the reference and before its last
-    /// doubling.
+    /// Returns the number of a program's right-censored runs at the reference, plus the number at
+    /// the previous number of substeps.
     pub(crate) fn reference_runs_at_limit(&self, program: usize) -> usize {
         let own = self.reference_candidate();
         let own = own.map_or(0, |candidate| candidate.programs[program].censored);

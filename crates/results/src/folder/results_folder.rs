@@ -54,8 +54,8 @@ pub struct Folder {
     existing: Records,
     shortest: Option<Finished>,
     whole: u64,
-    /// Manifest before the ensemble grew, if the journal has corrupted lines. They must be removed
-    /// before more runs are added.
+    /// Stored manifest, if the ensemble has grown since and the journal has corrupted lines. These
+    /// lines must be removed before runs are added.
     foul: Option<Manifest>,
     damage: Vec<String>,
     further: MakeFurther,
@@ -139,7 +139,7 @@ impl Folder {
         Folder::open_split(path, manifest, resume.into())
     }
 
-    /// Opens a folder that may be split into shards.
+    /// Opens a folder. Unlike [`Folder::open`], accepts a folder that is split into shards.
     pub(crate) fn open_split(
         path: &Path,
         manifest: &Manifest,
@@ -378,7 +378,7 @@ impl Folder {
         Ok(journal)
     }
 
-    /// Returns the runs whose lines are at these positions of the folder's journal.
+    /// Returns the runs whose lines are at `places` in the journal of the folder.
     ///
     /// # Errors
     ///
@@ -631,7 +631,7 @@ pub(crate) fn replace(path: &Path, name: &str, content: &[u8]) -> Result<(), Fol
     atomic::replace(&path, content, Replaces::Ordinary).map_err(FolderError::at(path))
 }
 
-/// Returns the builds of a folder after the builds `here` have added runs.
+/// Returns the builds in `stored`, followed by the new ones in `here`.
 fn joined(stored: &[String], here: &[String]) -> Vec<String> {
     let mut all = stored.to_vec();
     for build in here {

@@ -85,9 +85,9 @@ pub(crate) struct ShardHeader {
 #[derive(Debug)]
 pub(crate) struct Journal {
     file: Arc<File>,
-    /// Position of the end of the last complete line \[bytes\].
+    /// Position after the last complete line \[bytes\].
     end: Mutex<u64>,
-    /// Whether the thread that syncs has been notified of new lines.
+    /// Whether the thread that writes to the disk has been notified of new lines.
     is_notified: Arc<AtomicBool>,
     wake: SyncSender<()>,
     syncer: JoinHandle<io::Result<()>>,
@@ -100,7 +100,7 @@ pub(crate) struct StoredJournal {
     pub finished: Records,
     /// Shortest run that did not fail.
     pub shortest: Option<Finished>,
-    /// Position of the end of the last complete line \[bytes\].
+    /// Position after the last complete line \[bytes\].
     pub whole: u64,
     /// Messages about corrupted lines.
     pub damage: Vec<String>,
@@ -175,8 +175,8 @@ pub(crate) struct JournalLine<'a> {
     pub text: &'a [u8],
 }
 
-/// Reads the complete lines of a journal after its first line. Returns the position of the end of
-/// the last one.
+/// Calls `each` with each complete line after the first line of a journal. Returns the position
+/// after the last of these lines.
 ///
 /// # Errors
 ///
@@ -297,7 +297,8 @@ pub(crate) fn salvaged(
     Ok(Some(text))
 }
 
-/// Reads the next line like [`read_line`]. A line of `most` bytes counts as the end of the file.
+/// Reads the next line like [`read_line`]. At a line of `most` or more bytes, returns 0 as at the
+/// end of the file.
 fn read_or_end(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Result<u64> {
     match read_line(file, most, line) {
         Err(error) if error.kind() == io::ErrorKind::FileTooLarge => Ok(0),

@@ -145,7 +145,7 @@ impl Manifest {
         found
     }
 
-    /// Checks that the ensemble has runs and is within the size limits.
+    /// Checks that the ensemble has at least one run and is within the size limits.
     ///
     /// # Errors
     ///

@@ -76,19 +76,22 @@ impl EnsembleProgram {
         !(self.varied.is_empty() && self.chosen.is_empty())
     }
 
-    /// Returns the program's name without the scene parameters of its point in a sweep.
+    /// Returns the program's name without the values of scene parameters that a sweep appended.
+    /// Values of settings remain.
     pub fn name_without_numbers(&self) -> String {
         let settings = bracketed(self.chosen.iter().map(ChosenSetting::text));
         self.name.replace(&self.point(), &settings)
     }
 
-    /// Returns the program's name without the settings of its point in a sweep.
+    /// Returns the program's name without the values of settings that a sweep appended. Values of
+    /// scene parameters remain.
     pub fn name_without_settings(&self) -> String {
         let numbers = bracketed(self.varied.iter().map(Varied::text));
         self.name.replace(&self.point(), &numbers)
     }
 
-    /// Returns the program as the point of a sweep that has these settings.
+    /// Returns the program with the settings `chosen`, as a point of a sweep. Appends the values to
+    /// its name.
     #[must_use]
     pub fn at(&self, chosen: &[ChosenSetting]) -> EnsembleProgram {
         let mut point = EnsembleProgram {
@@ -237,7 +240,7 @@ impl EnsembleProgram {
     }
 }
 
-/// Returns values in brackets, as appended to the name of a program.
+/// Returns values in brackets, as a sweep appends them to the name of a program.
 fn bracketed(values: impl Iterator<Item = String>) -> String {
     let values: Vec<String> = values.collect();
     if values.is_empty() {

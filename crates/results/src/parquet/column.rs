@@ -38,7 +38,7 @@ pub struct ColumnDefinition<'a, R> {
 /// Function that returns the value of a column in a row; `None` is null.
 type Get<'a, R, T> = Box<dyn Fn(&R) -> Option<T> + 'a>;
 
-/// Function that returns the value of a column in a row, by the type of the column.
+/// Function that returns the value of a column in a row. The variant is the type of the column.
 pub(super) enum ColumnGetter<'a, R> {
     Bool(Get<'a, R, bool>),
     /// Values that are 32-bit integers, for coordinates.
@@ -349,7 +349,7 @@ fn shared(text: &str, known: &mut FxHashMap<(*const u8, usize), ByteArray>) -> B
     known.clone()
 }
 
-/// Destination of values: whether they may be null, and the writer of the column.
+/// Destination of a column's values: whether they may be null, and the writer of the column.
 type To<'w, 'x> = (bool, &'w mut SerializedColumnWriter<'x>);
 
 fn put<T: DataType, V>(
@@ -366,8 +366,8 @@ fn put<T: DataType, V>(
     Ok(())
 }
 
-/// Writes lists with a definition level (0: empty list, 1: value) and a repetition level (0: new
-/// row, 1: same row).
+/// Writes lists in the encoding of Parquet. Each value has a definition level (0: empty list, 1:
+/// value) and a repetition level (0: starts a new row, 1: continues the row).
 fn put_lists<T: DataType, V>(
     (_, writer): To,
     lists: Vec<Vec<V>>,

@@ -14,7 +14,8 @@ use crate::{Finished, FolderError, JournalError, Manifest, Records};
 /// for writing tables.
 pub(super) const GROUP: usize = 1 << 17;
 
-/// Calls a macro with each table: its index, columns, and function that makes the rows of a run.
+/// Calls the macro `$do` for each table. The arguments are the table's index, its module, and a
+/// function that returns the rows of a run.
 macro_rules! for_each_table {
     ($do:ident) => {
         $do!(0, runs, |_| [()]);
@@ -69,7 +70,8 @@ pub(crate) fn write<W: Write + Send>(
     files.map_err(|error| io(plain(error)))
 }
 
-/// Calls `show` with groups of runs, at least once. The second argument is true for the last group.
+/// Divides the runs into groups, one for each row group of the tables. Calls `show` for each group,
+/// at least once. The second argument states whether the group is the last.
 fn each_group<E: From<JournalError>>(
     finished: &Records,
     mut show: impl FnMut(&[Finished], bool) -> Result<(), E>,

@@ -108,7 +108,8 @@ impl<R: Read> ChecksummedSection<R> {
         Ok(self.take(4)?.try_into().ok().map(u32::from_le_bytes))
     }
 
-    /// Compares the checksum that follows. Returns `None` at the end of the file.
+    /// Reads the checksum that follows the bytes read so far, and returns whether it is correct.
+    /// Returns `None` at the end of the file.
     fn is_valid(&mut self) -> io::Result<Option<bool>> {
         let crc = crc32(&self.bytes);
         Ok(self.number()?.map(|stored| stored == crc))

@@ -62,8 +62,8 @@ impl Outline {
         &self.record
     }
 
-    /// Returns whether the recording is of a run of an ensemble. `known` is the record of this run.
-    /// If it is `None`, any valid record is accepted.
+    /// Returns whether this recording is of run `run` of `program` in an ensemble. `known` is the
+    /// stored record of this run. If `known` is `None`, any valid record is accepted.
     pub fn is_of(
         &self,
         manifest: &Manifest,

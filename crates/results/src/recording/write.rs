@@ -93,7 +93,7 @@ impl<W: Output> Recorder<W> {
         })
     }
 
-    /// Writes the remaining data and the record of the run.
+    /// Writes the data not yet written, and the record of the run.
     ///
     /// # Errors
     ///

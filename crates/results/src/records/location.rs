@@ -1,7 +1,7 @@
 //! Position of a run's line in a file.
 
-/// Position of the line of a run. Sorted like [`Records`]. The first of two lines for one run
-/// counts.
+/// Position of the line that stores a run. Sorted like [`Records`]. If two lines store the same
+/// run, the first one counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct LineLocation {
     pub program: u32,

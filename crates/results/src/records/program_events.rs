@@ -88,7 +88,8 @@ impl<'m> ProgramEvents<'m> {
         Ok(times)
     }
 
-    /// Returns the first event of this kind that has no times yet.
+    /// Returns the first event with this phase and action, and in this cell if given, that has no
+    /// times yet.
     fn next(
         &self,
         times: &[Option<EventTimes>],

@@ -28,7 +28,7 @@ struct Lines {
     /// Positions of the lines, sorted.
     places: Vec<LineLocation>,
     files: Mutex<Vec<BufReader<File>>>,
-    /// Limit on the length of a line \[bytes\].
+    /// Exclusive upper limit on the length of a line \[bytes\].
     most: u64,
 }
 
@@ -47,8 +47,8 @@ impl From<Vec<Finished>> for Records {
 }
 
 impl Records {
-    /// Returns the runs whose lines are at these positions in `files`. The positions may be in any
-    /// order. Each line has fewer than `most` bytes.
+    /// Returns the runs whose lines are at `places` in `files`. The places may be in any order.
+    /// Each line has fewer than `most` bytes.
     pub(crate) fn at(mut places: Vec<LineLocation>, files: Vec<File>, most: u64) -> Records {
         /// Size of a read buffer \[bytes\]. A small buffer suffices, because lines of consecutive
         /// runs are usually close together.
@@ -131,8 +131,8 @@ impl Records {
         self.try_take_each(|finished| show(&finished))
     }
 
-    /// Calls `take` for each run like [`Records::try_each`], but passes ownership of runs read from
-    /// files.
+    /// Calls `take` with each run like [`Records::try_each`]. Runs in files are passed as owned
+    /// values, runs in memory as references.
     pub(crate) fn try_take_each<E: From<JournalError>>(
         &self,
         mut take: impl FnMut(Cow<Finished>) -> Result<(), E>,
@@ -166,7 +166,7 @@ impl Records {
         }
     }
 
-    /// Returns these runs together with runs at positions in another file.
+    /// Returns these runs together with the runs at the positions `more` in another file.
     ///
     /// # Errors
     ///
@@ -226,7 +226,7 @@ impl Records {
 /// Reader of lines at given positions.
 struct LineReader<'a> {
     files: MutexGuard<'a, Vec<BufReader<File>>>,
-    /// Current position in each file. `None` if unknown.
+    /// For each file, the current reading position. `None` if unknown.
     at: Vec<Option<u64>>,
     line: Vec<u8>,
     most: u64,

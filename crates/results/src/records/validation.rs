@@ -61,7 +61,7 @@ impl<'m> RecordValidator<'m> {
     }
 }
 
-/// Returns all ticks of a record except its end.
+/// Returns all ticks that occur in a record, except the end of the run.
 fn times(record: &RunRecord) -> impl Iterator<Item = u64> {
     let bonds = record.bonds.iter();
     let phases = record

@@ -34,7 +34,7 @@ pub struct Shard {
     header: JournalHeader,
     jobs: Range<u64>,
     is_made: bool,
-    /// Existing runs of the shard, by processes that did not complete it.
+    /// Finished runs of the shard at opening, made by processes that did not complete it.
     existing: Records,
     shortest: Option<Finished>,
     checkpoints: Option<Checkpoints>,
@@ -375,8 +375,12 @@ fn set_aside(file: &Path, corrupted: &Path) -> io::Result<()> {
     }
 }
 
-/// Returns the state of a shard whose file is unreadable because of its content. Passes on errors
-/// of the system.
+/// Returns the state of a shard whose file cannot be read: corrupted, unless the error comes from
+/// the operating system.
+///
+/// # Errors
+///
+/// Errors of the operating system.
 fn unreadable(error: io::Error) -> Result<ShardFile, JournalError> {
     match error.raw_os_error() {
         Some(_) => Err(error.into()),
@@ -384,7 +388,7 @@ fn unreadable(error: io::Error) -> Result<ShardFile, JournalError> {
     }
 }
 
-/// Returns the files with runs of an incomplete shard, sorted by name.
+/// Returns the files that contain the runs of an incomplete shard, sorted by name.
 pub(super) fn parts_of(path: &Path, number: u64) -> io::Result<Vec<PathBuf>> {
     let prefix = format!("{number}.part-");
     let mut parts = Vec::new();

@@ -148,8 +148,8 @@ impl Split {
         write_checksums(path, &[(SHARDS_FILE.to_owned(), sum)])
     }
 
-    /// Returns the job numbers of a shard, from `total` jobs. The sizes of shards differ by at most
-    /// one job.
+    /// Returns the range of job numbers that belong to a shard. There are `total` jobs. The sizes
+    /// of shards differ by at most one job.
     pub(super) fn jobs(&self, total: u64, shard: u64) -> Range<u64> {
         let begin = |shard: u64| {
             let share = u128::from(shard) * u128::from(total) / u128::from(self.shards);

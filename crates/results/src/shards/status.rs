@@ -94,7 +94,8 @@ pub fn status(path: &Path) -> Result<ShardStatus, ShardError> {
     })
 }
 
-/// Returns the number of runs in the files of each incomplete shard, by shard number.
+/// Returns the number of finished runs of each incomplete shard. The keys are the numbers of the
+/// shards.
 fn begun(path: &Path) -> io::Result<BTreeMap<u64, u64>> {
     let mut begun = BTreeMap::new();
     let entries = match disk::list(&path.join(SHARDS)) {

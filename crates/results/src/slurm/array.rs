@@ -1,7 +1,8 @@
 //! Tasks of a job array. Task i runs `per_task` shards, starting at shard i × `per_task`.
 use stochc_text::ranges;
 
-/// Returns the numbers of the tasks that run the `missing` shards. Both lists are ascending.
+/// Returns the numbers of the tasks that run the `missing` shards. `missing` must be ascending. The
+/// result is ascending, too.
 pub fn tasks(missing: &[u64], per_task: u64) -> Vec<u64> {
     let mut tasks: Vec<u64> = missing.iter().map(|shard| shard / per_task).collect();
     tasks.dedup();
@@ -11,7 +12,7 @@ pub fn tasks(missing: &[u64], per_task: u64) -> Vec<u64> {
 /// Returns the value of the option `--array` of `sbatch`, with at most `at_most` tasks at the same
 /// time.
 pub fn indices(tasks: &[u64], at_most: Option<u64>) -> String {
-    /// Length of an argument that every system accepts \[bytes\].
+    /// Largest length of a command line argument that every system accepts \[bytes\].
     const MAX_LENGTH: usize = 100_000;
     let mut indices = ranges(tasks, ",");
     if let ([first, .., last], true) = (tasks, indices.len() > MAX_LENGTH) {

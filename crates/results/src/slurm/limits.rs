@@ -76,7 +76,7 @@ impl SlurmLimits {
     }
 }
 
-/// Returns the value in the first part of the form `name = value`.
+/// Returns the value of the first part that has the form `name = value`.
 fn value<'a>(parts: impl IntoIterator<Item = &'a str>, name: &str) -> Option<&'a str> {
     let mut pairs = parts.into_iter().filter_map(|part| part.split_once('='));
     let (_, value) = pairs.find(|(it, _)| it.trim() == name)?;

@@ -94,7 +94,7 @@ impl Queue {
     }
 }
 
-/// Returns the numbers of active jobs, ascending and unique.
+/// Returns the job numbers of the jobs that have not ended, ascending and unique.
 fn active(jobs: &[SlurmJob]) -> Vec<u64> {
     let active = jobs.iter().filter(|job| job.is_active());
     let numbers: BTreeSet<u64> = active.map(|job| job.number).collect();
