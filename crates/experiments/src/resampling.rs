@@ -15,7 +15,8 @@ use crate::statistics::quantile;
 /// Number of bootstrap samples.
 pub const SAMPLES: usize = 200;
 
-/// Returns the weight of a run in each bootstrap sample.
+/// Returns the weight of a run in each bootstrap sample: the number of times that the sample
+/// contains the run.
 pub fn weights(seed: u64, run: u64) -> [u8; SAMPLES] {
     let mut draws = Draws::new(seed, run, Stream::Resample);
     let mut draws = draws.step(0);
@@ -28,7 +29,7 @@ pub fn weights(seed: u64, run: u64) -> [u8; SAMPLES] {
     weights
 }
 
-/// Returns the quantile of the Poisson distribution with mean 1 at a probability below 1.
+/// Returns the quantile of the Poisson distribution with mean 1 at `probability`, which is below 1.
 fn poisson(probability: f64) -> u8 {
     let (mut number, mut term) = (0, (-1.0_f64).exp());
     let mut reached = term;
@@ -61,14 +62,15 @@ pub struct Ratio {
 }
 
 impl Ratio {
-    /// Returns whether the half-width of the interval is at most the value itself.
+    /// Returns whether the interval is narrow: its half-width is at most the value itself.
     pub fn is_certain(&self) -> bool {
         (self.interval).is_some_and(|(low, high)| high - low <= 2.0 * self.value)
     }
 }
 
 impl Replicates {
-    /// Adds the value of a run. `weights` are the run's [`weights`].
+    /// Adds the value `much` of a run to the sums. `weights` is the result of [`weights`] for this
+    /// run.
     pub fn add(&mut self, much: f64, weights: &[u8]) {
         self.samples.resize(SAMPLES, 0.0);
         self.runs += 1;

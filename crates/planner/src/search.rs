@@ -194,8 +194,8 @@ struct Searcher<'a> {
 }
 
 impl Searcher<'_> {
-    /// Returns the schedule that results from these keys of the disassembly order and these
-    /// priorities.
+    /// Returns the access paths and the schedule for one disassembly order and one set of
+    /// priorities. `order` contains the keys of the disassembly order.
     fn candidate(
         &self,
         order: Vec<f32>,
@@ -290,7 +290,8 @@ impl Searcher<'_> {
         }
     }
 
-    /// Alternates between other access paths and other priorities.
+    /// Alternates between varying the access paths and varying the priorities, until the search
+    /// ends.
     fn alternate(&mut self, mut found: ScheduleCandidate) -> ScheduleCandidate {
         while !self.is_over() {
             let most = self.rounds + WAYS / self.sites.len() as u64;
@@ -338,8 +339,8 @@ fn rearranged(of: &ScheduleCandidate, rng: &mut ChaCha8Rng) -> Vec<f32> {
     order
 }
 
-/// Returns whether access paths use passable gaps: in every other variant, since avoiding them may
-/// be faster.
+/// Returns whether access paths may lead through passable gaps. True for every other variant,
+/// because avoiding gaps may give a faster plan.
 fn takes_gaps(waits: &RateLaw<'_>, variant: u64) -> bool {
     waits.has_passable_gaps() && variant % 2 == 1
 }

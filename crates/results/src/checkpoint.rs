@@ -312,7 +312,7 @@ impl Checkpoints {
 pub(crate) struct RunCheckpoints<'a> {
     all: &'a Checkpoints,
     key: RunKey,
-    /// Tick of the last report.
+    /// Tick of the last call of [`Self::tick`].
     tick: Cell<u64>,
     calls: Cell<u32>,
     /// Time and tick of the last checkpoint, or of the start of the run.
@@ -325,8 +325,8 @@ pub(crate) struct RunCheckpoints<'a> {
 }
 
 impl RunCheckpoints<'_> {
-    /// Records that a tick begins. Decides whether a checkpoint is due. `is_stopped` states whether
-    /// the run is asked to stop.
+    /// Records that a tick begins, and decides whether a checkpoint is due. `is_stopped` states
+    /// whether the run has been asked to stop.
     pub fn tick(&self, tick: u64, is_stopped: bool) {
         self.tick.set(tick);
         let (then, at) = self.since.get();

@@ -70,8 +70,8 @@ impl std::fmt::Display for TooFew {
 pub(super) const MIN: u64 = 100;
 
 impl Calibration {
-    /// Returns a calibration of a scene without observations. `profile` is the
-    /// [`profile`](super::profile) of its gas.
+    /// Returns a calibration of a scene without observations. `profile` is the density profile of
+    /// the free blocks, from [`profile`](super::profile).
     pub fn new(scene: &Scene, profile: Vec<f64>) -> Calibration {
         Calibration {
             scene: scene.clone(),

@@ -5,7 +5,8 @@ use stochc_runtime::Settings;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::world::{Arena as _, SceneError, World as _};
 
-/// Number of ticks until the initial state at rest no longer matters.
+/// Number of ticks before the observation. After these ticks, the initial state at rest no longer
+/// matters.
 const WARM_UP: u64 = 500;
 
 /// Duration of the observation \[ticks\]. The relative error of a layer's density is then about 2

@@ -176,7 +176,7 @@ impl Observations {
         }
     }
 
-    /// Adds a waiting time. Splits it where its surroundings change.
+    /// Adds a waiting time, as one interval for each period with constant surroundings.
     fn follow(&mut self, history: &History, wait: &WaitingFace, density: f64, count: u32) {
         let rivals: Vec<&WaitingFace> = (history.waits.iter())
             .filter(|other| other.since < wait.until && other.until > wait.since)

@@ -28,7 +28,7 @@ pub struct Goal {
     pub assembly: Option<String>,
     /// Source of the shape's declaration. `None` if the shape is not declared.
     pub(super) shape: Option<String>,
-    /// Declarations of scenes in the program of the shape.
+    /// Scene declarations of the program that declares the shape.
     pub(super) scenes: WrittenScenes,
     /// Existing blocks to keep, and existing blocks to release.
     pub(super) repair: Repair,

@@ -236,10 +236,11 @@ impl Goal {
         check_text(NAME, &draft)
     }
 
-    /// Returns the program of a plan, with the warnings that it must allow. Replaces the plan's
-    /// estimate by the estimate of the whole program.
+    /// Returns the program of a plan. The program allows the warnings that the check reports. The
+    /// estimate of the whole program replaces the plan's estimate.
     ///
     /// # Errors
+    ///
     /// If the check reports diagnostics that cannot be allowed.
     fn accepted(
         &self,

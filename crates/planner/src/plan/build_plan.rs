@@ -202,8 +202,8 @@ impl BuildPlan {
         }
     }
 
-    /// Returns the plan of a schedule. `in_way` has the sites on each access path, `way_in` the
-    /// access to each site.
+    /// Returns the plan of a schedule. `in_way` contains the sites on each access path, and
+    /// `access_path` the access to each site.
     fn new(
         sites: &Sites<'_>,
         hardware: Hardware,

@@ -22,7 +22,7 @@ use crate::{Hardware, Target};
 pub struct Scaffolded {
     /// Scaffolds.
     pub scaffolding: Scaffolding,
-    /// Cells of the target and of the masts.
+    /// The target together with the cells of the masts.
     pub union: Target,
     /// Best schedule of the target and the masts.
     pub found: FoundSchedule,
@@ -42,7 +42,8 @@ struct ScaffoldCandidate {
 /// Number of runs for comparing scaffolds.
 const RUNS: usize = 200;
 
-/// Smallest number of tries for a search. With fewer, only the first plan is wanted.
+/// Smallest number of tries for a search. A caller that allows fewer tries wants only the first
+/// plan.
 const MIN: u64 = 8;
 
 /// Required relative improvement of the estimate.
@@ -282,8 +283,8 @@ impl ScaffoldTrials<'_> {
         }
     }
 
-    /// Returns a candidate with scaffolds. Returns `None` without a schedule, or if a mast could
-    /// not be removed.
+    /// Returns the candidate for a scaffolding. Returns `None` if it has no schedule, or if a mast
+    /// could not be removed afterwards.
     fn candidate(
         &self,
         growth: &GrowthSchedule,

@@ -172,8 +172,8 @@ impl<'a> SchedulingJob<'a> {
         if is_straight { 0.98 * wait } else { wait }
     }
 
-    /// Returns, for each site, the number of other sites that it waits for to keep access paths
-    /// open.
+    /// Returns, for each site, the number of other sites that must be captured before it to keep
+    /// access paths open.
     pub(super) fn missing(&self) -> Vec<u32> {
         let mut missing = vec![0; self.sites.len()];
         for &site in self.corridors.waiting.iter().flatten() {

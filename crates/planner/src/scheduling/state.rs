@@ -33,7 +33,7 @@ pub(super) struct ScheduleState<'a> {
     /// Eligible sites by urgency.
     pub(super) ready: BinaryHeap<(u32, Reverse<u32>)>,
     pub(super) is_ready: Vec<bool>,
-    /// Open sites by capture time.
+    /// Open sites as a queue, the earliest capture time first.
     pub(super) opened: BinaryHeap<Reverse<(u32, u32)>>,
     pub(super) schedule: Schedule,
     /// Number of anchored sites.

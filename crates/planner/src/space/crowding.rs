@@ -77,7 +77,8 @@ impl Crowding<'_> {
         waits
     }
 
-    /// Returns the adjacent sites that the plate captures, if the plate captures this site as well.
+    /// Returns the adjacent sites that are captured from the plate. Empty if this site is not
+    /// captured from the plate.
     fn beside_on_plate(
         &self,
         site: u32,

@@ -146,7 +146,7 @@ impl FreeSpace {
         self.reach.get(low) == Some(PlaceReach::Always)
     }
 
-    /// Returns the access to a standing site if its block is removed.
+    /// Returns the access to the cell of a standing site, as if its block had been removed.
     pub fn access_path(
         &self,
         sites: &Sites<'_>,
@@ -180,8 +180,8 @@ impl FreeSpace {
         reach.is_some_and(|reach| reach != PlaceReach::Closed)
     }
 
-    /// Updates the space after a removal. `reached` receives the positions that are newly
-    /// reachable.
+    /// Updates the space after the removal of a block. Calls `reached` with each position that
+    /// becomes reachable.
     pub fn open(
         &mut self,
         sites: &Sites<'_>,

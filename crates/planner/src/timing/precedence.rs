@@ -7,7 +7,7 @@ use crate::timing::schedule::Schedule;
 /// Dependencies by position in the opening order.
 #[derive(Clone, Debug)]
 pub struct Waiting {
-    /// For each position, the earlier positions that it waits for.
+    /// For each position in the opening order, the earlier positions that must be captured before.
     pub before: Vec<Vec<u32>>,
 }
 
@@ -15,7 +15,7 @@ pub struct Waiting {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Why {
-    /// The waiting site is on the access path of the other site.
+    /// The waiting site is on the access path of the site that it waits for.
     Way,
     /// Nearby faces must not be open at the same time.
     Near,

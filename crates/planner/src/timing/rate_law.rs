@@ -16,7 +16,7 @@ use crate::space::grid::shifted;
 pub enum CellState {
     /// Empty cell.
     Empty,
-    /// Empty cell, with a face open towards it in this direction.
+    /// Empty cell in front of an open face. The face captures in this direction.
     Awaited(Face),
     /// Cell with a block.
     Full,

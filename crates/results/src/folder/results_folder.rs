@@ -70,7 +70,7 @@ pub type FurtherFiles = Result<Vec<(String, Vec<u8>)>, JournalError>;
 /// Function that generates additional files from the runs of a folder.
 pub type Further = fn(&Manifest, &Records) -> FurtherFiles;
 
-/// Generator of additional files, which may capture values.
+/// Generator of additional files. Unlike [`Further`], it may be a closure that captures values.
 type MakeFiles = dyn Fn(&Manifest, &Records) -> FurtherFiles + Send + Sync;
 
 struct MakeFurther(Box<MakeFiles>);
@@ -285,7 +285,7 @@ impl Folder {
         Ok(self)
     }
 
-    /// Removes the checkpoints of `finished` runs.
+    /// Removes the checkpoints of all runs in `finished`.
     ///
     /// # Errors
     ///
@@ -343,7 +343,7 @@ impl Folder {
         (self.manifest, self.existing)
     }
 
-    /// Returns the shortest run at opening that did not fail.
+    /// Returns the shortest run, of the runs at opening that did not fail.
     pub(crate) fn shortest(&self) -> Option<&Finished> {
         self.shortest.as_ref()
     }
@@ -505,8 +505,8 @@ pub(crate) fn retain_valid_lines(path: &Path, manifest: &Manifest) -> Result<(),
     }
 }
 
-/// Returns messages about corrupted files of a folder, except its manifest. `journal` are the
-/// messages about its journal.
+/// Returns messages about all corrupted files of a folder except its manifest. `journal` contains
+/// the messages about the journal, which come first.
 fn damage(path: &Path, journal: Vec<String>) -> Vec<String> {
     let (checksums, damage) = FolderChecksums::read(path);
     let mut messages = journal;
@@ -603,7 +603,8 @@ fn as_written(folder: &Path) -> Result<(), FolderError> {
     }
 }
 
-/// Returns the error for a folder without a manifest. `otherwise` is used if it has no runs either.
+/// Returns the error for a folder without a manifest. Calls `otherwise` for the error if the folder
+/// has no journal either.
 pub(crate) fn without_manifest(
     path: &Path,
     otherwise: impl FnOnce(PathBuf) -> FolderError,

@@ -213,7 +213,7 @@ fn saved(path: &Path) -> std::io::Result<Result<Manifest, ManifestError>> {
     }))
 }
 
-/// Returns the runs with a recording, as program index and run number.
+/// Returns the runs that have a recording, each as program index and run number.
 fn recordings(manifest: &Manifest, path: &Path) -> Vec<(usize, u64)> {
     let Ok(entries) = disk::list(&path.join(RECORDINGS)) else {
         return Vec::new();

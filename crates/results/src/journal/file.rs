@@ -150,8 +150,8 @@ pub(crate) fn read(
     Ok(stored)
 }
 
-/// Accumulator that finds the run with the fewest ticks among the runs that did not fail. Of
-/// several equal ones, it is the first.
+/// Accumulator that finds the run with the fewest ticks among the runs that did not fail. If
+/// several runs have equally few ticks, finds the first of them.
 #[derive(Debug, Default)]
 pub(crate) struct Shortest(pub Option<Finished>);
 

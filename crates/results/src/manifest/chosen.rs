@@ -22,7 +22,7 @@ const MAX_ITERATIONS: u32 = 1000;
 /// Error of choosing a setting.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum InvalidSetting {
-    /// A sweep cannot vary a setting of this name.
+    /// No setting that a sweep can vary has this name.
     #[error("a sweep has no setting `{0}`")]
     Name(String),
     /// The steps are invalid.
@@ -98,7 +98,7 @@ impl ChosenSetting {
         values.filter_map(chosen).collect()
     }
 
-    /// Returns the position of the setting in the order of [`ChosenSetting::all_of`].
+    /// Returns the position of the setting's name in the order of [`ChosenSetting::all_of`].
     pub fn place(&self) -> usize {
         let place = NAMES.iter().position(|it| *it == self.name);
         place.unwrap_or(NAMES.len())

@@ -30,7 +30,7 @@ pub struct Manifest {
     pub programs: Vec<EnsembleProgram>,
 }
 
-/// Part of a manifest that determines a run with a given number.
+/// Part of a manifest that determines the result of each run.
 #[derive(Serialize)]
 struct Identity<'a> {
     pub(super) format: u32,

@@ -58,7 +58,8 @@ struct StoredCompiled {
     jam_risks: Vec<JamRisk>,
 }
 
-/// Returns the index of a value in a list of unique values, and whether it is new.
+/// Returns the index of a key in a list of unique keys, and whether the key is new. Adds a new key
+/// to the list.
 fn number<K: Eq + std::hash::Hash>(known: &mut HashMap<K, usize>, key: K) -> (usize, bool) {
     let next = known.len();
     let number = *known.entry(key).or_insert(next);

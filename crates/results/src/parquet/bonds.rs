@@ -23,7 +23,7 @@ pub(super) fn bonds(run: RunContext<'_>) -> impl Iterator<Item = BondRow<'_>> {
     docked.chain(run.record.waiting.iter().map(BondRow::Waiting))
 }
 
-/// Accesses a field that both variants of [`BondRow`] have.
+/// Returns a field that both variants of [`BondRow`] have.
 macro_rules! both {
     ($bond:expr, $field:ident) => {
         match $bond {

@@ -82,7 +82,7 @@ pub fn setting_column(setting: &str) -> String {
     format!("setting_{}", setting.replace('-', "_"))
 }
 
-/// Adds the columns that describe the phase of a row.
+/// Adds columns that describe the phase of each row. `phase` returns the phase of a row.
 pub(super) fn add_phase<'a, T: 'a>(
     table: &mut TableDefinition<'a, RunRow<'a, T>>,
     phase: impl Fn(&T) -> PhaseId + Copy + 'a,

@@ -26,8 +26,8 @@ macro_rules! for_each_table {
     };
 }
 
-/// Writes the tables of runs. `begin` returns the output for the name of a table. `io` converts
-/// errors.
+/// Writes all tables of the runs. `begin` creates the output for a table name. `io` converts errors
+/// of the file system. Returns the outputs with the names of their tables.
 pub(crate) fn write<W: Write + Send>(
     manifest: &Manifest,
     finished: &Records,

@@ -103,7 +103,7 @@ impl<R: Read> ChecksummedSection<R> {
         Ok(&self.bytes[at..])
     }
 
-    /// Reads the next number, or returns `None` at the end of the file.
+    /// Reads the next 4 bytes as an integer. Returns `None` at the end of the file.
     fn number(&mut self) -> io::Result<Option<u32>> {
         Ok(self.take(4)?.try_into().ok().map(u32::from_le_bytes))
     }

@@ -138,8 +138,8 @@ fn key(graph: &EventGraph, id: EventId) -> (PhaseId, EventAction) {
     (event.phase, event.action)
 }
 
-/// Returns whether the times fulfil a dependency. Dependencies that the compiler chose freely are
-/// not checked.
+/// Returns whether the times in a record fulfil a dependency. `then` are the times of the dependent
+/// event. Does not check dependencies that the compiler chose freely.
 fn is_satisfied(edge: &Edge, then: EventTimes, times: &[Option<EventTimes>]) -> bool {
     if edge.unneeded || edge.why.is_choice() {
         return true;

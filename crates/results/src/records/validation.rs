@@ -20,8 +20,8 @@ impl<'m> RecordValidator<'m> {
         }
     }
 
-    /// Returns the reason why a record cannot be of a run in the manifest. Returns `None` if the
-    /// record is valid.
+    /// Returns the reason why a record cannot belong to a run of the manifest's program `number`.
+    /// Returns `None` if the record is valid.
     pub fn inconsistency(&self, number: usize, record: &RunRecord) -> Option<String> {
         let Some(program) = self.manifest.programs.get(number) else {
             return Some(format!("program {number} does not exist"));

@@ -39,7 +39,7 @@ pub fn merge(path: &Path, further: Further) -> Result<u64, ShardError> {
     Ok(manifest.total())
 }
 
-/// Writes the journal of the ensemble from the lines of all shards.
+/// Creates the journal of the ensemble from the lines of all shards.
 fn join(path: &Path, manifest: &Manifest, split: &Split) -> Result<(), ShardError> {
     let io = FolderError::at(path.join(JOURNAL));
     let mut draft = Draft::new(&path.join(JOURNAL), Replaces::Ordinary).map_err(&io)?;
