@@ -83,7 +83,7 @@ impl Dismantling {
     }
 }
 
-/// Returns the pieces, each after the piece that it joins.
+/// Returns the segments in hand-over order. A segment that joins another segment comes after it.
 fn in_order(scaffolding: &Scaffolding) -> Vec<&MastSegment> {
     let mut left: Vec<&MastSegment> = scaffolding.segments.iter().collect();
     let mut order = Vec::new();
@@ -92,7 +92,7 @@ fn in_order(scaffolding: &Scaffolding) -> Vec<&MastSegment> {
             |segment: &&MastSegment| !left.iter().any(|other| other.cells.contains(&segment.join));
         let (next, rest): (Vec<&MastSegment>, Vec<&MastSegment>) =
             left.iter().copied().partition(is_last);
-        // A cycle of pieces would have no support.
+        // A cycle of segments would have no support.
         assert!(!next.is_empty(), "every piece joins the target");
         order.extend(next);
         left = rest;

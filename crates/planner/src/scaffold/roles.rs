@@ -4,12 +4,12 @@ use stochc_ir::{Cell, Face};
 use super::Scaffolding;
 use crate::space::sites::{NONE, Sites};
 
-/// Part of a plan with scaffolds: the target, a piece on a mast, or a mast.
+/// Part that a site belongs to: the target, a segment on a mast, or a mast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SitePart {
     /// Target block that its final parent captures from the start.
     Own,
-    /// Target block on a mast until its hand-over. Contains the number of its piece.
+    /// Target block on a mast until its hand-over. Contains the number of its segment.
     Held(u32),
     /// Block of a mast. Contains the number of the mast.
     Mast(u32),
@@ -26,7 +26,7 @@ pub struct SiteRoles {
     temporary: usize,
 }
 
-/// Piece, given by its sites.
+/// Segment on a mast, as sites instead of cells.
 #[derive(Debug)]
 pub struct SiteSegment {
     /// Sites in hand-over order, with the direction from the final parent.
@@ -88,7 +88,7 @@ impl SiteRoles {
         self.way[site as usize]
     }
 
-    /// Returns the pieces.
+    /// Returns the segments.
     pub fn segments(&self) -> &[SiteSegment] {
         &self.segments
     }
@@ -99,7 +99,7 @@ impl SiteRoles {
     }
 
     /// Returns, for each site, the block that must exist before its hand-over. This is the final
-    /// parent of the first piece towards the plate. [`NONE`] for a site without hand-over.
+    /// parent of the first segment towards the plate. [`NONE`] for a site without hand-over.
     pub fn roots(&self) -> Vec<u32> {
         let mut roots = vec![NONE; self.part.len()];
         for segment in &self.segments {

@@ -1,17 +1,17 @@
-//! Scaffolds: masts with the pieces that they hold.
+//! Scaffolds: masts with the segments that they hold.
 use stochc_ir::{Cell, Face};
 
-/// Masts and the pieces on them.
+/// Masts and the segments on them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scaffolding {
-    /// Pieces in order of addition.
+    /// Segments in order of addition.
     pub segments: Vec<MastSegment>,
-    /// Guide masts, which need not hold pieces, with their heights. They guide free blocks to
+    /// Guide masts, which need not hold segments, with their heights. They guide free blocks to
     /// adjacent growth.
     pub guides: Vec<((i32, i32), i32)>,
 }
 
-/// Piece that grows from a mast.
+/// Path of target cells that grows from a mast, until its blocks are handed over.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MastSegment {
     /// Position of the mast on the plate.
@@ -20,7 +20,7 @@ pub struct MastSegment {
     pub height: i32,
     /// Direction from the mast's block to the first cell.
     pub way: Face,
-    /// Cells of the piece, from the mast outwards.
+    /// Cells of the segment, from the mast outwards.
     pub cells: Vec<Cell>,
     /// Final parent of the last cell, a cell of the target.
     pub join: Cell,

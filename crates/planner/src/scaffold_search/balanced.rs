@@ -23,7 +23,7 @@ const GUIDED: f32 = 0.7;
 const CHANCE: f32 = 2.0;
 
 impl GrowthSchedule {
-    /// Returns scaffolds with pieces from the far ends of the target, within the length that each
+    /// Returns scaffolds with segments from the far ends of the target, within the length that each
     /// mast allows. Mast positions are partly random.
     ///
     /// Cells at most `limit` captures from the plate need no mast. If `have_guides` is set, each
@@ -100,8 +100,8 @@ impl GrowthSchedule {
         }
     }
 
-    /// Returns the scaffolds with an additional piece at a random cell of `near`, or of the target
-    /// if `near` is empty. Returns `None` if none was found.
+    /// Returns the scaffolds with an additional segment at a random cell of `near`, or of the
+    /// target if `near` is empty. Returns `None` if none was found.
     pub fn extended(
         &self,
         target: &Target,

@@ -55,7 +55,7 @@ const MIN_LIMIT: usize = 2;
 /// Number of tries of one search. Further tries are made with other seeds.
 const TRIES: u64 = 3000;
 
-/// Fraction of the tries that is left when the exchange of pieces begins.
+/// Fraction of the tries that is left when the exchange of segments begins.
 const EXCHANGES: f64 = 0.8;
 
 /// Fraction of the tries that is left when the search for schedules begins.
@@ -215,7 +215,7 @@ impl ScaffoldTrials<'_> {
         best
     }
 
-    /// Exchanges pieces and returns the best scaffolds. Early on, slightly worse values are
+    /// Exchanges segments and returns the best scaffolds. Early on, slightly worse values are
     /// accepted.
     fn exchanged(
         &mut self,
@@ -238,7 +238,7 @@ impl ScaffoldTrials<'_> {
         best
     }
 
-    /// Returns scaffolds with some pieces removed and other pieces added. Returns `None` if the
+    /// Returns scaffolds with some segments removed and other segments added. Returns `None` if the
     /// change is not possible.
     pub(super) fn neighbour(
         &self,

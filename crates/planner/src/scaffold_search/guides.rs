@@ -1,4 +1,4 @@
-//! Guide masts, which hold no pieces. Blocks dock faster next to a wall.
+//! Guide masts, which hold no segments. Blocks dock faster next to a wall.
 use rand::RngExt as _;
 use rand::seq::IndexedRandom as _;
 use rand_chacha::ChaCha8Rng;

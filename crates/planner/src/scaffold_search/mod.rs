@@ -1,4 +1,4 @@
-//! Search for useful scaffolds: starts from balanced ones and exchanges pieces while the estimate
+//! Search for useful scaffolds: starts from balanced ones and exchanges segments while the estimate
 //! improves.
 mod balanced;
 mod candidates;

@@ -1,4 +1,4 @@
-//! Positions for masts, and possible pieces on them.
+//! Positions for masts, and possible segments on them.
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
@@ -19,7 +19,7 @@ pub struct GrowthSchedule {
 /// Time that is later than all captures \[waiting times\].
 const LATE: f32 = 10_000.0;
 
-/// Largest number of cells of a piece.
+/// Largest number of cells of a segment.
 const LONGEST: usize = 60;
 
 /// Checks that the plate has space for a mast next to or under a target.
@@ -82,7 +82,7 @@ impl GrowthSchedule {
         (0..sites.len() as u32).map(holder).collect()
     }
 
-    /// Returns approximate capture times for equal waiting times. Cells attached to pieces come
+    /// Returns approximate capture times for equal waiting times. Cells attached to segments come
     /// after all others.
     pub fn times(&self, sites: &Sites<'_>, scaffolding: &Scaffolding) -> Vec<f32> {
         let mut on_mast: FxHashMap<Cell, f32> = FxHashMap::default();
@@ -132,10 +132,10 @@ impl GrowthSchedule {
         std::iter::successors(Some(cell), |&cell| self.holder(cell)).count()
     }
 
-    /// Returns the scaffolds with one more piece from a block of a mast, for every length that
+    /// Returns the scaffolds with one more segment from a block of a mast, for every length that
     /// saves captures.
     ///
-    /// A piece that begins within another piece takes over the end of that piece.
+    /// A segment that begins within another segment takes over the end of that segment.
     pub fn extensions(
         &self,
         at: Cell,

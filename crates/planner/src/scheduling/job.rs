@@ -72,11 +72,11 @@ impl<'a> SchedulingJob<'a> {
         }
     }
 
-    /// Adds scaffolds to the job. Sites on the longest path through a mast and its pieces become
+    /// Adds scaffolds to the job. Sites on the longest path through a mast and its segments become
     /// the most urgent.
     pub(crate) fn with_roles(mut self, roles: &'a SiteRoles) -> SchedulingJob<'a> {
         for segment in roles.segments() {
-            // From the end of the piece to the mast, and down to the plate.
+            // From the end of the segment to the mast, and down to the plate.
             let mut rest = 0.0;
             let mut site = segment.sites[0].0;
             while site != NONE {

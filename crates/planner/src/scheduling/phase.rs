@@ -11,7 +11,7 @@ pub struct SchedulePhase<'a> {
     pub missing: usize,
     /// Whether blocks may be handed over.
     pub is_second: bool,
-    /// Whether each piece has been handed over.
+    /// For each segment, whether it has been handed over.
     pub(super) is_done: Vec<bool>,
 }
 

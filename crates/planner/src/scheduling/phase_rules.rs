@@ -33,8 +33,8 @@ impl ScheduleState<'_> {
         }
     }
 
-    /// Hands over the pieces whose final parents are present. Removes masts that do not hold blocks
-    /// any more.
+    /// Hands over the segments whose final parents are present. Removes masts that do not hold
+    /// blocks any more.
     pub(super) fn hand_over(&mut self) {
         let Some(phase) = &mut self.phase else { return };
         let mut new = Vec::new();
