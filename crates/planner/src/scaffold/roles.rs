@@ -98,8 +98,9 @@ impl SiteRoles {
         self.temporary
     }
 
-    /// Returns, for each site, the block that must exist before its hand-over. This is the final
-    /// parent of the first segment towards the plate. [`NONE`] for a site without hand-over.
+    /// Returns, for each site that is handed over, the site that must be captured before its
+    /// hand-over. If its segment joins other segments, this is the target site that the last of
+    /// them joins. [`NONE`] for all other sites.
     pub fn roots(&self) -> Vec<u32> {
         let mut roots = vec![NONE; self.part.len()];
         for segment in &self.segments {

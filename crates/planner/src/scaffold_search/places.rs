@@ -132,10 +132,10 @@ impl GrowthSchedule {
         std::iter::successors(Some(cell), |&cell| self.holder(cell)).count()
     }
 
-    /// Returns the scaffolds with one more segment from a block of a mast, for every length that
-    /// saves captures.
+    /// Returns scaffolds with one more segment, one for each segment length that saves captures.
+    /// The mast block at `at` captures the cell `first` of the new segment.
     ///
-    /// A segment that begins within another segment takes over the end of that segment.
+    /// If `first` is within another segment, the new segment takes over the end of that segment.
     pub fn extensions(
         &self,
         at: Cell,

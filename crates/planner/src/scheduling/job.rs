@@ -34,7 +34,7 @@ pub struct SchedulingJob<'a> {
 }
 
 impl<'a> SchedulingJob<'a> {
-    /// Prepares the scheduling of a target.
+    /// Creates the scheduling job of a target.
     pub fn new(
         sites: &'a Sites<'a>,
         disassembly: &'a Disassembly,

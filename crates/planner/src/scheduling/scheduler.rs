@@ -42,8 +42,8 @@ impl SchedulingJob<'_> {
 
     /// Returns a schedule with scaffolds, or `None` if access paths allow none.
     ///
-    /// Sites not needed for the hand-over open before it only if half of their waiting time is over
-    /// by then.
+    /// A site that the hand-over does not need may open before the hand-over. Half of its waiting
+    /// time must then be over when the hand-over begins.
     fn scaffolded(
         &self,
         roles: &SiteRoles,

@@ -50,8 +50,8 @@ impl Support {
         self.stands[site as usize]
     }
 
-    /// Returns whether all other blocks certainly stay connected if a site is removed. May also
-    /// return `false` if they do.
+    /// Returns whether all other blocks certainly stay connected to the plate if a site is removed.
+    /// A result of `false` is not certain.
     pub fn can_spare(&self, sites: &Sites<'_>, site: u32) -> bool {
         let is_held = |next: u32| {
             let level = self.level(next);
@@ -211,7 +211,8 @@ mod tests {
     use super::*;
     use crate::target::structure::held;
 
-    /// Returns whether all standing sites except one are connected to the plate.
+    /// Returns whether all standing sites would be connected to the plate if the site `without`
+    /// were removed.
     fn hangs_together(sites: &Sites<'_>, support: &Support, without: u32) -> bool {
         let stands = |site: u32| site != without && support.stands(site);
         let all = || (0..sites.len() as u32).filter(|&site| stands(site));

@@ -85,8 +85,8 @@ impl<'a> RateLaw<'a> {
         self.has_passable_gaps
     }
 
-    /// Returns whether blocks are known to escape from between two faces across a corner. Tested
-    /// only in the default scene, where gaps are known to be passable as well.
+    /// Returns whether blocks are known to escape if two faces across a corner attract them. Equal
+    /// to [`Self::has_passable_gaps`], because both were tested only in the default scene.
     pub(crate) fn has_passable_corners(&self) -> bool {
         self.has_passable_gaps
     }

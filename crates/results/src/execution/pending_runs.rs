@@ -48,8 +48,8 @@ pub(crate) fn number(program: usize, run: u64, programs: u64) -> Option<u64> {
     run.checked_mul(programs)?.checked_add(program as u64)
 }
 
-/// Returns the run with a job number. Jobs are the first run of each program, then the second run
-/// of each, and so on. Partial results thus compare the programs fairly.
+/// Returns the run with a job number. The first runs of all programs come first, then all second
+/// runs, and so on. Partial results thus compare the programs fairly.
 pub(crate) fn job(number: u64, programs: u64) -> PendingRun {
     PendingRun {
         program: (number % programs) as usize,
