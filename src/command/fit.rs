@@ -47,7 +47,7 @@ pub struct FitArguments {
     /// Predict the times of this program, which has no measured times
     #[arg(long, value_name = "PROGRAM")]
     predict: Vec<String>,
-    /// Number of runs for which `--predict` predicts the mean and the standard deviation
+    /// `--predict` predicts the mean and the standard deviation of this number of runs
     #[arg(long, value_name = "N", default_value_t = 30, requires = "predict", value_parser = clap::value_parser!(u32).range(2..))]
     predict_runs: u32,
     /// Number of parameter sets that each round simulates, 8 to 200 [default: depends on the number of parameters]

@@ -27,7 +27,7 @@ enum Template {
     Structure,
     /// A small structure in a tank of your own
     Scene,
-    /// A shape, for which `stochc plan` writes the program
+    /// A shape. `stochc plan` writes the program that builds it
     Plan,
 }
 

@@ -302,7 +302,9 @@ fn a_replay_without_a_number_shows_the_median_run() {
     let outcome = stochc_with("replay", &[&out]);
     assert_eq!(outcome.status, 0, "{}", outcome.err);
     let (_, run) = outcome.err.split_once("note: run ").expect(&outcome.err);
-    let (run, _) = run.split_once(" has the median time").expect(&outcome.err);
+    let (run, _) = run
+        .split_once(" has the median completion time")
+        .expect(&outcome.err);
     assert!(
         outcome.out.ends_with(&format!("replay-dense-{run}.html\n")),
         "{}",

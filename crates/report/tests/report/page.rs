@@ -132,7 +132,7 @@ fn the_waits_have_a_mark_for_every_capture() {
         captures,
         ["A.up -> C", "C.up -> E", "B.up -> D", "M.up -> F"]
     );
-    assert!(steps[3].contains("at least 166 ± "), "{steps:?}");
+    assert!(steps[3].contains("≥ 166 ± "), "{steps:?}");
 }
 
 #[test]

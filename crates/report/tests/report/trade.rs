@@ -128,7 +128,7 @@ fn wrong_conclusions_are_marked_with_and_without_colour() {
     let advice = &trade.advice;
     assert!(
         advice.starts_with(
-            "`--model rigid --substeps 1` is within 4.4 % of the reference, intervals"
+            "`--model rigid --substeps 1` is within 4.4 % of the reference, including"
         ),
         "{advice}"
     );
@@ -198,7 +198,10 @@ fn a_bias_up_to_a_horizon_is_not_a_bound() {
         text.contains("converged: the limit of ticks has stopped 11 runs of its last doubling"),
         "{text}"
     );
-    assert!(text.contains("Use a larger `--max-ticks` to measure them"), "{text}");
+    assert!(
+        text.contains("Use a larger `--max-ticks` to measure them"),
+        "{text}"
+    );
     assert!(!trade_to_text(&self::trade(), 200, false).contains('*'));
     let drawn = |trade: &Trade| figures::trade(figures::Medium::Screen, trade).file();
     assert!(drawn(&trade).contains(">* of times up to a horizon, no bound<"));

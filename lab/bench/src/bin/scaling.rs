@@ -15,8 +15,8 @@ use stochc_runtime::{Model, Settings};
 
 const SIZES: [u32; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
 
-/// Number of free blocks when many faces or a large structure are measured. So few blocks cost
-/// almost nothing.
+/// Number of free blocks when many faces or a large structure are measured. This number of blocks
+/// costs almost nothing.
 const FEW: u32 = 1;
 
 /// Number of blocks that are captured at the same time while a structure is set up.
