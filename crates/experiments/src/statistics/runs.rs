@@ -30,7 +30,7 @@ impl Runs {
 
     /// Returns whether the two programs have runs of the same number, and all of these take the
     /// same time.
-    pub fn are_equal(&self, other: &Runs) -> bool {
+    pub(crate) fn are_equal(&self, other: &Runs) -> bool {
         let ours = self.shared(other);
         self.seed == other.seed && !ours.is_empty() && ours == other.shared(self)
     }

@@ -46,7 +46,7 @@ pub struct Scene {
 
 impl Scene {
     /// Returns the mass of a block including the added mass of fluid \[kg\].
-    pub fn inertial_mass(&self) -> f64 {
+    pub(crate) fn inertial_mass(&self) -> f64 {
         let fluid = self.fluid.as_ref();
         self.block.mass + fluid.map_or(0.0, |fluid| fluid.taken_along(self.block.side))
     }
