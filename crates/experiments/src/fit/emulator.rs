@@ -7,7 +7,7 @@ use super::statistics::TimeStatistics;
 /// Prediction of an [`Emulator`] at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmulatorPrediction {
-    /// Predicted statistics in the order of [`TimeStatistics`].
+    /// Predicted statistics in the order of `TimeStatistics`.
     pub values: Vec<f64>,
     /// Variance of the emulator's error for each statistic.
     pub variance: Vec<f64>,
