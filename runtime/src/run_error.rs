@@ -15,7 +15,7 @@ pub enum RunError {
     Nowhere(Model),
     /// This build does not contain the model.
     Absent(Model),
-    /// The data of [`Watch::kept`](crate::Watch::kept) are not a state of this run.
+    /// The data of [`Watch::saved`](crate::Watch::saved) are not a state of this run.
     State(StateError),
 }
 
