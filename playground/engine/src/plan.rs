@@ -2,7 +2,7 @@
 use serde::Deserialize;
 use serde_json::{Value, json};
 use stochc_ir::Cell;
-use stochc_planner::{Goal, PlanSearch, Unplanned, layers, magica_voxel};
+use stochc_planner::{Goal, LargerScene, PlanSearch, Unplanned, layers, magica_voxel};
 
 /// Largest number of cells. Larger shapes take the page too long.
 const MAX_CELLS: usize = 600;
@@ -20,29 +20,15 @@ pub enum Drawing {
     Vox(Vec<u8>),
 }
 
-/// Returns `{ layers }`, the shape as layers of text: rows from north to south, lowest layer first.
+/// Returns `{ cells }`, the shape as coordinates `[x, y, z]`. The least x and y are 0, and the least
+/// z is 1.
 pub fn read(drawing: Drawing) -> Result<Value, String> {
     let cells = cells(drawing)?;
-    let most = |axis: fn(&Cell) -> i32| cells.iter().map(axis).max().unwrap_or(0);
-    let (width, depth) = (most(|cell| cell.x), most(|cell| cell.y));
-    let row = |y: i32, z: i32| -> String {
-        (0..=width)
-            .map(|x| {
-                if cells.contains(&Cell::new(x, y, z)) {
-                    '#'
-                } else {
-                    '.'
-                }
-            })
-            .collect()
-    };
-    let layer = |z| (0..=depth).rev().map(|y| row(y, z)).collect::<Vec<_>>();
-    let layers: Vec<_> = (1..=most(|cell| cell.z)).map(layer).collect();
-    Ok(json!({ "layers": layers }))
+    let cells: Vec<_> = cells.iter().map(|cell| [cell.x, cell.y, cell.z]).collect();
+    Ok(json!({ "cells": cells }))
 }
 
-/// Returns `{ text, mean, notes }`: the planned program, its estimated completion time \[ticks\], and
-/// notes about changes of the scene.
+/// Returns `{ text, notes }`: the planned program, and sentences about its scene.
 pub fn plan(drawing: Drawing) -> Result<Value, String> {
     let cells = cells(drawing)?;
     let search = PlanSearch {
@@ -50,11 +36,10 @@ pub fn plan(drawing: Drawing) -> Result<Value, String> {
         ..PlanSearch::default()
     };
     let mut goal = Goal::from_cells("drawing", cells);
-    let mut notes = Vec::new();
-    match goal.enlarge_default_scene() {
-        Ok(larger) => notes.extend(larger.map(|larger| larger.in_words())),
-        Err(reason) => return Err(reason.to_string()),
-    }
+    let larger = goal
+        .enlarge_default_scene()
+        .map_err(|error| error.to_string())?;
+    let notes: Vec<_> = larger.iter().map(LargerScene::in_words).collect();
     let planned = goal
         .plan(&[], search)
         .map_err(|unplanned| match unplanned {
@@ -64,7 +49,7 @@ pub fn plan(drawing: Drawing) -> Result<Value, String> {
             },
             Unplanned::Wrong(_) => "the shape cannot be built in the default scene".to_owned(),
         })?;
-    Ok(json!({ "text": planned.text, "mean": planned.plan.estimate.mean, "notes": notes }))
+    Ok(json!({ "text": planned.text, "notes": notes }))
 }
 
 fn cells(drawing: Drawing) -> Result<Vec<Cell>, String> {

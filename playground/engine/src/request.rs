@@ -24,7 +24,7 @@ enum Request {
     Format { text: String },
     /// Requests the page about a diagnostic code.
     Explain { code: String },
-    /// Requests the layers of a drawing.
+    /// Requests the cells of a drawing.
     ReadDrawing { drawing: Drawing },
     /// Requests a planned program for a drawing.
     Plan { drawing: Drawing },

@@ -1,4 +1,4 @@
-// Dialog in which a user draws a shape, layer by layer.
+// Dialog for drawing a shape, layer by layer.
 
 /** Sizes of the grid [cells]. */
 const MIN = 3, MAX = 16;
@@ -63,10 +63,10 @@ export function planner({ node, call, open }) {
     set(cell, fill);
   });
   grid.addEventListener('pointermove', event => {
-    const cell = fill === null || !event.buttons ? null : cellAt(event);
+    if (!event.buttons) fill = null;
+    const cell = fill === null ? null : cellAt(event);
     if (cell && (cell.ariaSelected === 'true') !== fill) set(cell, fill);
   });
-  addEventListener('pointerup', () => { fill = null; });
   grid.addEventListener('keydown', event => {
     const cell = event.target.closest('[data-at]');
     const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
@@ -98,10 +98,14 @@ export function planner({ node, call, open }) {
   async function drop(voxels) {
     try {
       const bytes = [...new Uint8Array(await voxels.arrayBuffer())];
-      const { layers } = await call({ call: 'read_drawing', drawing: { vox: bytes } });
-      const size = Math.max(MIN, layers[0]?.length ?? 0, layers[0]?.[0]?.length ?? 0);
+      const { cells } = await call({ call: 'read_drawing', drawing: { vox: bytes } });
+      const depth = Math.max(0, ...cells.map(([, y]) => y + 1));
+      const size = Math.max(MIN, depth, ...cells.map(([x]) => x + 1));
       if (size > MAX) throw new Error(`the shape is ${size} cells wide; the page shows at most ${MAX}`);
-      Object.assign(state, { size, layer: 0, layers: layers.map(rows => new Set(rows.flatMap((row, y) => [...row].flatMap((mark, x) => (mark === '#' ? [key(x, y)] : []))))) });
+      const layers = Array.from({ length: Math.max(1, ...cells.map(([, , z]) => z)) }, () => new Set());
+      // North is on top.
+      for (const [x, y, z] of cells) layers[z - 1].add(key(x, depth - 1 - y));
+      Object.assign(state, { size, layer: 0, layers });
       sizes.value = String(size);
       status.textContent = `Read ${voxels.name}.`;
       draw();
