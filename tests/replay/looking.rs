@@ -115,7 +115,7 @@ fn what_is_anchored_is_chosen_before_what_lets_light_through(browser: &mut impl 
         })()",
     );
     assert!(found["solid"].is_u64(), "{found}");
-    // A selected free block is still transparent, so the block behind it is visible.
+    // A selected free block is still transparent, and does not hide the anchored block.
     let shown = browser.value(&format!(
         "(async () => {{
             const at = () => replay.pixel({x}, {y});

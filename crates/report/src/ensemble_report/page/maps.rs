@@ -61,7 +61,7 @@ fn before(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut V
             unit: 100.0,
         })
         .collect();
-    let description = "Two slices for each of three times before a capture, around the cell in which the block is captured.";
+    let description = "Blocks around the cell of a capture, at three times before the capture, in two slices each.";
     let file = format!("before-{n}");
     let figure = |medium| picture(medium, &file, (&title, description), &columns);
     let caption = "The cell of the capture is at 0. The upper row shows a horizontal slice, two block lengths thick, and the lower row \
