@@ -18,7 +18,7 @@ pub struct WorkProgress {
 }
 
 /// Returns the progress of an ensemble.
-pub fn of_ensemble(manifest: &Manifest, progress: &Progress, elapsed: Duration) -> WorkProgress {
+pub fn work_progress(manifest: &Manifest, progress: &Progress, elapsed: Duration) -> WorkProgress {
     let snapshot = progress.snapshot();
     let (done, total) = (snapshot.done, snapshot.total);
     WorkProgress {

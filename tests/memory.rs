@@ -147,8 +147,8 @@ fn a_program_beyond_the_limits_needs_little_memory() {
 fn memory_hardly_grows_with_the_number_of_runs() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     // Both numbers of runs exceed a row group of a table.
-    let few = of_ensemble(10_000);
-    let many = of_ensemble(24_000);
+    let few = ensemble_memory(10_000);
+    let many = ensemble_memory(24_000);
     let grown = many.saturating_sub(few);
     assert!(
         grown < 14_000 * 300,
@@ -159,7 +159,7 @@ fn memory_hardly_grows_with_the_number_of_runs() {
 
 /// Returns the peak of memory for simulating `runs` runs into a folder, summarizing and reporting
 /// them \[bytes\].
-fn of_ensemble(runs: u64) -> usize {
+fn ensemble_memory(runs: u64) -> usize {
     let text =
         "assembly line { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up ->> T[1..13] } }";
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());

@@ -54,7 +54,7 @@ pub struct StorageOptions {
 
 /// Arguments that do not contain objects of the interpreter.
 struct Detached {
-    asked: EnsembleRequest,
+    request: EnsembleRequest,
     programs: Vec<EnsembleProgram>,
 }
 
@@ -64,7 +64,7 @@ impl EnsembleRequest {
         let programs = programs.map(|program| (*program.get().0).clone());
         Detached {
             programs: programs.collect(),
-            asked: self,
+            request: self,
         }
     }
 }
@@ -73,32 +73,34 @@ impl Detached {
     /// Returns the manifest that the arguments determine, after validation.
     fn manifest(self, record: Option<&Selection>, host: &dyn Host) -> Result<Manifest, Failure> {
         let Detached {
-            asked,
+            request,
             mut programs,
         } = self;
-        let axes = asked.vary.iter().map(|axis| Axis::parse(axis));
+        let axes = request.vary.iter().map(|axis| Axis::parse(axis));
         let axes: Result<Vec<_>, _> = axes.collect();
         let axes = axes.map_err(|reason| Failure::usage(format!("vary: {reason}")))?;
         if !axes.is_empty() {
-            let levels = levels(&asked.levels)?;
-            programs = sweep::points(&axes, asked.runs, &programs, &levels, host)?;
+            let levels = levels(&request.levels)?;
+            programs = sweep::points(&axes, request.runs, &programs, &levels, host)?;
         }
         let varies_settings = sweep::varies_settings(&axes);
         let settings = if varies_settings {
-            asked.computed.given()?
+            request.computed.given()?
         } else {
-            asked.computed.settings(&programs, asked.threads, host)?
+            request
+                .computed
+                .settings(&programs, request.threads, host)?
         };
-        let mut manifest = Manifest::new(settings, asked.seed, asked.runs, programs);
+        let mut manifest = Manifest::new(settings, request.seed, request.runs, programs);
         if varies_settings {
-            let known = asked.computed.rates(&manifest.programs, host)?;
-            sweep::complete(&mut manifest, &known, asked.threads, host)?;
+            let known = request.computed.rates(&manifest.programs, host)?;
+            sweep::complete(&mut manifest, &known, request.threads, host)?;
         }
         manifest.within_limits().map_err(Failure::usage)?;
         can_record(&manifest, record)?;
         try_out_all(&manifest)?;
         let is_checked = manifest.settings.stepping() == Some(Stepping::DEFAULT);
-        judge_scenes(&manifest, is_checked, &levels(&asked.levels)?, host)?;
+        judge_scenes(&manifest, is_checked, &levels(&request.levels)?, host)?;
         Ok(manifest)
     }
 }
@@ -107,11 +109,11 @@ impl Detached {
 #[pyfunction]
 pub fn simulate(
     py: Python<'_>,
-    asked: EnsembleRequest,
+    request: EnsembleRequest,
     storage: StorageOptions,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<PythonEnsemble> {
-    let (threads, detached) = (asked.threads, asked.detached());
+    let (threads, detached) = (request.threads, request.detached());
     call(py, progress.as_ref(), move |host| {
         let record = (storage.record.as_ref())
             .map(|runs| parsed::<Selection>("record", runs))
@@ -157,8 +159,13 @@ fn interrupted() -> Failure {
 
 /// Splits an ensemble into shards in the folder `out`. Returns the number of runs.
 #[pyfunction]
-pub fn prepare(py: Python<'_>, asked: EnsembleRequest, out: PathBuf, shards: u64) -> PyResult<u64> {
-    let detached = asked.detached();
+pub fn prepare(
+    py: Python<'_>,
+    request: EnsembleRequest,
+    out: PathBuf,
+    shards: u64,
+) -> PyResult<u64> {
+    let detached = request.detached();
     call(py, None, move |host| {
         let manifest = detached.manifest(None, host)?;
         split(&out, &manifest, shards).map_err(Failure::usage)?;
@@ -316,7 +323,7 @@ impl PythonEnsemble {
 
     /// Returns the requested number of runs of each program.
     #[getter]
-    fn runs_asked(&self) -> u64 {
+    fn runs_requested(&self) -> u64 {
         self.0.manifest.runs
     }
 

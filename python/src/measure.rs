@@ -35,19 +35,19 @@ pub struct EstimateRequest {
 #[pyfunction]
 pub fn estimate(
     py: Python<'_>,
-    asked: EstimateRequest,
+    request: EstimateRequest,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(String, String)> {
     /// Number of captures that the text lists.
     const SHOWN: usize = 5;
     call(py, progress.as_ref(), move |host| {
-        let programs = asked.programs.iter().map(|it| (*it.get().0).clone());
+        let programs = request.programs.iter().map(|it| (*it.get().0).clone());
         let how = Estimating {
-            rates: &asked.rates,
-            runs: asked.runs,
-            max_ticks: asked.max_ticks,
-            seed: asked.seed,
-            threads: asked.threads,
+            rates: &request.rates,
+            runs: request.runs,
+            max_ticks: request.max_ticks,
+            seed: request.seed,
+            threads: request.threads,
         };
         let found = estimates(programs.collect(), &how, host)?;
         Ok((
@@ -93,47 +93,47 @@ type PlanOutput = (Vec<(String, String)>, String, String, String);
 #[pyfunction]
 pub fn plan(
     py: Python<'_>,
-    asked: PlanRequest,
+    request: PlanRequest,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<PlanOutput> {
     call(py, progress.as_ref(), move |host| {
         let invalid =
             |what: &'static str| move |reason| Failure::usage(format!("{what}: {reason}"));
-        let plate = asked.plate.as_deref().map(SeedPlate::parse);
+        let plate = request.plate.as_deref().map(SeedPlate::parse);
         let plate = plate.transpose().map_err(invalid("plate"))?;
-        let offset = asked.offset.as_deref().map(Offset::parse);
-        let time = asked.time.map(Duration::try_from_secs_f64).transpose();
+        let offset = request.offset.as_deref().map(Offset::parse);
+        let time = request.time.map(Duration::try_from_secs_f64).transpose();
         let time = time.map_err(Failure::usage)?;
-        let imports = folders(asked.imports)?;
+        let imports = folders(request.imports)?;
         let options = PlanOptions {
-            target: &asked.target,
+            target: &request.target,
             extent: PlanScope::new(
-                asked.run.map(|run| RunEnd {
+                request.run.map(|run| RunEnd {
                     run,
-                    program: asked.program.as_deref(),
-                    dead: &asked.dead,
+                    program: request.program.as_deref(),
+                    dead: &request.dead,
                 }),
-                asked.completes,
+                request.completes,
             ),
-            shape: asked.shape.as_deref(),
-            model: asked.model,
+            shape: request.shape.as_deref(),
+            model: request.model,
             seed_plate: plate.as_ref(),
             offset: offset.transpose().map_err(invalid("offset"))?,
-            scene: asked.scene.as_deref(),
-            free: asked.free,
-            name: asked.name.as_deref(),
-            loose: LooseParts::new(asked.drops_loose, asked.adds_supports),
+            scene: request.scene.as_deref(),
+            free: request.free,
+            name: request.name.as_deref(),
+            loose: LooseParts::new(request.drops_loose, request.adds_supports),
             imports: &imports,
-            budget: (time.map(Budget::Time)).or(asked.tries.map(Budget::Tries)),
-            objective: if asked.is_p90 {
+            budget: (time.map(Budget::Time)).or(request.tries.map(Budget::Tries)),
+            objective: if request.is_p90 {
                 Objective::P90
             } else {
                 Objective::Mean
             },
-            seed: asked.seed,
-            keeps_scaffolds: asked.keeps_scaffolds,
-            race: asked.race,
-            rates: &asked.rates,
+            seed: request.seed,
+            keeps_scaffolds: request.keeps_scaffolds,
+            race: request.race,
+            rates: &request.rates,
         };
         let read = read(&options, host).map_err(Failure::from)?;
         let found = planned(&read, &options, host).map_err(Failure::from)?;
@@ -165,22 +165,22 @@ pub struct TradeRequest {
 #[pyfunction]
 pub fn trade(
     py: Python<'_>,
-    asked: TradeRequest,
+    request: TradeRequest,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(String, String, String)> {
     call(py, progress.as_ref(), move |host| {
-        let programs = asked.programs.iter().map(|it| (*it.get().0).clone());
-        let time = asked.time.map(Duration::try_from_secs_f64).transpose();
+        let programs = request.programs.iter().map(|it| (*it.get().0).clone());
+        let time = request.time.map(Duration::try_from_secs_f64).transpose();
         let setup = TradeSetup {
-            runs: asked.runs,
+            runs: request.runs,
             time: time.map_err(Failure::usage)?,
-            until: asked.until,
-            finest: asked.finest,
-            max_ticks: asked.max_ticks,
-            seed: asked.seed,
-            threads: asked.threads,
-            out: asked.out.as_deref(),
-            resume: asked.resume,
+            until: request.until,
+            finest: request.finest,
+            max_ticks: request.max_ticks,
+            seed: request.seed,
+            threads: request.threads,
+            out: request.out.as_deref(),
+            resume: request.resume,
             figures: &Figures::default(),
         };
         let manifest = manifest(programs.collect(), &setup, host)?;

@@ -180,7 +180,7 @@ impl PythonProgram {
     /// Returns a drawing of the structure as SVG. Returns `None` if the source is not available or
     /// there is no structure.
     fn structure_svg(&self, py: Python<'_>) -> PyResult<Option<String>> {
-        self.of_text(py, |program, checked| {
+        self.with_checked(py, |program, checked| {
             let built = built_structure(&program.plan, &program.layout, &checked.symbols)?;
             Some(structure(&built).file())
         })
@@ -188,7 +188,7 @@ impl PythonProgram {
 
     /// Returns the structure as text. Returns `None` if the source is not available.
     fn structure_text(&self, py: Python<'_>) -> PyResult<Option<String>> {
-        self.of_text(py, |program, _| {
+        self.with_checked(py, |program, _| {
             Some(structure_text(&program.plan, &program.layout).to_string())
         })
     }
@@ -253,7 +253,7 @@ impl PythonProgram {
 impl PythonProgram {
     /// Calls `say` with the compiled source and returns its result. Returns `None` if the source is
     /// not available.
-    fn of_text(
+    fn with_checked(
         &self,
         py: Python<'_>,
         say: impl FnOnce(&Program, &Checked) -> Option<String> + Send + 'static,

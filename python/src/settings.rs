@@ -82,7 +82,7 @@ impl Computed {
         host: &dyn Host,
     ) -> Result<Vec<Rates>, Failure> {
         let scenes = programs.iter().map(|program| &program.scene);
-        rates::of_files_for(&self.rates, scenes, host)
+        rates::read_rates_for(&self.rates, scenes, host)
     }
 
     /// Returns the settings, with the rates that the programs need.
@@ -101,7 +101,7 @@ impl Computed {
         let mut settings = settings.resolved();
         if settings.model == Model::Rate {
             let given = self.rates(programs, host)?;
-            settings.rates = rates::of_scenes(&given, programs, threads, host)?;
+            settings.rates = rates::rates_for_scenes(&given, programs, threads, host)?;
         }
         Ok(settings)
     }

@@ -12,7 +12,7 @@ from ._arguments import MOST_RUNS, MOST_SEED, MOST_TICKS, Path, told, whole
 from ._errors import UsageError
 from ._program import Program, Source, compile_all
 from ._progress import Progress, shown
-from ._requests import Asked, Kept
+from ._requests import EnsembleRequest, StorageOptions
 from ._table import Table
 
 Programs: TypeAlias = Source | Program | Iterable[Source | Program]
@@ -45,7 +45,7 @@ def _listed(
     return found
 
 
-def _asked(
+def _ensemble_request(
     programs: Programs,
     *,
     runs: int,
@@ -63,7 +63,7 @@ def _asked(
     warn: str | Iterable[str],
     deny: str | Iterable[str],
     allow_import: Source | Iterable[Source],
-) -> Asked:
+) -> EnsembleRequest:
     levels = (allow, warn, deny)
     return {
         "runs": whole("runs", runs, 1, MOST_RUNS),
@@ -284,7 +284,7 @@ class Ensemble:
         """
         names = [it.name for it in self._native.programs]
         if number is not None:
-            number = whole("number", number, 0, self._native.runs_asked - 1)
+            number = whole("number", number, 0, self._native.runs_requested - 1)
         if program is None and len(names) > 1:
             listed = ", ".join(f"`{name}`" for name in names[:10])
             raise UsageError(f"program: name one of {listed}{', ...' if len(names) > 10 else ''}")
@@ -382,7 +382,7 @@ def simulate(
     >>> print(stochc.simulate(stochc.EXAMPLE, runs=2, model="shuffle", progress=False).complete)
     True
     """
-    asked = _asked(
+    request = _ensemble_request(
         programs,
         runs=runs,
         seed=seed,
@@ -400,18 +400,18 @@ def simulate(
         deny=deny,
         allow_import=allow_import,
     )
-    kept: Kept = {
+    storage: StorageOptions = {
         "out": _arguments.maybe_path("out", out),
         "resume": _arguments.yes("resume", resume),
         "mixed_builds": _arguments.yes("mixed_builds", mixed_builds),
         "record": _arguments.selection(record),
         "record_every": whole("record_every", record_every, 1, 1_000_000),
     }
-    for name, given in (("resume", resume or mixed_builds), ("record", kept["record"])):
+    for name, given in (("resume", resume or mixed_builds), ("record", storage["record"])):
         if given and out is None:
             raise UsageError(f"{name}: name a folder with `out`")
     with shown(progress) as show:
-        return Ensemble(_native.simulate(asked, kept, show))
+        return Ensemble(_native.simulate(request, storage, show))
 
 
 def sweep(programs: Programs, vary: Axes, **options: Any) -> Ensemble:
@@ -445,14 +445,14 @@ def prepare(programs: Programs, out: Path, shards: int, **options: Any) -> int:
     """
     from inspect import signature
 
-    known = signature(_asked).parameters
+    known = signature(_ensemble_request).parameters
     for name in options:
         if name not in known or name == "programs":
             raise TypeError(f"prepare() has no option {name!r}")
     defaults = signature(simulate).parameters
     given = {name: options.get(name, defaults[name].default) for name in known if name != "programs"}
     pieces = whole("shards", shards, 1, 100_000)
-    return _native.prepare(_asked(programs, **given), _arguments.path("out", out), pieces)
+    return _native.prepare(_ensemble_request(programs, **given), _arguments.path("out", out), pieces)
 
 
 def shard(

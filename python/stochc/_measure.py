@@ -13,7 +13,7 @@ from ._ensemble import Programs, _listed  # pyright: ignore[reportPrivateUsage]
 from ._errors import ProgramError, UsageError
 from ._program import Program, Source, chosen
 from ._progress import Progress, shown
-from ._requests import Estimated, Planned, Traded
+from ._requests import EstimateRequest, PlanRequest, TradeRequest
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def estimate(
     >>> found.programs[0]["program"], found.programs[0]["completed"]
     ('pair', 20)
     """
-    asked: Estimated = {
+    request: EstimateRequest = {
         "rates": _arguments.paths("rates", rates),
         "runs": _arguments.maybe("runs", runs, 2, MOST_RUNS),
         "max_ticks": whole("max_ticks", max_ticks, 1, MOST_TICKS),
@@ -128,7 +128,7 @@ def estimate(
         "programs": _listed(programs, ((), (), ()), allow_import),
     }
     with shown(progress) as show:
-        found, text = _native.estimate(asked, show)
+        found, text = _native.estimate(request, show)
     return Estimates(tuple(json.loads(found)), text)
 
 
@@ -207,7 +207,7 @@ def plan(
         raise UsageError("program, dead: these require `run`")
     if time is not None:
         _alone("time", tries=tries)
-    asked: Planned = {
+    request: PlanRequest = {
         "target": _arguments.path("target", target),
         "completes": complete,
         "run": _arguments.maybe("run", run, 0, MOST_SEED),
@@ -232,7 +232,7 @@ def plan(
         "rates": _arguments.paths("rates", rates),
     }
     with shown(progress) as show:
-        texts, assembly, found, explained = _native.plan(asked, show)
+        texts, assembly, found, explained = _native.plan(request, show)
     return Plan(texts[0][1], json.loads(found), explained, assembly, dict(texts))
 
 
@@ -284,7 +284,7 @@ def trade(
             raise UsageError("until: name a folder with `out`")
     if resume and out is None:
         raise UsageError("resume: name a folder with `out`")
-    asked: Traded = {
+    request: TradeRequest = {
         "runs": _arguments.maybe("runs", runs, 2, MOST_RUNS),
         "time": _within("time", time, "seconds", 1e9),
         "until": _within("until", until, "a part", 1.0),
@@ -297,7 +297,7 @@ def trade(
         "programs": _listed(programs, ((), (), ()), allow_import),
     }
     with shown(progress) as show:
-        data, text, svg = _native.trade(asked, show)
+        data, text, svg = _native.trade(request, show)
     return Trade(json.loads(data), text, svg)
 
 

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from . import _native
 
 
-class Computed(TypedDict):
+class RunSettings(TypedDict):
     """Settings of runs."""
 
     model: str
@@ -20,7 +20,7 @@ class Computed(TypedDict):
     rates: list[str]
 
 
-class Asked(TypedDict):
+class EnsembleRequest(TypedDict):
     """Arguments that determine an ensemble."""
 
     programs: list[_native.Program]
@@ -28,11 +28,11 @@ class Asked(TypedDict):
     seed: int
     vary: list[str]
     levels: list[tuple[str, str]]
-    computed: Computed
+    computed: RunSettings
     threads: int | None
 
 
-class Kept(TypedDict):
+class StorageOptions(TypedDict):
     """Number of runs of an ensemble, and their storage."""
 
     out: str | None
@@ -42,7 +42,7 @@ class Kept(TypedDict):
     record_every: int
 
 
-class Estimated(TypedDict):
+class EstimateRequest(TypedDict):
     """Arguments of an estimate."""
 
     programs: list[_native.Program]
@@ -53,7 +53,7 @@ class Estimated(TypedDict):
     threads: int | None
 
 
-class Planned(TypedDict):
+class PlanRequest(TypedDict):
     """Arguments of a plan."""
 
     target: str
@@ -80,7 +80,7 @@ class Planned(TypedDict):
     rates: list[str]
 
 
-class Traded(TypedDict):
+class TradeRequest(TypedDict):
     """Arguments of a trade."""
 
     programs: list[_native.Program]

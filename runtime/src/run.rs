@@ -14,7 +14,7 @@ use crate::world::rapier::RapierWorld;
 use crate::world::rate::RateWorld;
 use crate::world::rigid::RigidWorld;
 use crate::world::shuffle::ShuffleWorld;
-use crate::world::{Arena, World};
+use crate::world::{SpatialWorld, World};
 
 /// Probability per tick of an unplanned capture in model `shuffle`, for faces that always attract.
 const STRAYS: f64 = 0.25;
@@ -113,7 +113,7 @@ struct RunKey {
 fn observed(
     tables: &Tables,
     scene: &Scene,
-    mut world: impl Arena,
+    mut world: impl SpatialWorld,
     settings: &Settings,
     RunKey { seed, run }: RunKey,
     watch: &mut (impl Watch + ?Sized),

@@ -8,7 +8,7 @@ use stochc_ir::{Cell, Face};
 
 use crate::settings::{Model, Settings};
 use crate::world::rigid::RigidWorld;
-use crate::world::{Arena, BlockFace, Body, BodyState, World};
+use crate::world::{BlockFace, Body, BodyState, SpatialWorld, World};
 
 /// Number of substeps of the reference per chosen step. The reference counts as exact.
 const FINER: u32 = 64;

@@ -20,7 +20,7 @@ use super::run_options::MeasuringOptions;
 use super::terminal::{argument, close, is_quiet, output_width, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::fit::{
-    FitSetup, Unused, fit, fitted_scenes, forecast, matched, measured_times, of_scenes,
+    FitSetup, Unused, check_priors, fit, fitted_scenes, forecast, matched, measured_times,
 };
 use crate::operations::forecast::forecast_to_text;
 use crate::operations::json::document;
@@ -95,7 +95,7 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
         n: options.predict_runs as usize,
     };
     let measured = matched(programs, times.programs, unused)?;
-    let priors = of_scenes(options.vary.clone(), &measured)?;
+    let priors = check_priors(options.vary.clone(), &measured)?;
     let setup = FitSetup {
         priors: &priors,
         points: options.points.map(usize::from),

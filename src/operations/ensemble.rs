@@ -22,7 +22,7 @@ use super::sweep;
 use super::watch::watched;
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
-use crate::progress::of_ensemble;
+use crate::progress::work_progress;
 
 /// Options for making the runs of a manifest.
 #[derive(Clone, Copy, Debug)]
@@ -242,7 +242,7 @@ pub fn make(
             None => unrecorded(program, number, watch),
         };
     let is_all_there = destination.existing() == manifest.total();
-    let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
+    let state = |elapsed| work_progress(manifest, &progress, elapsed);
     let work = || run_all(destination, &progress, stop, simulate);
     let results = match how.out.filter(|_| how.watch) {
         // All runs already exist, so there is no progress to show.

@@ -8,7 +8,7 @@ use stochc_runtime::rates::{Rates, estimate};
 use stochc_runtime::{Model, Settings};
 
 use super::in_memory::all_runs;
-use super::rates::{matching, of_files_for, of_scenes, supported};
+use super::rates::{matching, rates_for_scenes, read_rates_for, supported};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
@@ -48,10 +48,10 @@ pub fn estimates(
     host: &dyn Host,
 ) -> Result<Vec<CompletionEstimate>, Failure> {
     programs.iter().try_for_each(supported)?;
-    let given = of_files_for(how.rates, programs.iter().map(|it| &it.scene), host)?;
+    let given = read_rates_for(how.rates, programs.iter().map(|it| &it.scene), host)?;
     // Calibrate missing rates only once, before the first run.
     let known = match how.runs {
-        Some(_) => of_scenes(&given, &programs, how.threads, host)?,
+        Some(_) => rates_for_scenes(&given, &programs, how.threads, host)?,
         None => given,
     };
     let estimated = programs.into_iter().map(|program| {
@@ -62,9 +62,9 @@ pub fn estimates(
             });
         }
         let rates = Rates::known_or_guessed(&known, &program.scene).filter(|_| how.runs.is_none());
-        match rates.and_then(|rates| of_graph(&program, &rates)) {
+        match rates.and_then(|rates| estimate_graph(&program, &rates)) {
             Some(estimate) => Ok(estimate),
-            None => of_runs(program, &known, how, host),
+            None => estimate_runs(program, &known, how, host),
         }
     });
     estimated.collect()
@@ -72,7 +72,7 @@ pub fn estimates(
 
 /// Estimates the completion time from waiting times along the dependency graph. Returns `None` if
 /// this is not possible for the program.
-fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstimate> {
+fn estimate_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstimate> {
     let cost = estimate(program.parts(), Some(rates))?;
     let (tables, graph) = (program.tables(), &program.compiled.graph);
     let phases = tables.phases.iter().zip(&cost.phases);
@@ -106,7 +106,7 @@ fn of_graph(program: &EnsembleProgram, rates: &Rates) -> Option<CompletionEstima
 }
 
 /// Estimates the completion time from runs of the rate model.
-fn of_runs(
+fn estimate_runs(
     program: EnsembleProgram,
     known: &[Rates],
     how: &Estimating<'_>,
@@ -116,7 +116,7 @@ fn of_runs(
     let settings = Settings {
         rates: match matching(known, &programs[0].scene) {
             Some(rates) => vec![rates.clone()],
-            None => of_scenes(known, &programs, how.threads, host)?,
+            None => rates_for_scenes(known, &programs, how.threads, host)?,
         },
         max_ticks: Some(how.max_ticks),
         ..Settings::new(Model::Rate, 1)
@@ -130,7 +130,7 @@ fn of_runs(
     let results = all_runs(&manifest, how.threads, "nothing was estimated", host)?;
     let finished = results.finished.to_vec().map_err(Failure::usage)?;
     let records: Vec<_> = finished.iter().map(|done| &done.record).collect();
-    Ok(CompletionEstimate::of_runs(
+    Ok(CompletionEstimate::from_runs(
         &manifest.programs[0],
         &records,
         lower_bound,

@@ -72,7 +72,10 @@ pub struct FitSetup<'a> {
 /// # Errors
 /// If a parameter is given twice or does not exist in a scene. If its range has invalid values or
 /// too few values.
-pub fn of_scenes(mut priors: Vec<Prior>, measured: &[FitProgram]) -> Result<Vec<Prior>, Failure> {
+pub fn check_priors(
+    mut priors: Vec<Prior>,
+    measured: &[FitProgram],
+) -> Result<Vec<Prior>, Failure> {
     for (i, prior) in priors.iter().enumerate() {
         if priors[..i].iter().any(|other| other.name == prior.name) {
             let twice = format!("--vary: `{}` is given twice", prior.name);
@@ -80,8 +83,8 @@ pub fn of_scenes(mut priors: Vec<Prior>, measured: &[FitProgram]) -> Result<Vec<
         }
     }
     for FitProgram { program, .. } in measured {
-        let of_scene = |prior: Prior| prior.of_scene(&program.scene);
-        let known: Result<_, RangeError> = priors.into_iter().map(of_scene).collect();
+        let for_scene = |prior: Prior| prior.for_scene(&program.scene);
+        let known: Result<_, RangeError> = priors.into_iter().map(for_scene).collect();
         priors = known.map_err(|error| Failure::usage(format!("--vary: {error}")))?;
     }
     Ok(priors)

@@ -6,7 +6,7 @@ use stochc_results::{
 use super::runs::{threads as default_threads, try_out_all};
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
-use crate::progress::of_ensemble;
+use crate::progress::work_progress;
 
 /// Makes all runs of a manifest. Each program gets its own seed, because equal random impulses
 /// would correlate the errors of programs.
@@ -29,7 +29,7 @@ pub fn all_runs(
         let record = program.run(&manifest.settings_of(program), seed, number, &mut watcher);
         record.map_err(|_| RunCancelled)
     };
-    let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
+    let state = |elapsed| work_progress(manifest, &progress, elapsed);
     let destination = Destination::Memory(manifest);
     let results = during(host, state, || {
         run_all(destination, &progress, host.stop(), simulate)

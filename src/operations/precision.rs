@@ -46,7 +46,7 @@ pub fn make_until(
         let comparison = compared(&manifest, &made.results.finished)?;
         let programs = comparison.programs.iter();
         let programs = programs.map(|it| (it.completed, relative(it)));
-        let more = wanted(programs, manifest.runs, within);
+        let more = requested(programs, manifest.runs, within);
         let Some(more) = more.filter(|_| manifest.runs < most) else {
             warn_of_unknown(&comparison, [manifest.runs, most], within, host);
             return Ok((manifest, made));
@@ -88,7 +88,7 @@ fn relative(program: &ProgramSummary) -> f64 {
 /// Returns the number of runs per program that is needed for the precision `within`. Returns `None`
 /// if the current number `runs` suffices. `programs` contains the number of completed runs and the
 /// relative half-width of each program.
-fn wanted(programs: impl Iterator<Item = (u64, f64)>, runs: u64, within: f64) -> Option<u64> {
+fn requested(programs: impl Iterator<Item = (u64, f64)>, runs: u64, within: f64) -> Option<u64> {
     let hopeful = programs.filter(|&(completed, _)| completed >= 2 || runs < HOPELESS);
     let worst = hopeful.map(|(_, relative)| relative).fold(0.0, f64::max);
     if worst <= within {
@@ -130,11 +130,11 @@ fn warn_of_unknown(comparison: &Comparison, [runs, most]: [u64; 2], within: f64,
 
 #[cfg(test)]
 mod tests {
-    use super::wanted;
+    use super::requested;
 
     #[test]
     fn needed_runs_grow_with_the_square_of_the_precision() {
-        let of = |programs: &[(u64, f64)], runs| wanted(programs.iter().copied(), runs, 0.05);
+        let of = |programs: &[(u64, f64)], runs| requested(programs.iter().copied(), runs, 0.05);
         assert_eq!(of(&[(30, 0.05), (30, 0.01)], 30), None);
         assert_eq!(of(&[(30, 0.075), (30, 0.01)], 30), Some(68));
         // The number grows at most fourfold, and always by a few runs.

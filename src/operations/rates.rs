@@ -31,7 +31,7 @@ pub const SEED: u64 = 0x5ca1_e000;
 ///
 /// # Errors
 /// If the rate model does not support a program, or a calibration fails.
-pub fn of_scenes(
+pub fn rates_for_scenes(
     known: &[Rates],
     programs: &[EnsembleProgram],
     threads: Option<u16>,
@@ -95,12 +95,12 @@ impl<'a> UnusedRates<'a> {
 ///
 /// # Errors
 /// If a file cannot be read.
-pub fn of_files_for<'a>(
+pub fn read_rates_for<'a>(
     files: &[PathBuf],
     scenes: impl Iterator<Item = &'a Scene> + Clone,
     host: &dyn Host,
 ) -> Result<Vec<Rates>, Failure> {
-    let rates = of_files(files)?;
+    let rates = read_rate_files(files)?;
     let mut unused = UnusedRates::new(files, &rates);
     unused.not_of(scenes);
     unused.notes().for_each(|note| host.warn(&note));
@@ -111,7 +111,7 @@ pub fn of_files_for<'a>(
 ///
 /// # Errors
 /// If a file cannot be read.
-pub(crate) fn of_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
+pub(crate) fn read_rate_files(files: &[PathBuf]) -> Result<Vec<Rates>, Failure> {
     files.iter().map(|path| read(path)).collect()
 }
 

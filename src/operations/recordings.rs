@@ -15,7 +15,7 @@ use crate::host::Host;
 /// Selection of the runs to record, with the first error of a recording.
 pub(super) struct Recordings<'a> {
     /// Results folder and selected runs. `None` if no runs are recorded.
-    wanted: Option<(&'a Path, &'a Selection)>,
+    requested: Option<(&'a Path, &'a Selection)>,
     every: u32,
     manifest: &'a Manifest,
     identity: String,
@@ -33,12 +33,12 @@ pub(super) struct RecordingOfRun<'a> {
 
 impl<'a> Recordings<'a> {
     pub fn new(
-        wanted: Option<(&'a Path, &'a Selection)>,
+        requested: Option<(&'a Path, &'a Selection)>,
         every: u32,
         manifest: &'a Manifest,
     ) -> Recordings<'a> {
         Recordings {
-            wanted,
+            requested,
             every,
             manifest,
             identity: manifest.identity(),
@@ -49,7 +49,7 @@ impl<'a> Recordings<'a> {
     /// Returns the recording of a run, ready to be written. Returns `None` if the run is not
     /// selected.
     pub fn of(&'a self, program: usize, run: u64) -> Option<RecordingOfRun<'a>> {
-        let (folder, _) = self.wanted.filter(|(_, runs)| runs.contains(run))?;
+        let (folder, _) = self.requested.filter(|(_, runs)| runs.contains(run))?;
         Some(RecordingOfRun {
             all: self,
             folder,
@@ -61,7 +61,7 @@ impl<'a> Recordings<'a> {
     /// Returns a failure if a recording could not be written. Otherwise warns about selected runs
     /// without a recording, which were made by an earlier command.
     pub fn comment(&self, finished: &Records, host: &dyn Host) -> Option<Failure> {
-        let (folder, runs) = self.wanted?;
+        let (folder, runs) = self.requested?;
         let broken = self.broken.lock().ok().and_then(|mut broken| broken.take());
         if let Some(error) = broken {
             return Some(Failure::usage(format!(
@@ -69,8 +69,8 @@ impl<'a> Recordings<'a> {
                 folder.display()
             )));
         }
-        let wanted = (finished.keys()).filter(|&(_, run)| runs.contains(run));
-        let missing = wanted
+        let requested = (finished.keys()).filter(|&(_, run)| runs.contains(run));
+        let missing = requested
             .filter(|&(program, run)| !path(folder, program, run).exists())
             .count();
         if missing > 0 {

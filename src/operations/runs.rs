@@ -62,9 +62,9 @@ pub(crate) fn warn_of_checkpoints(checkpoints: Option<&Checkpoints>, host: &dyn 
     }
 }
 
-/// Returns the number of threads to use: `asked`, or one per core by default.
-pub fn threads(asked: Option<u16>) -> NonZeroUsize {
+/// Returns the number of threads to use: `requested`, or one per core by default.
+pub fn threads(requested: Option<u16>) -> NonZeroUsize {
     let cores = || std::thread::available_parallelism().ok();
-    let threads = asked.map_or_else(cores, |asked| NonZeroUsize::new(asked.into()));
+    let threads = requested.map_or_else(cores, |requested| NonZeroUsize::new(requested.into()));
     threads.unwrap_or(NonZeroUsize::MIN)
 }

@@ -8,7 +8,7 @@ use super::runs::{made_again, made_by, threads, warn_of_checkpoints};
 use super::sweep;
 use crate::exit::{Exit, Failure};
 use crate::host::{Host, during};
-use crate::progress::of_ensemble;
+use crate::progress::work_progress;
 
 /// Makes the missing runs of a shard. Returns the number of runs in the shard, or `None` if the
 /// user interrupts.
@@ -35,7 +35,7 @@ pub fn shard(
     let again = shard.check_stored(made_again(manifest, stop));
     again.map_err(Failure::usage)?;
     let progress = shard.progress(threads(at_once));
-    let state = |elapsed| of_ensemble(manifest, &progress, elapsed);
+    let state = |elapsed| work_progress(manifest, &progress, elapsed);
     let work = || shard.make(&progress, stop, made_by(manifest));
     let made = if done == runs {
         work()

@@ -109,7 +109,7 @@ pub fn complete(
         |program: &&EnsembleProgram| manifest.settings_of(program).model == Model::Rate;
     let programs = manifest.programs.iter().filter(is_by_rates);
     let programs: Vec<EnsembleProgram> = programs.cloned().collect();
-    manifest.settings.rates = rates::of_scenes(known, &programs, threads, host)?;
+    manifest.settings.rates = rates::rates_for_scenes(known, &programs, threads, host)?;
     Ok(())
 }
 

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use serde_json::Value;
 use stochc::ir::table::PhaseId;
 use stochc::runtime::observe::{ObservedEvent, Observer};
-use stochc::runtime::world::Arena;
+use stochc::runtime::world::SpatialWorld;
 use stochc::runtime::{Model, Settings, observe};
 
 use crate::stochc::{path, stochc, stochc_with};
@@ -297,7 +297,7 @@ fn warns_of_walls_too_soft_for_buoyant_blocks() {
 struct Last(Vec<f64>);
 
 impl Observer for Last {
-    fn look(&mut self, arena: &impl Arena, _: &[ObservedEvent]) {
+    fn look(&mut self, arena: &impl SpatialWorld, _: &[ObservedEvent]) {
         self.0 = arena.state(0).position.iter().copied().collect();
     }
 }

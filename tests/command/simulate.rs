@@ -258,8 +258,8 @@ fn runs_are_made_until_means_are_known() {
     assert!((60..400).contains(&runs) && err.is_empty(), "{runs}: {err}");
     // The same runs result if their number is given directly.
     let at_once = path(folder.path(), "at_once");
-    let asked = stochc_with(line, &["--runs", &runs.to_string(), "--out", &at_once]).json();
-    assert_eq!(asked, shown);
+    let requested = stochc_with(line, &["--runs", &runs.to_string(), "--out", &at_once]).json();
+    assert_eq!(requested, shown);
     // Repeating the command finds the finished runs. A smaller interval requires `resume`.
     assert_eq!(until("3%").0, shown);
     let tighter = stochc_with(line, &["--until", "2%", "--out", &out]);

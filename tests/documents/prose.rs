@@ -144,7 +144,7 @@ fn paragraphs(
 }
 
 /// Returns the comments and the long strings of a Rust file, as paragraphs.
-fn of_rust(path: &Path, source: &str) -> Vec<Paragraph> {
+fn rust_paragraphs(path: &Path, source: &str) -> Vec<Paragraph> {
     let name = path.to_str().unwrap();
     let is_test = name.contains("tests");
     let comments = if name.starts_with("src/command") {
@@ -238,7 +238,7 @@ fn texts(folder: &Path, found: &mut Vec<Paragraph>) {
         };
         let text = std::fs::read_to_string(&path).unwrap();
         found.extend(match kind {
-            Kind::Comments => of_rust(&path, &text),
+            Kind::Comments => rust_paragraphs(&path, &text),
             kind => paragraphs(kind, &path, (1..).zip(text.lines().map(str::to_owned))),
         });
     }
@@ -266,7 +266,7 @@ fn texts_get_no_harder_to_read() {
     let phrases: HashSet<String> = PHRASES.lines().flat_map(written_out).collect();
     let mut all = Vec::new();
     texts(Path::new("."), &mut all);
-    let wanted = std::env::var_os("STOCHC_PROSE");
+    let requested = std::env::var_os("STOCHC_PROSE");
     let mut counts: BTreeMap<Kind, [usize; 2]> = BTreeMap::new();
     let mut places = String::new();
     for paragraph in &all {
@@ -275,7 +275,7 @@ fn texts_get_no_harder_to_read() {
         for (count, found) in count.iter_mut().zip(&found) {
             *count += found.len();
         }
-        if wanted
+        if requested
             .as_ref()
             .is_some_and(|it| paragraph.path.starts_with(it))
         {
@@ -290,7 +290,7 @@ fn texts_get_no_harder_to_read() {
             }
         }
     }
-    assert!(wanted.is_none(), "\n{places}");
+    assert!(requested.is_none(), "\n{places}");
     let limits = limits();
     let mut rows =
         "# Largest numbers of hard phrases and of long sentences (prose.rs).\n".to_owned();
@@ -330,7 +330,7 @@ fn texts_get_no_harder_to_read() {
 fn hard_phrases_and_long_sentences_are_found() {
     let phrases: HashSet<String> = PHRASES.lines().flat_map(written_out).collect();
     let source = include_str!("hard_source.txt");
-    let found: Vec<_> = (of_rust(Path::new("a.rs"), source).iter())
+    let found: Vec<_> = (rust_paragraphs(Path::new("a.rs"), source).iter())
         .flat_map(|paragraph| hits(paragraph, &phrases)[0].clone())
         .collect();
     assert_eq!(

@@ -15,8 +15,8 @@ fn report<'a>(checks: impl IntoIterator<Item = (&'a str, Checked)>) -> Value {
 }
 
 fn checked(path: &str, text: &str, levels: &LintLevels) -> Checked {
-    let mut reader = |asked: &str| {
-        if asked == path {
+    let mut reader = |requested: &str| {
+        if requested == path {
             Ok(text.as_bytes().to_vec())
         } else {
             Err(std::io::Error::other("no such file"))

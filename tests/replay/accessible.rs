@@ -56,8 +56,8 @@ fn check(browser: &mut Browser, axe: &str, program: &str, [wide, narrow]: [&str;
     let results = Results::from_records(program, "--record 0");
     let page = results.page(0);
     for theme in ["dark", "light"] {
-        let wanted = json!({ "features": [{ "name": "prefers-color-scheme", "value": theme }] });
-        browser.call("Emulation.setEmulatedMedia", &wanted);
+        let requested = json!({ "features": [{ "name": "prefers-color-scheme", "value": theme }] });
+        browser.call("Emulation.setEmulatedMedia", &requested);
         for (width, height, hash) in [(1440, 900, wide), (390, 844, narrow)] {
             browser.size(width, height);
             browser.open(&page, hash);

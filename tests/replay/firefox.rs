@@ -11,7 +11,7 @@ use crate::accessible::{axe, breaks_nothing};
 use crate::folder::{PROGRAM, Results, SWARM};
 use crate::page_under_test::{Mouse, SETTLED};
 use crate::skipped::skipped;
-use crate::{drawn, grouped, hostile, looking, page, telling, unreadable};
+use crate::{drawn, grouped, hostile, interaction, page, tours, unreadable};
 
 /// Time limit that exceeds every step on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -275,8 +275,8 @@ fn firefox_accepts_the_same_input() {
     let results = Results::from_records(PROGRAM, "--record 0");
     firefox.size(1000, 700);
     page::check_moves(&mut firefox, &results);
-    telling::check_all(&mut firefox);
-    looking::check_all(&mut firefox, &results);
+    tours::check_all(&mut firefox);
+    interaction::check_all(&mut firefox, &results);
     if let Some(axe) = axe() {
         for (width, height) in [(1200, 700), (500, 700)] {
             firefox.size(width, height);

@@ -11,12 +11,12 @@ mod firefox;
 mod folder;
 mod grouped;
 mod hostile;
-mod looking;
+mod interaction;
 mod observed;
 mod page;
 mod page_under_test;
 mod recorded;
 #[path = "../skipped/mod.rs"]
 mod skipped;
-mod telling;
+mod tours;
 mod unreadable;

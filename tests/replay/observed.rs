@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use stochc::ir::record::{BondRecord, RunRecord};
 use stochc::ir::table::PhaseId;
 use stochc::runtime::observe::{ObservedEvent, Observer};
-use stochc::runtime::world::{Arena, Body, FreeBond};
+use stochc::runtime::world::{Body, FreeBond, SpatialWorld};
 use stochc::runtime::{Model, RunError, Settings, observe, run};
 
 /// Observer that stores all events of a run.
@@ -17,7 +17,7 @@ struct Notes {
 }
 
 impl Observer for Notes {
-    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
+    fn look(&mut self, arena: &impl SpatialWorld, events: &[ObservedEvent]) {
         let tick = arena.tick();
         self.ticks.push(tick);
         for &event in events {
@@ -63,11 +63,11 @@ fn observing_does_not_change_a_run() {
 #[test]
 fn events_agree_with_the_record() {
     let (record, _, notes) = observed("examples/five_tower_reconfigured.sa", Model::Rigid);
-    let count = |wanted: fn(&ObservedEvent) -> bool| {
+    let count = |requested: fn(&ObservedEvent) -> bool| {
         notes
             .events
             .iter()
-            .filter(|(_, event)| wanted(event))
+            .filter(|(_, event)| requested(event))
             .count()
     };
     assert_eq!(
@@ -181,7 +181,7 @@ struct Groups {
 }
 
 impl Observer for Groups {
-    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
+    fn look(&mut self, arena: &impl SpatialWorld, events: &[ObservedEvent]) {
         let groups = arena.groups();
         let size = |id: u32| {
             let group = groups.iter().find(|group| group.contains(&id));

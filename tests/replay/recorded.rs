@@ -50,7 +50,7 @@ fn a_recording_contains_every_tick_with_an_event() {
     let results = Results::from_records(PROGRAM, "--record 0 --record-every 10");
     let recording = results.recording(0);
     let ticks: Vec<u64> = recording.frames().map(|frame| frame.tick).collect();
-    let mut wanted: Vec<u64> = (recording.events().iter())
+    let mut requested: Vec<u64> = (recording.events().iter())
         .filter(|TimedEvent { event, .. }| {
             matches!(
                 event,
@@ -62,9 +62,9 @@ fn a_recording_contains_every_tick_with_an_event() {
         .map(|happening| happening.tick)
         .chain((0..=recording.record().ticks).step_by(10))
         .collect();
-    wanted.sort_unstable();
-    wanted.dedup();
-    assert_eq!(ticks, wanted);
+    requested.sort_unstable();
+    requested.dedup();
+    assert_eq!(ticks, requested);
     assert_eq!(ticks.last(), Some(&recording.record().ticks));
     let captured = (recording.events().iter())
         .filter(|happening| matches!(happening.event, ObservedEvent::Captured { .. }));

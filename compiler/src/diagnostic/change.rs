@@ -268,8 +268,8 @@ mod tests {
             ("b.sa", b"\xef\xbb\xbf\xef\xbb\xbflet m = 2"),
             ("c.sa", b"let k = \xff"),
         ];
-        let mut disk = |asked: &str| {
-            let file = files.iter().find(|(name, _)| *name == asked);
+        let mut disk = |path: &str| {
+            let file = files.iter().find(|(name, _)| *name == path);
             (file.map(|(_, bytes)| bytes.to_vec())).ok_or(std::io::ErrorKind::NotFound.into())
         };
         let read = |name: &str, reader: &mut dyn Reader| {

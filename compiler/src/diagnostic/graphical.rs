@@ -76,11 +76,11 @@ impl<'a> Picture<'a> {
         elsewhere.sort_unstable();
         elsewhere.dedup();
         let part = |file: FileId| -> Vec<LabeledSpan> {
-            let of_file = diagnostic
+            let labels = diagnostic
                 .labels
                 .iter()
                 .filter(|label| label.location.file == file);
-            of_file.map(labeled).collect()
+            labels.map(labeled).collect()
         };
         let first = Picture {
             severity: match diagnostic.severity {

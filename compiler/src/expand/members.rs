@@ -28,30 +28,33 @@ impl Members {
     }
 }
 
-/// Returns the names among `keys` with the same word and instance as `wanted`. Returns `None` if
+/// Returns the names among `keys` with the same word and instance as `requested`. Returns `None` if
 /// there are none.
 pub(crate) fn members(
-    wanted: NameKey,
+    requested: NameKey,
     keys: impl Iterator<Item = NameKey>,
     roles: &Roles,
     symbols: &Symbols,
 ) -> Option<Members> {
     let mut boxes: Vec<IndexBounds> = keys
-        .filter(|key| key.scope == wanted.scope && key.word == wanted.word)
+        .filter(|key| key.scope == requested.scope && key.word == requested.word)
         .map(IndexBounds::new)
         .collect();
     boxes.sort_unstable();
     boxes.dedup();
     // Names with the same number of indices are the likeliest.
     let arity = |arity: u8| move |one: &IndexBounds| one.arity == arity;
-    if boxes.iter().any(arity(wanted.arity)) {
-        boxes.retain(arity(wanted.arity));
+    if boxes.iter().any(arity(requested.arity)) {
+        boxes.retain(arity(requested.arity));
     }
     let is_single = boxes.len() == 1;
     for dimension in (0..NameKey::MAX_INDICES).rev() {
         boxes = joined(boxes, dimension);
     }
-    let bare = NameKey { arity: 0, ..wanted };
+    let bare = NameKey {
+        arity: 0,
+        ..requested
+    };
     let word = roles.name_of(bare, symbols);
     let names: Vec<String> = (boxes.iter().take(MAX))
         .map(|one| format!("`{word}{}`", one.indices()))
@@ -125,7 +128,7 @@ fn joined(mut boxes: Vec<IndexBounds>, dimension: usize) -> Vec<IndexBounds> {
 mod tests {
     use super::*;
 
-    fn shown(wanted: &[i32], known: &[&[i32]]) -> Option<String> {
+    fn shown(requested: &[i32], known: &[&[i32]]) -> Option<String> {
         let mut symbols = Symbols::default();
         let word = symbols.intern("T");
         let key = |indices: &[i32]| {
@@ -139,7 +142,7 @@ mod tests {
             }
         };
         let keys = known.iter().map(|indices| key(indices));
-        let members = members(key(wanted), keys, &Roles::default(), &symbols);
+        let members = members(key(requested), keys, &Roles::default(), &symbols);
         members.map(|members| members.names)
     }
 

@@ -186,8 +186,8 @@ impl Expander<'_, '_> {
         }
         let word = self.symbols.word(segment.name.symbol);
         let faces = Face::ALL.map(Face::word);
-        let wanted = self.symbols.word(next.name.symbol);
-        let meant = face_meant(wanted).or_else(|| nearest(wanted, faces));
+        let requested = self.symbols.word(next.name.symbol);
+        let meant = face_meant(requested).or_else(|| nearest(requested, faces));
         let is_block = self.plan.roles.get(&key).is_some()
             || matches!(self.value(segment.name), Some(BoundValue::Block(_)));
         let is_face = next.index.is_none() && (is_block || meant.is_some());
@@ -196,7 +196,7 @@ impl Expander<'_, '_> {
             return None;
         }
         let diagnostic = if is_face {
-            Diagnostic::about(Code::UnknownName, "`{}` is not a face", &[wanted])
+            Diagnostic::about(Code::UnknownName, "`{}` is not a face", &[requested])
                 .label(
                     self.location(next.name.span),
                     format!("unknown face of `{word}`"),

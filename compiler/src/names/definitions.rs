@@ -97,9 +97,9 @@ impl Definitions {
             .sort_by_key(|occurrence| (occurrence.location.file, occurrence.location.span.start));
         occurrences
             .dedup_by_key(|occurrence| (occurrence.location.file, occurrence.location.span.start));
-        let asked = (occurrences.iter()).filter(|it| self.kind(it.definition).is_asked_for());
+        let requested = (occurrences.iter()).filter(|it| self.kind(it.definition).is_asked_for());
         let definitions =
-            asked.map(|it| ((it.location.file, it.location.span.start), it.definition));
+            requested.map(|it| ((it.location.file, it.location.span.start), it.definition));
         let definitions = definitions.collect();
         let mut uses = std::mem::take(&mut self.uses);
         for used in uses.values_mut().flatten() {

@@ -36,11 +36,11 @@ impl DeclaredScene<'_> {
 /// import them. Of several scenes with one name, only the first is returned.
 pub fn declared_scenes(checked: &Checked) -> Vec<DeclaredScene<'_>> {
     let names = Names::from_declarations(checked);
-    of_trees(checked.trees(), &names, &checked.symbols, &mut |_, _| {})
+    scenes_from_trees(checked.trees(), &names, &checked.symbols, &mut |_, _| {})
 }
 
 /// Returns the declared scenes of all trees. Reports a scene that has the name of an earlier one.
-pub(crate) fn of_trees<'a>(
+pub(crate) fn scenes_from_trees<'a>(
     trees: impl Iterator<Item = (FileId, &'a Tree)>,
     names: &Names,
     symbols: &Symbols,

@@ -7,7 +7,7 @@ use stochc_ir::scene::Scene;
 use crate::diagnostic::{Code, Diagnostic, meant, report};
 use crate::expand::duplicate;
 use crate::names::{Definition, Names};
-use crate::scene::declared_scenes::{DeclaredScene, of_trees};
+use crate::scene::declared_scenes::{DeclaredScene, scenes_from_trees};
 use crate::scene::{BUILT_IN, DEFAULT, built_in, read};
 use crate::sources::load::Module;
 use crate::{FileId, SourceLocation};
@@ -32,7 +32,7 @@ impl<'a> Scenes<'a> {
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Scenes<'a> {
         let trees = modules.iter().map(|module| (module.file, &module.tree));
-        let declared = of_trees(trees, names, symbols, &mut |old, new| {
+        let declared = scenes_from_trees(trees, names, symbols, &mut |old, new| {
             let word = symbols.word(new.scene.name.symbol);
             let (old, new) = (old.location(), new.location());
             report(diagnostics, duplicate(word, old, new, "a scene", symbols));

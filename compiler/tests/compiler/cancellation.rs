@@ -5,7 +5,7 @@ use stochc_compiler::{Cancellation, Cancelled, Limits, check_cancellable};
 
 /// Checks a text and cancels after `most` queries. Returns the number of queries, and the number of
 /// events or the cancellation.
-fn asked(text: &str, most: u64) -> (u64, Result<usize, Cancelled>) {
+fn polled(text: &str, most: u64) -> (u64, Result<usize, Cancelled>) {
     let count = Cell::new(0);
     let ask = || {
         count.set(count.get() + 1);
@@ -47,7 +47,7 @@ fn programs() -> Vec<String> {
 #[test]
 fn a_check_polls_once_per_event_in_every_stage() {
     let row = &programs()[0];
-    let (count, events) = asked(row, u64::MAX);
+    let (count, events) = polled(row, u64::MAX);
     assert_eq!(events, Ok(300));
     // Five stages: expansion, names, cells, order, tables.
     assert!(count > 300 * 5, "{count}");
@@ -56,14 +56,14 @@ fn a_check_polls_once_per_event_in_every_stage() {
 #[test]
 fn a_check_ends_when_it_is_cancelled() {
     for text in programs() {
-        let (all, result) = asked(&text, u64::MAX);
+        let (all, result) = polled(&text, u64::MAX);
         assert!(result.is_ok());
         for most in (0..all).step_by((all / 100).max(1) as usize) {
-            let (count, result) = asked(&text, most);
+            let (count, result) = polled(&text, most);
             assert_eq!(result, Err(Cancelled), "after {most} of {all}: {text}");
             // Each level of the call stack queries once more before it returns.
             assert!(count <= most + 10, "{count} after {most}: {text}");
         }
-        assert_eq!(asked(&text, all).1, result);
+        assert_eq!(polled(&text, all).1, result);
     }
 }

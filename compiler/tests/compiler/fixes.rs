@@ -7,7 +7,7 @@ use stochc_compiler::{Checked, FileId, Fixed, Limits, LintLevels, check};
 
 /// Reads a text as `a.sa`, next to the files that the fixtures import.
 fn files(text: &str) -> impl FnMut(&str) -> std::io::Result<Vec<u8>> {
-    move |asked| match asked {
+    move |requested| match requested {
         "a.sa" => Ok(text.as_bytes().to_vec()),
         "towers.sa" => Ok(Vec::new()),
         "importing_tower.sa" => {
@@ -359,7 +359,7 @@ fn unchecked_warnings_do_not_count_as_new() {
 /// Returns the result and the number of checks of a program that imports a missing file.
 fn checks(text: &str) -> (Checked, u32) {
     let mut checks = 0;
-    let mut reader = |asked: &str| match asked {
+    let mut reader = |requested: &str| match requested {
         "a.sa" => Ok(text.as_bytes().to_vec()),
         _ => {
             checks += 1;

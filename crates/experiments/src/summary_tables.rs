@@ -41,7 +41,7 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
         let column = table.text(setting_column(of), meaning, get);
         column.null("the setting is that of the ensemble");
     }
-    table.integer("runs", "runs asked for", |row| row.summary.runs);
+    table.integer("runs", "runs requested", |row| row.summary.runs);
     table.integer("finished", "runs finished", |row| row.summary.finished);
     table.integer("completed", "runs that completed the structure", |row| {
         row.summary.completed
@@ -150,7 +150,7 @@ pub(crate) fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
         };
         table.text(of.clone(), "a setting", get).null(UNKNOWN);
     }
-    table.integer("runs", "runs asked for", |row| row.runs);
+    table.integer("runs", "runs requested", |row| row.runs);
     table.integer("completed", "runs that completed", |row| {
         row.completed as u64
     });

@@ -338,7 +338,7 @@ fn new_named(folder: &Path, prefix: &str, mode: u32) -> io::Result<NamedTempFile
     builder.prefix(prefix);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
-    builder.tempfile_in(folder).map_err(of_system)
+    builder.tempfile_in(folder).map_err(from_system)
 }
 
 /// Creates a locked draft in the folder of `path`, so that no process takes it for a leftover.
@@ -364,7 +364,7 @@ fn begin(path: &Path, mode: u32) -> io::Result<NamedTempFile> {
 }
 
 /// Removes the name of the draft from an error, as it means nothing to users.
-fn of_system(error: io::Error) -> io::Error {
+fn from_system(error: io::Error) -> io::Error {
     match error.to_string().split_once(" at path ") {
         Some((cause, _)) => io::Error::new(error.kind(), cause),
         None => error,

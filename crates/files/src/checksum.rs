@@ -76,7 +76,7 @@ impl<W: Write> Write for Summed<W> {
 /// # Errors
 ///
 /// Errors of the file system.
-pub fn of_file(file: impl Read, length: u64) -> io::Result<Sum> {
+pub fn sum_file(file: impl Read, length: u64) -> io::Result<Sum> {
     let mut crc = Crc::new();
     let mut from = BufReader::with_capacity(1 << 16, file.take(length));
     let mut bytes = 0;

@@ -141,8 +141,8 @@ impl Executable {
         let begin = format!("{{\"kind\":\"{KIND}\"");
         let is_sign = |byte: &u8| !byte.is_ascii_whitespace();
         let mut signs = bytes.iter().copied().filter(is_sign);
-        let mut wanted = begin.bytes().filter(is_sign);
-        wanted.all(|sign| signs.next() == Some(sign))
+        let mut expected = begin.bytes().filter(is_sign);
+        expected.all(|sign| signs.next() == Some(sign))
     }
 
     /// Reads and validates the executables of a file.

@@ -58,9 +58,9 @@ impl<T: 'static> Jobs<T> {
     }
 
     /// Returns whether another job may be started.
-    pub fn has_room(&self, wanted: JobTrigger) -> bool {
+    pub fn has_room(&self, trigger: JobTrigger) -> bool {
         self.running.len()
-            < match wanted {
+            < match trigger {
                 JobTrigger::Requested => MAX,
                 JobTrigger::Background => MAX_UNASKED,
             }
@@ -78,9 +78,9 @@ impl<T: 'static> Jobs<T> {
         let id = JobId(self.next);
         self.next += 1;
         let is_cancelled = Arc::new(AtomicBool::new(false));
-        let (asked, on_end) = (is_cancelled.clone(), self.on_end.clone());
+        let (cancelled, on_end) = (is_cancelled.clone(), self.on_end.clone());
         let thread = thread::Builder::new().stack_size(STACK).spawn(move || {
-            let ask = || asked.load(Ordering::Relaxed);
+            let ask = || cancelled.load(Ordering::Relaxed);
             // A panic costs one response, not the session.
             let done = catch_unwind(AssertUnwindSafe(|| work(Cancellation::new(&ask))));
             on_end(id, done.ok().flatten());

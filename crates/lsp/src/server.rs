@@ -381,17 +381,17 @@ impl<W: Write> Server<W> {
             .cloned()
     }
 
-    fn check(&mut self, path: &str, wanted: JobTrigger) {
+    fn check(&mut self, path: &str, trigger: JobTrigger) {
         let (documents, encoding) = (&self.documents, self.encoding);
         let (folders, jobs) = (&self.folders, &mut self.jobs);
-        (self.programs).check(path, wanted, documents, folders, encoding, jobs);
+        (self.programs).check(path, trigger, documents, folders, encoding, jobs);
     }
 
     fn initialize(&mut self, params: &Value) -> Value {
         let encodings = params.pointer("/capabilities/general/positionEncodings");
-        let offers = |wanted: &str| {
+        let offers = |kind: &str| {
             let offered = encodings.and_then(Value::as_array);
-            offered.is_some_and(|offered| offered.iter().any(|it| it == wanted))
+            offered.is_some_and(|offered| offered.iter().any(|it| it == kind))
         };
         if offers("utf-8") {
             self.encoding = Encoding::Utf8;

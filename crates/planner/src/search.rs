@@ -201,15 +201,15 @@ impl Searcher<'_> {
         order: Vec<f32>,
         priorities: Priorities,
         has_gaps: bool,
-        wanted: Cancellation<'_>,
+        cancellation: Cancellation<'_>,
     ) -> Result<ScheduleCandidate, TargetError> {
         let wide = self.wide.clone().with_gaps(has_gaps);
         let spaces = [wide, self.narrow.clone()];
-        let disassembly = disassemble(self.sites, spaces, &order, wanted)?;
-        let corridors = Corridors::new(self.sites, &disassembly, wanted)?;
+        let disassembly = disassemble(self.sites, spaces, &order, cancellation)?;
+        let corridors = Corridors::new(self.sites, &disassembly, cancellation)?;
         let (sites, hardware, waits) = (self.sites, self.hardware, self.waits);
         let job = SchedulingJob::new(sites, &disassembly, &corridors, hardware, waits);
-        let schedule = job.schedule(&priorities, wanted)?;
+        let schedule = job.schedule(&priorities, cancellation)?;
         let waiting = job.waiting(&schedule);
         let scheduled = PrioritizedSchedule {
             estimate: job.estimated(&self.samples, &schedule, &waiting),

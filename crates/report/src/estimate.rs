@@ -75,7 +75,7 @@ pub struct Share {
 impl CompletionEstimate {
     /// Estimates the times of a program from records of its runs by the rate model. `lower_bound`
     /// is the result of [`EnsembleProgram::lower_bound`].
-    pub fn of_runs(
+    pub fn from_runs(
         program: &EnsembleProgram,
         records: &[&RunRecord],
         lower_bound: LowerBoundReasons,

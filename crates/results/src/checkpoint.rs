@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use stochc_files::atomic::{Draft, Replaces, make_own_folder, move_aside};
-use stochc_files::checksum::{self, LineIntegrity, Summed, of_file};
+use stochc_files::checksum::{self, LineIntegrity, Summed, sum_file};
 use stochc_files::{File, budget, disk, open_own};
 use stochc_ir::state::StateWriter;
 use stochc_runtime::Save;
@@ -248,7 +248,7 @@ impl Checkpoints {
     }
 
     /// Returns the checkpoints of a run that begins now.
-    pub(crate) fn of_run(&self, program: usize, run: u64) -> RunCheckpoints<'_> {
+    pub(crate) fn for_run(&self, program: usize, run: u64) -> RunCheckpoints<'_> {
         RunCheckpoints {
             all: self,
             key: (program, run),
@@ -326,7 +326,7 @@ pub(crate) struct RunCheckpoints<'a> {
 
 impl RunCheckpoints<'_> {
     /// Records that a tick begins, and decides whether a checkpoint is due. `is_stopped` states
-    /// whether the run has been asked to stop.
+    /// whether the run was requested to stop.
     pub fn tick(&self, tick: u64, is_stopped: bool) {
         self.tick.set(tick);
         let (then, at) = self.since.get();
@@ -442,8 +442,8 @@ fn files(path: &Path) -> io::Result<Vec<PathBuf>> {
 ///
 /// Errors of the file system.
 pub(crate) fn clear(path: &Path, wants: impl Fn(usize, u64) -> bool) -> io::Result<()> {
-    let wanted = list(path)?.into_iter();
-    let wanted: BTreeSet<PathBuf> = wanted
+    let listed = list(path)?.into_iter();
+    let listed: BTreeSet<PathBuf> = listed
         .filter(|((program, run), _)| wants(*program, *run))
         .map(|(_, path)| path)
         .collect();
@@ -451,7 +451,7 @@ pub(crate) fn clear(path: &Path, wants: impl Fn(usize, u64) -> bool) -> io::Resu
     for file in files(path)? {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let is_ours = name.ends_with(SUFFIX) || name.contains(".draft-");
-        if is_ours && !wanted.contains(&file) {
+        if is_ours && !listed.contains(&file) {
             ignore_missing(disk::remove(&file))?
         } else {
             left += 1
@@ -509,7 +509,7 @@ fn read(file: &File) -> io::Result<Result<(CheckpointHeader, [u64; 2]), &'static
         return corrupted;
     };
     from.seek(SeekFrom::Start(0))?;
-    let sum = of_file(from, ends)?;
+    let sum = sum_file(from, ends)?;
     let mut checksum = [0; CHECKSUM as usize];
     from.seek(SeekFrom::Start(ends))?;
     from.read_exact(&mut checksum)?;

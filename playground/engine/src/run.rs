@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use stochc_compiler::Program;
 use stochc_ir::Executable;
 use stochc_runtime::observe::{EventRows, ObservedEvent, Observer};
-use stochc_runtime::world::Arena;
+use stochc_runtime::world::SpatialWorld;
 use stochc_runtime::world::view::pose;
 use stochc_runtime::{Model, Settings};
 
@@ -122,7 +122,7 @@ impl FrameStream {
 }
 
 impl Observer for FrameStream {
-    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
+    fn look(&mut self, arena: &impl SpatialWorld, events: &[ObservedEvent]) {
         self.tick = arena.tick();
         let rows = events.iter().map(|event| self.rows.row(self.tick, event));
         self.events.extend(rows);

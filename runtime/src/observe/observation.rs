@@ -7,7 +7,7 @@ use stochc_ir::state::{State, StateError, StateReader, StateWriter};
 
 use super::observer::{ObservedEvent, Observer};
 use crate::world::view::in_structure;
-use crate::world::{Arena, FreeBond};
+use crate::world::{FreeBond, SpatialWorld};
 
 /// Log of events. `None` if there is no observer.
 #[derive(Debug, Default)]
@@ -82,7 +82,7 @@ impl<O: Observer> State for EventObservation<'_, O> {
     }
 }
 
-impl<A: Arena, O: Observer> StepObserver<A> for EventObservation<'_, O> {
+impl<A: SpatialWorld, O: Observer> StepObserver<A> for EventObservation<'_, O> {
     fn observe(&mut self, arena: &A, log: Vec<ObservedEvent>) {
         let mut inside: Vec<_> = (arena.in_reach().into_iter())
             .filter_map(|(site, body, entered)| {
@@ -122,7 +122,7 @@ impl<A: Arena, O: Observer> StepObserver<A> for EventObservation<'_, O> {
 }
 
 /// Returns the changes of bonds between free blocks: broken ones first, then new ones.
-fn changes(before: &[FreeBond], now: &[FreeBond], arena: &impl Arena) -> Vec<ObservedEvent> {
+fn changes(before: &[FreeBond], now: &[FreeBond], arena: &impl SpatialWorld) -> Vec<ObservedEvent> {
     if before == now {
         return Vec::new();
     }

@@ -4,7 +4,7 @@ use stochc_ir::state::{State, StateError, StateReader, StateWriter};
 use stochc_ir::table::{News, PhaseId, RoleId};
 use stochc_ir::{Cell, Face};
 
-use crate::world::{Arena, FreeBond};
+use crate::world::{FreeBond, SpatialWorld};
 
 /// Observer of a run. It cannot change the run.
 pub trait Observer {
@@ -12,7 +12,7 @@ pub trait Observer {
     ///
     /// `arena` is at that [tick](crate::world::World::tick). `events` are the events since the last
     /// call, in order, all at that tick.
-    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]);
+    fn look(&mut self, arena: &impl SpatialWorld, events: &[ObservedEvent]);
 
     /// Writes the state of the observer for [`Observer::restore`]. See [`State::save`].
     ///

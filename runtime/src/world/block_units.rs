@@ -14,14 +14,16 @@ use stochc_ir::table::Plate;
 use super::SceneError;
 use super::parameters::{
     Attraction, ContactParameters, Eddies, Kicks, Magnet, MeanFlow, Passive, Pull, Resistance,
-    Shell, Suction, WorldParameters,
+    Suction, Wall, WorldParameters,
 };
 
 impl WorldParameters {
     /// Returns the terms of a scene around a plate, in block units.
     pub fn new(scene: &Scene, plate: &Plate) -> Result<WorldParameters, SceneError> {
         let units = Units::from_scene(scene)?;
-        let shell = made(&scene.enclosure, |enclosure| units.shell(enclosure, plate))?;
+        let wall = made(&scene.enclosure, |enclosure| {
+            units.wall_of_enclosure(enclosure, plate)
+        })?;
         let (mut kicks, mut thermal) = (None, None);
         match &scene.agitation {
             Some(Agitation::Kicks { speed: (low, high) }) => {
@@ -40,12 +42,12 @@ impl WorldParameters {
         }
         Ok(WorldParameters {
             local: takes_local_steps(scene),
-            shell,
+            wall,
             kicks,
             drag: made(&scene.drag, |drag| units.number(&DRAG_RATE, drag.rate))?,
             acceleration: units.acceleration(scene)?,
             fluid: made(&scene.fluid, |fluid| units.resistance(fluid))?,
-            flow: made(&scene.flow, |flow| units.stream(flow, shell))?,
+            flow: made(&scene.flow, |flow| units.stream(flow, wall))?,
             eddies: units.eddies(scene)?,
             thermal,
             contact: made(&scene.contact, |contact| units.contact(contact))?,
@@ -88,9 +90,9 @@ impl Units {
         })
     }
 
-    fn shell(self, enclosure: &Enclosure, plate: &Plate) -> SceneResult<Shell> {
+    fn wall_of_enclosure(self, enclosure: &Enclosure, plate: &Plate) -> SceneResult<Wall> {
         let (Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) = *enclosure;
-        Ok(Shell {
+        Ok(Wall {
             radius: self.number(&ENCLOSURE_RADIUS, enclosure.reach(self.of.side))?,
             height: derived(
                 "the height of the enclosure",
@@ -138,23 +140,23 @@ impl Units {
         })
     }
 
-    fn stream(self, flow: &Flow, shell: Option<Shell>) -> SceneResult<MeanFlow> {
+    fn stream(self, flow: &Flow, wall: Option<Wall>) -> SceneResult<MeanFlow> {
         Ok(match flow {
             Flow::Stir(stir) => MeanFlow::Vortex {
                 radius: self.number(&STIR_RADIUS, stir.radius)?,
                 rate: self.number(&STIR_RATE, stir.follow * stir.rate)?,
             },
             Flow::Jets(jets) => {
-                let Some(shell) = shell else {
+                let Some(wall) = wall else {
                     return Err(SceneError::NoWall);
                 };
-                let height = shell.interior().halfway();
-                let up = height - shell.height;
+                let height = wall.interior().halfway();
+                let up = height - wall.height;
                 MeanFlow::Jets {
                     count: jets.count,
                     speed: derived("the speed of a jet", self.of.speed(jets.speed()))?,
                     diameter: self.number(&JETS_NOZZLE, jets.nozzle)?,
-                    distance: (shell.radius * shell.radius - up * up).sqrt() + 0.5,
+                    distance: (wall.radius * wall.radius - up * up).sqrt() + 0.5,
                     height,
                 }
             }

@@ -6,7 +6,7 @@
 /// precision, ...)` creates one.
 macro_rules! delegate {
     ($world:ident, $by:ident) => {
-        impl Arena for $world {
+        impl SpatialWorld for $world {
             fn with_blocks(
                 scene: &Scene,
                 plate: &Plate,

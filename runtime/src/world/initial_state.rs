@@ -14,10 +14,10 @@ pub(super) fn blocks(scene: &Scene, plate: &Plate) -> Result<Vec<BodyState>, Sce
     if count == 0 {
         return Ok(Vec::new());
     }
-    let Some(shell) = parameters.shell else {
+    let Some(wall) = parameters.wall else {
         return Err(NoRoom::NoEnclosure { count }.into());
     };
-    let (inside, arrangement) = (shell.interior(), scene.free.arrangement);
+    let (inside, arrangement) = (wall.interior(), scene.free.arrangement);
     inside.has_room(count, arrangement, scene.block.side)?;
     Ok(match arrangement {
         Arrangement::Uniform => uniform(inside, count),

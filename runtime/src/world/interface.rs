@@ -94,7 +94,7 @@ pub trait World: State {
 ///
 /// All quantities are in block units: the block length is 1, its mass 1, the tick 1. The origin is
 /// the centre of the plate's upper side; z points up.
-pub trait Arena: World + Sized {
+pub trait SpatialWorld: World + Sized {
     /// Creates the world of a scene at tick 0. `seed` and `run` are the key of its random draws.
     ///
     /// # Errors

@@ -21,14 +21,14 @@ pub mod rate;
 mod real;
 pub mod rigid;
 pub mod rotation;
-mod shell_force;
 pub mod shuffle;
 mod step_limit;
 mod stepper;
 mod unit_cube;
 pub mod view;
+mod wall_force;
 
 pub use blocks::BodyState;
 pub use error::SceneError;
-pub use interface::{Arena, Fault, FreeBond, World};
+pub use interface::{Fault, FreeBond, SpatialWorld, World};
 pub use stochc_control::{BlockFace, Body, Docking};

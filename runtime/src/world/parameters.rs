@@ -10,7 +10,7 @@ use stochc_ir::scene::{ContactLaw, Measure};
 pub(crate) struct WorldParameters {
     /// Whether blocks may take steps of different lengths.
     pub local: bool,
-    pub shell: Option<Shell>,
+    pub wall: Option<Wall>,
     pub kicks: Option<Kicks>,
     /// Rate of the linear drag \[1 / tick\].
     pub drag: Option<f64>,
@@ -28,7 +28,7 @@ pub(crate) struct WorldParameters {
 
 /// Elastic shell about a point above the centre of the plate.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shell {
+pub(crate) struct Wall {
     /// Distance from the shell's centre outside which blocks are pushed back \[block lengths\].
     pub radius: f64,
     /// Height of the shell's centre \[block lengths\].
@@ -37,7 +37,7 @@ pub(crate) struct Shell {
     pub stiffness: f64,
 }
 
-impl Shell {
+impl Wall {
     /// Returns the interior of the shell.
     pub fn interior(&self) -> Interior {
         Interior {
@@ -237,8 +237,8 @@ impl WorldParameters {
                 *impulse *= response;
             }
         }
-        if let Some(shell) = &mut self.shell {
-            shell.stiffness *= response;
+        if let Some(wall) = &mut self.wall {
+            wall.stiffness *= response;
         }
         if let Some(acceleration) = &mut self.acceleration {
             *acceleration *= response;

@@ -14,16 +14,16 @@ impl WorldParameters {
     /// the oscillation would gain energy.
     pub fn check(&self, settings: &Settings) -> Result<(), SceneError> {
         let [substeps, _] = self.rates(settings);
-        let Some(shell) = self.shell else {
+        let Some(wall) = self.wall else {
             return Ok(());
         };
         // In a step that is long compared with its relaxation time, drag reduces the effect of a
         // force.
         let drag = self.fluid.map_or(0.0, |fluid| fluid.viscous.0);
         let swings =
-            |substeps: f64| shell.stiffness * response(drag / substeps) > substeps * substeps;
+            |substeps: f64| wall.stiffness * response(drag / substeps) > substeps * substeps;
         if swings(f64::from(substeps)) {
-            let (mut few, mut enough) = (f64::from(substeps), shell.stiffness.sqrt().ceil());
+            let (mut few, mut enough) = (f64::from(substeps), wall.stiffness.sqrt().ceil());
             while enough - few > 1.0 {
                 let middle = ((few + enough) / 2.0).floor();
                 // At this size, no floating-point number is between the two bounds.

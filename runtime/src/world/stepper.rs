@@ -18,7 +18,9 @@ use super::external_forces::{ExternalForces, Response};
 use super::free_bonds::FreeBonds;
 use super::parameters::{Kicks, WorldParameters};
 use super::real::{Real, cast};
-use super::{Arena, BlockFace, Body, BodyState, Docking, Fault, FreeBond, SceneError, World};
+use super::{
+    BlockFace, Body, BodyState, Docking, Fault, FreeBond, SceneError, SpatialWorld, World,
+};
 use crate::counter_rng::{Draws, StepDraws, Stream};
 use crate::settings::{Reduction, Settings};
 
@@ -401,7 +403,7 @@ impl<I: Integrator> Stepper<I> {
     }
 }
 
-impl<I: Integrator> Arena for Stepper<I> {
+impl<I: Integrator> SpatialWorld for Stepper<I> {
     fn with_blocks(
         scene: &Scene,
         plate: &Plate,

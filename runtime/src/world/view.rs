@@ -2,18 +2,18 @@
 use stochc_control::{BlockFace, Body, Orientation};
 use stochc_ir::Face;
 
-use super::Arena;
+use super::SpatialWorld;
 
 /// Returns the centre of a block \[block lengths\] and its quaternion, in the order x, y, z; x, y,
 /// z, w.
-pub fn pose(arena: &impl Arena, id: u32) -> [f32; 7] {
+pub fn pose(arena: &impl SpatialWorld, id: u32) -> [f32; 7] {
     let state = arena.state(id);
     let (p, q) = (state.position, state.orientation.coords);
     [p.x, p.y, p.z, q.x, q.y, q.z, q.w].map(|number| number as f32)
 }
 
 /// Returns a face of an anchored block in the structure's frame, or `None` for a free block.
-pub(crate) fn in_structure(arena: &impl Arena, site: BlockFace) -> Option<(Body, Face)> {
+pub(crate) fn in_structure(arena: &impl SpatialWorld, site: BlockFace) -> Option<(Body, Face)> {
     let sits = match site.body {
         Body::Seed(_) => Orientation::IDENTITY,
         Body::Free(id) => arena.anchored(id)?,

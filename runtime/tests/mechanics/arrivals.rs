@@ -3,7 +3,7 @@
 use crate::scenes::{Dice, attract, empty, hemisphere, pass, world};
 use nalgebra::Vector3;
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld};
 use stochc_runtime::{Model, Settings};
 
 in_every_world!(
@@ -47,7 +47,7 @@ fn effective_area(reach: f64) -> f64 {
     6.0 * 4.0 * std::f64::consts::PI * reach * reach * bare as f64 / samples as f64
 }
 
-fn entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area<W: Arena>() {
+fn entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area<W: SpatialWorld>() {
     let (count, radius, ticks) = (8000, 12.5, 90);
     let mut scene = empty();
     // A magnet without force that never anchors.
@@ -84,7 +84,7 @@ fn entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area<W: A
     );
 }
 
-fn arrivals_at_the_shell_are_a_quarter_of_density_speed_and_area<W: Arena>() {
+fn arrivals_at_the_shell_are_a_quarter_of_density_speed_and_area<W: SpatialWorld>() {
     let (count, radius, ticks) = (4000, 20.0, 100);
     let mut scene = empty();
     scene.enclosure = hemisphere(radius, 0.04);

@@ -7,7 +7,7 @@ use crate::scenes::{
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::{Agitation, BOLTZMANN, Bond, Flow, Fluid, Jets, Pump, Scene, Stir};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld};
 use stochc_runtime::{Model, Settings};
 
 in_every_world!(
@@ -47,14 +47,14 @@ fn suction() -> Scene {
     }
 }
 
-fn momenta(world: &impl Arena) -> (Vector3<f64>, Vector3<f64>) {
+fn momenta(world: &impl SpatialWorld) -> (Vector3<f64>, Vector3<f64>) {
     let blocks = states(world);
     let turning = |b: &BodyState| b.position.cross(&b.velocity) + b.spin / 6.0;
     let momentum = blocks.iter().map(|b| b.velocity).sum();
     (momentum, blocks.iter().map(turning).sum())
 }
 
-fn two_blocks_find_each_other_and_bond<W: Arena>() {
+fn two_blocks_find_each_other_and_bond<W: SpatialWorld>() {
     let turned = UnitQuaternion::from_scaled_axis(at(0.1, 0.05, 1.65));
     let blocks = [
         BodyState::at_rest(at(0.0, 0.0, 10.0)),
@@ -81,7 +81,7 @@ fn two_blocks_find_each_other_and_bond<W: Arena>() {
 }
 
 /// Returns a world with two blocks that have just bonded and then get these velocities.
-fn pair<W: Arena>(scene: &Scene, first: Vector3<f64>, second: Vector3<f64>) -> W {
+fn pair<W: SpatialWorld>(scene: &Scene, first: Vector3<f64>, second: Vector3<f64>) -> W {
     let places = [at(0.0, 0.0, 10.0), at(1.01, 0.0, 10.0)];
     let mut world: W = world(scene, &places.map(BodyState::at_rest));
     dockings(&mut world, 2);
@@ -93,7 +93,7 @@ fn pair<W: Arena>(scene: &Scene, first: Vector3<f64>, second: Vector3<f64>) -> W
     world
 }
 
-fn a_bonded_pair_moves_as_one_body<W: Arena>() {
+fn a_bonded_pair_moves_as_one_body<W: SpatialWorld>() {
     let mut world: W = pair(&reject(0.5, 0.0), at(0.0, 0.02, 0.01), at(0.03, -0.01, 0.0));
     let before = momenta(&world);
     dockings(&mut world, 200);
@@ -110,7 +110,7 @@ fn a_bonded_pair_moves_as_one_body<W: Arena>() {
     assert!(a.spin.norm() > 1e-3);
 }
 
-fn blocks_that_are_too_fast_do_not_bond<W: Arena>() {
+fn blocks_that_are_too_fast_do_not_bond<W: SpatialWorld>() {
     // Two blocks that stop each other lose m v^2 / 4. A bond absorbs hold * depth / 3.
     let hold = 0.3;
     let fast = (4.0 * hold * 0.2 / 3.0_f64).sqrt();
@@ -127,7 +127,7 @@ fn blocks_that_are_too_fast_do_not_bond<W: Arena>() {
     }
 }
 
-fn a_pair_is_torn_by_a_flow_that_pulls_harder_than_it_holds<W: Arena>() {
+fn a_pair_is_torn_by_a_flow_that_pulls_harder_than_it_holds<W: SpatialWorld>() {
     // A wide jet from the east, which drags one block more than the other. The shear of the jet
     // also turns one of the blocks.
     let (rate, speed, nozzle) = (0.5, 2.0, 0.2);
@@ -154,7 +154,7 @@ fn a_pair_is_torn_by_a_flow_that_pulls_harder_than_it_holds<W: Arena>() {
     }
 }
 
-fn a_pair_turns_in_a_viscous_vortex_as_its_friction_says_at_every_step<W: Arena>() {
+fn a_pair_turns_in_a_viscous_vortex_as_its_friction_says_at_every_step<W: SpatialWorld>() {
     // Beyond the core the fluid has no vorticity. The torque of the flow on both blocks balances
     // the torque of their drag.
     let (core, turning, rate) = (0.1, 0.2, 10.0);
@@ -197,7 +197,7 @@ fn a_pair_turns_in_a_viscous_vortex_as_its_friction_says_at_every_step<W: Arena>
 }
 
 /// The fluctuating force within one step grows without limit as steps get shorter.
-fn heat_tears_no_bond_however_short_the_steps<W: Arena>() {
+fn heat_tears_no_bond_however_short_the_steps<W: SpatialWorld>() {
     let (hold, depth) = (0.1, 0.2);
     // A bond can absorb 2,000 times this energy.
     let energy = hold * depth / 3.0 / 2000.0;
@@ -222,7 +222,7 @@ fn heat_tears_no_bond_however_short_the_steps<W: Arena>() {
     }
 }
 
-fn every_face_of_a_planted_block_attracts<W: Arena>() {
+fn every_face_of_a_planted_block_attracts<W: SpatialWorld>() {
     let blocks = [
         BodyState::at_rest(at(6.0, 0.0, 3.0)),
         BodyState::at_rest(at(3.0, 0.0, 3.0)),
@@ -249,7 +249,7 @@ fn every_face_of_a_planted_block_attracts<W: Arena>() {
 }
 
 /// Returns a world with a planted block, number 1, and another block before its east face.
-fn with_pair<W: Arena>(scene: &Scene, gap: f64) -> W {
+fn with_pair<W: SpatialWorld>(scene: &Scene, gap: f64) -> W {
     let blocks = [
         BodyState::at_rest(at(1.0 + gap, 0.0, 0.5)),
         BodyState::at_rest(at(0.0, 5.0, 5.0)),
@@ -259,7 +259,7 @@ fn with_pair<W: Arena>(scene: &Scene, gap: f64) -> W {
     world
 }
 
-fn a_rejected_block_leaves_with_the_impulse_and_may_come_back_later<W: Arena>() {
+fn a_rejected_block_leaves_with_the_impulse_and_may_come_back_later<W: SpatialWorld>() {
     let east = BlockFace {
         body: Body::Free(1),
         face: Face::East,
@@ -282,7 +282,7 @@ fn a_rejected_block_leaves_with_the_impulse_and_may_come_back_later<W: Arena>() 
     assert_eq!(again[0].site, east);
 }
 
-fn a_block_that_is_rejected_from_a_corner_is_not_taken_by_the_other_side<W: Arena>() {
+fn a_block_that_is_rejected_from_a_corner_is_not_taken_by_the_other_side<W: SpatialWorld>() {
     // The block is before the east face of one block and the south face of another.
     let blocks = [
         BodyState::at_rest(at(1.03, 0.0, 0.5)),
@@ -305,7 +305,7 @@ fn a_block_that_is_rejected_from_a_corner_is_not_taken_by_the_other_side<W: Aren
     assert!(away.norm() > 0.2, "{away}");
 }
 
-fn a_docked_block_rejects_what_hangs_on_it<W: Arena>() {
+fn a_docked_block_rejects_what_hangs_on_it<W: SpatialWorld>() {
     let blocks = [
         BodyState::at_rest(at(1.08, 0.0, 0.5)),
         BodyState::at_rest(at(2.09, 0.0, 0.5)),
@@ -326,7 +326,7 @@ fn a_docked_block_rejects_what_hangs_on_it<W: Arena>() {
     );
 }
 
-fn an_open_face_draws_a_block_and_holds_it<W: Arena>() {
+fn an_open_face_draws_a_block_and_holds_it<W: SpatialWorld>() {
     let start = [BodyState::at_rest(at(0.0, 0.0, 2.0))];
     let mut world: W = world(&suction(), &start);
     dockings(&mut world, 50);
@@ -356,7 +356,7 @@ fn an_open_face_draws_a_block_and_holds_it<W: Arena>() {
     assert!(dockings(&mut world, 20).is_empty());
 }
 
-fn a_second_open_face_halves_what_the_first_draws<W: Arena>() {
+fn a_second_open_face_halves_what_the_first_draws<W: SpatialWorld>() {
     let draw = |open: &[i32]| {
         let scene = Scene {
             // The whole head is lost upstream of the plate, so two open faces share one flow.
@@ -394,7 +394,7 @@ fn a_second_open_face_halves_what_the_first_draws<W: Arena>() {
     );
 }
 
-fn planting_needs_a_free_block<W: Arena>() {
+fn planting_needs_a_free_block<W: SpatialWorld>() {
     let mut scene = reject(0.1, 0.0);
     scene.contact = contact(0.0, 0.3);
     let mut world: W = world(&scene, &[]);

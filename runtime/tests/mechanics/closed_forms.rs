@@ -4,7 +4,7 @@ use crate::scenes::{Dice, attract, contact, empty, hemisphere, kicks, pass, worl
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::Drag;
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld};
 use stochc_runtime::{Model, Settings};
 
 in_every_world!(
@@ -19,7 +19,7 @@ in_every_world!(
     the_corners_turn_a_close_block_to_the_nearest_quarter_turn,
 );
 
-fn states(world: &impl Arena) -> Vec<BodyState> {
+fn states(world: &impl SpatialWorld) -> Vec<BodyState> {
     (0..world.count()).map(|id| world.state(id)).collect()
 }
 
@@ -31,7 +31,7 @@ fn at(x: f64, y: f64, z: f64) -> Vector3<f64> {
     Vector3::new(x, y, z)
 }
 
-fn free_flight_is_exact<W: Arena>() {
+fn free_flight_is_exact<W: SpatialWorld>() {
     let start = BodyState {
         velocity: at(0.25, -0.125, 0.0625),
         spin: at(0.0, 0.0, 0.0078125),
@@ -52,7 +52,7 @@ fn free_flight_is_exact<W: Arena>() {
     }
 }
 
-fn kicks_make_a_random_walk_of_the_velocity<W: Arena>() {
+fn kicks_make_a_random_walk_of_the_velocity<W: SpatialWorld>() {
     let (rms, ticks, blocks) = (0.01, 60, 4000);
     let mut scene = empty();
     scene.agitation = kicks(rms);
@@ -92,7 +92,7 @@ fn kicks_make_a_random_walk_of_the_velocity<W: Arena>() {
     }
 }
 
-fn drag_makes_the_velocity_stationary_and_normal<W: Arena>() {
+fn drag_makes_the_velocity_stationary_and_normal<W: SpatialWorld>() {
     let (rms, rate, blocks) = (0.01, 0.04, 3000);
     let mut scene = empty();
     scene.agitation = kicks(rms);
@@ -123,7 +123,7 @@ fn drag_makes_the_velocity_stationary_and_normal<W: Arena>() {
     assert!(gap.fold(0.0, f64::max) < 1.95 / n.sqrt());
 }
 
-fn drag_and_kicks_make_blocks_diffuse<W: Arena>() {
+fn drag_and_kicks_make_blocks_diffuse<W: SpatialWorld>() {
     let (rms, rate, ticks, blocks) = (0.01, 0.1, 120, 3000);
     let mut scene = empty();
     scene.agitation = kicks(rms);
@@ -150,7 +150,7 @@ fn drag_and_kicks_make_blocks_diffuse<W: Arena>() {
     assert!((expected / diffusion - 1.0).abs() < 2.5 / (rate * ticks as f64));
 }
 
-fn elastic_collisions_keep_momentum_and_energy<W: Arena>() {
+fn elastic_collisions_keep_momentum_and_energy<W: SpatialWorld>() {
     let mut scene = empty();
     scene.contact = contact(1.0, 0.0);
     let settings = Settings {
@@ -191,7 +191,7 @@ fn elastic_collisions_keep_momentum_and_energy<W: Arena>() {
     assert!(changes[changes.len() - 1] < 0.1);
 }
 
-fn the_shell_is_a_spring<W: Arena>() {
+fn the_shell_is_a_spring<W: SpatialWorld>() {
     let (radius, wall) = (10.0, 0.01);
     let mut scene = empty();
     scene.enclosure = hemisphere(radius, wall);
@@ -226,7 +226,7 @@ fn the_shell_is_a_spring<W: Arena>() {
     }
 }
 
-fn an_absent_term_is_not_there<W: Arena>() {
+fn an_absent_term_is_not_there<W: SpatialWorld>() {
     let mut scene = empty();
     // Without contact, blocks pass through each other and through the plate.
     let towards = |z: f64, speed: f64| BodyState {
@@ -248,7 +248,7 @@ fn an_absent_term_is_not_there<W: Arena>() {
 }
 
 /// Returns a block at rest after one tick under the magnet in the middle of the plate.
-fn magnetized<W: Arena>(block: BodyState) -> BodyState {
+fn magnetized<W: SpatialWorld>(block: BodyState) -> BodyState {
     let mut scene = empty();
     scene.bond = attract(PULL, 0.0);
     let mut world: W = world(&scene, &Settings::new(Model::Rapier, 1), &[block]);
@@ -260,7 +260,7 @@ fn magnetized<W: Arena>(block: BodyState) -> BodyState {
 
 const PULL: f64 = 0.01;
 
-fn a_magnet_pulls_the_nearest_face_with_constant_force_within_its_reach<W: Arena>() {
+fn a_magnet_pulls_the_nearest_face_with_constant_force_within_its_reach<W: SpatialWorld>() {
     for height in [0.55, 0.8, 0.99] {
         let pulled = magnetized::<W>(BodyState::at_rest(at(0.0, 0.0, 0.5 + height)));
         assert!((pulled.velocity - at(0.0, 0.0, -PULL)).norm() < 1e-6);
@@ -278,7 +278,7 @@ fn a_magnet_pulls_the_nearest_face_with_constant_force_within_its_reach<W: Arena
     }
 }
 
-fn the_corners_turn_a_close_block_to_the_nearest_quarter_turn<W: Arena>() {
+fn the_corners_turn_a_close_block_to_the_nearest_quarter_turn<W: SpatialWorld>() {
     for (degrees, sign) in [(10, -1.0), (40, -1.0), (50, 1.0), (80, 1.0), (95, -1.0)] {
         let yaw = f64::from(degrees).to_radians();
         let turned = magnetized::<W>(BodyState {

@@ -8,7 +8,7 @@ use crate::scenes::{Dice, Kind, at, attract, contact, empty, hemisphere, pass, s
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld, World};
 
 in_every_kind!(
     a_corner_that_hits_the_ground_off_centre_gets_the_impulse_of_the_closed_form,

@@ -9,7 +9,7 @@
 use crate::scenes::{Kind, at, compliant, empty, hemisphere, pass};
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::Scene;
-use stochc_runtime::world::{Arena, BodyState};
+use stochc_runtime::world::{BodyState, SpatialWorld};
 
 in_either_precision!(
     a_bounce_converges_to_the_damped_oscillator_in_the_second_order,

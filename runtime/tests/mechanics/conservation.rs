@@ -7,7 +7,7 @@
 use crate::scenes::{Double, Kind, Single, compliant, contact, empty, energy, pass, states};
 use nalgebra::Vector3;
 use stochc_ir::scene::{Contact, Scene};
-use stochc_runtime::world::{Arena, BodyState};
+use stochc_runtime::world::{BodyState, SpatialWorld};
 use stochc_runtime::{Reduction, Settings};
 
 in_every_kind!(

@@ -6,7 +6,7 @@ use stochc_ir::scene::groups::speed;
 use stochc_ir::scene::{
     Agitation, BOLTZMANN, Enclosure, Flow, Fluid, Jets, Scene, Stir, Strength, Turbulence,
 };
-use stochc_runtime::world::{Arena, BodyState};
+use stochc_runtime::world::{BodyState, SpatialWorld};
 use stochc_runtime::{Model, Settings};
 
 in_every_world!(
@@ -62,7 +62,7 @@ fn still() -> BodyState {
     moving(Vector3::zeros(), Vector3::zeros())
 }
 
-fn a_block_falls_freely_without_a_fluid<W: Arena>() {
+fn a_block_falls_freely_without_a_fluid<W: SpatialWorld>() {
     let scene = Scene {
         gravity: Some(0.002),
         ..empty()
@@ -76,7 +76,7 @@ fn a_block_falls_freely_without_a_fluid<W: Arena>() {
     assert!((100.0 - block.position.z - fall).abs() < 1e-4, "{block:?}");
 }
 
-fn a_block_sinks_at_its_terminal_speed_whatever_the_step<W: Arena>() {
+fn a_block_sinks_at_its_terminal_speed_whatever_the_step<W: SpatialWorld>() {
     for (rate, substeps) in [(0.1, 1), (0.1, 4), (3.0, 1), (30.0, 1), (30.0, 7)] {
         let mut scene = fluid(None, Some(viscosity(rate)));
         scene.gravity = Some(0.02);
@@ -95,7 +95,7 @@ fn a_block_sinks_at_its_terminal_speed_whatever_the_step<W: Arena>() {
     assert!((speed / terminal - 1.0).abs() < 0.005, "{speed} {terminal}");
 }
 
-fn a_lighter_block_rises<W: Arena>() {
+fn a_lighter_block_rises<W: SpatialWorld>() {
     let mut scene = fluid(Some(1.5), Some(viscosity(0.5)));
     scene.gravity = Some(1e-4);
     let mut world: W = world(&scene, &settings(1), &[still()]);
@@ -111,7 +111,7 @@ fn with_added_mass(density: f64, added_mass: f64, rate: f64) -> Scene {
     scene
 }
 
-fn a_block_with_added_mass_starts_more_slowly_and_ends_as_fast<W: Arena>() {
+fn a_block_with_added_mass_starts_more_slowly_and_ends_as_fast<W: SpatialWorld>() {
     let (density, added_mass, rate, gravity) = (0.8, 0.64, 0.1, 1e-5);
     let inertial = 1.0 + added_mass * density;
     let weight = gravity * (1.0 - density);
@@ -135,7 +135,7 @@ fn a_block_with_added_mass_starts_more_slowly_and_ends_as_fast<W: Arena>() {
     }
 }
 
-fn a_force_on_the_fluid_moves_a_neutral_block_with_added_mass_like_the_fluid<W: Arena>() {
+fn a_force_on_the_fluid_moves_a_neutral_block_with_added_mass_like_the_fluid<W: SpatialWorld>() {
     let (rate, radius) = (0.01, 4.0);
     let mut scene = with_added_mass(1.0, 0.64, 1e-6);
     scene.flow = Some(Flow::Stir(Stir {
@@ -155,7 +155,7 @@ fn a_force_on_the_fluid_moves_a_neutral_block_with_added_mass_like_the_fluid<W: 
     assert!((distance / radius - 1.0).abs() < 0.01, "{distance}");
 }
 
-fn brownian_blocks_with_added_mass_have_the_energy_of_their_temperature<W: Arena>() {
+fn brownian_blocks_with_added_mass_have_the_energy_of_their_temperature<W: SpatialWorld>() {
     let (count, energy, added_mass) = (4000, 1e-8, 0.64);
     let mut scene = with_added_mass(1.0, added_mass, 0.05);
     scene.agitation = hot(energy);
@@ -170,7 +170,7 @@ fn brownian_blocks_with_added_mass_have_the_energy_of_their_temperature<W: Arena
     assert!((moving / energy - 1.0).abs() < 0.052, "{moving}");
 }
 
-fn viscous_drag_slows_exponentially<W: Arena>() {
+fn viscous_drag_slows_exponentially<W: SpatialWorld>() {
     let start = moving(at(0.3, -0.2, 0.1), Vector3::zeros());
     for substeps in [1, 3] {
         let scene = fluid(None, Some(viscosity(0.05)));
@@ -181,7 +181,7 @@ fn viscous_drag_slows_exponentially<W: Arena>() {
     }
 }
 
-fn a_wake_slows_algebraically<W: Arena>() {
+fn a_wake_slows_algebraically<W: SpatialWorld>() {
     let start = moving(at(0.4, 0.0, 0.0), Vector3::zeros());
     let mut world: W = world(&fluid(Some(0.8), None), &settings(2), &[start]);
     pass(&mut world, 30);
@@ -191,7 +191,7 @@ fn a_wake_slows_algebraically<W: Arena>() {
     assert!((speed / exact - 1.0).abs() < 1e-5, "{speed} {exact}");
 }
 
-fn kicks_against_wakes_come_to_the_expected_speed<W: Arena>() {
+fn kicks_against_wakes_come_to_the_expected_speed<W: SpatialWorld>() {
     let scene = Scene {
         agitation: kicks(0.02),
         ..fluid(Some(0.5), None)
@@ -210,7 +210,7 @@ fn kicks_against_wakes_come_to_the_expected_speed<W: Arena>() {
 }
 
 /// Each kick J finally moves a block by J / γ.
-fn kicks_in_a_viscous_fluid_move_blocks_alike_at_every_step<W: Arena>() {
+fn kicks_in_a_viscous_fluid_move_blocks_alike_at_every_step<W: SpatialWorld>() {
     for rate in [0.3, 12.0] {
         let scene = Scene {
             agitation: kicks(0.02),
@@ -243,7 +243,7 @@ fn kicks_in_a_viscous_fluid_move_blocks_alike_at_every_step<W: Arena>() {
     }
 }
 
-fn a_turning_block_is_slowed_too<W: Arena>() {
+fn a_turning_block_is_slowed_too<W: SpatialWorld>() {
     let start = moving(Vector3::zeros(), at(0.0, 0.3, 0.0));
     let viscosity = 0.002;
     let mut slow: W = world(&fluid(None, Some(viscosity)), &settings(2), &[start]);
@@ -260,7 +260,7 @@ fn a_turning_block_is_slowed_too<W: Arena>() {
     assert!((spin / exact - 1.0).abs() < 1e-5, "{spin} {exact}");
 }
 
-fn a_neutral_block_stays_on_its_circle_in_a_vortex<W: Arena>() {
+fn a_neutral_block_stays_on_its_circle_in_a_vortex<W: SpatialWorld>() {
     for (radius, distance) in [(5.0, 2.0), (1.5, 3.0)] {
         let mut scene = fluid(Some(1.0), Some(viscosity(0.3)));
         scene.flow = Some(Flow::Stir(Stir {
@@ -306,7 +306,7 @@ fn hot(energy: f64) -> Option<Agitation> {
     })
 }
 
-fn brownian_blocks_diffuse_as_einstein_says_at_every_step<W: Arena>() {
+fn brownian_blocks_diffuse_as_einstein_says_at_every_step<W: SpatialWorld>() {
     let count = 2000;
     for (rate, energy, substeps) in [
         (0.2, 1e-4, 1),
@@ -338,7 +338,7 @@ fn brownian_blocks_diffuse_as_einstein_says_at_every_step<W: Arena>() {
     }
 }
 
-fn brownian_blocks_have_the_energy_of_their_temperature<W: Arena>() {
+fn brownian_blocks_have_the_energy_of_their_temperature<W: SpatialWorld>() {
     let (count, energy) = (4000, 1e-4);
     let rate = 0.05;
     let mut scene = fluid(None, Some(viscosity(rate)));
@@ -356,7 +356,7 @@ fn brownian_blocks_have_the_energy_of_their_temperature<W: Arena>() {
     assert!((turning / energy - 1.0).abs() < 0.052, "{turning}");
 }
 
-fn blocks_follow_eddies_and_disperse_as_taylor_says<W: Arena>() {
+fn blocks_follow_eddies_and_disperse_as_taylor_says<W: SpatialWorld>() {
     // The viscosity carries a block with the fluid, and the memory is so short that it hardly
     // leaves its eddy. Then a position diffuses with sigma^2 times the memory.
     let (speed, memory, runs) = (0.02, 8.0, 400);
@@ -394,7 +394,7 @@ fn blocks_follow_eddies_and_disperse_as_taylor_says<W: Arena>() {
     );
 }
 
-fn a_jet_carries_a_block_to_the_middle<W: Arena>() {
+fn a_jet_carries_a_block_to_the_middle<W: SpatialWorld>() {
     let mut scene = fluid(None, Some(viscosity(20.0)));
     scene.enclosure = Some(Enclosure::Sphere {
         radius: 6.0,
@@ -424,7 +424,7 @@ fn a_jet_carries_a_block_to_the_middle<W: Arena>() {
     assert!((x - exact).abs() < 0.03 * (from - exact), "{x} {exact}");
 }
 
-fn a_sphere_keeps_its_blocks<W: Arena>() {
+fn a_sphere_keeps_its_blocks<W: SpatialWorld>() {
     let wall = 0.01;
     let scene = Scene {
         enclosure: Some(Enclosure::Sphere { radius: 5.0, wall }),

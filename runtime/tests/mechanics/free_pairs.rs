@@ -5,7 +5,7 @@ use crate::scenes::{
 };
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::{Agitation, Bond, Drag, Flow, Scene, Stir};
-use stochc_runtime::world::{Arena, BodyState};
+use stochc_runtime::world::{BodyState, SpatialWorld};
 
 in_every_world!(
     a_face_takes_one_block,
@@ -18,7 +18,7 @@ in_every_world!(
 );
 
 /// Returns the least distance between two blocks of one group, at most 2.
-fn nearest(world: &impl Arena) -> f64 {
+fn nearest(world: &impl SpatialWorld) -> f64 {
     let blocks = states(world);
     let mut least: f64 = 2.0;
     for group in world.groups() {
@@ -32,7 +32,7 @@ fn nearest(world: &impl Arena) -> f64 {
     least
 }
 
-fn a_face_takes_one_block<W: Arena>() {
+fn a_face_takes_one_block<W: SpatialWorld>() {
     let places = [
         at(0.0, 0.0, 10.0),
         at(1.02, 0.0, 10.0),
@@ -44,7 +44,7 @@ fn a_face_takes_one_block<W: Arena>() {
 }
 
 /// Without contact only the bonds keep blocks from overlapping.
-fn blocks_of_a_group_sit_side_by_side<W: Arena>() {
+fn blocks_of_a_group_sit_side_by_side<W: SpatialWorld>() {
     let mut scene = reject(0.05, 0.0);
     scene.agitation = Some(Agitation::Kicks { speed: (0.0, 0.02) });
     scene.drag = Some(Drag { rate: 0.1 });
@@ -59,7 +59,7 @@ fn blocks_of_a_group_sit_side_by_side<W: Arena>() {
     assert!(world.largest_group() > 3, "{:?}", world.groups());
 }
 
-fn a_block_does_not_dock_by_a_face_that_holds_another_one<W: Arena>() {
+fn a_block_does_not_dock_by_a_face_that_holds_another_one<W: SpatialWorld>() {
     let places = [at(1.03, 0.0, 0.5), at(0.03, 0.0, 0.5), at(0.0, 5.0, 5.0)];
     let mut world: W = in_steps(&reject(1e-6, 0.01), &places.map(BodyState::at_rest));
     dockings(&mut world, 1);
@@ -71,7 +71,7 @@ fn a_block_does_not_dock_by_a_face_that_holds_another_one<W: Arena>() {
 
 /// A strain of the fluid separates two blocks at a relative speed u. Their bond has to hold γ u /
 /// 2.
-fn a_pair_that_drag_tears_apart_stays_apart<W: Arena>() {
+fn a_pair_that_drag_tears_apart_stays_apart<W: SpatialWorld>() {
     let (rate, apart, from_axis) = (40.0, 0.05, 3.0);
     let load = rate * apart / 2.0;
     for (hold, holds) in [(4.0 * load, true), (load / 4.0, false)] {
@@ -102,7 +102,7 @@ fn a_pair_that_drag_tears_apart_stays_apart<W: Arena>() {
 
 /// The blocks attract each other from a tenth of a block length. The window is 0.01 block lengths
 /// wide, and a step crosses it by 0.024.
-fn a_pair_bonds_wherever_a_step_ends_and_however_fast_both_move<W: Arena>() {
+fn a_pair_bonds_wherever_a_step_ends_and_however_fast_both_move<W: SpatialWorld>() {
     let mut scene = reject(0.05, 0.0);
     if let Some(Bond::Reject { anchor, .. }) = &mut scene.bond {
         anchor.within = 0.005;
@@ -118,7 +118,7 @@ fn a_pair_bonds_wherever_a_step_ends_and_however_fast_both_move<W: Arena>() {
     }
 }
 
-fn blocks_bond_from_beyond_the_reach_of_their_magnets<W: Arena>() {
+fn blocks_bond_from_beyond_the_reach_of_their_magnets<W: SpatialWorld>() {
     let mut scene = reject(0.01, 0.0);
     if let Some(Bond::Reject { magnets, .. }) = &mut scene.bond {
         magnets.within = 0.01;
@@ -129,7 +129,7 @@ fn blocks_bond_from_beyond_the_reach_of_their_magnets<W: Arena>() {
     assert_eq!(world.groups(), [[0, 1]]);
 }
 
-fn bonding_moves_no_middle_and_shares_the_turn<W: Arena>() {
+fn bonding_moves_no_middle_and_shares_the_turn<W: SpatialWorld>() {
     let twist = |angle: f64| UnitQuaternion::from_scaled_axis(Vector3::x() * angle);
     for (off, angle) in [(at(0.03, 0.0, 0.0), 0.2), (at(0.01, 0.02, -0.03), 0.0)] {
         let first = at(0.0, 0.0, 10.0);

@@ -5,7 +5,7 @@
 
 use crate::scenes::{Dice, Double, Kind, Reference, Single, at, contact, empty, hemisphere, pass};
 use nalgebra::{UnitQuaternion, Vector3};
-use stochc_runtime::world::{Arena, BodyState};
+use stochc_runtime::world::{BodyState, SpatialWorld};
 
 in_every_kind!(
     a_pressed_cube_holds_below_the_cone_and_slides_above_it,

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::Settings;
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld, World};
 
 in_either_precision!(
     as_many_long_steps_as_short_ones_are_uniform_steps,
@@ -51,7 +51,7 @@ fn open<K: Kind>(scene: &Scene, settings: &Settings, blocks: &[BodyState]) -> K:
 }
 
 /// Reverses the radial velocity of each block that leaves the ball.
-fn mirror(world: &mut impl Arena) {
+fn mirror(world: &mut impl SpatialWorld) {
     for id in 0..world.count() {
         let mut block = world.state(id);
         let out = (block.position - MIDDLE).normalize();

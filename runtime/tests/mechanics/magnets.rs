@@ -5,7 +5,7 @@ use crate::scenes::{Kind, at, attract, empty, world};
 use nalgebra::UnitQuaternion;
 use stochc_ir::scene::{Bond, Reach, Scene};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld, World};
 use stochc_runtime::{Substeps, step_errors};
 
 in_every_kind!(

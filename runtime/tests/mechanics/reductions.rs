@@ -6,7 +6,7 @@ use crate::scenes::{
 use nalgebra::Vector3;
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld, World};
 use stochc_runtime::{Reduction, Settings};
 
 in_either_precision!(

@@ -4,7 +4,7 @@ use crate::scenes::{SEED, at, dockings, in_steps, reject, viscous};
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld};
 use stochc_runtime::{Model, Settings};
 
 in_every_world!(
@@ -20,7 +20,7 @@ const EAST: BlockFace = BlockFace {
     face: Face::East,
 };
 
-fn an_impulse_moves_a_block_in_a_viscous_fluid_by_j_over_m_gamma_at_every_step<W: Arena>() {
+fn an_impulse_moves_a_block_in_a_viscous_fluid_by_j_over_m_gamma_at_every_step<W: SpatialWorld>() {
     let way = 2.0;
     for rate in [0.5, 20.0] {
         for substeps in [1, 4, 16] {
@@ -45,7 +45,7 @@ fn an_impulse_moves_a_block_in_a_viscous_fluid_by_j_over_m_gamma_at_every_step<W
 }
 
 /// In a row of three, the middle block gets the whole impulse, and the others follow it.
-fn what_hangs_on_a_docked_block_leaves_in_one_piece_with_the_impulse<W: Arena>() {
+fn what_hangs_on_a_docked_block_leaves_in_one_piece_with_the_impulse<W: SpatialWorld>() {
     let impulse = 0.05;
     let places = [
         at(1.04, 0.0, 0.5),
@@ -71,7 +71,7 @@ fn what_hangs_on_a_docked_block_leaves_in_one_piece_with_the_impulse<W: Arena>()
 
 /// Returns two planted blocks, 1 and 2. The east face of block 1 and the south face of block 2
 /// adjoin the same cell. Block 0 waits far away.
-fn corner<W: Arena>() -> (W, BlockFace, BlockFace) {
+fn corner<W: SpatialWorld>() -> (W, BlockFace, BlockFace) {
     let places = [at(0.0, 9.0, 9.0), at(-5.0, 0.0, 5.0), at(0.0, 5.0, 5.0)];
     let mut world: W = in_steps(&reject(1e-6, 0.5), &places.map(BodyState::at_rest));
     let other = BlockFace {
@@ -94,14 +94,14 @@ fn corner<W: Arena>() -> (W, BlockFace, BlockFace) {
 }
 
 /// Moves block 0 into the reach of the faces before the cell east of the middle, and away again.
-fn visit(world: &mut impl Arena) {
+fn visit(world: &mut impl SpatialWorld) {
     for place in [at(1.5, 0.0, 0.5), at(0.0, 9.0, 9.0)] {
         world.set_state(0, &BodyState::at_rest(place));
         assert!(dockings(world, 1).is_empty());
     }
 }
 
-fn a_face_keeps_its_entries_while_a_stray_fills_its_cell<W: Arena>() {
+fn a_face_keeps_its_entries_while_a_stray_fills_its_cell<W: SpatialWorld>() {
     let (mut world, east, south) = corner::<W>();
     world.magnetize(east);
     visit(&mut world);
@@ -121,7 +121,7 @@ fn a_face_keeps_its_entries_while_a_stray_fills_its_cell<W: Arena>() {
     assert_eq!(world.entries(east), 3);
 }
 
-fn entries_count_from_when_a_block_is_expected<W: Arena>() {
+fn entries_count_from_when_a_block_is_expected<W: SpatialWorld>() {
     let (mut world, east, _) = corner::<W>();
     visit(&mut world);
     visit(&mut world);

@@ -3,7 +3,7 @@
 use crate::scenes::{Dice, Kind, at, attract, empty, pass};
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::{Cell, Face};
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld, World};
 
 in_every_kind!(
     no_axis_is_special,

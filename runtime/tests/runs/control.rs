@@ -12,7 +12,7 @@ use stochc_ir::table::{Action, Condition, News, PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::control::Controller;
 use stochc_runtime::world::shuffle::ShuffleWorld;
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld, World};
 use stochc_runtime::{RunError, drive};
 
 in_every_world!(a_seed_that_captures_nothing_attracts_as_well);
@@ -462,7 +462,7 @@ fn a_seed_that_captures_nothing_gets_strays_as_well() {
 }
 
 /// The free block is midway between the two seeds.
-fn a_seed_that_captures_nothing_attracts_as_well<W: Arena>() {
+fn a_seed_that_captures_nothing_attracts_as_well<W: SpatialWorld>() {
     let (tables, _) = idle_seed();
     let block = BodyState::at_rest(at(0.0, 0.0, 0.8));
     let mut world: W = in_steps(&reject(0.1, 0.0), &[block]);

@@ -12,7 +12,7 @@ use stochc_ir::table::{Action, Condition, PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, SceneError, World};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SceneError, SpatialWorld, World};
 use stochc_runtime::{Model, RunError, Settings, drive, run};
 
 /// Returns a small enclosure with many blocks, whose captures follow each other quickly.
@@ -147,7 +147,7 @@ fn entries_of_an_unfinished_wait_are_counted() {
 
 /// Checks the entries of a block above a magnetized face. It is within reach but too far to be
 /// captured.
-fn counted<W: Arena>(model: Model) {
+fn counted<W: SpatialWorld>(model: Model) {
     let (tables, _) = chain(&[Face::Up]);
     let mut scene = empty();
     scene.bond = attract(0.0, 0.05);
@@ -266,7 +266,7 @@ fn not_a_number_fails_at_its_block() {
     found_at_once::<RigidWorld>();
 }
 
-fn found_at_once<W: Arena>() {
+fn found_at_once<W: SpatialWorld>() {
     let mut scene = empty();
     scene.agitation = kicks(0.001);
     scene.contact = contact(0.0, 0.2);

@@ -9,7 +9,7 @@ use stochc_ir::Face;
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::scene::{Agitation, Bond, Contact, ContactLaw, Drag, Scene};
 use stochc_ir::table::{PhaseId, Tables};
-use stochc_runtime::world::{Arena, BodyState};
+use stochc_runtime::world::{BodyState, SpatialWorld};
 use stochc_runtime::{Reduction, Settings, run};
 
 in_either_precision!(
@@ -140,7 +140,7 @@ fn cluster() -> Vec<BodyState> {
         .collect()
 }
 
-fn states(world: &impl Arena, count: u32) -> Vec<BodyState> {
+fn states(world: &impl SpatialWorld, count: u32) -> Vec<BodyState> {
     (0..count).map(|id| world.state(id)).collect()
 }
 

@@ -11,7 +11,7 @@ use stochc_ir::scene::Messages;
 use stochc_ir::state::{StateError, StateReader, StateWriter};
 use stochc_ir::table::PhaseId;
 use stochc_runtime::observe::{ObservedEvent, Observer};
-use stochc_runtime::world::Arena;
+use stochc_runtime::world::SpatialWorld;
 use stochc_runtime::{
     Model, Precision, Reduction, RunError, Save, Settings, Substeps, Watch, observe, run,
 };
@@ -70,7 +70,7 @@ impl Watch for Keeper {
 struct Digests(BTreeMap<u64, u64>);
 
 impl Observer for Digests {
-    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
+    fn look(&mut self, arena: &impl SpatialWorld, events: &[ObservedEvent]) {
         let mut hasher = DefaultHasher::new();
         for id in 0..arena.count() {
             let state = arena.state(id);

@@ -15,7 +15,7 @@ use stochc_ir::{Cell, Face};
 use stochc_runtime::counter_rng::{Draws, Stream, direction, unit};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, Docking, World};
+use stochc_runtime::world::{BlockFace, Body, BodyState, Docking, SpatialWorld, World};
 use stochc_runtime::{Model, Precision, Settings};
 
 /// Returns a scene without forces and contacts.
@@ -152,7 +152,7 @@ pub fn paper() -> Scene {
 
 pub const PLATE: Plate = Plate { width: 3, depth: 3 };
 
-pub fn world<W: Arena>(scene: &Scene, settings: &Settings, blocks: &[BodyState]) -> W {
+pub fn world<W: SpatialWorld>(scene: &Scene, settings: &Settings, blocks: &[BodyState]) -> W {
     W::with_blocks(scene, &PLATE, settings, 1, 0, blocks).expect("a valid scene")
 }
 
@@ -170,7 +170,7 @@ macro_rules! in_every_world {
 
 /// A world with its default settings.
 pub trait Kind {
-    type World: Arena;
+    type World: SpatialWorld;
     /// Half the distance from 1 to the next number.
     const ROUNDING: f64;
     const REFERENCE: bool = false;
@@ -252,7 +252,7 @@ macro_rules! in_either_precision {
 }
 
 /// Returns a world with four steps per tick.
-pub fn in_steps<W: Arena>(scene: &Scene, blocks: &[BodyState]) -> W {
+pub fn in_steps<W: SpatialWorld>(scene: &Scene, blocks: &[BodyState]) -> W {
     world(scene, &Settings::new(Model::Rapier, 4), blocks)
 }
 
@@ -269,7 +269,7 @@ pub fn moving(position: Vector3<f64>, velocity: Vector3<f64>) -> BodyState {
     }
 }
 
-pub fn states(world: &impl Arena) -> Vec<BodyState> {
+pub fn states(world: &impl SpatialWorld) -> Vec<BodyState> {
     (0..world.count()).map(|id| world.state(id)).collect()
 }
 

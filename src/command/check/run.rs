@@ -17,7 +17,7 @@ use crate::command::terminal::{
 use crate::diagnostics::{CheckDocument, DiagnosticCounts, Format, SarifLog, show};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::{cannot_read, is_readable, plan_advice, verdict};
-use crate::operations::rates::{UnusedRates, of_files};
+use crate::operations::rates::{UnusedRates, read_rate_files};
 use crate::operations::summary::{status_lines, warnings};
 use crate::reader::DiskReader;
 
@@ -30,7 +30,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
              leave one of the two out, or add `--dry-run`",
         ));
     }
-    let rates = of_files(&options.rates)?;
+    let rates = read_rate_files(&options.rates)?;
     let mut unused = UnusedRates::new(&options.rates, &rates);
     let mut exit = Exit::Success;
     let mut document = CheckDocument::default();

@@ -6,7 +6,7 @@ use stochc_compiler::Checked;
 use stochc_compiler::diagnostic::Code;
 use stochc_ir::scene::describe::{AbsentTerm, DescribedTerm, DescribedValue, absent, terms};
 use stochc_ir::scene::groups::{
-    AdvisedRange, BlockUnits, DimensionlessGroup, Speed, SpeedFrom, groups, speed,
+    AdvisedRange, BlockUnits, DimensionlessNumber, Speed, SpeedFrom, groups, speed,
 };
 use stochc_ir::scene::warnings::{SceneWarning, SceneWarningKind, short, structure_group};
 use stochc_ir::scene::{ContactLaw, Scene, Substeps};
@@ -24,9 +24,9 @@ pub struct InForce<'a> {
     terms: Vec<DescribedTerm>,
     absent: Vec<AbsentTerm>,
     speed: Speed,
-    groups: Vec<DimensionlessGroup>,
+    groups: Vec<DimensionlessNumber>,
     /// Smallest density of free blocks at the structures of the assemblies.
-    at_structure: Option<DimensionlessGroup>,
+    at_structure: Option<DimensionlessNumber>,
     /// Default number of substeps of the scene.
     steps: Substeps,
     /// Warnings about the scene, with its default substeps.
@@ -75,7 +75,7 @@ impl<'a> InForce<'a> {
         &mut self,
         assembly: &'a str,
         warnings: &[SceneWarning],
-        density: Option<DimensionlessGroup>,
+        density: Option<DimensionlessNumber>,
     ) {
         self.assemblies.push(assembly);
         let known = self.at_structure.into_iter().chain(density);
@@ -90,14 +90,14 @@ impl<'a> InForce<'a> {
     }
 
     /// Returns whether a dimensionless number is outside of its limit with the default substeps.
-    fn is_exceeded(&self, group: &DimensionlessGroup) -> bool {
+    fn is_exceeded(&self, group: &DimensionlessNumber) -> bool {
         group.is_exceeded(group.steps_of(self.steps))
             || group.disappoints().is_some()
             || group.is_unusual()
     }
 
     /// Returns all dimensionless numbers.
-    fn groups(&self) -> impl Iterator<Item = &DimensionlessGroup> {
+    fn groups(&self) -> impl Iterator<Item = &DimensionlessNumber> {
         self.groups.iter().chain(&self.at_structure)
     }
 
@@ -114,7 +114,7 @@ impl<'a> InForce<'a> {
                 "remedy": warning.remedy,
             })
         };
-        let group = |group: &DimensionlessGroup| {
+        let group = |group: &DimensionlessNumber| {
             json!({
                 "symbol": group.symbol,
                 "meaning": group.meaning,
@@ -245,7 +245,7 @@ impl<'a> InForce<'a> {
     }
 
     fn list_groups(&self, out: &mut String) {
-        let row = |group: &DimensionlessGroup| {
+        let row = |group: &DimensionlessNumber| {
             let limit = (most(group).map(|most| format!("at most {}", short(most))))
                 .or(least(group).map(|least| format!("at least {}", short(least))));
             let mark = match (self.is_exceeded(group), least(group)) {
@@ -340,7 +340,7 @@ impl<'a> InForce<'a> {
     /// Returns the smallest number of substeps per tick within the limits of all dimensionless
     /// numbers. Ignores limits that no number of substeps can satisfy.
     fn needed(&self) -> u32 {
-        let needed = self.groups.iter().filter_map(DimensionlessGroup::substeps);
+        let needed = self.groups.iter().filter_map(DimensionlessNumber::substeps);
         needed.max().unwrap_or(1)
     }
 
@@ -350,7 +350,7 @@ impl<'a> InForce<'a> {
 }
 
 /// Returns the upper limit of a dimensionless number. Returns `None` if it has none.
-fn most(group: &DimensionlessGroup) -> Option<f64> {
+fn most(group: &DimensionlessNumber) -> Option<f64> {
     let advised = match group.advised {
         Some(AdvisedRange::Most(most)) => Some(most),
         _ => None,
@@ -360,7 +360,7 @@ fn most(group: &DimensionlessGroup) -> Option<f64> {
 }
 
 /// Returns the lower limit of a dimensionless number. Returns `None` if it has none.
-fn least(group: &DimensionlessGroup) -> Option<f64> {
+fn least(group: &DimensionlessNumber) -> Option<f64> {
     match group.advised {
         Some(AdvisedRange::Least(least)) => Some(least),
         _ => None,

@@ -40,7 +40,7 @@ pub fn from_programs(
         programs = sweep::points(axes, runs, &programs, levels, host)?;
     }
     let scenes = programs.iter().map(|it| &it.scene);
-    let known = rates::of_files_for(&options.model.rates, scenes, host)?;
+    let known = rates::read_rates_for(&options.model.rates, scenes, host)?;
     let manifest = if varies_settings {
         let mut manifest = Manifest::new(settings, options.chance.seed, runs, programs);
         sweep::complete(&mut manifest, &known, threads, host)?;
@@ -48,7 +48,7 @@ pub fn from_programs(
     } else {
         let mut settings = settings.resolved();
         if settings.model == Model::Rate {
-            settings.rates = rates::of_scenes(&known, &programs, threads, host)?;
+            settings.rates = rates::rates_for_scenes(&known, &programs, threads, host)?;
         }
         Manifest::new(settings, options.chance.seed, runs, programs)
     };

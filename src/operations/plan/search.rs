@@ -18,7 +18,7 @@ use super::options::{PlanOptions, PlanScope};
 use super::{race, rest};
 use crate::exit::Failure;
 use crate::host::{Host, during};
-use crate::operations::rates::of_files_for;
+use crate::operations::rates::read_rates_for;
 use crate::progress::WorkProgress;
 use crate::reader::DiskReader;
 
@@ -84,7 +84,7 @@ pub fn plan(
             (completion.missing(), Some(completion.scene().clone()))
         }
     };
-    let rates = of_files_for(options.rates, scene.iter(), host)?;
+    let rates = read_rates_for(options.rates, scene.iter(), host)?;
     let planned = search(missing, options, host, |search| match read {
         PlanTarget::Goal(goal) => goal.plan(&rates, search),
         PlanTarget::Completion(completion) => completion.plan(&rates, search),

@@ -114,13 +114,13 @@ fn an_edit_cancels_the_checks_of_importing_files() {
         change(&mut client, SMALL, 2, "let n = 2\n");
         client.notify("$/cancelRequest", json!({ "id": "none" }));
         let symbols = json!({ "textDocument": { "uri": SMALL } });
-        let asked = client.request("textDocument/documentSymbol", symbols);
+        let requested = client.request("textDocument/documentSymbol", symbols);
         let answers = codes(&client.answers(1));
         if answers[0].0 == before {
             assert_eq!(answers, [(before, Some(MODIFIED))]);
             break;
         }
-        assert_eq!(answers, [(asked, None)]);
+        assert_eq!(answers, [(requested, None)]);
     }
     assert_eq!(client.leave(), 0);
 }
@@ -130,10 +130,10 @@ fn the_server_exits_during_a_check() {
     let text = large();
     let mut client = Client::new(&[]);
     client.open(LARGE, &text);
-    let asked = hover(&mut client, LARGE, &text);
+    let requested = hover(&mut client, LARGE, &text);
     let leaving = client.request("shutdown", Value::Null);
     let answers = client.answers(2);
-    let expected = [(asked, Some(CANCELLED)), (leaving, None)];
+    let expected = [(requested, Some(CANCELLED)), (leaving, None)];
     assert_eq!(codes(&answers), expected);
     client.notify("exit", Value::Null);
     assert_eq!(client.hang_up(), 0);

@@ -85,9 +85,9 @@ fn file_watching_is_registered_if_supported() {
         let watching = json!({ "dynamicRegistration": offers });
         let capabilities = json!({ "workspace": { "didChangeWatchedFiles": watching } });
         let client = client(folder.path(), capabilities);
-        let asked = client.requests_of_server();
-        assert_eq!(asked.len(), usize::from(offers));
-        for request in asked {
+        let requested = client.requests_of_server();
+        assert_eq!(requested.len(), usize::from(offers));
+        for request in requested {
             assert_eq!(request["method"], "client/registerCapability");
             let registration = &request["params"]["registrations"][0];
             assert_eq!(registration["method"], "workspace/didChangeWatchedFiles");

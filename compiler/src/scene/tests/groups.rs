@@ -1,5 +1,5 @@
 use stochc_ir::scene::groups::{
-    DimensionlessGroup, Settling, SpeedFrom, groups as groups_with, speed,
+    DimensionlessNumber, Settling, SpeedFrom, groups as groups_with, speed,
 };
 use stochc_ir::scene::{
     Agitation, BOLTZMANN, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid, Scene, Stir,
@@ -17,7 +17,7 @@ const ONE_STEP: Substeps = Substeps {
     away: None,
 };
 
-fn groups(scene: &Scene) -> Vec<DimensionlessGroup> {
+fn groups(scene: &Scene) -> Vec<DimensionlessNumber> {
     groups_with(scene, ONE_STEP)
 }
 

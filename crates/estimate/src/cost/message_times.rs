@@ -233,7 +233,7 @@ impl<'a> MessageTimes<'a> {
     }
 
     /// Returns the messages that an event needs because of these dependencies.
-    pub fn of_event(&self, id: EventId, needed: &[&Edge]) -> StepMessages {
+    pub fn for_event(&self, id: EventId, needed: &[&Edge]) -> StepMessages {
         let is_release = !self.events.is_capture(id);
         StepMessages {
             news: needed.iter().map(|edge| self.news(edge)).collect(),

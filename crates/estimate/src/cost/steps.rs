@@ -36,7 +36,7 @@ impl Events<'_> {
             let messages = messages.as_ref().filter(|_| !self.is_pre_attached(phase));
             steps[phase.0 as usize].push(Step {
                 event: id.0,
-                messages: messages.map(|it| Box::new(it.of_event(id, &needed))),
+                messages: messages.map(|it| Box::new(it.for_event(id, &needed))),
                 before: needed.iter().map(|edge| edge.first.0).collect(),
             });
         }

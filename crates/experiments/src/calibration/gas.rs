@@ -3,7 +3,7 @@ use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_runtime::Settings;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena as _, SceneError, World as _};
+use stochc_runtime::world::{SceneError, SpatialWorld as _, World as _};
 
 /// Number of ticks before the observation. After these ticks, the initial state at rest no longer
 /// matters.

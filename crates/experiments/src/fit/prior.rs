@@ -17,7 +17,7 @@ pub struct Prior {
     pub unit: String,
     /// Whether the logarithm of the value is uniformly distributed, instead of the value.
     pub is_logarithmic: bool,
-    /// Whether the parameter must be an integer. Set by [`Prior::of_scene`].
+    /// Whether the parameter must be an integer. Set by [`Prior::for_scene`].
     pub is_whole: bool,
 }
 
@@ -62,7 +62,7 @@ impl Prior {
     /// # Errors
     ///
     /// If the scene lacks the parameter, an end is out of range, or an integer range is too short.
-    pub fn of_scene(self, scene: &Scene) -> Result<Prior, RangeError> {
+    pub fn for_scene(self, scene: &Scene) -> Result<Prior, RangeError> {
         let number = number(scene, &self.name)?;
         for end in [self.from, self.to] {
             varied(number, end, &self.unit)?;
@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn integer_parameters_stay_integers() {
         let scene = built_in("hemisphere").unwrap();
-        let of = |text: &str| Prior::parse(text).unwrap().of_scene(&scene);
+        let of = |text: &str| Prior::parse(text).unwrap().for_scene(&scene);
         for text in ["free=8..20", "free=8..2000 log"] {
             let prior = of(text).unwrap();
             for share in [0.0, 0.03, 0.49, 0.77, 1.0] {

@@ -2,7 +2,7 @@
 use std::ops::RangeInclusive;
 
 use super::groups::{
-    AdvisedRange, DRAG_SYMBOL, DimensionlessGroup, ExpectedRange, ResolutionLimit, Settling,
+    AdvisedRange, DRAG_SYMBOL, DimensionlessNumber, ExpectedRange, ResolutionLimit, Settling,
     carried, groups, speed, turn_in_steps,
 };
 pub use super::warning_kind::SceneWarningKind;
@@ -73,7 +73,7 @@ pub fn scene_warnings(
 ) -> Vec<SceneWarning> {
     let steps = stepping.steps.in_scene(scene);
     let groups = groups(scene, steps);
-    let taken = |group: &DimensionlessGroup| group.steps_of(steps);
+    let taken = |group: &DimensionlessNumber| group.steps_of(steps);
     let exceeded = groups
         .iter()
         .filter(|group| group.is_exceeded(taken(group)));
@@ -88,7 +88,7 @@ pub fn scene_warnings(
     }));
     found.extend(digits(scene, stepping.smallest_turn, steps));
     let disappointing =
-        |group: &DimensionlessGroup| Some(out_of_range(group, group.disappoints()?));
+        |group: &DimensionlessNumber| Some(out_of_range(group, group.disappoints()?));
     found.extend(groups.iter().filter_map(disappointing));
     found.sort_by_key(|warning| warning.kind);
     found
@@ -99,7 +99,7 @@ pub fn scene_warnings(
 ///
 /// A long step contains an integer number of the short steps near open faces.
 fn resolving<'a>(
-    exceeded: impl Iterator<Item = &'a DimensionlessGroup>,
+    exceeded: impl Iterator<Item = &'a DimensionlessNumber>,
     taken: Substeps,
 ) -> Substeps {
     let allowed = |needed: &u32| *needed <= Substeps::MAX;
@@ -141,10 +141,10 @@ fn no_agitation(scene: &Scene) -> Option<SceneWarning> {
 
 /// Returns the density of free blocks at the structure as a dimensionless number. `None` if neither
 /// weight nor lift moves them.
-pub fn structure_group(scene: &Scene, layers: &RangeInclusive<i32>) -> Option<DimensionlessGroup> {
+pub fn structure_group(scene: &Scene, layers: &RangeInclusive<i32>) -> Option<DimensionlessNumber> {
     let (_, density) = density_at_structure(scene, layers)?;
     let meaning = "density of free blocks in the emptiest layer of captures, over the mean";
-    let group = DimensionlessGroup::new("n(z) / n", meaning, density);
+    let group = DimensionlessNumber::new("n(z) / n", meaning, density);
     Some(group.advised(AdvisedRange::Least(MIN_DENSITY)))
 }
 
@@ -186,7 +186,7 @@ fn buoyant(scene: &Scene, layers: &RangeInclusive<i32>) -> Option<SceneWarning> 
 
 /// Warns of a motion that the time step does not resolve.
 fn coarse(
-    group: &DimensionlessGroup,
+    group: &DimensionlessNumber,
     limit: ResolutionLimit,
     steps: u32,
     resolving: Substeps,
@@ -239,7 +239,7 @@ fn digits(scene: &Scene, smallest_turn: f64, steps: Substeps) -> Option<SceneWar
 }
 
 /// Warns of a dimensionless number out of range at any time step.
-fn out_of_range(group: &DimensionlessGroup, expected: ExpectedRange) -> SceneWarning {
+fn out_of_range(group: &DimensionlessNumber, expected: ExpectedRange) -> SceneWarning {
     let (symbol, value) = (group.symbol, short(group.value));
     SceneWarning {
         kind: expected.kind,

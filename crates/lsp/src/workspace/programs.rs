@@ -150,7 +150,7 @@ impl Programs {
     pub fn check<T: From<CheckedProgram> + 'static>(
         &mut self,
         path: &str,
-        wanted: JobTrigger,
+        trigger: JobTrigger,
         documents: &Documents,
         folders: &Arc<[PathBuf]>,
         encoding: Encoding,
@@ -159,7 +159,7 @@ impl Programs {
         let Some(program) = self.0.get_mut(path) else {
             return;
         };
-        if !matches!(program.state, AnalysisState::Unknown) || !jobs.has_room(wanted) {
+        if !matches!(program.state, AnalysisState::Unknown) || !jobs.has_room(trigger) {
             return;
         }
         program.reads = Arc::default();

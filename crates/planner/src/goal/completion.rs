@@ -104,10 +104,10 @@ impl Completion {
                 nameless = Some(pattern);
             }
         }
-        let wanted: BTreeSet<Cell> = claim.cells.iter().copied().collect();
+        let requested: BTreeSet<Cell> = claim.cells.iter().copied().collect();
         let surplus = there
             .iter()
-            .find(|(block, _)| !wanted.contains(&block.cell));
+            .find(|(block, _)| !requested.contains(&block.cell));
         if let Some((block, role)) = surplus {
             let role = program.plan.roles.name(*role, symbols);
             return Err(NotCompleted::Refused(format!(

@@ -111,18 +111,18 @@ impl ExistingStructure {
     }
 
     /// Returns the blocks to keep and to release. A block is released if its cell, or the cell of
-    /// an ancestor, is not in `wanted`. A block can capture unless it or an ancestor is in `dead`,
+    /// an ancestor, is not in `requested`. A block can capture unless it or an ancestor is in `dead`,
     /// because dead blocks pass on no messages.
     ///
     /// # Errors
     /// If a block to release is dead or has a dead ancestor.
-    pub fn repair(&self, wanted: &[Cell], dead: &BTreeSet<&str>) -> Result<Repair, NoRepair> {
-        let wanted: BTreeSet<Cell> = wanted.iter().copied().collect();
+    pub fn repair(&self, requested: &[Cell], dead: &BTreeSet<&str>) -> Result<Repair, NoRepair> {
+        let requested: BTreeSet<Cell> = requested.iter().copied().collect();
         let mut repair = Repair::default();
         for (name, block) in &self.blocks {
             let line: Vec<(&str, &BondedBlock)> = self.line(name).collect();
             let cut = line.iter().find(|(name, _)| dead.contains(name));
-            let is_wrong = |(_, block): &(&str, &BondedBlock)| !wanted.contains(&block.cell);
+            let is_wrong = |(_, block): &(&str, &BondedBlock)| !requested.contains(&block.cell);
             let existing = ExistingBlock {
                 cell: block.cell,
                 way: block.way,

@@ -46,10 +46,11 @@ impl Goal {
                 .iter()
                 .filter(|program| program.plan.aggregate.is_none())
         };
-        let claiming = |wanted: &str| {
+        let claiming = |requested: &str| {
             programs().find(|program| {
                 let claims = claims(&program.plan);
-                claims.contains(&wanted) && declared.seen_from(&program.plan, wanted).is_some()
+                claims.contains(&requested)
+                    && declared.seen_from(&program.plan, requested).is_some()
             })
         };
         let all_claimed = programs().flat_map(|program| {
@@ -57,7 +58,7 @@ impl Goal {
             names.map(move |name| (program, name))
         });
         let last_claimed = all_claimed.last();
-        let (wanted, claiming) = match (name, &known[..]) {
+        let (requested, claiming) = match (name, &known[..]) {
             (Some(name), _) => (name, claiming(name)),
             (None, []) => return Err(NoGoal::NoShape),
             (None, [only]) => (*only, claiming(only)),
@@ -75,14 +76,14 @@ impl Goal {
                 )
             }
         };
-        let of_claim = claiming.and_then(|program| declared.seen_from(&program.plan, wanted));
+        let of_claim = claiming.and_then(|program| declared.seen_from(&program.plan, requested));
         let first =
-            || (declared.all().iter()).find(|it| symbols.word(it.shape.name.symbol) == wanted);
+            || (declared.all().iter()).find(|it| symbols.word(it.shape.name.symbol) == requested);
         let found = of_claim.or_else(first);
         let found = found.ok_or_else(|| match known.len() {
-            0 => NoGoal::NoSuchShape(wanted.to_owned()),
+            0 => NoGoal::NoSuchShape(requested.to_owned()),
             _ => NoGoal::OtherShapes {
-                name: wanted.to_owned(),
+                name: requested.to_owned(),
                 others: listed(),
             },
         })?;

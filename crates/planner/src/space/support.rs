@@ -76,12 +76,12 @@ impl Support {
         let stands = |near| self.stands(near) && !sites.is_inert(near);
         let full = sites.window(site, stands) & !(1 << MIDDLE);
         let grounded = sites.window(site, |near| sites.is_root(near));
-        let mut wanted = FACES & full;
+        let mut required = FACES & full;
         if grounded & 1 << MIDDLE != 0 {
-            wanted |= ROOT;
+            required |= ROOT;
         }
         let grounded = grounded & full;
-        let mut found = wanted & wanted.wrapping_neg();
+        let mut found = required & required.wrapping_neg();
         loop {
             let mut next = found;
             for (i, beside) in BESIDE.iter().enumerate() {
@@ -96,7 +96,7 @@ impl Support {
                 next |= ROOT;
             }
             if next == found {
-                return wanted & !found == 0;
+                return required & !found == 0;
             }
             found = next;
         }

@@ -7,7 +7,7 @@ use stochc_ir::scene::Scene;
 use stochc_ir::table::{PhaseId, Tables};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::observe::{ObservedEvent, Observer};
-use stochc_runtime::world::Arena;
+use stochc_runtime::world::SpatialWorld;
 use stochc_text::palette::{DARK, PHASES, Rgb};
 
 /// Largest size of the file \[bytes\]. The format stores lengths in 32 bits.
@@ -182,7 +182,7 @@ impl Gltf {
 }
 
 impl Observer for Gltf {
-    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
+    fn look(&mut self, arena: &impl SpatialWorld, events: &[ObservedEvent]) {
         let mut is_notable = false;
         for event in events {
             match *event {

@@ -13,7 +13,7 @@ use ::parquet::schema::parser::parse_message_type;
 use ::parquet::schema::types::ColumnPath;
 use stochc_ir::table::Tables;
 use stochc_runtime::observe::{ObservedEvent, Observer};
-use stochc_runtime::world::Arena;
+use stochc_runtime::world::SpatialWorld;
 
 /// Number of rows in a row group, about 30 MB in memory.
 const GROUP: usize = 1 << 20;
@@ -172,7 +172,7 @@ impl TrajectoryRows {
 }
 
 impl<W: Write + Send> Observer for Trajectories<W> {
-    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
+    fn look(&mut self, arena: &impl SpatialWorld, events: &[ObservedEvent]) {
         for event in events {
             match *event {
                 ObservedEvent::Captured { body, role, .. } => {

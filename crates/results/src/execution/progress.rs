@@ -241,7 +241,7 @@ impl Progress {
         RunWatch {
             worker: slot,
             stops,
-            checkpoints: checkpoints.map(|all| all.of_run(program, run)),
+            checkpoints: checkpoints.map(|all| all.for_run(program, run)),
             is_continued: Cell::new(false),
         }
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use stochc_files::budget::CHECKSUMS;
-use stochc_files::checksum::{self, LineIntegrity, Sum, of_file};
+use stochc_files::checksum::{self, LineIntegrity, Sum, sum_file};
 use stochc_files::{open, read_file};
 
 use crate::folder::CHECKSUMS_FILE;
@@ -84,7 +84,7 @@ impl FolderChecksums {
         let entry = self.entry(name)?;
         let found = open(&folder.join(name)).and_then(|file| {
             let length = file.metadata()?.len();
-            Ok((length, of_file(file, entry.bytes)?))
+            Ok((length, sum_file(file, entry.bytes)?))
         });
         let shown = stochc_text::visible(name);
         match found {

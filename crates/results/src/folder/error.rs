@@ -111,7 +111,7 @@ pub enum FolderError {
     LostManifest(PathBuf),
     /// The folder contains more runs of the same ensemble than requested.
     #[error(
-        "`{path}` is an ensemble of {there} runs of each program, more than the {asked} asked for; \
+        "`{path}` is an ensemble of {there} runs of each program, more than the {requested} asked for; \
          ask for {there}, or choose another folder"
     )]
     MoreRuns {
@@ -120,7 +120,7 @@ pub enum FolderError {
         /// Number of runs of each program in the folder's manifest.
         there: u64,
         /// Requested number of runs of each program.
-        asked: u64,
+        requested: u64,
     },
     /// Another process is writing to the folder.
     #[error("another process is writing to `{0}`; wait for its end, or choose another folder")]

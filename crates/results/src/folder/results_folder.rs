@@ -20,7 +20,7 @@ use std::sync::Arc;
 use stochc_files as files;
 use stochc_files::atomic::{self, Draft, Replaces};
 use stochc_files::budget;
-use stochc_files::checksum::{Sum, Summed, of_file};
+use stochc_files::checksum::{Sum, Summed, sum_file};
 use stochc_files::disk;
 use stochc_files::disk::FileLock;
 
@@ -180,7 +180,7 @@ impl Folder {
             return Err(FolderError::MoreRuns {
                 path: path.to_owned(),
                 there: stored.runs,
-                asked: manifest.runs,
+                requested: manifest.runs,
             });
         }
         let journal = journal::read(&path.join(JOURNAL), &stored, &stored.identity())?;
@@ -461,7 +461,7 @@ pub(crate) fn write_checksums(path: &Path, files: &[(String, Sum)]) -> Result<()
     for name in [MANIFEST, JOURNAL] {
         let io = FolderError::at(path.join(name));
         match files::open(&path.join(name)) {
-            Ok(file) => checksums.note(name, of_file(file, u64::MAX).map_err(&io)?),
+            Ok(file) => checksums.note(name, sum_file(file, u64::MAX).map_err(&io)?),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => return Err(io(error)),
         }

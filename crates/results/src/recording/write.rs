@@ -7,7 +7,7 @@ use stochc_ir::record::RunRecord;
 use stochc_ir::state::{StateError, StateReader, StateWriter};
 use stochc_ir::table::Tables;
 use stochc_runtime::observe::{EventRows, ObservedEvent, Observer};
-use stochc_runtime::world::Arena;
+use stochc_runtime::world::SpatialWorld;
 use stochc_runtime::world::view::pose;
 
 use super::chunk::{NUMBERS, PoseChunk, unpacked};
@@ -137,7 +137,7 @@ impl<W: Output> Recorder<W> {
 }
 
 impl<W: Output> Observer for Recorder<W> {
-    fn look(&mut self, arena: &impl Arena, events: &[ObservedEvent]) {
+    fn look(&mut self, arena: &impl SpatialWorld, events: &[ObservedEvent]) {
         if self.broken.is_some() {
             return;
         }

@@ -97,10 +97,10 @@ impl<'m> ProgramEvents<'m> {
         action: EventAction,
         cell: Option<Cell>,
     ) -> Checked<usize> {
-        let wanted = (phase, action);
-        let begin = (self.sorted).partition_point(|&id| key(self.graph, id) < wanted);
+        let searched = (phase, action);
+        let begin = (self.sorted).partition_point(|&id| key(self.graph, id) < searched);
         let same = self.sorted[begin..].iter();
-        let mut same = same.take_while(|&&id| key(self.graph, id) == wanted);
+        let mut same = same.take_while(|&&id| key(self.graph, id) == searched);
         let is_next = |id: &&EventId| {
             times[id.0 as usize].is_none()
                 && (cell.is_none() || self.graph.event(**id).cell == cell)

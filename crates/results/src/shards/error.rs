@@ -12,11 +12,11 @@ use crate::{EnsembleError, FolderError, JournalError};
 pub enum ShardError {
     /// The ensemble cannot be split into this number of shards.
     #[error(
-        "cannot split {runs} runs into {asked} shards; a shard has at least one run, and {MAX_SHARDS} shards are the limit"
+        "cannot split {runs} runs into {requested} shards; a shard has at least one run, and {MAX_SHARDS} shards are the limit"
     )]
     InvalidSplit {
         /// Requested number of shards.
-        asked: u64,
+        requested: u64,
         /// Number of runs of all programs.
         runs: u64,
     },

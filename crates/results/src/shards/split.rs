@@ -50,8 +50,8 @@ pub fn prepare(path: &Path, manifest: &Manifest, shards: u64) -> Result<Prepared
     };
     let runs = manifest.total();
     if shards == 0 || shards > MAX_SHARDS.min(runs) {
-        let asked = shards;
-        return Err(ShardError::InvalidSplit { asked, runs });
+        let requested = shards;
+        return Err(ShardError::InvalidSplit { requested, runs });
     }
     if let Some(stored) = survey(path)? {
         same_build(path, &stored)?;

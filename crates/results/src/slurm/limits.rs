@@ -69,10 +69,10 @@ impl SlurmLimits {
             .filter(|tasks| *tasks > 0)
     }
 
-    /// Returns the number of shards per task: `asked`, or more if the cluster allows fewer tasks.
+    /// Returns the number of shards per task: `requested`, or more if the cluster allows fewer tasks.
     /// Returns `None` if the cluster has no job arrays.
-    pub fn per_task(&self, shards: u64, asked: u64) -> Option<u64> {
-        Some(shards.div_ceil(self.tasks()?).max(asked))
+    pub fn per_task(&self, shards: u64, requested: u64) -> Option<u64> {
+        Some(shards.div_ceil(self.tasks()?).max(requested))
     }
 }
 

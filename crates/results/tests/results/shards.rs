@@ -425,8 +425,8 @@ fn an_ensemble_of_another_build_is_not_split() {
 fn ensembles_that_cannot_be_split_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("new");
-    for asked in [0, 2 * RUNS + 1, 1_000_000_000, u64::MAX] {
-        let error = prepare(&place, &manifest(RUNS), asked).unwrap_err();
+    for requested in [0, 2 * RUNS + 1, 1_000_000_000, u64::MAX] {
+        let error = prepare(&place, &manifest(RUNS), requested).unwrap_err();
         assert!(matches!(error, ShardError::InvalidSplit { .. }), "{error}");
         assert!(!place.exists());
     }

@@ -7,7 +7,7 @@ use stochc_ir::scene::groups::{BlockUnits, Gas, speed};
 use stochc_ir::scene::{Agitation, Contact, ContactLaw, Drag, Scene};
 use stochc_ir::table::Plate;
 use stochc_runtime::world::rapier::RapierWorld;
-use stochc_runtime::world::{Arena as _, World as _};
+use stochc_runtime::world::{SpatialWorld as _, World as _};
 use stochc_runtime::{Model, Settings};
 
 /// Number of ticks until blocks that start at rest have reached their speed.

@@ -11,7 +11,7 @@ use stochc_compiler::scene::built_in;
 use stochc_ir::scene::{Bond, Enclosure, Scene};
 use stochc_ir::table::Plate;
 use stochc_runtime::world::rapier::RapierWorld;
-use stochc_runtime::world::{Arena as _, World as _};
+use stochc_runtime::world::{SpatialWorld as _, World as _};
 use stochc_runtime::{Model, Settings};
 
 /// Number of random directions and orientations for estimating an area.

@@ -14,7 +14,7 @@ use stochc_ir::scene::groups::BlockUnits;
 use stochc_ir::scene::{Agitation, ContactLaw, Enclosure, Scene};
 use stochc_ir::table::Plate;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena as _, World as _};
+use stochc_runtime::world::{SpatialWorld as _, World as _};
 use stochc_runtime::{Settings, Substeps};
 
 /// Number of ticks until blocks that start at rest have reached their speed.

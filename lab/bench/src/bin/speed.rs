@@ -2,7 +2,7 @@
 use stochc_compiler::scene::built_in;
 use stochc_ir::scene::Enclosure;
 use stochc_ir::table::Plate;
-use stochc_runtime::world::Arena;
+use stochc_runtime::world::SpatialWorld;
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
 use stochc_runtime::{Model, Precision, Settings};
@@ -35,7 +35,7 @@ fn main() {
 }
 
 #[expect(clippy::disallowed_methods, reason = "it measures time")]
-fn time<W: Arena>(scene: &str, count: u32, ticks: u32, settings: &Settings) -> (f64, f64) {
+fn time<W: SpatialWorld>(scene: &str, count: u32, ticks: u32, settings: &Settings) -> (f64, f64) {
     let mut scene = built_in(scene).expect("a built-in scene");
     let grow = (f64::from(count) / 300.0).cbrt();
     scene.free.count = count;

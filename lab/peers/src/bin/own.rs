@@ -10,7 +10,7 @@ use stochc_peers::rapier::Rapier;
 use stochc_peers::scene::{DRAG, radius};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena, Docking};
+use stochc_runtime::world::{SpatialWorld, Docking};
 use stochc_runtime::{Model, Precision, Settings};
 
 const PLATE: Plate = Plate { width: 3, depth: 3 };
@@ -64,7 +64,7 @@ struct Own<W> {
     dockings: Vec<Docking>,
 }
 
-impl<W: Arena + 'static> Own<W> {
+impl<W: SpatialWorld + 'static> Own<W> {
     fn new(world: W, blocks: u32) -> Box<dyn Gas> {
         Box::new(Own {
             world,
@@ -74,7 +74,7 @@ impl<W: Arena + 'static> Own<W> {
     }
 }
 
-impl<W: Arena> Gas for Own<W> {
+impl<W: SpatialWorld> Gas for Own<W> {
     fn tick(&mut self) -> Result<(), Box<dyn Error>> {
         let step = self.world.step(&mut self.dockings);
         step.map_err(|fault| format!("block {}: {}", fault.body, fault.what).into())

@@ -442,7 +442,7 @@ impl<R: Real> Faces<R> {
             }
             let motion = [blocks.velocity(body), blocks.spin(body)];
             let (position, rotation) = (blocks.position(body), blocks.rotation(body));
-            let sweep = FaceSweep::of_step(&near, position, rotation, motion, dt, &self.magnet);
+            let sweep = FaceSweep::from_step(&near, position, rotation, motion, dt, &self.magnet);
             if let Some(distance) = sweep.docks(&self.active[active].target, &self.magnet) {
                 let near = Near { distance, ..near };
                 ready.push(DockingCandidate { active, body, near });

@@ -20,7 +20,7 @@ pub(crate) struct FaceSweep<R: Real> {
 impl<R: Real> FaceSweep<R> {
     /// Returns the path of a face during a step of length `dt`. `position` and `rotation` of its
     /// block are at the end of the step.
-    pub fn of_step(
+    pub fn from_step(
         near: &Near<R>,
         position: Vector3<R>,
         rotation: UnitQuaternion<R>,
@@ -136,7 +136,7 @@ mod tests {
         let near = target.at(position, UnitQuaternion::identity(), Face::Down);
         let motion = [velocity, Vector3::x() * spin];
         let rotation = UnitQuaternion::identity();
-        let sweep = FaceSweep::of_step(&near, position, rotation, motion, 1.0, magnet);
+        let sweep = FaceSweep::from_step(&near, position, rotation, motion, 1.0, magnet);
         sweep.docks(&target, magnet).is_some()
     }
 
@@ -205,7 +205,7 @@ mod tests {
                 let near = target.at(position, rotation, Face::Down);
                 let magnet = magnet(Measure::Corners);
                 let motion = [way, Vector3::zeros()];
-                let sweep = FaceSweep::of_step(&near, position, rotation, motion, 1.0, &magnet);
+                let sweep = FaceSweep::from_step(&near, position, rotation, motion, 1.0, &magnet);
                 assert_eq!(sweep.docks(&target, &magnet).is_some(), expected);
             }
         }

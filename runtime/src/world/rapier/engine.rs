@@ -11,7 +11,7 @@ use stochc_ir::table::Plate;
 
 use super::convert::{pose3, vec3};
 use crate::settings::Settings;
-use crate::world::parameters::{ContactParameters, Shell, WorldParameters};
+use crate::world::parameters::{ContactParameters, Wall, WorldParameters};
 use crate::world::real::cast;
 use crate::world::unit_cube::INVERSE_INERTIA;
 use crate::world::{BodyState, SceneError};
@@ -63,7 +63,7 @@ pub(super) fn engine(
         ..PhysicsWorld::default()
     });
     if let Some(contact) = contact {
-        let ground = ground(parameters.shell, plate);
+        let ground = ground(parameters.wall, plate);
         engine.insert(
             RigidBodyBuilder::fixed().translation(Vec3::new(0.0, 0.0, -ground.z)),
             contact.of(ColliderBuilder::cuboid(ground.x, ground.y, ground.z)),
@@ -139,9 +139,9 @@ pub(super) fn ground_reach(radius: f64) -> f64 {
 /// The ground is a slab, because an infinite plane would be tested against every block in every
 /// step. It extends as far as the shell lets blocks move. Without an enclosure there is only the
 /// plate.
-fn ground(shell: Option<Shell>, plate: &Plate) -> Vector3<f32> {
-    match shell {
-        Some(Shell { radius, height, .. }) => {
+fn ground(wall: Option<Wall>, plate: &Plate) -> Vector3<f32> {
+    match wall {
+        Some(Wall { radius, height, .. }) => {
             let half = ground_reach(radius + height) as f32 + 1.0;
             Vector3::new(half, half, GROUND / 2.0)
         }

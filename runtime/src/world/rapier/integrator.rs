@@ -12,13 +12,13 @@ use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
 use crate::world::motion_limits::MotionLimits;
 use crate::world::parameters::{Kicks, WorldParameters};
-use crate::world::shell_force::ShellForce;
 use crate::world::stepper::{Integrator, Moving};
+use crate::world::wall_force::WallForce;
 use crate::world::{BodyState, Fault, SceneError};
 
 /// The engine as an integrator.
 pub(super) struct Rapier {
-    shell: Option<ShellForce<f32>>,
+    wall: Option<WallForce<f32>>,
     /// Factor on the velocity in each substep.
     drag: Option<f32>,
     /// Length of a substep \[tick\].
@@ -54,13 +54,13 @@ impl Integrator for Rapier {
         let (engine, handles) = engine(parameters, plate, settings, blocks)?;
         let substeps = settings.substeps.max(1);
         let limits = MotionLimits::new(substeps, parameters.contact.is_some());
-        let limits = match (&parameters.contact, parameters.shell) {
-            (Some(_), Some(shell)) => limits.within(ground_reach(shell.radius + shell.height)),
+        let limits = match (&parameters.contact, parameters.wall) {
+            (Some(_), Some(wall)) => limits.within(ground_reach(wall.radius + wall.height)),
             _ => limits,
         };
         let left = |rate: f64| libm::exp(-rate / f64::from(substeps)) as f32;
         let rapier = Rapier {
-            shell: parameters.shell.as_ref().map(ShellForce::new),
+            wall: parameters.wall.as_ref().map(WallForce::new),
             drag: parameters.drag.map(left),
             dt: 1.0 / substeps as f32,
             joints: Joints::default(),
@@ -90,7 +90,7 @@ impl Integrator for Rapier {
             if block.anchored.is_some() {
                 continue;
             }
-            let pull = self.shell.and_then(|shell| shell.pull(block.position));
+            let pull = self.wall.and_then(|wall| wall.pull(block.position));
             if let Some((way, pull)) = pull {
                 block.velocity -= way * (pull * self.dt);
             }

@@ -19,7 +19,7 @@ use stochc_ir::table::Plate;
 
 use super::delegate::delegate;
 use super::stepper::Stepper;
-use super::{Arena, BlockFace, BodyState, Docking, Fault, FreeBond, SceneError, World};
+use super::{BlockFace, BodyState, Docking, Fault, FreeBond, SceneError, SpatialWorld, World};
 use crate::settings::Settings;
 
 /// A world of rigid cubes.

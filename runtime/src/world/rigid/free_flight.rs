@@ -6,7 +6,7 @@ use crate::counter_rng::{StepDraws, WORDS};
 use crate::world::blocks::Blocks;
 use crate::world::motion_limits::MotionLimits;
 use crate::world::parameters::{self, Kicks};
-use crate::world::shell_force::ShellForce;
+use crate::world::wall_force::WallForce;
 
 /// Number of SIMD groups between two checks of speeds and distances.
 const CHECKED: usize = 8;
@@ -14,7 +14,7 @@ const CHECKED: usize = 8;
 /// Terms that act on all blocks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FreeFlight<R: Lane> {
-    pub shell: Option<ShellForce<R>>,
+    pub wall: Option<WallForce<R>>,
     /// Factors on the velocity in a long and in a short step.
     pub drag: Option<[R; 2]>,
     /// Length of a short step \[tick\].
@@ -24,13 +24,13 @@ pub(super) struct FreeFlight<R: Lane> {
 
 impl<R: Lane> FreeFlight<R> {
     pub fn new(
-        shell: Option<parameters::Shell>,
+        wall: Option<parameters::Wall>,
         drag: Option<f64>,
         limits: MotionLimits,
         [long, short]: [f64; 2],
     ) -> FreeFlight<R> {
         FreeFlight {
-            shell: shell.as_ref().map(ShellForce::new),
+            wall: wall.as_ref().map(WallForce::new),
             drag: drag.map(|rate| [long, short].map(|dt| R::from_double(libm::exp(-rate * dt)))),
             short: R::from_double(short),
             limits,
@@ -50,7 +50,7 @@ impl<R: Lane> FreeFlight<R> {
             step.fill(bodies.groups().len() * LANES, draws);
             Kick::new(kicks)
         });
-        match (kicks.is_some(), self.shell.is_some(), self.drag.is_some()) {
+        match (kicks.is_some(), self.wall.is_some(), self.drag.is_some()) {
             (true, true, true) => self.pass::<true, true, true>(bodies, draws, kicks),
             (true, true, false) => self.pass::<true, true, false>(bodies, draws, kicks),
             (true, false, true) => self.pass::<true, false, true>(bodies, draws, kicks),
@@ -69,8 +69,8 @@ impl<R: Lane> FreeFlight<R> {
                 continue;
             }
             let (place, mut velocity) = (bodies.position(id), bodies.velocity(id));
-            if let Some(shell) = self.shell {
-                velocity += shell.push(place) * bodies.span(id);
+            if let Some(wall) = self.wall {
+                velocity += wall.push(place) * bodies.span(id);
             }
             if let Some([_, drag]) = self.drag {
                 velocity *= drag;
@@ -81,14 +81,14 @@ impl<R: Lane> FreeFlight<R> {
     }
 
     /// Processes all blocks in one pass. Absent terms are compiled out.
-    fn pass<const KICKS: bool, const SHELL: bool, const DRAG: bool>(
+    fn pass<const KICKS: bool, const WALL: bool, const DRAG: bool>(
         &self,
         bodies: &mut Bodies<R>,
         draws: &[u8],
         kicks: Option<Kick<R>>,
     ) -> bool {
         let kick = kicks.unwrap_or(Kick::none());
-        let shell = self.shell.unwrap_or(ShellForce {
+        let wall = self.wall.unwrap_or(WallForce {
             radius: R::zero(),
             height: R::zero(),
             stiffness: R::zero(),
@@ -115,10 +115,10 @@ impl<R: Lane> FreeFlight<R> {
                 let mut v = group.velocity.each_ref().map(load);
                 let mobility = load(&group.mobility);
                 let dt = load(&group.step);
-                if SHELL {
-                    let way = [x[0], x[1], x[2] - R::Wide::splat(shell.height)];
+                if WALL {
+                    let way = [x[0], x[1], x[2] - R::Wide::splat(wall.height)];
                     let span = (dt + load(&group.last)) * half;
-                    let by = shell_factor(&shell, &way) * span * mobility;
+                    let by = wall_factor(&wall, &way) * span * mobility;
                     for axis in 0..3 {
                         v[axis] -= way[axis] * by;
                     }
@@ -153,15 +153,15 @@ impl<R: Lane> FreeFlight<R> {
 }
 
 /// Returns the inward velocity change by the shell, divided by the distance from its centre. SIMD
-/// form of [`ShellForce::push`].
+/// form of [`WallForce::push`].
 #[inline(always)]
-fn shell_factor<R: Lane>(shell: &ShellForce<R>, x: &[R::Wide; 3]) -> R::Wide {
+fn wall_factor<R: Lane>(wall: &WallForce<R>, x: &[R::Wide; 3]) -> R::Wide {
     let distance = square(*x).sqrt();
     let zero = R::Wide::splat(R::zero());
-    let depth = (distance - R::Wide::splat(shell.radius)).maximum(zero);
+    let depth = (distance - R::Wide::splat(wall.radius)).maximum(zero);
     // Avoids a division by 0 at the centre, where the depth is 0 as well.
     let tiny = R::Wide::splat(R::from_double(1e-30));
-    R::Wide::splat(shell.stiffness) * depth / distance.maximum(tiny)
+    R::Wide::splat(wall.stiffness) * depth / distance.maximum(tiny)
 }
 
 /// Random impulses of speed `low + span u`, with u uniform in (0, 1), in isotropic directions.

@@ -66,19 +66,19 @@ impl<R: Lane> Integrator for Kernel<R> {
         let rates = parameters.rates(settings);
         let steps = rates.map(|rate| 1.0 / f64::from(rate));
         let limits = MotionLimits::new(rates[0], parameters.contact.is_some());
-        let floor = parameters.shell.is_some();
+        let floor = parameters.wall.is_some();
         let contacts = (parameters.contact.as_ref())
             .map(|contact| Contacts::new(contact, floor, plate, settings, blocks.len()));
         let neighbours = (contacts.is_some() || parameters.bond.is_some()).then(|| {
             let farthest = blocks.iter().map(|b| b.position.amax()).fold(0.0, f64::max);
-            let (span, floor) = match parameters.shell {
-                Some(shell) => (shell.radius + shell.height, Some(0.0)),
+            let (span, floor) = match parameters.wall {
+                Some(wall) => (wall.radius + wall.height, Some(0.0)),
                 None => (farthest, None),
             };
             NeighbourList::new(blocks.len(), span + 2.0, floor)
         });
         let kernel = Kernel {
-            flight: FreeFlight::new(parameters.shell, parameters.drag, limits, steps),
+            flight: FreeFlight::new(parameters.wall, parameters.drag, limits, steps),
             words: Vec::new(),
             contacts,
             neighbours,
@@ -185,10 +185,10 @@ impl<R: Lane> Kernel<R> {
         let Some(contacts) = &mut self.contacts else {
             return Ok(());
         };
-        let (mut result, limits, shell) = (Ok(()), &self.limits, self.flight.shell);
+        let (mut result, limits, wall) = (Ok(()), &self.limits, self.flight.wall);
         let acceleration = self.acceleration;
         let push = |place| {
-            let inward = shell.map_or_else(Vector3::zeros, |shell| shell.push(place));
+            let inward = wall.map_or_else(Vector3::zeros, |wall| wall.push(place));
             inward + acceleration
         };
         (contacts.solver).solve(bodies, push, |id, motion, rotation| {

@@ -25,7 +25,7 @@ use stochc_ir::table::Plate;
 
 use super::delegate::delegate;
 use super::stepper::Stepper;
-use super::{Arena, BlockFace, BodyState, Docking, Fault, FreeBond, SceneError, World};
+use super::{BlockFace, BodyState, Docking, Fault, FreeBond, SceneError, SpatialWorld, World};
 use crate::settings::{Precision, Settings};
 #[cfg(test)]
 pub(super) use bodies::Bodies;

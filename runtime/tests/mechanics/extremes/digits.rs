@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use stochc_ir::scene::{Agitation, Anchor, BOLTZMANN, Bond, Fluid, Magnets, Measure, Scene};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena, BodyState, World};
+use stochc_runtime::world::{BodyState, SpatialWorld, World};
 use stochc_runtime::{Model, Precision, Settings};
 
 use crate::scenes::{Dice, PLATE, empty};
@@ -37,7 +37,7 @@ struct Brownian {
     turn: f64,
 }
 
-fn brownian<W: Arena>(tick: f64, far: f64, settings: &Settings) -> Brownian {
+fn brownian<W: SpatialWorld>(tick: f64, far: f64, settings: &Settings) -> Brownian {
     let (temperature, viscosity, mut scene) = (293.0, 1e-3, empty());
     scene.tick = tick;
     (scene.block.side, scene.block.mass) = (1e-5, 1e-12);

@@ -14,7 +14,7 @@ use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena, BlockFace, Body, BodyState, World};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld, World};
 use stochc_runtime::{Model, Settings};
 
 const PAGE: &str = "../docs/validation/stability.md";
@@ -111,7 +111,7 @@ fn base() -> Scene {
     scene
 }
 
-fn fate<W: Arena>(
+fn fate<W: SpatialWorld>(
     scene: &Scene,
     plate: &Plate,
     substeps: u32,
@@ -374,7 +374,7 @@ fn every_extreme_has_the_documented_outcome() {
 }
 
 /// Docks blocks on the given faces, one after the other. Each block starts at the given position.
-fn build<W: Arena>(world: &mut W, sites: &[(BlockFace, Vector3<f64>)]) {
+fn build<W: SpatialWorld>(world: &mut W, sites: &[(BlockFace, Vector3<f64>)]) {
     let mut dockings = Vec::new();
     for (id, &(site, centre)) in sites.iter().enumerate() {
         world.magnetize(site);
@@ -393,7 +393,7 @@ fn quiet(count: u32) -> Scene {
     })
 }
 
-fn a_block_released_under_another<W: Arena>() {
+fn a_block_released_under_another<W: SpatialWorld>() {
     let mut world =
         W::new(&quiet(5), &PLATE, &Settings::new(Model::Rapier, 1), 1, 0).expect("it fits");
     let up = |body| BlockFace {
@@ -441,7 +441,7 @@ fn a_block_released_under_another<W: Arena>() {
     }
 }
 
-fn two_magnets_fight_for_one_block<W: Arena>() {
+fn two_magnets_fight_for_one_block<W: SpatialWorld>() {
     let mut world =
         W::new(&quiet(3), &PLATE, &Settings::new(Model::Rapier, 1), 1, 0).expect("it fits");
     let up = |x| BlockFace {

@@ -6,7 +6,7 @@ use stochc_ir::scene::{Agitation, Arrangement, Bond, Enclosure, Flow, Fluid, Sce
 use stochc_ir::table::Plate;
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena, World};
+use stochc_runtime::world::{SpatialWorld, World};
 
 use super::{Fate, fate, middle};
 
@@ -171,7 +171,7 @@ fn cases() -> Vec<(&'static str, (Ground, Scene))> {
     ]
 }
 
-fn fate_of<W: Arena>(ground: Ground, scene: &Scene) -> Fate {
+fn fate_of<W: SpatialWorld>(ground: Ground, scene: &Scene) -> Fate {
     let size = match ground {
         Ground::Bare => 0,
         Ground::Plate => 3,

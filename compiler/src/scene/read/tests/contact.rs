@@ -73,7 +73,7 @@ fn reports_mistakes_in_a_contact() {
     assert_eq!(
         reported("contact { friction 0.2 }"),
         missing("lacks `restitution`"),
-        "the older kind is the one asked for"
+        "the older kind is the requested one"
     );
     assert_eq!(
         reported("contact { damping 5 kg/s  friction 0.2 }"),

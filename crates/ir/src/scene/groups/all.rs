@@ -1,7 +1,7 @@
 //! All dimensionless numbers of a scene.
 use super::block_units::BlockUnits;
 use super::gas::Gas;
-use super::number::{AdvisedRange, DimensionlessGroup, ExpectedRange};
+use super::number::{AdvisedRange, DimensionlessNumber, ExpectedRange};
 use super::settling::Settling;
 use super::softness;
 use super::speed::{self, speed};
@@ -9,7 +9,7 @@ use crate::scene::warning_kind::SceneWarningKind;
 use crate::scene::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene, Substeps};
 
 /// Returns the dimensionless numbers of a scene's terms, with limits for these steps.
-pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessGroup> {
+pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessNumber> {
     let units = BlockUnits::from_scene(scene);
     let v = speed(scene).rms.map(|rms| units.speed(rms));
     let v = v.filter(|&v| v > 0.0);
@@ -19,7 +19,7 @@ pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessGroup> {
     let mut out = Vec::new();
     if let Some(v) = v {
         out.push(
-            DimensionlessGroup::new("v τ / a", "block lengths that a block moves in a tick", v).limited(
+            DimensionlessNumber::new("v τ / a", "block lengths that a block moves in a tick", v).limited(
                 steps,
                 |steps| match scene.agitation {
                     Some(Agitation::Brownian { .. }) => 0.2 - 0.1 * push.left(steps),
@@ -31,7 +31,7 @@ pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessGroup> {
         );
         let kick = speed::kick(scene);
         if kick > 0.0 {
-            out.push(DimensionlessGroup::new(
+            out.push(DimensionlessNumber::new(
                 "j / v",
                 "a kick against the speed",
                 kick / v,
@@ -41,7 +41,7 @@ pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessGroup> {
     let carried = units.speed(speed::carried(scene));
     if carried > 0.0 {
         out.push(
-            DimensionlessGroup::new(
+            DimensionlessNumber::new(
                 "u τ / a",
                 "block lengths that the mean flow carries a block in a tick, at most",
                 carried,
@@ -57,7 +57,7 @@ pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessGroup> {
     if let Some(drag) = &scene.drag {
         let rate = units.rate(drag.rate);
         out.push(
-            DimensionlessGroup::new(DRAG_SYMBOL, "what drag takes from a speed in a tick", rate)
+            DimensionlessNumber::new(DRAG_SYMBOL, "what drag takes from a speed in a tick", rate)
                 .limited(
                     steps,
                     |_| DRAG,
@@ -88,7 +88,7 @@ pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessGroup> {
 }
 
 /// Adds the numbers of the bond. `speed` is the energetic speed of a block \[block lengths / tick\].
-fn bond(scene: &Scene, push: Push, speed: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
+fn bond(scene: &Scene, push: Push, speed: Option<f64>, out: &mut Vec<DimensionlessNumber>) {
     let units = BlockUnits::from_scene(scene);
     if let Some(Bond::Reject {
         magnets, anchor, ..
@@ -98,7 +98,7 @@ fn bond(scene: &Scene, push: Push, speed: Option<f64>, out: &mut Vec<Dimensionle
         out.push(push.anchoring(hold, units.length(anchor.within)));
         if let Some(v) = speed {
             out.push(
-                DimensionlessGroup::new(
+                DimensionlessNumber::new(
                     "F δ / (3 m v² / 2)",
                     "energy of a bond against that of two blocks' motion to each other",
                     hold * depth / 3.0 / (v * v / 2.0),
@@ -112,7 +112,7 @@ fn bond(scene: &Scene, push: Push, speed: Option<f64>, out: &mut Vec<Dimensionle
         out.push(push.anchoring(force, units.length(anchor.within)));
         if let Some(v) = speed {
             out.push(
-                DimensionlessGroup::new(
+                DimensionlessNumber::new(
                     "F r / (m v² / 2)",
                     "work of the pull within its reach against the energy of motion",
                     force * reach / (v * v / 2.0),
@@ -166,9 +166,9 @@ impl Push {
 
     /// Returns the dimensionless number of a force \[block lengths / tick^2\] and a capture
     /// distance \[block lengths\].
-    fn anchoring(self, force: f64, within: f64) -> DimensionlessGroup {
+    fn anchoring(self, force: f64, within: f64) -> DimensionlessNumber {
         let value = force / within;
-        DimensionlessGroup::new(
+        DimensionlessNumber::new(
             self.symbol(["F τ² / (m d)", "φ F τ² / (m d)"]),
             "anchoring distances that the pull moves a block at rest in its first tick",
             value * self.displacement(1.0),
@@ -191,9 +191,9 @@ impl Push {
         meaning: &'static str,
         stiffness: f64,
         beyond: &'static str,
-    ) -> DimensionlessGroup {
+    ) -> DimensionlessNumber {
         let value = |steps| stiffness * self.displacement(steps);
-        DimensionlessGroup::new(self.symbol(symbols), meaning, value(1.0)).limited(
+        DimensionlessNumber::new(self.symbol(symbols), meaning, value(1.0)).limited(
             self.steps,
             |steps| 1.0 - (1.0 - SPRING) * self.left(steps),
             value,
@@ -202,7 +202,7 @@ impl Push {
     }
 }
 
-fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
+fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessNumber>) {
     let Some(fluid) = &scene.fluid else {
         return;
     };
@@ -211,20 +211,20 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
         return;
     };
     let friction = Fluid::friction(viscosity, side);
-    out.push(DimensionlessGroup::new(
+    out.push(DimensionlessNumber::new(
         "6 π η 0.6607 a τ / m",
         "what viscous drag takes from a speed in a tick; exact for any step",
         units.damping(friction),
     ));
     let is_carried = matches!(scene.agitation, Some(Agitation::Turbulence(_)));
     match (fluid.density, v) {
-        (Some(density), Some(v)) => out.push(DimensionlessGroup::new(
+        (Some(density), Some(v)) => out.push(DimensionlessNumber::new(
             "ρ v a / η",
             "Reynolds number of a block at the speed v",
             units.density(density) * v / units.viscosity(viscosity),
         )),
         (None, Some(v)) if !is_carried => out.push(
-            DimensionlessGroup::new(
+            DimensionlessNumber::new(
                 "m v / (a² η)",
                 "Reynolds number of a block at the speed v in a fluid as dense as the block",
                 v / units.viscosity(viscosity),
@@ -234,7 +234,7 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
         _ => {}
     }
     if let Some(Agitation::Brownian { temperature }) = scene.agitation {
-        out.push(DimensionlessGroup::new(
+        out.push(DimensionlessNumber::new(
             "D τ / a²",
             match scene.drag {
                 Some(_) => "diffusion in a tick, `drag` apart, which makes it less",
@@ -269,7 +269,7 @@ const DRAG: f64 = 0.2;
 /// half a radian. With stronger drag, the limit rises to 1. Up to 1, a step does not overshoot.
 const SPRING: f64 = 0.25;
 
-fn contact(scene: &Scene, push: Push, out: &mut Vec<DimensionlessGroup>) {
+fn contact(scene: &Scene, push: Push, out: &mut Vec<DimensionlessNumber>) {
     let Some(contact) = &scene.contact else {
         return;
     };
@@ -288,7 +288,7 @@ fn contact(scene: &Scene, push: Push, out: &mut Vec<DimensionlessGroup>) {
         let value = |steps: f64| damping * steps * push.displacement(steps);
         let symbols = ["c τ / m, contact", "φ c τ / m, contact"];
         out.push(
-            DimensionlessGroup::new(push.symbol(symbols), "damping of a contact", value(1.0))
+            DimensionlessNumber::new(push.symbol(symbols), "damping of a contact", value(1.0))
                 .limited(
                     push.steps,
                     |_| 0.5,
@@ -297,23 +297,23 @@ fn contact(scene: &Scene, push: Push, out: &mut Vec<DimensionlessGroup>) {
                 ),
         );
     }
-    out.push(DimensionlessGroup::new(
+    out.push(DimensionlessNumber::new(
         "c / (2 √(k m)), contact",
         "damping ratio of a block against something fixed",
         speed::damping_ratio(stiffness, damping),
     ));
-    out.push(DimensionlessGroup::new(
+    out.push(DimensionlessNumber::new(
         "e, two blocks",
         "restitution that this amounts to, head-on",
         speed::restitution(scene, contact, true),
     ));
 }
 
-fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
+fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessNumber>) {
     let Some(gas) = Gas::from_scene(scene) else {
         return;
     };
-    out.push(DimensionlessGroup::new(
+    out.push(DimensionlessNumber::new(
         "N a³ / V",
         "part of the enclosure that free blocks fill",
         gas.density,
@@ -321,13 +321,13 @@ fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
     if scene.contact.is_none() {
         return;
     }
-    out.push(DimensionlessGroup::new(
+    out.push(DimensionlessNumber::new(
         "ℓ / a",
         "mean free path between other blocks",
         gas.free_path(),
     ));
     if let Some(v) = v {
-        out.push(DimensionlessGroup::new(
+        out.push(DimensionlessNumber::new(
             "ν τ",
             "collisions of a block with others in a tick",
             gas.meetings(v),
@@ -335,7 +335,7 @@ fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessGroup>) {
     }
 }
 
-fn settling(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
+fn settling(scene: &Scene, out: &mut Vec<DimensionlessNumber>) {
     let Some(settling) = Settling::from_scene(scene) else {
         return;
     };
@@ -343,12 +343,12 @@ fn settling(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
     if let Some(speeds) = settling.speeds {
         let meaning = "speed of sinking against the vertical speed of the eddies";
         out.push(
-            DimensionlessGroup::new("w / α σ", meaning, speeds)
+            DimensionlessNumber::new("w / α σ", meaning, speeds)
                 .advised(AdvisedRange::Most(MAX_SINKING)),
         );
     }
     let meaning = "height over which sinking thins the lifted blocks to 1/e, in block lengths";
-    out.push(DimensionlessGroup::new(
+    out.push(DimensionlessNumber::new(
         "h / a",
         meaning,
         units.length(settling.height),
@@ -357,19 +357,19 @@ fn settling(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
         &scene.enclosure
     {
         let meaning = "the same over the enclosure's radius";
-        out.push(DimensionlessGroup::new(
+        out.push(DimensionlessNumber::new(
             "h / R",
             meaning,
             settling.height / radius,
         ));
     }
     let meaning = "mean height of all blocks above their resting place, in block lengths";
-    out.push(DimensionlessGroup::new(
+    out.push(DimensionlessNumber::new(
         "⟨z⟩ / a",
         meaning,
         units.length(settling.mean()),
     ));
-    out.push(DimensionlessGroup::new(
+    out.push(DimensionlessNumber::new(
         "n(a) / n",
         "share of blocks a block length or more above their resting place",
         settling.above(scene.block.side),

@@ -13,7 +13,7 @@ pub(super) use all::DRAG_SYMBOL;
 pub use all::groups;
 pub use block_units::BlockUnits;
 pub use gas::Gas;
-pub use number::{AdvisedRange, DimensionlessGroup, ExpectedRange, ResolutionLimit};
+pub use number::{AdvisedRange, DimensionlessNumber, ExpectedRange, ResolutionLimit};
 pub use settling::Settling;
 pub(super) use speed::rms_of_range;
 pub(crate) use speed::turn_in_steps;

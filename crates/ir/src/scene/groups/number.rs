@@ -6,7 +6,7 @@ use crate::scene::warning_kind::SceneWarningKind;
 
 /// Dimensionless number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct DimensionlessGroup {
+pub struct DimensionlessNumber {
     /// Definition of the number in the symbols of the terms.
     pub symbol: &'static str,
     /// Meaning of the number.
@@ -36,7 +36,7 @@ pub enum AdvisedRange {
 /// Largest value that the time step resolves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ResolutionLimit {
-    /// Approximate limit of [`DimensionlessGroup::value`] with the steps that are taken.
+    /// Approximate limit of [`DimensionlessNumber::value`] with the steps that are taken.
     pub most: f64,
     /// Smallest number of substeps within the limit. `None` if there is none.
     pub substeps: Option<u32>,
@@ -58,7 +58,7 @@ pub struct ExpectedRange {
     pub kind: SceneWarningKind,
 }
 
-impl DimensionlessGroup {
+impl DimensionlessNumber {
     /// Returns whether this number of steps per tick is too small.
     pub fn is_exceeded(&self, substeps: u32) -> bool {
         let needed = |limit: ResolutionLimit| limit.substeps;
@@ -115,13 +115,13 @@ fn fewest(is_enough: impl Fn(u32) -> bool) -> Option<u32> {
     Some(enough)
 }
 
-impl DimensionlessGroup {
+impl DimensionlessNumber {
     pub(in crate::scene) const fn new(
         symbol: &'static str,
         meaning: &'static str,
         value: f64,
-    ) -> DimensionlessGroup {
-        DimensionlessGroup {
+    ) -> DimensionlessNumber {
+        DimensionlessNumber {
             symbol,
             meaning,
             value,
@@ -132,12 +132,12 @@ impl DimensionlessGroup {
         }
     }
 
-    pub(in crate::scene) const fn advised(mut self, range: AdvisedRange) -> DimensionlessGroup {
+    pub(in crate::scene) const fn advised(mut self, range: AdvisedRange) -> DimensionlessNumber {
         self.advised = Some(range);
         self
     }
 
-    pub(super) const fn of_faces(mut self) -> DimensionlessGroup {
+    pub(super) const fn of_faces(mut self) -> DimensionlessNumber {
         self.of_faces = true;
         self
     }
@@ -150,7 +150,7 @@ impl DimensionlessGroup {
         most: impl Fn(f64) -> f64,
         at: impl Fn(f64) -> f64,
         beyond: &'static str,
-    ) -> DimensionlessGroup {
+    ) -> DimensionlessNumber {
         let steps = f64::from(self.steps_of(taken));
         let shrinks = at(steps) / self.value;
         let is_known = steps > 1.0 && shrinks > 0.0;
@@ -162,7 +162,7 @@ impl DimensionlessGroup {
         self
     }
 
-    pub(super) const fn expected(mut self, expected: ExpectedRange) -> DimensionlessGroup {
+    pub(super) const fn expected(mut self, expected: ExpectedRange) -> DimensionlessNumber {
         self.expected = Some(expected);
         self
     }
@@ -190,7 +190,7 @@ mod tests {
             (f64::INFINITY, 1.0, 2, None),
         ] {
             let at = |steps: f64| value / steps.powi(power);
-            let group = DimensionlessGroup::new("", "", value).limited(ONE_STEP, |_| most, at, "");
+            let group = DimensionlessNumber::new("", "", value).limited(ONE_STEP, |_| most, at, "");
             assert_eq!(group.substeps(), substeps, "{value}");
             assert_eq!(group.is_exceeded(1), substeps != Some(1), "{value}");
             if let Some(substeps) = substeps {
@@ -198,6 +198,6 @@ mod tests {
                 assert!(substeps == 1 || group.is_exceeded(substeps - 1), "{value}");
             }
         }
-        assert_eq!(DimensionlessGroup::new("", "", 1e9).substeps(), None);
+        assert_eq!(DimensionlessNumber::new("", "", 1e9).substeps(), None);
     }
 }

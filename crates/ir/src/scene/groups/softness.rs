@@ -1,7 +1,7 @@
 //! Penetration depths of blocks into compliant contacts and the shell.
 use super::super::warning_kind::SceneWarningKind;
 use super::super::{ContactLaw, Enclosure, Scene};
-use super::{BlockUnits, DimensionlessGroup, ExpectedRange, settling, speed};
+use super::{BlockUnits, DimensionlessNumber, ExpectedRange, settling, speed};
 
 /// Spring that keeps blocks out, in block units.
 #[derive(Clone, Copy)]
@@ -54,7 +54,7 @@ const MAX_STEADY: f64 = 0.5;
 const MAX_MOVING: f64 = 1.0;
 
 /// Adds the dimensionless numbers for penetration depths by forces and speeds.
-pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessGroup>) {
+pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessNumber>) {
     let units = BlockUnits::from_scene(scene);
     let down = settling::down(scene);
     let weight = units.acceleration(down.abs());
@@ -101,7 +101,7 @@ impl Spring {
         words: &Words,
         remedy: &'static str,
         moving: f64,
-        out: &mut Vec<DimensionlessGroup>,
+        out: &mut Vec<DimensionlessNumber>,
     ) {
         let values = [self.load / self.stiffness, self.depth(moving)];
         for (number, (value, most)) in values.into_iter().zip([MAX_STEADY, MAX_MOVING]).enumerate()
@@ -114,7 +114,7 @@ impl Spring {
                     kind: SceneWarningKind::SoftContact,
                 };
                 let (symbol, meaning) = (words.symbols[number], words.meanings[number]);
-                out.push(DimensionlessGroup::new(symbol, meaning, value).expected(expected));
+                out.push(DimensionlessNumber::new(symbol, meaning, value).expected(expected));
             }
         }
     }

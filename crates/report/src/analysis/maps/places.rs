@@ -10,7 +10,7 @@ use stochc_results::Finished;
 use stochc_results::recording::{Places, RecordingError, each_places};
 
 use super::slice::Slice;
-use super::structure_membership::{AGES, PlaceQuery, StructureMembership, wanted};
+use super::structure_membership::{AGES, PlaceQuery, StructureMembership, queries};
 use super::tally::Counts;
 use crate::analysis::reported_program::ReportedProgram;
 
@@ -142,7 +142,7 @@ impl MapPlaces {
     ) -> Result<RunCounts, RecordingError> {
         let record = &known.record;
         let held = StructureMembership::from_record(record);
-        let mut wanted = wanted(record, &held);
+        let mut queries = queries(record, &held);
         let mut counts = RunCounts {
             before: Default::default(),
             occupation: Counts::default(),
@@ -154,7 +154,7 @@ impl MapPlaces {
             let tick = places.tick();
             self.occupy(places, &held, tick - last, &mut counts.occupation);
             last = tick;
-            while let Some(it) = wanted.pop_if(|it| it.tick <= tick) {
+            while let Some(it) = queries.pop_if(|it| it.tick <= tick) {
                 self.look(places, &it, &mut counts.before);
             }
         })?;
@@ -233,16 +233,16 @@ impl MapPlaces {
 
     /// Counts the position of the queried block, relative to the cell that captures it later.
     /// Ignores a position that was recorded too late after the queried tick.
-    fn look(&self, places: &Places, wanted: &PlaceQuery, before: &mut [Counts<SlicePlace>; 3]) {
+    fn look(&self, places: &Places, queries: &PlaceQuery, before: &mut [Counts<SlicePlace>; 3]) {
         // Positions are recorded at intervals, so this position can be late.
-        let late = places.tick() - wanted.tick;
-        if late > AGES[wanted.age] / 10 || wanted.body as usize >= places.bodies() {
+        let late = places.tick() - queries.tick;
+        if late > AGES[queries.age] / 10 || queries.body as usize >= places.bodies() {
             return;
         }
-        let at = self.lattice(places.place(wanted.body as usize));
-        let to = [wanted.cell.x, wanted.cell.y, wanted.cell.z];
+        let at = self.lattice(places.place(queries.body as usize));
+        let to = [queries.cell.x, queries.cell.y, queries.cell.z];
         let [x, y, z]: [f64; 3] = std::array::from_fn(|i| at[i] - f64::from(to[i]));
-        let counts = &mut before[wanted.age];
+        let counts = &mut before[queries.age];
         counts.of += 1.0;
         let mut add = |slice: usize, up: f64, aside: f64| {
             let (x, up) = (x.round() as i32, up.round() as i32);

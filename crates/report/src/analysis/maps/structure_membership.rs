@@ -51,8 +51,8 @@ pub(super) struct PlaceQuery {
 
 /// Returns the position queries for all captures of a run, latest first. Omits a query if the block
 /// was part of the structure at the queried tick.
-pub(super) fn wanted(record: &RunRecord, held: &StructureMembership) -> Vec<PlaceQuery> {
-    let mut wanted = Vec::new();
+pub(super) fn queries(record: &RunRecord, held: &StructureMembership) -> Vec<PlaceQuery> {
+    let mut queries = Vec::new();
     for bond in &record.bonds {
         for (age, ago) in AGES.iter().enumerate() {
             let Some(tick) = bond.docked.checked_sub(*ago) else {
@@ -60,7 +60,7 @@ pub(super) fn wanted(record: &RunRecord, held: &StructureMembership) -> Vec<Plac
             };
             if !held.is_held(bond.body, tick) {
                 let (body, cell) = (bond.body, bond.cell);
-                wanted.push(PlaceQuery {
+                queries.push(PlaceQuery {
                     tick,
                     age,
                     body,
@@ -69,8 +69,8 @@ pub(super) fn wanted(record: &RunRecord, held: &StructureMembership) -> Vec<Plac
             }
         }
     }
-    wanted.sort_by_key(|it| std::cmp::Reverse(it.tick));
-    wanted
+    queries.sort_by_key(|it| std::cmp::Reverse(it.tick));
+    queries
 }
 
 #[cfg(test)]
@@ -117,7 +117,7 @@ mod tests {
         assert!(!held.is_held(6, 400));
         // 1000 ticks before the first capture, the run had not begun. 1000 ticks before the second
         // one, the block was free.
-        let mut found: Vec<(u64, u64)> = (wanted(&record, &held).iter())
+        let mut found: Vec<(u64, u64)> = (queries(&record, &held).iter())
             .map(|it| (it.tick, AGES[it.age]))
             .collect();
         found.reverse();

@@ -11,7 +11,7 @@ use stochc_ir::scene::{Enclosure, Scene};
 use stochc_ir::table::{PhaseId, Tables};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{Arena, BodyState};
+use stochc_runtime::world::{SpatialWorld, BodyState};
 use stochc_runtime::{Model, Settings, drive};
 
 use super::samples::Sample;
@@ -106,7 +106,7 @@ impl Cell {
         }
     }
 
-    fn run<W: Arena>(&self, settings: &Settings, seed: u64, run: u64) -> Sample {
+    fn run<W: SpatialWorld>(&self, settings: &Settings, seed: u64, run: u64) -> Sample {
         let (mut scene, tables) = (self.case.scene(), self.case.tables());
         if let (Some(friction), Some(contact)) = (self.friction, &mut scene.contact) {
             contact.friction = friction;

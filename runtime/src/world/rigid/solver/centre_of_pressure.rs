@@ -40,7 +40,7 @@ pub(super) fn centre_of_pressure<R: Real>(
     let levelling = moving * R::from_double(INVERSE_INERTIA) * response * deepest.depth;
     let normal = manifold.normal;
     let flat = |way: Vector3<R>| way - normal * normal.dot(&way);
-    let wanted = flat(middle) + manifold.slope / levelling;
+    let requested = flat(middle) + manifold.slope / levelling;
     // A point is within the patch if it is on the same side of all edges.
     let nexts = points[1..].iter().chain(&points[..1]);
     let edges = || (points.iter().zip(nexts.clone())).map(|(from, to)| (from.place, to.place));
@@ -49,25 +49,25 @@ pub(super) fn centre_of_pressure<R: Real>(
         if !left && !right {
             break;
         }
-        let side = normal.dot(&flat(to - from).cross(&(wanted - flat(from))));
+        let side = normal.dot(&flat(to - from).cross(&(requested - flat(from))));
         (left, right) = (left && side >= R::zero(), right && side <= R::zero());
     }
     let place = if left || right {
         let height = points
             .iter()
             .fold(R::zero(), |sum, point| sum + normal.dot(&point.place));
-        wanted + normal * (height / R::from_double(points.len() as f64))
+        requested + normal * (height / R::from_double(points.len() as f64))
     } else {
         let mut best = (deepest.place, None);
         for (from, to) in edges() {
             let (start, along) = (flat(from), flat(to - from));
             let length = along.norm_squared();
             let part = if length > R::zero() {
-                ((wanted - start).dot(&along) / length).clamp(R::zero(), R::one())
+                ((requested - start).dot(&along) / length).clamp(R::zero(), R::one())
             } else {
                 R::zero()
             };
-            let away = (start + along * part - wanted).norm_squared();
+            let away = (start + along * part - requested).norm_squared();
             if best.1.is_none_or(|least| away < least) {
                 best = (from + (to - from) * part, Some(away));
             }

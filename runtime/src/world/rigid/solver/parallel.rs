@@ -271,8 +271,8 @@ impl<R: Lane, const N: usize> Batch<R, N> {
             let missing = spot.target
                 - velocity(along, &spot.torques[0], bodies)
                 - self.softness * spot.impulses[0];
-            let wanted = (spot.impulses[0] + missing * spot.masses[0]).maximum(all::<R>(0.0));
-            let change = spot.press(0, wanted, active);
+            let requested = (spot.impulses[0] + missing * spot.masses[0]).maximum(all::<R>(0.0));
+            let change = spot.press(0, requested, active);
             push(change, along, &spot.torques[0], bodies);
             greatest = greatest.maximum((change / spot.masses[0]).abs());
             if friction > R::zero() {
@@ -285,8 +285,8 @@ impl<R: Lane, const N: usize> Batch<R, N> {
                 });
                 let square = one * one + two * two;
                 let by = (square.above(most * most)).choose(most / square.sqrt(), all::<R>(1.0));
-                for (row, wanted) in [one * by, two * by].into_iter().enumerate() {
-                    let change = spot.press(row + 1, wanted, active);
+                for (row, requested) in [one * by, two * by].into_iter().enumerate() {
+                    let change = spot.press(row + 1, requested, active);
                     push(change, &across[row], &spot.torques[row + 1], bodies);
                     greatest = greatest.maximum((change / spot.masses[1]).abs());
                 }
@@ -322,10 +322,11 @@ impl<R: Lane, const N: usize> Batch<R, N> {
         let along = &self.frame[0];
         for spot in &mut self.spots {
             let relative = velocity(along, &spot.torques[0], &shifts);
-            let wanted = spot.shift + (spot.recovery - relative) * spot.masses[0];
-            let wanted = (active & spot.real).choose(wanted.maximum(all::<R>(0.0)), spot.shift);
-            let change = wanted - spot.shift;
-            spot.shift = wanted;
+            let requested = spot.shift + (spot.recovery - relative) * spot.masses[0];
+            let requested =
+                (active & spot.real).choose(requested.maximum(all::<R>(0.0)), spot.shift);
+            let change = requested - spot.shift;
+            spot.shift = requested;
             push(change, along, &spot.torques[0], &mut shifts);
             greatest = greatest.maximum((change / spot.masses[0]).abs());
         }
@@ -372,11 +373,11 @@ impl<R: Lane, const N: usize> Batch<R, N> {
 }
 
 impl<R: Lane, const N: usize> BatchPoint<R, N> {
-    /// Sets an impulse to `wanted` in the active lanes. Returns the change.
+    /// Sets an impulse to `requested` in the active lanes. Returns the change.
     #[inline(always)]
-    fn press(&mut self, row: usize, wanted: R::Quad, active: R::Quad) -> R::Quad {
+    fn press(&mut self, row: usize, requested: R::Quad, active: R::Quad) -> R::Quad {
         let before = self.impulses[row];
-        self.impulses[row] = active.choose(wanted, before);
+        self.impulses[row] = active.choose(requested, before);
         self.impulses[row] - before
     }
 }

@@ -305,19 +305,19 @@ impl SequentialContact {
             // Coulomb friction cone of the current normal impulse.
             let most = friction * point.along.impulse;
             if most > R::zero() || point.across[0].impulse != R::zero() {
-                let mut wanted = [R::zero(); 2];
+                let mut requested = [R::zero(); 2];
                 let rows = point.across.iter().zip(&point.late[1..]);
-                for (wanted, (row, &late)) in wanted.iter_mut().zip(rows) {
-                    *wanted = row.impulse - (row.velocity(&a, &b) + late) * row.mass;
+                for (requested, (row, &late)) in requested.iter_mut().zip(rows) {
+                    *requested = row.impulse - (row.velocity(&a, &b) + late) * row.mass;
                 }
-                let [one, two] = wanted;
+                let [one, two] = requested;
                 let square = one * one + two * two;
                 if square > most * most {
                     let by = most / square.sqrt();
-                    wanted = [one * by, two * by];
+                    requested = [one * by, two * by];
                 }
-                for (wanted, row) in wanted.into_iter().zip(&mut point.across) {
-                    greatest = greatest.max(row.apply(wanted, &mut a, &mut b));
+                for (requested, row) in requested.into_iter().zip(&mut point.across) {
+                    greatest = greatest.max(row.apply(requested, &mut a, &mut b));
                 }
             }
         }

@@ -45,19 +45,19 @@ struct VoxFile<'a> {
 /// # Errors
 ///
 /// If the file is invalid, has several models without a scene, or is animated.
-pub fn magica_voxel(bytes: &[u8], wanted: Option<u32>) -> Result<VoxelScene, UnreadableVoxels> {
+pub fn magica_voxel(bytes: &[u8], requested: Option<u32>) -> Result<VoxelScene, UnreadableVoxels> {
     let file = VoxFile::read(bytes)?;
     let count = file.models.len();
     if count == 0 {
         return Err(UnreadableVoxels::NoModel);
     }
-    if let Some(model) = wanted.filter(|model| *model as usize >= count) {
+    if let Some(model) = requested.filter(|model| *model as usize >= count) {
         return Err(UnreadableVoxels::UnknownModel { model, count });
     }
     if file.graph.is_empty() {
-        return file.only_model(wanted);
+        return file.only_model(requested);
     }
-    file.scene(wanted)
+    file.scene(requested)
 }
 
 impl<'a> VoxFile<'a> {
@@ -110,11 +110,11 @@ impl<'a> VoxFile<'a> {
     }
 
     /// Returns the cells of a file without a scene, as old versions write it.
-    fn only_model(&self, wanted: Option<u32>) -> Result<VoxelScene, UnreadableVoxels> {
+    fn only_model(&self, requested: Option<u32>) -> Result<VoxelScene, UnreadableVoxels> {
         let numbers = 0..self.models.len() as u32;
         let sized = numbers.map(|number| (number, self.voxels(number)));
         let full: Vec<(u32, usize)> = sized.filter(|(_, voxels)| *voxels > 0).collect();
-        let model = match (wanted, &full[..]) {
+        let model = match (requested, &full[..]) {
             (Some(model), _) => model,
             (None, []) => 0,
             (None, [(model, _)]) => *model,
@@ -125,10 +125,10 @@ impl<'a> VoxFile<'a> {
     }
 
     /// Returns the cells that the scene shows.
-    fn scene(&self, wanted: Option<u32>) -> Result<VoxelScene, UnreadableVoxels> {
+    fn scene(&self, requested: Option<u32>) -> Result<VoxelScene, UnreadableVoxels> {
         let (mut shown, mut hidden) = (Vec::new(), Vec::new());
         for instance in self.graph.instances()? {
-            let Some(model) = self.chosen(&instance, wanted)? else {
+            let Some(model) = self.chosen(&instance, requested)? else {
                 continue;
             };
             if !instance.is_hidden {
@@ -137,7 +137,7 @@ impl<'a> VoxFile<'a> {
                 hidden.push(model);
             }
         }
-        match wanted {
+        match requested {
             Some(model) if shown.is_empty() => Err(UnreadableVoxels::UnplacedModel { model }),
             _ => self.placed(&shown, hidden),
         }
@@ -147,7 +147,7 @@ impl<'a> VoxFile<'a> {
     fn chosen(
         &self,
         instance: &Instance<'_>,
-        wanted: Option<u32>,
+        requested: Option<u32>,
     ) -> Result<Option<u32>, UnreadableVoxels> {
         let node = instance.node;
         let mut models = instance.models.iter();
@@ -155,8 +155,8 @@ impl<'a> VoxFile<'a> {
         if let Some(&model) = missing {
             return Err(UnreadableVoxels::MissingModel { node, model });
         }
-        if let Some(wanted) = wanted {
-            return Ok(Some(wanted).filter(|wanted| instance.models.contains(wanted)));
+        if let Some(requested) = requested {
+            return Ok(Some(requested).filter(|requested| instance.models.contains(requested)));
         }
         let models = instance.models.iter().copied();
         let full: Vec<u32> = models.filter(|model| self.voxels(*model) > 0).collect();

@@ -1,12 +1,12 @@
 //! Elastic shell that encloses the blocks.
 use nalgebra::Vector3;
 
-use super::parameters::Shell;
+use super::parameters::Wall;
 use super::real::Real;
 
 /// Elastic shell in the precision of a world.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ShellForce<R> {
+pub(crate) struct WallForce<R> {
     pub radius: R,
     /// Height of the shell's centre.
     pub height: R,
@@ -14,12 +14,12 @@ pub(crate) struct ShellForce<R> {
     pub stiffness: R,
 }
 
-impl<R: Real> ShellForce<R> {
-    pub fn new(shell: &Shell) -> ShellForce<R> {
-        ShellForce {
-            radius: R::from_double(shell.radius),
-            height: R::from_double(shell.height),
-            stiffness: R::from_double(shell.stiffness),
+impl<R: Real> WallForce<R> {
+    pub fn new(wall: &Wall) -> WallForce<R> {
+        WallForce {
+            radius: R::from_double(wall.radius),
+            height: R::from_double(wall.height),
+            stiffness: R::from_double(wall.stiffness),
         }
     }
 

@@ -63,21 +63,24 @@ fn check_two_runs(browser: &mut impl Page) {
     };
     let [here, there] = [&first, &second].map(|recording| recording.record().ticks);
     let last = here.max(there);
-    assert_eq!(at(&mut |asked| browser.value(asked), 500), (500.0, 500.0));
     assert_eq!(
-        at(&mut |asked| browser.value(asked), last),
+        at(&mut |requested| browser.value(requested), 500),
+        (500.0, 500.0)
+    );
+    assert_eq!(
+        at(&mut |requested| browser.value(requested), last),
         (here as f64, there as f64)
     );
     // When synchronized by phase, every phase begins in both runs at once.
     browser.value("document.getElementById('clocks').click()");
     for (from, to) in begins(&first).into_iter().zip(begins(&second)) {
         assert_eq!(
-            at(&mut |asked| browser.value(asked), from),
+            at(&mut |requested| browser.value(requested), from),
             (from as f64, to as f64)
         );
     }
     assert_eq!(
-        at(&mut |asked| browser.value(asked), here),
+        at(&mut |requested| browser.value(requested), here),
         (here as f64, there as f64)
     );
     // Both runs are drawn, seen from the same point.
