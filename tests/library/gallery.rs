@@ -12,9 +12,9 @@ const PAGE: &str = "docs/reference/diagnostics.md";
 const HEAD: &str = "\
 # Diagnostics
 
-This page lists every error and warning of stochc, grouped by topic. Each entry has a program that causes the
-diagnostic, and the message. `stochc explain CODE` explains a diagnostic in more detail and shows a corrected program.
-A program with errors cannot be run. Warnings can be [allowed or denied](language.md#warnings).
+This page lists every error and warning of stochc, grouped by topic. Each entry shows a program that causes the
+diagnostic, and the message. `stochc explain CODE` explains a diagnostic in more detail and shows a corrected program. A
+program with errors cannot be run. Warnings can be [allowed or denied](language.md#warnings).
 
 stochc tests a fix before it offers it: it applies the fix in memory and checks the program again. The fix is safe if
 its diagnostic disappears and no new one appears. `stochc check --fix` applies safe fixes. A *possible fix* has not
