@@ -294,11 +294,11 @@ fn every_key_is_documented() {
 const HEAD: &str = "\
 # JSON
 
-Commands print JSON with `--json`. Each document is an object with a key `format`, the version of the document. It is 1.
+Commands print JSON with `--json`. Each document is an object. Its key `format` is the version of the document's format, which is 1.
 Results go to standard output. Notes, warnings and errors go to standard error.
 
 [json.schema.json](json.schema.json) is a [JSON Schema](https://json-schema.org) of all documents on this page.
-A key is always present unless it is optional. Its value may be null.
+A key is always present unless it is optional. The type of a key states whether its value can be null.
 
 Other files have their own pages: [executable programs](executable.md), [tables](results.md#tables), [recordings](recordings.md).
 `manifest.json`, `checksums.json`, `shards.json` and the journals are internal files of stochc. They may change between versions.
