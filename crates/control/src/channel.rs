@@ -12,22 +12,22 @@ use stochc_ir::Cell;
 use crate::body::Body;
 use crate::machine::{Message, Recalled};
 
-/// All contacts, by direction: (from, to).
+/// All contacts. Each direction (from, to) of a contact has its own channel.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Channels {
     channels: BTreeMap<(Body, Body), Channel>,
 }
 
-/// State of both ends of one direction of a contact.
+/// Messages in one direction of a contact, as known to the sender and to the receiver.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Channel {
-    /// Next number of the sender.
+    /// Number of the sender's next message.
     next: u32,
-    /// Messages of the sender that have not been acknowledged, by number.
+    /// Messages that the receiver has not acknowledged, by number.
     stored: BTreeMap<u32, Message>,
-    /// Number below which the receiver has accepted all messages.
+    /// Smallest number of a message that the receiver has not accepted.
     taken_below: u32,
-    /// Accepted message numbers that are not below `taken_below`.
+    /// Numbers of accepted messages that are larger than `taken_below`.
     taken: BTreeSet<u32>,
 }
 
@@ -49,8 +49,8 @@ impl Channels {
         number
     }
 
-    /// Accepts a transfer at the receiver. Returns `false` for a duplicate, or if the contact is
-    /// closed.
+    /// Accepts a message at the receiver. Returns `false` if the message is a duplicate or the
+    /// contact is closed.
     pub fn take(&mut self, from: Body, to: Body, number: u32) -> bool {
         let Some(channel) = self.channels.get_mut(&(from, to)) else {
             return false;
@@ -65,7 +65,7 @@ impl Channels {
         true
     }
 
-    /// Processes an acknowledgement at the sender, which drops the message.
+    /// Processes an acknowledgement. The sender drops the message with this number.
     pub fn acknowledge(&mut self, from: Body, to: Body, number: u32) {
         if let Some(channel) = self.channels.get_mut(&(from, to)) {
             channel.stored.remove(&number);
@@ -78,8 +78,8 @@ impl Channels {
         channel.is_some_and(|channel| channel.stored.contains_key(&number))
     }
 
-    /// Closes the contacts of a block that is being released. Returns the messages that were sent
-    /// and not accepted.
+    /// Closes the contacts of the block `left`, which is being released. Returns the messages that
+    /// were sent but not accepted.
     pub fn close(&mut self, left: Body) -> Recalled {
         let first = (left, Body::Seed(Cell::new(i32::MIN, i32::MIN, i32::MIN)));
         let from_left = self

@@ -19,7 +19,7 @@ pub struct Lattice {
     holds: BTreeMap<BlockFace, u32>,
 }
 
-/// Place of an anchored block.
+/// Cell and orientation of an anchored block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LatticePose {
     /// Cell of the block.

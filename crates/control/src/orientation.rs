@@ -2,18 +2,19 @@
 use serde::{Deserialize, Serialize};
 use stochc_ir::Face;
 
-/// Orientation of a cube: a map from a block's own faces to the structure's.
+/// Orientation of a block. It maps the block's own faces to directions of the structure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Orientation {
-    /// Structure direction of the block's own east.
+    /// Direction of the block's own east face, in the structure's frame.
     east: Face,
-    /// Structure direction of the block's own north. Up follows from the two, because reflections
-    /// are excluded.
+    /// Direction of the block's own north face, in the structure's frame. Together with `east`, it
+    /// determines the upper face, because reflections are excluded.
     north: Face,
 }
 
 impl Orientation {
-    /// Orientation of every block of the plate: own faces equal the structure's.
+    /// Orientation of every block of the plate. Own faces point in the structure's directions of
+    /// the same name.
     pub const IDENTITY: Orientation = Orientation {
         east: Face::East,
         north: Face::North,
@@ -29,19 +30,19 @@ impl Orientation {
         })
     }
 
-    /// Returns the structure's face that the block's face `own` points to.
+    /// Returns the direction of the block's own face `own`, in the structure's frame.
     #[inline]
     pub const fn to_structure(self, own: Face) -> Face {
         TO_STRUCTURE[self.east as usize][self.north as usize][own as usize]
     }
 
-    /// Returns the block's face that points to the structure's face `structure`.
+    /// Returns the block's own face that points in the direction `structure`.
     #[inline]
     pub fn to_own(self, structure: Face) -> Face {
         TO_OWN[self.east as usize][self.north as usize][structure as usize]
     }
 
-    /// Returns the composition: this rotation after `first`.
+    /// Returns the rotation `first`, followed by this rotation.
     #[inline]
     pub const fn after(self, first: Orientation) -> Orientation {
         Orientation {
@@ -58,8 +59,8 @@ impl Orientation {
         }
     }
 
-    /// Returns `turns` quarter turns about the outward normal of `axis`, counterclockwise seen from
-    /// outside.
+    /// Returns the rotation by `turns` quarter turns about the outward normal of `axis`,
+    /// counterclockwise seen from outside.
     pub const fn turned(axis: Face, turns: u8) -> Orientation {
         let mut done = Orientation::IDENTITY;
         let mut turn = 0;
@@ -90,8 +91,9 @@ impl Orientation {
         parent.after(turns[usize::from(turn % 4)])
     }
 
-    /// Returns the child's face and the quarter turns that give this orientation on `parent_face`.
-    /// The inverse of [`Orientation::docked`]. Returns `None` if no turn gives this orientation.
+    /// Returns the arguments of [`Orientation::docked`] that give this orientation on
+    /// `parent_face`: the child's face and the number of quarter turns. Returns `None` if no turn
+    /// gives this orientation.
     pub fn as_docked(self, parent: Orientation, parent_face: Face) -> Option<(Face, u8)> {
         let child_face = self.to_own(parent.to_structure(parent_face).opposite());
         (0..4)
@@ -100,7 +102,8 @@ impl Orientation {
     }
 }
 
-/// Orientation of the child in the parent's frame, by parent face, child face and quarter turns.
+/// Orientation of the child in the parent's frame. The indices are parent face, child face and
+/// quarter turns.
 static AS_SEEN: [[[Orientation; 4]; 6]; 6] = {
     let mut seen = [[[Orientation::IDENTITY; 4]; 6]; 6];
     let mut i = 0;
@@ -117,7 +120,7 @@ static AS_SEEN: [[[Orientation; 4]; 6]; 6] = {
     seen
 };
 
-/// Returns the first orientation with the block's face `own` pointing to `structure`.
+/// Returns the first orientation that turns the block's face `own` to the direction `structure`.
 const fn facing(own: Face, structure: Face) -> Orientation {
     let mut i = 0;
     loop {
@@ -130,7 +133,8 @@ const fn facing(own: Face, structure: Face) -> Orientation {
     }
 }
 
-/// For each orientation, by east and north, the structure's face that each own face points to.
+/// Direction of each own face in the structure's frame. The indices are the directions of east and
+/// north, then the own face.
 static TO_STRUCTURE: [[[Face; 6]; 6]; 6] = {
     let mut of = [[Face::ALL; 6]; 6];
     let mut i = 0;
@@ -152,8 +156,8 @@ static TO_STRUCTURE: [[[Face; 6]; 6]; 6] = {
     of
 };
 
-/// For each orientation, by east and north, the own face that points to each of the structure's
-/// faces.
+/// Own face that points in each direction of the structure. The indices are the directions of east
+/// and north, then the direction.
 static TO_OWN: [[[Face; 6]; 6]; 6] = {
     let mut of = [[Face::ALL; 6]; 6];
     let mut i = 0;

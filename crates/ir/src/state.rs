@@ -6,8 +6,8 @@ use std::io::{self, Read, Write};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// State of an object that can be saved, and restored in another object that was constructed in the
-/// same way.
+/// Object whose state can be saved. The state can be restored in another object that was
+/// constructed in the same way.
 pub trait State {
     /// Writes the state.
     ///

@@ -16,7 +16,7 @@ use crate::Reporter;
 /// Violated property, with a description.
 pub(super) type Breach = (Property, String);
 
-/// Checker against the program's goals.
+/// Checker of states and transitions against the program's goals.
 #[derive(Clone, Copy)]
 pub(super) struct PropertyChecker<'a> {
     pub expected: &'a ProgramGoals,

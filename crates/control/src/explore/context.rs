@@ -28,7 +28,7 @@ impl<'a> ExplorationContext<'a> {
 }
 
 impl ExplorationContext<'_> {
-    /// Returns the first block number without a role.
+    /// Returns the number of the first stray block. Smaller numbers belong to blocks in roles.
     pub fn first_stray(&self) -> u32 {
         self.tables.roles.len() as u32
     }

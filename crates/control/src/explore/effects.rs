@@ -7,7 +7,7 @@ use crate::{BlockFace, Body, Message};
 /// Effects of a transition other than the change of the state.
 #[derive(Debug, Default)]
 pub(super) struct Effects {
-    /// Violated properties, with the mistakes.
+    /// Violated properties, each with the mistake that violates it.
     pub faults: Vec<(Property, Mistake)>,
     /// Releases, as pairs of the former parent and the released block.
     pub released: Vec<(RoleId, RoleId)>,

@@ -17,7 +17,7 @@ pub(super) struct StateEnvironment<'a> {
     pub faults: Faults,
     /// Goal of the phase. `None` if all phases have ended.
     pub stage: Option<&'a PhaseGoal>,
-    /// First block number without a role.
+    /// Number of the first stray block. Smaller numbers belong to blocks in roles.
     pub first_stray: u32,
     pub lattice: &'a mut Lattice,
     pub in_transit: &'a mut Vec<InTransit>,

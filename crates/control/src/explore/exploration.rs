@@ -58,7 +58,7 @@ pub struct Exploration<'a> {
 }
 
 impl<'a> Exploration<'a> {
-    /// Returns the task of exploring every order, with all cells reachable.
+    /// Returns an exploration of all orders of events. Every empty cell counts as reachable.
     pub fn new(
         tables: &'a Tables,
         expected: &'a ProgramGoals,

@@ -36,7 +36,7 @@ impl PhaseCaptors {
         all
     }
 
-    /// Returns whether two rules may give the same role.
+    /// Returns whether a role has several possible captors.
     pub fn is_ambiguous(&self) -> bool {
         self.of.values().any(|captors| captors.len() > 1)
     }
@@ -158,7 +158,8 @@ impl Future {
 }
 
 impl<'t> Forecast<'_, 't> {
-    /// Adds the current state of the blocks.
+    /// Adds the duties, observations, messages and open faces of the current state. Excludes the
+    /// transitions `without`.
     fn begin(&mut self, without: &[Transition]) {
         let state = self.state;
         for block in state.structure.blocks() {

@@ -284,8 +284,8 @@ impl PersistentSets<'_> {
     }
 }
 
-/// Returns whether a capture among the transitions may block access to a cell of a future capture.
-/// Also returns whether a future capture may block access to a cell of the transitions.
+/// Returns whether a capture of the transitions may close the cell of a future capture, or the
+/// reverse.
 fn closes(
     state: &ProgramState<'_>,
     prints: &[Footprint],

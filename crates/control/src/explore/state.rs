@@ -293,7 +293,8 @@ impl<'t> ProgramState<'t> {
         effects
     }
 
-    /// Returns the role that an open face gives. Returns `None` if the face is not open.
+    /// Returns the role of the block that an open face expects. Returns `None` if the face is not
+    /// open.
     fn opened(&self, site: BlockFace) -> Option<RoleId> {
         let block = self.structure.block(site.body)?;
         let open = block.open().iter().find(|open| open.own == site.face)?;

@@ -21,7 +21,7 @@ pub(super) struct InTransit {
     pub is_waiting: bool,
 }
 
-/// Transition in an order of events.
+/// One step in an order of events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Transition {
     /// The message completes a hop.

@@ -9,8 +9,7 @@ use crate::body::{BlockFace, Body, Docking};
 ///
 /// A structure has neither time nor chance. Its driver supplies both.
 pub trait Environment {
-    /// Note attached to an open face until the face captures a block. For example, the note is the
-    /// time.
+    /// Note attached to an open face until the face captures a block, for example a tick.
     type Mark: Copy;
 
     /// Switches a face on for a planned capture. Faces that always attract need no switching.
@@ -20,7 +19,7 @@ pub trait Environment {
     /// with an impulse instead.
     fn switch_off(&mut self, site: BlockFace);
 
-    /// Sends a message to a neighbour: one hop. The driver later delivers the message by
+    /// Sends a message to a neighbour, over one hop. The driver later delivers the message by
     /// [`Structure::receive`](super::Structure::receive).
     fn send(&mut self, from: Body, to: Body, message: Message);
 

@@ -10,7 +10,7 @@ pub(super) enum InlineVec<T> {
     Many(Box<Several<T>>),
 }
 
-/// Boxed list. The box keeps the common variants small, and lists are rare.
+/// Boxed list. Lists are rare, so the box keeps the other variants small.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Several<T>(Vec<T>);
 

@@ -47,7 +47,7 @@ pub struct Reporter {
 }
 
 impl Message {
-    /// Returns news for the present or future holder of a role.
+    /// Returns a message with news for the present or future holder of a role.
     pub fn tell(to: RoleId, news: News) -> Message {
         Message {
             target: Recipient::Role(to),

@@ -21,9 +21,9 @@ use crate::orientation::Orientation;
 /// State of all anchored blocks. Equality and hash depend only on the represented state, not on its
 /// storage.
 ///
-/// The work for an event hardly depends on the size of the structure. It depends on one hop for a
-/// message, and on the blocks involved for a capture or release. For a new phase, it depends on the
-/// blocks with duties in this phase.
+/// The work for an event hardly depends on the size of the structure. A message costs the work of
+/// one hop. A capture or release costs work for the blocks involved, and a new phase for the blocks
+/// with duties in it.
 #[derive(Clone, Debug)]
 pub struct Structure<'t, M = ()> {
     pub(super) tables: &'t Tables,

@@ -29,7 +29,8 @@ impl<'a> Json<'a> {
         Json::Object(fields)
     }
 
-    /// Returns a list of an iterator's elements. Each writing starts a new iterator.
+    /// Returns a JSON list of the elements of an iterator. Each time the list is written,
+    /// `elements` starts a new iterator.
     pub fn list<I>(elements: impl Fn() -> I + 'a) -> Json<'a>
     where
         I: Iterator<Item = Json<'a>> + 'a,

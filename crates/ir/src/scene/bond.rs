@@ -59,7 +59,7 @@ impl Bond {
         }
     }
 
-    /// Returns the condition of a capture, to change it.
+    /// Returns a mutable reference to the condition of a capture.
     pub(super) const fn anchor_mut(&mut self) -> &mut Anchor {
         match self {
             Bond::Attract { anchor, .. }
@@ -95,7 +95,7 @@ impl BondKind {
 pub struct Magnets {
     /// Force between two touching faces \[N\]. A larger load separates the faces.
     pub hold: f64,
-    /// Distance of two opposite dipoles of touching faces \[m\].
+    /// Distance between opposite dipoles of two touching faces \[m\].
     pub depth: f64,
     /// Distance of face centres above which there is no attraction \[m\].
     pub within: f64,
@@ -131,7 +131,7 @@ pub struct Anchor {
     pub measure: Measure,
     /// Largest distance of a capture \[m\].
     pub within: f64,
-    /// Largest angle between the two normals, measured from opposite directions \[rad\].
+    /// Largest angle between the normal of one face and the reversed normal of the other \[rad\].
     pub tilt: f64,
     /// Whether bonding is tested only at the end of each tick, instead of along the path of every
     /// step.

@@ -83,7 +83,7 @@ pub fn absent(scene: &Scene) -> Vec<AbsentTerm> {
     out
 }
 
-/// Adds the optional fields of an entry that the scene does not have. `within` is the text before
+/// Adds the optional fields of an entry that are missing in the scene. `within` is the text before
 /// the braces of the entry.
 fn absent_fields(entry: &SchemaEntry, scene: &Scene, within: &str, out: &mut Vec<AbsentTerm>) {
     for part in entry.parts {
@@ -110,7 +110,7 @@ fn absent_fields(entry: &SchemaEntry, scene: &Scene, within: &str, out: &mut Vec
     }
 }
 
-/// Returns an entry as source text, with all its fields in the scene.
+/// Returns an entry as source text, with all fields that the scene has.
 fn written(entry: &SchemaEntry, scene: &Scene) -> String {
     let mut out = entry.word.to_owned();
     let all = |entries: &[SchemaEntry]| -> Vec<String> {

@@ -113,8 +113,8 @@ fn text(number: f64, unit: &str) -> String {
     format!("{number} {unit}").trim_end().to_owned()
 }
 
-/// Returns the shortest number with up to [`CHOSEN`] digits that equals `value` in a unit within a
-/// relative error. Returns `None` if there is none.
+/// Returns the shortest number with up to [`CHOSEN`] digits that equals `value` in a unit.
+/// `rounding` is the allowed relative error. Returns `None` if there is no such number.
 fn shortest(value: f64, unit: &str, rounding: f64) -> Option<f64> {
     let in_si = |value: f64| to_si(value, factors(unit)).0;
     let about = value / in_si(1.0);

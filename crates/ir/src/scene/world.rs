@@ -40,7 +40,7 @@ pub struct Scene {
     pub contact: Option<Contact>,
     /// Capture and bonding of free blocks. `None` captures no blocks.
     pub bond: Option<Bond>,
-    /// Message parameters. `None` delivers a message in the tick of its sending.
+    /// Message parameters. If `None`, a message arrives in the tick of its sending.
     pub messages: Option<Messages>,
 }
 

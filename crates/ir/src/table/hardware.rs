@@ -2,7 +2,7 @@
 use crate::scene::{BondKind, Scene};
 
 impl BondKind {
-    /// Returns the kind of bond of a scene, or the default without bonds.
+    /// Returns the kind of bond of a scene, or the default kind if the scene has no bond.
     pub fn from_scene(scene: &Scene) -> BondKind {
         let bond = scene.bond.as_ref();
         bond.map_or(BondKind::default(), |bond| bond.kind())
@@ -19,8 +19,9 @@ impl BondKind {
         }
     }
 
-    /// Returns whether blocks can also be captured at faces that expect none: an *unplanned*
-    /// capture, which the owner must undo at once.
+    /// Returns whether a face can capture a block although it expects none.
+    ///
+    /// Such a capture is *unplanned*. The block that owns the face must undo it at once.
     pub const fn is_passive(self) -> bool {
         matches!(self, BondKind::Reject)
     }

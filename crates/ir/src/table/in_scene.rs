@@ -30,7 +30,7 @@ impl Tables {
         Ok(())
     }
 
-    /// Returns the largest number of blocks held at the end of a phase.
+    /// Returns the largest number of captured blocks at the end of any phase.
     fn blocks_at_once(&self) -> u64 {
         let mut changes = vec![0_i64; self.phases.len()];
         for duty in self.duties() {

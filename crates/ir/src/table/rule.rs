@@ -21,7 +21,8 @@ pub enum Trigger {
     Anchored,
 }
 
-/// Condition of a rule, after the start of its duty. Observed by the block itself.
+/// Condition of a rule, in addition to the start of its duty. The block itself observes whether it
+/// is met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {

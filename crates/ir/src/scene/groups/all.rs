@@ -123,12 +123,12 @@ fn bond(scene: &Scene, push: Push, speed: Option<f64>, out: &mut Vec<Dimensionle
     }
 }
 
-/// Smallest work of a pull over the energy of motion of any built-in scene (`hemisphere_soft`,
-/// 0.64).
+/// Smallest ratio of a pull's work to the kinetic energy of a block. The smallest ratio in a
+/// built-in scene is 0.64 (`hemisphere_soft`).
 const MIN_WORK: f64 = 0.6;
 
-/// Largest speed of sinking over the vertical speed of the eddies. Above it, eddies lift fewer than
-/// a tenth of the blocks: erfc(1.6 / √2) = 0.11.
+/// Largest ratio of the sinking speed to the vertical speed of the eddies. Above it, eddies lift
+/// fewer than a tenth of the blocks: erfc(1.6 / √2) = 0.11.
 const MAX_SINKING: f64 = 1.6;
 
 /// Conversion of a force to a displacement in one step.
@@ -148,13 +148,14 @@ impl Push {
         }
     }
 
-    /// Returns the displacement of a block at rest by a unit force in one step \[block lengths\]: φ
-    /// / steps², with the mean fraction φ that drag leaves.
+    /// Returns how far a unit force moves a block from rest in one step \[block lengths\]. The
+    /// distance is φ / steps², with the φ that `left` returns.
     fn displacement(self, steps: f64) -> f64 {
         self.left(steps) / (steps * steps)
     }
 
-    /// Returns φ, the mean fraction of a force that drag leaves in one step. 1 without drag.
+    /// Returns φ, the fraction of a velocity that drag leaves, averaged over one step. 1 without
+    /// drag.
     fn left(self, steps: f64) -> f64 {
         speed::mean_left(self.drag / steps)
     }
@@ -164,8 +165,10 @@ impl Push {
         if self.drag > 0.0 { slowed } else { free }
     }
 
-    /// Returns the dimensionless number of a force \[block lengths / tick^2\] and a capture
-    /// distance \[block lengths\].
+    /// Returns how far a pull moves a block from rest in one tick, divided by the capture distance.
+    ///
+    /// `force` is the pull \[block lengths / tick^2\], and `within` is the capture distance \[block
+    /// lengths\].
     fn anchoring(self, force: f64, within: f64) -> DimensionlessNumber {
         let value = force / within;
         DimensionlessNumber::new(
@@ -184,7 +187,7 @@ impl Push {
         )
     }
 
-    /// Returns the dimensionless number of a spring \[1 / tick^2\].
+    /// Returns the dimensionless number of a spring. `stiffness` is in block units \[1 / tick^2\].
     fn spring(
         self,
         symbols: [&'static str; 2],
@@ -265,7 +268,7 @@ pub(crate) const DRAG_SYMBOL: &str = "γ τ";
 /// speeds are too small by half of this fraction.
 const DRAG: f64 = 0.2;
 
-/// Limit of a spring's dimensionless number without drag: the phase √(k/m) τ per step stays below
+/// Limit of the dimensionless number of a spring without drag. The phase √(k/m) τ per step is then
 /// half a radian. With stronger drag, the limit rises to 1. Up to 1, a step does not overshoot.
 const SPRING: f64 = 0.25;
 

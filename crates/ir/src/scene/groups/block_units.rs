@@ -6,7 +6,7 @@ use super::super::Scene;
 pub struct BlockUnits {
     /// Block length \[m\].
     pub side: f64,
-    /// Mass of a block and of its added mass of fluid \[kg\].
+    /// Mass of a block plus its added mass of fluid \[kg\].
     pub mass: f64,
     /// Duration of a tick \[s\].
     pub tick: f64,

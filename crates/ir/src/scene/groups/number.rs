@@ -19,7 +19,7 @@ pub struct DimensionlessNumber {
     pub expected: Option<ExpectedRange>,
     /// Rule of thumb for a working scene, without a warning.
     pub advised: Option<AdvisedRange>,
-    /// Whether the number concerns blocks near an open face, which may take shorter steps.
+    /// Whether the number describes blocks near an open face, which may take shorter steps.
     pub of_faces: bool,
 }
 
@@ -65,7 +65,7 @@ impl DimensionlessNumber {
         (self.limit).is_some_and(|limit| needed(limit).is_none_or(|needed| substeps < needed))
     }
 
-    /// Returns the number of steps per tick of the blocks that the dimensionless number concerns.
+    /// Returns the number of steps per tick of the blocks that the dimensionless number describes.
     pub fn steps_of(&self, steps: Substeps) -> u32 {
         if self.of_faces {
             steps.near
@@ -89,7 +89,7 @@ impl DimensionlessNumber {
         }
     }
 
-    /// Returns the range of values for a working scene if the value is outside of it.
+    /// Returns the limit for a working scene if the value exceeds it.
     pub fn disappoints(&self) -> Option<ExpectedRange> {
         self.expected.filter(|expected| self.value > expected.most)
     }
@@ -142,8 +142,8 @@ impl DimensionlessNumber {
         self
     }
 
-    /// Adds a limit for the steps that are taken. `at` returns the value with a number of steps per
-    /// tick, and `most` the limit for this number of steps.
+    /// Adds a limit for the steps that are taken. For any number of steps per tick, `at` returns
+    /// the value and `most` returns the limit.
     pub(super) fn limited(
         mut self,
         taken: Substeps,

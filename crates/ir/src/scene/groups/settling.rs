@@ -11,7 +11,7 @@ use super::{BlockUnits, speed};
 /// Height distribution of blocks with a density other than the fluid's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settling {
-    /// Scale height of the lifted blocks: the density falls to 1/e \[m\].
+    /// Height over which the density of the lifted blocks falls to 1/e \[m\].
     pub height: f64,
     /// Fraction of the blocks that are lifted. 1 if Brownian motion or random impulses lift them.
     pub lifted: f64,
@@ -135,9 +135,10 @@ pub fn down(scene: &Scene) -> f64 {
 /// Returns the mean square of the vertical velocity of blocks under random impulses and gravity
 /// \[m^2/s^2\].
 ///
-/// One third of the impulses' energy is vertical, and drag removes a part. There are g / (v √(2π))
-/// landings per time. Each loses (1 - e²) of the mean 2 v² of landing blocks. The result is at most
-/// the value for a uniform gas, whose blocks exchange energy.
+/// One third of the impulses' energy is vertical, and drag removes a part. A block lands g / (v
+/// √(2π)) times per unit of time. Landing blocks have the mean square velocity 2 v², and a landing
+/// removes the fraction 1 - e² of it. The result is at most the value for a uniform gas, whose
+/// blocks exchange energy.
 fn kicked(scene: &Scene, weight: f64) -> f64 {
     let units = BlockUnits::from_scene(scene);
     let gain = speed::kick(scene).powi(2) / 3.0;

@@ -3,7 +3,7 @@ use super::super::warning_kind::SceneWarningKind;
 use super::super::{ContactLaw, Enclosure, Scene};
 use super::{BlockUnits, DimensionlessNumber, ExpectedRange, settling, speed};
 
-/// Spring that keeps blocks out, in block units.
+/// Spring of compliant contacts or of the shell, in block units.
 #[derive(Clone, Copy)]
 struct Spring {
     stiffness: f64,
@@ -119,9 +119,10 @@ impl Spring {
         }
     }
 
-    /// Returns the depth of a block of this speed when spring and damper stop it.
+    /// Returns the depth that a block reaches before spring and damper stop it. `speed` is its
+    /// initial speed.
     ///
-    /// It is the first maximum of a damped oscillator of mass 1.
+    /// The depth is the first maximum of a damped oscillator of mass 1.
     fn depth(self, speed: f64) -> f64 {
         let frequency = self.stiffness.sqrt();
         let ratio = speed::damping_ratio(self.stiffness, self.damping);

@@ -76,8 +76,8 @@ pub(super) fn left_by_drag(scene: &Scene) -> f64 {
     (-2.0 * BlockUnits::from_scene(scene).rate(rate)).exp()
 }
 
-/// Returns φ, the mean fraction of a velocity that viscous drag leaves over a step. `taken` is the
-/// drag rate times the step.
+/// Returns φ, the fraction of a velocity that viscous drag leaves, averaged over a step. `taken` is
+/// the drag rate times the step.
 pub(super) fn mean_left(taken: f64) -> f64 {
     if taken < 1e-8 {
         1.0
@@ -246,8 +246,8 @@ fn wakes(scene: &Scene) -> f64 {
     })
 }
 
-/// Returns the coefficient of restitution of a head-on collision. If `pair`, two blocks collide.
-/// Otherwise, a block hits a fixed body.
+/// Returns the coefficient of restitution of a head-on collision. If `pair` is true, two blocks
+/// collide. Otherwise, a block hits a fixed body.
 pub(super) fn restitution(scene: &Scene, contact: &Contact, pair: bool) -> f64 {
     match contact.law {
         ContactLaw::Rigid { restitution } => restitution,
@@ -282,7 +282,7 @@ fn rebound(ratio: f64) -> f64 {
     (-2.0 * ratio * angle).exp()
 }
 
-/// Returns the speed v that solves v^2 = v^2 left + gain - loss v^3.
+/// Returns the speed v that solves v^2 = v^2 `left` + `gain` - `loss` v^3.
 fn balance(gain: f64, left: f64, loss: f64) -> f64 {
     let grows = |v: f64| v * v * left + gain - v * v - loss * v.powi(3);
     // Upper bound, attained without drag.

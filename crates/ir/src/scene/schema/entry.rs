@@ -55,7 +55,7 @@ pub enum FieldGroup {
     Free,
     /// At least one field is needed.
     Any {
-        /// Field that messages ask for if all fields are missing.
+        /// Field that a diagnostic asks for if all fields are missing.
         needed: &'static str,
         /// Help if no field is given.
         help: &'static str,

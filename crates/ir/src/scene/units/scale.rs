@@ -17,7 +17,8 @@ struct DoubleDouble {
     low: f64,
 }
 
-/// The largest power of 6 and of 10 used at once. Both are exact as doubles.
+/// Largest exponent of a power of 6 or 10 that is applied at once. Doubles represent these powers
+/// exactly.
 const MAX_STEP: u32 = 20;
 
 impl Scale {
