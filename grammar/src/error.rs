@@ -37,13 +37,13 @@ pub enum SyntaxErrorKind {
         /// Kind of the block.
         what: &'static str,
     },
-    /// A statement or block in a block that cannot contain it.
+    /// A statement or block of statements inside braces that cannot contain it.
     Misplaced {
         /// Kind of the statement or block.
         what: &'static str,
         /// Kind of the block around the statement.
         within: &'static str,
-        /// Kind of the block that the statement belongs to.
+        /// Phrase for the block that may contain the statement.
         belongs: &'static str,
         /// Whether the grammar accepts the statement. It is then in the tree.
         is_read: bool,

@@ -71,9 +71,9 @@ pub fn first_beyond(
 /// Returns the first phase that can need more than `free` blocks at a capture. Returns `None` if no
 /// phase can need more.
 ///
-/// Ignores phases without releases: they have the most blocks at their end, which another check
-/// tests. If captures have a choice of faces, or if the search reaches its limit, a phase counts as
-/// a precaution.
+/// Ignores phases without releases. They have the most blocks at their end, and another check
+/// compares that number. A phase with releases is also returned if the program has a choice of
+/// faces, or if the search reaches its limit.
 pub fn scarce_phase<'a>(
     plan: &'a ProgramPlan,
     layout: &Layout,
@@ -114,9 +114,10 @@ impl Search<'_> {
     /// Returns the smallest number of anchored blocks at an event: after a capture, or before a
     /// release.
     ///
-    /// Returns 0 for a capture that no release must follow: the number at the end of the phase is
-    /// at least as large. Returns `None` if the search reaches its limit. `before` is the number of
-    /// blocks at the start of the phase. `releases` is the number of releases of the phase.
+    /// Returns 0 for a capture that no release must follow. The number at the end of the phase is
+    /// then at least as large. Returns `None` if the search reaches its limit. `before` is the
+    /// number of blocks at the start of the phase. `releases` is the number of releases of the
+    /// phase.
     fn least_at(
         &mut self,
         event: EventId,

@@ -85,8 +85,8 @@ pub fn check_room(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagn
 
 /// Compares a program with its scene.
 ///
-/// `order` contains a possible order of the events, and the order that holds in every run. `None`
-/// if the graph has a cycle.
+/// `order` contains a possible order of the events, and the dependencies that hold in every order.
+/// `None` if the dependencies have a cycle.
 ///
 /// # Errors
 ///

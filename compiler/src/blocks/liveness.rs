@@ -11,10 +11,11 @@ use crate::expand::members::members;
 use crate::plan::{EventId, EventKind, NameKey, PatternInstance, ProgramPlan};
 use crate::{SourceLocation, Sources};
 
-/// Blocks that the names of all events refer to, and the events that each `after` waits for.
+/// Dependencies of all events through the names of blocks, and the events that each `after` waits
+/// for.
 #[derive(Clone, Debug)]
 pub struct Liveness {
-    /// Blocks that the names of each event refer to.
+    /// For each event, the events that it depends on through the names of its blocks.
     pub contexts: Vec<EventContext>,
     /// Event that each `after` waits for. `None` if it happened in an earlier phase.
     pub subjects: Vec<Option<EventId>>,
@@ -220,7 +221,8 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// Removes warnings about an unneeded `after` if other rounds of the loop or pattern need it.
+    /// Removes warnings about an unneeded `after` if another round of its loop or another instance
+    /// of its pattern needs it.
     fn keep_needed_afters(&mut self) {
         let is_redundant = |diagnostic: &Diagnostic| diagnostic.code == Code::RedundantAfter;
         if !self.diagnostics.iter().any(is_redundant) {
@@ -418,8 +420,8 @@ impl Checker<'_> {
         }
     }
 
-    /// Marks an event as invalid. Returns `false` if the limit of errors is reached, so that its
-    /// error is not reported.
+    /// Marks an event as invalid. Returns `false` if the limit of errors is reached. The error of
+    /// the event is then not reported.
     fn reject(&mut self, id: EventId) -> bool {
         self.plan.events[id.0 as usize].valid = false;
         !is_full(self.diagnostics, Severity::Error)

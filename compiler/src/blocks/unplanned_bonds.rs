@@ -55,7 +55,7 @@ pub fn check(
     Ok(())
 }
 
-/// Returns the last capture of each phase in an order. `None` for phases without captures.
+/// For each phase, returns its last capture in this order. `None` for phases without captures.
 fn last_captures(plan: &ProgramPlan, order: &Order) -> Vec<Option<EventId>> {
     let mut place = vec![usize::MAX; plan.events.len()];
     for (i, id) in order.events.iter().enumerate() {

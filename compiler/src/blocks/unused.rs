@@ -16,7 +16,7 @@ struct Declared<'a> {
     item: &'a Item,
     name: Name,
     code: Code,
-    /// Whether the declaration is inside a block, so that no other file can use it.
+    /// Whether the declaration is inside another item, so that no other file can use it.
     is_local: bool,
 }
 
@@ -63,7 +63,8 @@ fn scene_of(item: &Item) -> Option<Option<Name>> {
     }
 }
 
-/// Collects the declarations in a block. The parser bounds the depth of blocks.
+/// Collects the declarations among these items and in their bodies. The parser limits the depth of
+/// bodies.
 fn collect<'a>(items: &'a [Item], is_local: bool, declared: &mut Vec<Declared<'a>>) {
     for item in items {
         let named = match &item.kind {

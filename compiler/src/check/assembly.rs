@@ -254,7 +254,7 @@ impl<'a> AssemblyInput<'a> {
         Ok((subject, shapes))
     }
 
-    /// Removes diagnostics that may only follow from unreadable or wrong statements.
+    /// Removes diagnostics that unreadable or wrong statements may have caused.
     fn retain_certain(&self, errors: &mut Vec<Diagnostic>, symbols: &Symbols) {
         // Missing statements may use seeds, waits and phases that seem to be unused.
         if !self.readable || has_error(errors) {

@@ -13,8 +13,8 @@ use stochc_ir::table::Tables;
 use crate::check::checked::{Checked, Program};
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Largest number of captures and releases of a program that every check explores in all orders of
-/// events.
+/// Largest number of captures and releases of a small program. Every check explores small programs
+/// in all orders of events.
 const MAX_EVENTS: usize = 500;
 
 /// Limits of the exploration in every check. They limit its time to about 60 ms. They count states

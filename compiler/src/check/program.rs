@@ -26,7 +26,8 @@ pub fn check(path: &str, reader: &mut dyn Reader, limits: Limits) -> Checked {
     check_with(path, reader, limits, &LintLevels::default())
 }
 
-/// Checks a program like [`check`], with levels for warnings whose level the source does not set.
+/// Checks a program like [`check`]. `levels` applies to warnings whose level the source does not
+/// set.
 pub fn check_with(
     path: &str,
     reader: &mut dyn Reader,
@@ -207,8 +208,8 @@ fn check_all(
     })
 }
 
-/// Marks fixes as unsafe if another diagnostic makes them doubtful. The first `syntax` diagnostics
-/// come from the parser.
+/// Marks fixes as unsafe if another diagnostic makes them doubtful. `syntax` is the number of
+/// diagnostics from the parser, which come first.
 fn mark_fixes_unsafe(diagnostics: &mut [Diagnostic], syntax: usize) {
     let wrong = |diagnostics: &[Diagnostic]| diagnostics.iter().any(Diagnostic::is_error);
     // A broken statement may mean something else, and an unused seed may be misspelt elsewhere.

@@ -4,7 +4,7 @@ use stochc_estimate::{Rates, estimate, estimate_without_timeouts};
 use crate::Program;
 use crate::diagnostic::{Code, Diagnostic, report};
 
-/// Largest number of events of a program whose times are estimated in every check.
+/// Largest number of events of a small program. Every check estimates the times of small programs.
 pub const MAX_ESTIMATED: usize = 2_000;
 
 /// Largest share of runs that a timeout may end without a warning.

@@ -195,7 +195,8 @@ impl<'a> DiagnosticSpans<'a> {
         })
     }
 
-    /// Creates the set of locations of diagnostics, converted to positions after a change.
+    /// Returns the locations of diagnostics. If there is a `change`, converts them to positions
+    /// after it.
     fn new(
         sources: &'a Sources,
         diagnostics: impl Iterator<Item = &'a Diagnostic>,

@@ -18,11 +18,10 @@ pub type DependencyGraph = DiGraph<EventId, LocatedDependency, u32>;
 /// Reason why an event waits for another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LocatedDependency {
-    /// Returns the capture of the same phase that attaches the acting block. Returns `None` if the
-    /// block was attached before the phase.
+    /// A block must be attached before it captures or is released.
     Anchored,
-    /// A block can switch on a number of faces at a time, in source order. A capture has `of` edges
-    /// of this kind, and `needed` of them are enough.
+    /// A block can switch on a limited number of faces at a time, in source order. A capture has
+    /// `of` edges of this kind, and `needed` of them are enough.
     Face {
         /// Number of earlier captures of the block that must have happened.
         needed: u8,
@@ -111,8 +110,8 @@ pub fn build(
     Ok(graph)
 }
 
-/// Returns dependencies that make each capture of a block wait until fewer than `faces` of its
-/// earlier captures are pending.
+/// Returns the dependencies of captures that wait for a free face. Such a capture waits until fewer
+/// than `faces` earlier captures of the same block are pending.
 fn face_turns(
     plan: &ProgramPlan,
     faces: u8,

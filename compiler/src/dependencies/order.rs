@@ -28,7 +28,7 @@ pub struct Order {
 }
 
 impl Order {
-    /// Returns the events of each phase, each after all events that it waits for.
+    /// Returns the events of each phase. Every event comes after all events that it waits for.
     pub(crate) fn by_phase(&self, plan: &ProgramPlan) -> Vec<Vec<EventId>> {
         let mut events = vec![Vec::new(); plan.phases.len()];
         for &id in &self.events {
@@ -314,7 +314,7 @@ fn describe(
     diagnostic.help(help)
 }
 
-/// Returns whether one statement, a chain, makes all captures from `first` to `last`.
+/// Returns whether a single chain makes all captures from `first` to `last`.
 fn is_chain(plan: &ProgramPlan, first: EventId, last: EventId) -> bool {
     let follows = |id: u32| {
         let (one, next) = (plan.event(EventId(id)), plan.event(EventId(id + 1)));

@@ -81,8 +81,8 @@ impl<'a> TextChange<'a> {
         }
     }
 
-    /// Returns, for each sorted byte offset, the range of possible offsets after the change. A
-    /// replaced byte may be anywhere in its replacement.
+    /// For each byte offset in `places`, returns the range of its possible offsets after the
+    /// change. `places` must be sorted. A replaced byte may be anywhere in its replacement.
     pub(crate) fn carried(&self, places: &[usize]) -> Vec<(usize, usize)> {
         let mut edits = self.edits.iter().peekable();
         // Numbers of bytes that earlier edits remove and add.

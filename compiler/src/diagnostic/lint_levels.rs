@@ -82,7 +82,7 @@ pub struct Allowed {
 #[derive(Debug, Default)]
 pub struct FileLevels {
     statements: Vec<Set>,
-    /// Blocks of statements that set levels, for each file, sorted by first byte.
+    /// For each file, the blocks of statements that set levels, sorted by first byte.
     scopes: FxHashMap<FileId, Vec<LintScope>>,
 }
 
@@ -103,14 +103,14 @@ struct Set {
     used: bool,
 }
 
-/// A block of statements that sets levels.
+/// A block of statements that contains statements that set levels.
 #[derive(Debug)]
 struct LintScope {
     span: Span,
     /// Index of the innermost block around this block that also sets levels. `None` if there is
     /// none.
     outer: Option<usize>,
-    /// Index of the last statement of the block that sets the level of a code.
+    /// For each code, the index of the last statement in this block that sets its level.
     set: FxHashMap<Code, usize>,
 }
 
@@ -149,7 +149,8 @@ impl FileLevels {
         levels
     }
 
-    /// Collects the statements that set levels in a block. The parser bounds the depth of blocks.
+    /// Collects the statements that set levels in a block of statements. The parser bounds the
+    /// depth of such blocks.
     fn block(
         &mut self,
         items: &[Item],

@@ -172,8 +172,8 @@ fn indentation(line: &str) -> usize {
     line.len() - line.trim_start().len()
 }
 
-/// Returns the first `{` that a `}` with less indentation closes, in blocks of a block that begins
-/// in the line at `start`.
+/// Returns the first inner `{` that a `}` with less indentation closes. The search begins in the
+/// line at `start`, the head of the outer block.
 fn closed_by_outer_brace(text: &str, start: usize) -> Option<usize> {
     let mut open: Vec<(usize, usize)> = Vec::new();
     let mut at = start;
@@ -195,8 +195,8 @@ fn closed_by_outer_brace(text: &str, start: usize) -> Option<usize> {
     None
 }
 
-/// Returns the first two words of the head of a block, such as `phase grow`. Returns `None` if
-/// there are fewer words.
+/// Returns up to two words from the start of the head of a block, such as `phase grow`. Returns
+/// `None` if the head has no words.
 fn block_name(head: &str) -> Option<String> {
     let words: Vec<&str> = head.split_whitespace().take(2).collect();
     (!words.is_empty()).then(|| spelt(&words.join(" ")))

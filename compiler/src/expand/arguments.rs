@@ -217,8 +217,8 @@ impl<'a> Expander<'a, '_> {
         self.diagnostics.push(self.in_instance(diagnostic));
     }
 
-    /// Reports arguments in the wrong order. `order` has the index of the right argument for each
-    /// parameter.
+    /// Reports arguments in the wrong order. Each entry of `order` contains the index of a
+    /// parameter and the index of its right argument.
     fn wrong_order(
         &self,
         instance: &Instance,
@@ -265,7 +265,8 @@ impl<'a> Expander<'a, '_> {
     }
 }
 
-/// Returns the right order of the arguments. Returns `None` if several orders are possible.
+/// Returns the index of each parameter with a wrong argument, with the index of its right argument.
+/// Returns `None` if several orders are possible.
 fn right_order(
     misfits: &[Misfit],
     values: &[BoundValue],

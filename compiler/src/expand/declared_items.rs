@@ -8,10 +8,10 @@ use crate::diagnostic::Diagnostic;
 use crate::names::{Definition, NameKind, Names};
 use crate::{FileId, SourceLocation};
 
-/// Patterns with their files, by definition.
+/// Maps each definition of a pattern to the pattern and its file.
 pub type Patterns<'a> = FxHashMap<Definition, (FileId, &'a Pattern)>;
 
-/// Shapes with their files, by definition.
+/// Maps each definition of a shape to the shape and its file.
 pub type Shapes<'a> = FxHashMap<Definition, (FileId, &'a Shape)>;
 
 /// Declared patterns and shapes.

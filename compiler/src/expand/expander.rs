@@ -92,7 +92,7 @@ pub(super) struct Expander<'a, 'f> {
     pub(super) anonymous: u32,
     nesting: usize,
     pub(super) steps: usize,
-    /// Operations of expressions that are not counted as a step yet.
+    /// Number of operations in expressions since the last counted step.
     pub(super) operations: usize,
     /// Number of diagnostics at the last count, and whether the limit of errors is reached.
     pub(super) errors: (usize, bool),
@@ -343,7 +343,8 @@ impl<'a> Expander<'a, '_> {
         self.define(let_.name, value);
     }
 
-    /// Defines a name in the current block. Reports an error if the block already defines it.
+    /// Defines a name in the current block of statements. Reports an error if the block already
+    /// defines it.
     pub(super) fn define(&mut self, name: Name, value: BoundValue) {
         let location = self.location(name.span);
         if let Some(old) = self.scope.define(self.named(name), value, location) {

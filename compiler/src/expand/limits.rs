@@ -62,5 +62,5 @@ pub struct ExpansionBounds<'c> {
 /// memory.
 pub(super) const UNCOUNTED: usize = 5;
 
-/// Largest depth of loops, instances and blocks.
+/// Largest depth of nested loops, instances and blocks of statements.
 pub(crate) const MAX_NESTING: usize = 200;

@@ -39,7 +39,7 @@ struct Binding {
     definition: Option<Definition>,
     value: BoundValue,
     location: SourceLocation,
-    /// Nesting level of the block that defines the word.
+    /// Nesting level of the block of statements that defines the word.
     level: u32,
 }
 
@@ -47,7 +47,7 @@ struct Binding {
 #[derive(Debug, Default)]
 pub struct Scope {
     words: FxHashMap<Symbol, SmallVec<[Binding; 1]>>,
-    /// Defined words in order. The end of a block removes its own definitions.
+    /// Defined words in order. The end of a block of statements removes the words that it defines.
     defined: Vec<Symbol>,
     level: u32,
     /// Nesting level of the current instance's body. 0 outside of instances.
@@ -56,7 +56,7 @@ pub struct Scope {
     pub instance: u32,
 }
 
-/// State that the end of a block restores.
+/// State that is restored at the end of a block of statements.
 #[derive(Clone, Copy, Debug)]
 pub struct ScopeMark {
     defined: usize,
@@ -66,7 +66,7 @@ pub struct ScopeMark {
 }
 
 impl Scope {
-    /// Opens a block and returns a mark to close it.
+    /// Opens a block of statements and returns a mark to close it.
     pub fn mark(&mut self) -> ScopeMark {
         let mark = ScopeMark {
             defined: self.defined.len(),
@@ -86,7 +86,7 @@ impl Scope {
         mark
     }
 
-    /// Closes a block or instance.
+    /// Closes a block of statements or an instance.
     pub fn restore(&mut self, mark: ScopeMark) {
         for word in self.defined.drain(mark.defined..) {
             if let Some(bindings) = self.words.get_mut(&word) {
@@ -98,8 +98,8 @@ impl Scope {
         self.instance = mark.instance;
     }
 
-    /// Sets the value of a definition. Returns the location of the previous value if this block
-    /// already has one.
+    /// Sets the value of a definition. Returns the location of its previous value in the same block
+    /// of statements, if there is one.
     pub fn define(
         &mut self,
         (word, definition): (Symbol, Option<Definition>),

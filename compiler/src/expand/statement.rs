@@ -113,7 +113,7 @@ impl<'a> Expander<'a, '_> {
 
     /// Returns the advice to write a capture of a range as a row.
     fn row_help(&self, parent: &Place, child: &Place) -> String {
-        /// Longest names that the advice repeats.
+        /// Length of the longest name that the advice repeats \[bytes\].
         const LONGEST: usize = 40;
         let text = |place: &Place| self.sources.text(self.location(place.span));
         let (parent, child) = (text(parent), text(child));

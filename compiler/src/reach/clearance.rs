@@ -25,8 +25,8 @@ pub struct NarrowCapture {
     /// Number of narrow cells of the path with the fewest narrow cells. `None` if they are too many
     /// to count.
     pub length: Option<u32>,
-    /// Captures in neighbouring cells that form the gap. If two of them are on opposite sides, only
-    /// this pair, otherwise all.
+    /// Captures in neighbouring cells that form the gap. If two of them are on opposite sides, the
+    /// list contains only these two.
     pub walls: Vec<EventId>,
 }
 

@@ -38,7 +38,8 @@ enum SealedOutcome {
 
 /// Reason why a capture cannot happen in any order.
 enum UnreachableCause {
-    /// The cell is closed by blocks that the capture waits for and blocks of earlier phases.
+    /// The cell is closed by the blocks that the capture waits for, and by blocks of earlier
+    /// phases.
     Walls,
     /// The capture waits for a capture that cannot happen in any order.
     Waits(EventId),
@@ -313,7 +314,7 @@ impl ReachAnalysis<'_> {
         SealedOutcome::Walled(order)
     }
 
-    /// Returns the captures of the phase around a pocket, in source order.
+    /// Returns the captures of the phase that fill cells next to a pocket, in source order.
     fn walls(&self, pocket: &[Cell], phase: &ClosablePhase, has: Has) -> Vec<EventId> {
         let mut walls: Vec<EventId> = (pocket.iter())
             .flat_map(|cell| Face::ALL.into_iter().filter_map(|face| cell.across(face)))

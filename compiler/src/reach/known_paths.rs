@@ -22,7 +22,8 @@ impl KnownPaths {
         self.phase += 1;
     }
 
-    /// Returns whether a known path leads out from a position. Blocked parts are removed.
+    /// Returns whether a known path leads out from a position. Removes the blocked parts of this
+    /// path.
     pub fn leads_out(&mut self, at: Cell, search: &MovingCube, steps: &mut u64) -> bool {
         let mut walked = Vec::new();
         let mut here = at;

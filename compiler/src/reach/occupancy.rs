@@ -83,16 +83,16 @@ impl OccupiedCells {
         self.tops.get(&(cell.x, cell.y)).copied()
     }
 
-    /// Sorts the cells. [`OccupiedCells::is_blocked`] and [`OccupiedCells::ceiling`] require sorted
-    /// cells.
+    /// Sorts the cells. [`OccupiedCells::ceiling`] requires sorted cells.
     pub fn sort(&mut self) {
         let cells = &self.cells;
         self.sorted
             .get_or_insert_with(|| cells.keys().map(|cell| (cell.x, cell.y, cell.z)).collect());
     }
 
-    /// Returns whether a cell is blocked. It is blocked by the ground, by a block whose capture
-    /// `has` happened, or by a block that may not have left.
+    /// Returns whether a cell is blocked. Three things can block it: the ground, a block whose
+    /// capture has happened, and a block that may not have left. `has` returns whether a capture
+    /// has happened.
     pub fn is_blocked(&self, cell: Cell, has: Has) -> bool {
         cell.z < 1 || (self.cells.get(&cell)).is_some_and(|&by| has(by) || self.is_retained(cell))
     }

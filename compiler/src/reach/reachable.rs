@@ -60,8 +60,9 @@ impl ReachAnalysis<'_> {
         )
     }
 
-    /// Returns the events of a phase that cannot happen in any order. Such an event is a capture
-    /// whose cell is closed by blocks that it waits for, or it waits for such a capture.
+    /// Returns the events of a phase that cannot happen in any order. One kind is a capture whose
+    /// cell is closed by blocks that the capture waits for. The other kind is an event that waits
+    /// for such a capture.
     ///
     /// Proof: suppose that one of these events happens first. Even if all possible releases have
     /// happened, the captures that it waits for surround its cell.

@@ -19,11 +19,11 @@ const FARTHEST: usize = 20_000;
 
 impl ReachAnalysis<'_> {
     /// Returns a minimal set of captures that must happen after `id`, so that its cell keeps a
-    /// path.
+    /// path. Returns `None` if no path was found.
     ///
-    /// These captures are removed before `id` in the order `apart`. All results for one phase
-    /// therefore agree with one order. Captures written at the locations `barred` are not used.
-    /// Returns `None` if no path was found.
+    /// `apart` is an order for removing the blocks of the phase. The returned captures are removed
+    /// before `id` in this order. All results for one phase therefore agree with the reverse order.
+    /// Captures written at the locations `barred` are not used.
     pub fn later(
         &mut self,
         phase: &ClosablePhase,
@@ -57,8 +57,8 @@ impl ReachAnalysis<'_> {
         Some(later)
     }
 
-    /// Returns whether the cell of `id` has a path in its worst order, if the captures `later` and
-    /// their descendants also happen after `id`.
+    /// Returns whether the cell of `id` has a path if the captures `later` and their descendants
+    /// happen after `id`. All other events that do not depend on `id` happen before it.
     fn is_open_after(
         &mut self,
         id: EventId,

@@ -18,7 +18,7 @@ struct DelayedStatement<'a> {
     name: String,
 }
 
-/// Largest number of sets of captures to delay that are tried for one cell.
+/// Largest number of sets that are tried for one cell. Each set contains captures to delay.
 const MAX_LISTS: usize = 6;
 /// Largest number of spellings that are tried for one set of captures.
 const MAX_WRITINGS: usize = 16;

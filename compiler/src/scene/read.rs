@@ -319,8 +319,8 @@ impl<'a> SceneReader<'a, '_> {
         words
     }
 
-    /// Checks that each term has the other terms that it requires. Clauses in `wrong` have been
-    /// reported.
+    /// Checks that the scene has all terms that its other terms require. Clauses in `wrong` have
+    /// been reported.
     fn requirements(&mut self, draft: &Scene, seen: &[Name], wrong: &[&str]) {
         let mut reported = wrong.to_vec();
         for it in &REQUIREMENTS {

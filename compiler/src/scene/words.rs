@@ -3,7 +3,7 @@ use stochc_grammar::tree::{SceneDeclaration, Term};
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::scene::schema::{CLAUSES, SchemaEntry, SchemaPart};
 
-/// Valid and existing words around a position in a scene.
+/// Words around a position in a scene, and the words that are valid at it.
 #[derive(Debug)]
 pub struct WordContext {
     /// Word at the position.
@@ -21,7 +21,8 @@ impl WordContext {
     }
 }
 
-/// Returns the words around a byte in the braces of `outer`. `known` has the valid entries there.
+/// Returns the words around a byte in the braces of `outer`. `known` contains the valid entries
+/// there.
 fn within(
     terms: &[Term],
     symbols: &Symbols,
@@ -90,8 +91,8 @@ fn follow(
     }
 }
 
-/// Returns the words that select the kind of an entry if `of_kind`. Otherwise returns the words
-/// after its values.
+/// If `of_kind` is true, returns the words that select the kind of an entry. Otherwise returns the
+/// words after its values.
 fn choices(entry: &'static SchemaEntry, of_kind: bool) -> Vec<&'static SchemaEntry> {
     let parts = entry.parts.iter().flat_map(|part| match part {
         SchemaPart::OneOf { of, .. } if of_kind => *of,

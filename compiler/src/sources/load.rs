@@ -58,8 +58,8 @@ pub fn load(
     Ok(loader.loaded)
 }
 
-/// Largest number of files of a program. Guards against links to parent folders, where a file
-/// imports itself by ever new paths.
+/// Largest number of files of a program. With links to parent folders, a file can import itself by
+/// ever new paths.
 const MAX_FILES: usize = 10_000;
 
 /// Limit of the total size of all files \[bytes\].
@@ -287,8 +287,8 @@ impl Loader<'_> {
 
 /// Returns the error of carriage returns without line feeds. Returns `None` if there are none.
 ///
-/// Most editors show them as line ends, but the grammar does not: code after a comment would be a
-/// part of it.
+/// Most editors show them as line ends. The grammar does not read them as line ends, so code after
+/// a comment would be a part of the comment.
 pub fn lone_returns(file: FileId, text: &str) -> Option<Diagnostic> {
     /// Largest number of carriage returns that one fix replaces.
     const MAX: usize = 10_000;
@@ -339,7 +339,8 @@ fn decode(mut bytes: Vec<u8>) -> (u32, String, Option<usize>) {
     }
 }
 
-/// Returns the path of an import, relative to the same folder as the path of the importing file.
+/// Returns the path of an imported file. `import` is relative to the folder of the file `importer`.
+/// The result is relative to the same folder as `importer`.
 pub fn join(importer: &str, import: &str) -> String {
     let folder = importer.rfind('/').map_or("", |slash| &importer[..=slash]);
     let joined = if import.starts_with('/') {

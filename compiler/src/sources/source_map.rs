@@ -126,8 +126,9 @@ impl<'a> Ancestry<'a> {
         }
     }
 
-    /// Returns the capture that anchors the parent of another capture: in the same phase, or the
-    /// last one before. Returns `None` for a parent on the plate.
+    /// Returns the capture that anchors `parent`, the capturing block of `capture`. It is in the
+    /// same phase, or it is the last capture of `parent` in an earlier phase. Returns `None` for a
+    /// parent on the plate.
     fn anchoring(&self, capture: EventId, parent: RoleId) -> Option<EventId> {
         let here = anchored_by(&self.program.graph, capture);
         if here.is_some() {

@@ -23,7 +23,7 @@ pub struct Channels {
 struct Channel {
     /// Number of the sender's next message.
     next: u32,
-    /// Messages that the receiver has not acknowledged, by number.
+    /// Messages of the sender that wait for an acknowledgement, by number.
     stored: BTreeMap<u32, Message>,
     /// Smallest number of a message that the receiver has not accepted.
     taken_below: u32,

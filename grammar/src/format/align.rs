@@ -5,7 +5,7 @@ use super::{INDENT, WIDTH};
 /// Columns between the longest code of a group of lines and the comments next to it.
 const NOTE_GAP: usize = 3;
 
-/// Returns the lines as text, with comments and cells aligned in columns.
+/// Returns the lines as text, with comments and the parts of lines aligned in columns.
 pub fn write(mut lines: Vec<FormattedLine>) -> String {
     let mut start = 0;
     while start < lines.len() {

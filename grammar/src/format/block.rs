@@ -231,7 +231,7 @@ impl LineLayout<'_, '_> {
     }
 
     /// Lays out the rows of a layer. If no row has spaces, none are added. Otherwise, one space
-    /// separates all cells.
+    /// separates neighbouring cells.
     fn rows(&mut self, at: usize) -> usize {
         let source = self.source;
         let rows = source.pieces[at..].iter();

@@ -8,7 +8,7 @@ pub struct FormattedLine {
     pub depth: usize,
     /// Whether a blank line precedes this line.
     pub blank: bool,
-    /// Code of the line. Cells are aligned in columns.
+    /// Code of the line, in parts that are aligned in columns.
     pub cells: Vec<String>,
     /// Comment at the end of the line, or the only content of the line.
     pub note: Option<String>,
@@ -25,11 +25,11 @@ pub enum LineKind {
     Wrapped,
     /// The start or end of a block.
     Brace,
-    /// Seeds, each in a cell.
+    /// Seeds. Each seed is one part of the line.
     Seats,
     /// Words of a scene, aligned in columns.
     Terms,
-    /// A separate comment or a `///`.
+    /// A separate comment or a `///` comment.
     Comment,
     /// The continuation of a comment after code, aligned below it.
     Continued,

@@ -16,7 +16,7 @@ pub enum FormatError {
 /// Formats a source.
 ///
 /// The result parses to the same tree and has the same comments in the same order. Formatting the
-/// result again does not change it. Lines end as the first line of the source does.
+/// result again does not change it. All lines end in the same way as the first line of the source.
 ///
 /// # Errors
 ///
