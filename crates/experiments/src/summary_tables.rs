@@ -86,7 +86,7 @@ fn add_times<'a>(table: &mut TableDefinition<'a, SummaryRow<'a>>, unit: &'static
     table
         .real(
             "mean",
-            "mean time to completion; of min(time, horizon) if runs are incomplete: a lower bound",
+            "mean completion time; of min(time, horizon) if runs are incomplete: a lower bound",
             |row| row.time(|it| Some(it.mean)),
         )
         .unit(unit)
@@ -102,13 +102,13 @@ fn add_times<'a>(table: &mut TableDefinition<'a, SummaryRow<'a>>, unit: &'static
     table
         .real(
             "horizon",
-            "up to here the mean counts, if runs are incomplete",
+            "horizon: a later time counts as this time, if runs are incomplete",
             |row| row.time(|it| it.horizon),
         )
         .unit(unit)
         .null("all runs completed");
     table
-        .real("median", "median time to completion", |row| {
+        .real("median", "median completion time", |row| {
             row.time(|it| it.median)
         })
         .unit(unit)
@@ -171,41 +171,51 @@ pub(crate) fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
         )
         .null(UNKNOWN);
     table
-        .real("share_low", "lower end of its 95 % interval", |row| {
-            row.share_interval.map(|interval| interval.0)
-        })
+        .real(
+            "share_low",
+            "lower end of the 95 % confidence interval of `share`",
+            |row| row.share_interval.map(|interval| interval.0),
+        )
         .null(UNKNOWN);
     table
-        .real("share_high", "upper end", |row| {
-            row.share_interval.map(|interval| interval.1)
-        })
+        .real(
+            "share_high",
+            "upper end of the 95 % confidence interval of `share`",
+            |row| row.share_interval.map(|interval| interval.1),
+        )
         .null(UNKNOWN);
     table.text("unit", "unit of the times", move |_| unit);
     table
-        .real("mean", "mean time to completion", |row| {
+        .real("mean", "mean completion time", |row| {
             time(row, |it| Some(it.mean))
         })
         .unit(unit)
         .null(UNKNOWN);
     table
-        .real("half_width", "half of its 95 % interval", |row| {
-            time(row, |row| row.half_width)
-        })
+        .real(
+            "half_width",
+            "half-width of the 95 % confidence interval of the mean",
+            |row| time(row, |row| row.half_width),
+        )
         .unit(unit)
         .null(UNKNOWN);
     table
-        .real("horizon", "up to here the mean counts", |row| {
-            time(row, |row| row.horizon)
-        })
+        .real(
+            "horizon",
+            "horizon: a later time counts as this time",
+            |row| time(row, |row| row.horizon),
+        )
         .unit(unit)
         .null(UNKNOWN);
     table
-        .real("median", "median time to completion", |row| {
+        .real("median", "median completion time", |row| {
             time(row, |row| row.median)
         })
         .unit(unit)
         .null(UNKNOWN);
-    table.integer("captures", "captures made", |row| row.captures);
+    table.integer("captures", "number of captures in all runs", |row| {
+        row.captures
+    });
     table
         .real(
             "released",
@@ -216,7 +226,7 @@ pub(crate) fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
     table
         .real(
             "time_per_capture",
-            "time of all runs over the captures",
+            "time of all runs, divided by their number of captures",
             |row| row.time_per_capture,
         )
         .unit(unit)

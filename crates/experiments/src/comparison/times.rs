@@ -4,7 +4,7 @@ use stochc_ir::record::{Limit, Outcome, RunRecord};
 use crate::statistics::{Observation, Status};
 use stochc_results::{JournalError, Records};
 
-/// Returns the time to completion of a run in ticks. Returns `None` if the run failed.
+/// Returns the completion time of a run in ticks. Returns `None` if the run failed.
 ///
 /// A run that reached its limit of ticks is censored. A run that timed out in a phase never
 /// completes: timeouts stop only slow runs, so other runs do not represent them.
@@ -28,7 +28,7 @@ pub fn completion_status(outcome: &Outcome) -> Option<Status> {
     }
 }
 
-/// Sorts runs by time to completion, the fastest first. A stopped run counts as slower than all
+/// Sorts runs by completion time, the fastest first. A stopped run counts as slower than all
 /// runs that completed before it was stopped.
 pub fn sort_by_time(runs: &mut [(u64, Observation)]) {
     runs.sort_by(|(_, a), (_, b)| {

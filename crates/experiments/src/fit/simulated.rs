@@ -5,7 +5,7 @@
 pub struct Simulated {
     /// Coordinates of the point: a probability of the prior of each parameter.
     pub at: Vec<f64>,
-    /// Times to completion of the runs, in the unit of the data.
+    /// Completion times of the runs, in the unit of the data.
     pub times: Vec<f64>,
     /// Number of runs that did not complete.
     pub incomplete: usize,

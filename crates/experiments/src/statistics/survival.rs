@@ -139,7 +139,7 @@ impl KaplanMeier {
         self.steps.iter().map(point).collect()
     }
 
-    /// Returns the median time to completion; see [`quantile`](Self::quantile).
+    /// Returns the median completion time; see [`quantile`](Self::quantile).
     pub fn median(&self) -> Option<f64> {
         self.quantile(0.5)
     }

@@ -63,7 +63,7 @@ pub struct SweepPoint {
     pub share: Option<f64>,
     /// 95 % interval of the share, by Wilson.
     pub share_interval: Option<(f64, f64)>,
-    /// Time to completion. `None` if no run has a time.
+    /// Completion time. `None` if no run has a time.
     pub time: Option<Time>,
     /// Number of captures in all runs that did not fail. Excludes pre-attached blocks.
     pub captures: u64,

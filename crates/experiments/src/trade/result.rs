@@ -90,7 +90,7 @@ pub struct ProgramResult {
     pub censored: usize,
     /// Number of runs whose physics failed.
     pub failed: usize,
-    /// Mean time to completion \[ticks\]. The restricted mean if runs are right-censored.
+    /// Mean completion time \[ticks\]. The restricted mean if runs are right-censored.
     pub mean: Option<f64>,
     /// Half-width of the 95 % interval of the mean.
     pub half_width: Option<f64>,

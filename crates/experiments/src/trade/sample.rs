@@ -6,7 +6,7 @@ use stochc_results::Finished;
 /// Runs of one program with the same settings.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sample {
-    /// Times to completion \[ticks\], except of failed runs.
+    /// Completion times \[ticks\], except of failed runs.
     pub times: Vec<Observation>,
     /// Number of runs whose physics failed.
     pub failed: usize,

@@ -1,8 +1,8 @@
-//! Critical path of a run: the consecutive waits that determine its time to completion.
+//! Critical path of a run: the consecutive waits that determine its completion time.
 //!
 //! A run ends with its last phase, and a phase ends with its last event. This event began to wait
 //! when the last event that it depends on happened. Following these last events back to the start
-//! of the run gives the critical path. No other wait of the run affected its time to completion.
+//! of the run gives the critical path. No other wait of the run affected its completion time.
 use std::collections::{HashMap, VecDeque};
 
 use stochc_ir::graph::{Dependency, EventAction};

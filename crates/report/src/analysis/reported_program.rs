@@ -56,7 +56,7 @@ pub(crate) struct ReportedProgram<'a> {
     pub events: Events,
     /// Number of finished runs.
     pub runs: usize,
-    /// Run number and time to completion \[ticks\] of each run. Failed runs are excluded.
+    /// Run number and completion time \[ticks\] of each run. Failed runs are excluded.
     pub times: Vec<(u64, Observation)>,
     /// Number of failed runs.
     pub failed: usize,
@@ -346,12 +346,12 @@ impl<'a> ReportedProgram<'a> {
         unit.unit()
     }
 
-    /// Returns the times to completion \[ticks\]. Failed runs are excluded.
+    /// Returns the completion times \[ticks\]. Failed runs are excluded.
     pub fn times(&self) -> Vec<Observation> {
         self.times.iter().map(|&(_, time)| time).collect()
     }
 
-    /// Returns the times to completion in the unit `clock`.
+    /// Returns the completion times in the unit `clock`.
     pub fn times_by(&self, clock: TimeUnit) -> Vec<Observation> {
         let mut times = self.times();
         for time in &mut times {

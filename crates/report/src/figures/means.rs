@@ -1,4 +1,4 @@
-//! Figure of mean times to completion.
+//! Figure of mean completion times.
 use stochc_experiments::Time;
 use stochc_text::number;
 
@@ -22,12 +22,12 @@ pub(crate) fn means(medium: Medium, times: &[(&str, Time)], unit: &str) -> Optio
         .collect();
     let bottom = TOP + ROW * times.len() as f64;
     let description = format!("{}.", tooltip.join(". "));
-    let title = "Mean times to completion";
+    let title = "Mean completion times";
     let mut out = Drawing::new(medium, "means", title, &description);
     let names = widest(times.iter().map(|(name, _)| *name)).min(0.34 * medium.width());
     let (left, right) = (EDGE + names + 12.0, medium.width() - 24.0);
     let x = Scale::linear((0.0, last), (left, right));
-    let of = PlotAxis::new("mean time to completion, 95\u{a0}% interval", unit);
+    let of = PlotAxis::new("mean completion time, 95\u{a0}% interval", unit);
     let end = out.across(&x, (left, right), bottom, TOP, &of);
     for (i, ((name, time), tooltip)) in times.iter().zip(&tooltip).enumerate() {
         let y = TOP + ROW * (i as f64 + 0.5);

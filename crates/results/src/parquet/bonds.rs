@@ -94,13 +94,13 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         .small("x", "cell of the child: position to the east", |row| {
             row.item.cell().x
         })
-        .unit("sides");
+        .unit("block lengths");
     table
         .small("y", "position to the north", |row| row.item.cell().y)
-        .unit("sides");
+        .unit("block lengths");
     table
         .small("z", "height; the plate is at 0", |row| row.item.cell().z)
-        .unit("sides");
+        .unit("block lengths");
     table
         .integer(
             "magnetized",

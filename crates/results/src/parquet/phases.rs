@@ -78,7 +78,7 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     add_ticks(
         &mut table,
         "ticks",
-        "duration of the phase, or its duration until the run ended",
+        "duration of the phase; if the run ended in this phase, duration until then",
         |row| row.item.ticks(row.run),
     );
     table

@@ -13,7 +13,7 @@ pub(super) fn table<'a>(
     add_ticks(
         &mut table,
         "tick",
-        "time, from the start of the run",
+        "time of the release, from the start of the run",
         |row| row.item.tick,
     );
     table.text("parent", "role of the releasing block", |row| {

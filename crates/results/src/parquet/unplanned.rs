@@ -17,7 +17,7 @@ pub(super) fn table<'a>(
     add_ticks(
         &mut table,
         "tick",
-        "time, from the start of the run",
+        "time of the docking, from the start of the run",
         |row| row.item.tick,
     );
     table.text("parent", "role of the block with this face", |row| {

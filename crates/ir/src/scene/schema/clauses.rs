@@ -128,12 +128,12 @@ pub static CLAUSES: [SchemaEntry; 12] = [
         SchemaPart::Number(&FREE),
         SchemaPart::OneOf { noun: "arrangement", of: &[
             SchemaEntry::new("uniform", &[])
-                .means("evenly distributed")
+                .means("the blocks are evenly distributed")
                 .is(|s| s.free.arrangement == Arrangement::Uniform)
                 .make(|s| s.free.arrangement = Arrangement::Uniform)
                 .equations(&[&UNIFORM]),
             field!(FREE_RING)
-                .means("evenly on a horizontal circle at half the height of the enclosure; the first block is in the east")
+                .means("the blocks are placed evenly on a horizontal circle at half the height of the enclosure; the first block is in the east")
                 .make(|s| s.free.arrangement = Arrangement::Ring { radius: UNSPECIFIED })
                 .equations(&[&RING]),
         ] },
@@ -270,21 +270,21 @@ const NO_REACH: Absent = Absent::Message {
 static ANCHORING: [SchemaPart; 4] = [
     SchemaPart::OneOf { noun: "measure of the anchoring distance", of: &[
         SchemaEntry::new("centres", &[])
-            .means("distance of the centres of the two faces")
+            .means("measured between the centres of the two faces")
             .is(|s| is_measured(s, Measure::Centres)),
         SchemaEntry::new("gap", &[])
-            .means("distance along the normal of the magnetized face; the lateral offset is below half a block length")
+            .means("measured along the normal of the magnetized face; the lateral offset must be below half a block length")
             .is(|s| is_measured(s, Measure::Gap))
             .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().measure = Measure::Gap; }),
         SchemaEntry::new("corners", &[])
-            .means("distance between each corner of the free face and the matching corner")
+            .means("measured between each corner of the free face and the matching corner of the magnetized face")
             .is(|s| is_measured(s, Measure::Corners))
             .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().measure = Measure::Corners; }),
     ] },
     SchemaPart::Number(&ANCHOR),
     SchemaPart::Then(&field!(ANCHOR_TILT).otherwise(TILT.1)),
     SchemaPart::Then(&SchemaEntry::new("sampled", &[])
-        .means("the distance is tested only at the end of each tick, so fast blocks may jump over it")
+        .means("the distance is tested only at the end of each tick, so a fast block can pass without being anchored")
         .otherwise("the distance is tested along the whole path of each step")
         .is(|s| s.bond.as_ref().is_some_and(|bond| bond.anchor().sampled))
         .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().sampled = true; })),

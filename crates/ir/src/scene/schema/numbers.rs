@@ -64,7 +64,7 @@ numbers! {
     JETS_FLOW ["flow.flow" "flow"] FLOW Positive, "Q" "flow through all": "flow through all tubes together", |s| of!(s.flow.as_mut()?, Flow::Jets(jets) => &mut jets.flow);
     JETS_NOZZLE ["flow.nozzle"] LENGTH Positive, "D" "diameter of a tube": "diameter of a tube", |s| of!(s.flow.as_mut()?, Flow::Jets(jets) => &mut jets.nozzle);
 
-    KICKS_MAX ["agitation.speed" "agitation"] SPEED AtLeast(0.0), "w" "most change of speed": "size of the change of velocity in each tick; drawn evenly from this range, or a single value; its direction is random", |s| of!(s.agitation.as_mut()?, Agitation::Kicks { speed } => High(speed));
+    KICKS_MAX ["agitation.speed" "agitation"] SPEED AtLeast(0.0), "w" "most change of speed": "size of the change of velocity in each tick: a single value, or drawn evenly from this range; its direction is random", |s| of!(s.agitation.as_mut()?, Agitation::Kicks { speed } => High(speed));
     KICKS_MIN ["agitation.speed.low"] SPEED AtLeast(0.0), "u" "least change of speed": "the lower end of the range", |s| of!(s.agitation.as_mut()?, Agitation::Kicks { speed } => Low(speed));
     EDDY_SPEED ["agitation.speed" "agitation"] SPEED Positive, "σ" "rms speed in a level direction": "rms speed in each horizontal direction", |s| of!(s.agitation.as_mut()?, Agitation::Turbulence(Turbulence { strength: Strength::Speed(speed), .. }) => speed);
     EDDY_INTENSITY ["agitation.intensity" "agitation"] NUMBER AtLeast(0.0), "" "part of the speed of the flow": "rms speed, divided by the speed of the `flow` (speed of the ring, or speed at the end of a tube)", |s| of!(s.agitation.as_mut()?, Agitation::Turbulence(Turbulence { strength: Strength::Intensity(part), .. }) => part);
@@ -93,7 +93,7 @@ numbers! {
     VALVE ["bond.valve"] RESISTANCE Positive, "R_v" "valve": "resistance of an open face", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => &mut pump.valve);
     PASSAGE ["bond.passage"] RESISTANCE AtLeast(0.0), "R_p" "passage": "resistance from a block to its parent", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => &mut pump.passage);
     SEAL ["bond.seal"] LENGTH Positive, "s" "seal": "distance of the centres of two faces; at a smaller distance, the pressure acts on the face of the block", |s| of!(s.bond.as_mut()?, Bond::Suction { seal, .. } => seal);
-    ANCHOR ["bond.anchor"] LENGTH Positive, "d" "anchoring distance": "a block is anchored when the distance of two faces is smaller", |s| Some((&mut s.bond.as_mut()?.anchor_mut().within).into());
+    ANCHOR ["bond.anchor"] LENGTH Positive, "d" "anchoring distance": "largest distance of the two faces at anchoring", |s| Some((&mut s.bond.as_mut()?.anchor_mut().within).into());
     ANCHOR_TILT ["bond.anchor.tilt"] ANGLE Acute, "α" "tilt": "largest angle between the two faces at anchoring", |s| Some((&mut s.bond.as_mut()?.anchor_mut().tilt).into());
 
     HOP ["messages.hop" "messages"] TICKS Whole(0, 1_000_000), "h" "hop": "duration of a hop from a block to its parent or child", |s| Some((&mut s.messages.as_mut()?.hop).into());

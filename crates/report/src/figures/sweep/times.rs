@@ -29,7 +29,7 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
     let of = &panel.sweep.axes[0].name;
     let title = format!("Mean completion time over {of}");
     let words = description(&curves, |point| described(point, unit));
-    let axis = PlotAxis::new("mean time to completion", unit);
+    let axis = PlotAxis::new("mean completion time", unit);
     let AxesFrame {
         mut out,
         x,

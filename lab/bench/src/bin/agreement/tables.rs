@@ -12,7 +12,7 @@ type Measure = (&'static str, fn(&Sample) -> f64);
 /// Compared quantities: completion time, waiting times of the first and last capture, and their
 /// parts.
 const MEASURES: [Measure; 5] = [
-    ("time to completion", |s| s.ticks),
+    ("completion time", |s| s.ticks),
     ("wait for the first bond", |s| s.first_wait),
     ("wait for the last bond", |s| s.last_wait),
     ("entries per bond", |s| s.entries),
