@@ -133,8 +133,8 @@ fn observed(
 ///
 /// A world can wrap another one and inspect it at every tick, for example to record trajectories.
 ///
-/// `max_ticks` is as in [`Settings::max_ticks`]. `seed` and `run` are the key of message loss. `run` is
-/// also the run number in the record.
+/// `max_ticks` is as in [`Settings::max_ticks`]. `seed` and `run` are the key of the random draws
+/// for message loss. `run` is also the run number in the record.
 ///
 /// # Errors
 ///

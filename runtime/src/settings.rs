@@ -25,9 +25,9 @@ pub struct Settings {
     /// Effort of the contact solver per substep. `None` selects [`Settings::iterations`] of the
     /// model.
     ///
-    /// For `rapier`, its `num_solver_iterations`: internal steps that also make contacts stiffer.
-    /// For `rigid`, the largest number of solver rounds. A round visits the contacts whose impulses
-    /// may still change.
+    /// For `rapier`, this is the engine's `num_solver_iterations`: the number of internal steps.
+    /// More internal steps also make contacts stiffer. For `rigid`, this is the largest number of
+    /// solver rounds. A round visits the contacts whose impulses may still change.
     pub solver_iterations: Option<u32>,
     /// Floating-point precision. `rapier` has single precision only.
     #[serde(default, skip_serializing_if = "Precision::is_single")]

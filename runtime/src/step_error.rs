@@ -125,8 +125,8 @@ fn restitution(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
     None
 }
 
-/// Returns the ticks until capture of a block at rest, straight in front of an open face and within
-/// its reach.
+/// Returns the number of ticks until an open face captures a block. The block starts at rest,
+/// directly in front of the face and within its reach.
 fn docking(scene: &Scene, steps: u32, phase: f64) -> Option<f64> {
     let Some(Bond::Attract { pull, .. }) = &scene.bond else {
         return None;

@@ -28,7 +28,7 @@ pub struct EventRows {
 }
 
 impl EventRows {
-    /// Creates the conversion for a program.
+    /// Creates the converter for a program.
     pub fn new(tables: &Tables) -> EventRows {
         let roles: BTreeMap<_, _> = tables.seeds().map(|(role, cell)| (cell, role.0)).collect();
         let cells = roles.iter().map(|(&cell, &role)| (role, cell)).collect();

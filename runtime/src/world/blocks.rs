@@ -79,7 +79,7 @@ pub(crate) trait Blocks {
     fn set_velocity(&mut self, id: u32, velocity: Vector3<Self::Real>, spin: Vector3<Self::Real>);
     /// Fixes a block to the lattice.
     fn anchor(&mut self, id: u32, centre: Vector3<Self::Real>, orientation: Orientation);
-    /// Sets an anchored block free at rest.
+    /// Releases an anchored block, which is then at rest.
     fn release(&mut self, id: u32);
 
     fn is_free(&self, id: u32) -> bool {

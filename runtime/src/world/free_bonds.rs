@@ -110,8 +110,8 @@ impl FreeBonds {
         self.magnet.sampled
     }
 
-    /// Bonds blocks that were close and straight enough during the step of length `dt` that ends
-    /// here.
+    /// Bonds blocks that were close and straight enough during the step of length `dt` that has
+    /// just ended.
     ///
     /// Skips pairs whose bond would dissipate more energy than it can absorb. Returns whether any
     /// pair bonded and was moved into place.

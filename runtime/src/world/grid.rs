@@ -14,7 +14,7 @@ const CELLS: usize = SIDE.pow(3) as usize;
 type ChunkKey = [i32; 3];
 
 /// Size limit of a window: the number of chunks per requested cell or existing chunk, and the
-/// number of further chunks.
+/// number of chunks in addition.
 const ROOM: (i64, i64) = (4, 512);
 
 /// Bit masks of the cells of a chunk between two coordinates along an axis. The indices are the
@@ -119,8 +119,8 @@ impl Window {
         })
     }
 
-    /// Returns a window extended by half towards a chunk outside of it, if the size limit allows
-    /// it.
+    /// Returns the window, extended to a chunk outside of it and by at least half its size. Returns
+    /// `None` if the size limit does not allow it.
     fn towards(&self, chunk: ChunkKey, chunks: i64) -> Option<Window> {
         if self.chunks.is_empty() {
             return Window::between([chunk; 2], chunks);
@@ -221,7 +221,7 @@ impl<T: Copy> ChunkedGrid<T> {
     }
 
     /// Calls `show` with the offset and value of each marked cell at most `steps` away along each
-    /// axis. `steps` must be less than a chunk.
+    /// axis. `steps` must be less than the edge of a chunk.
     #[inline]
     pub fn each_marked_near(&self, centre: Cell, steps: i32, mut show: impl FnMut([i32; 3], T)) {
         let centre = [centre.x, centre.y, centre.z];

@@ -58,11 +58,11 @@ pub trait World: State {
     /// rest.
     fn switch_off(&mut self, site: BlockFace);
 
-    /// Attaches the free block with the highest number to a face, straight, and switches the face
-    /// on.
+    /// Attaches the free block with the highest number to a face, and switches the face on. The
+    /// block is aligned with the structure.
     ///
-    /// For pre-attached blocks before the first tick. Returns `None` if there is no free block or
-    /// the face already holds a block.
+    /// Used for pre-attached blocks, before the first tick. Returns `None` if there is no free
+    /// block or the face already holds a block.
     fn plant(&mut self, site: BlockFace) -> Option<Docking>;
 
     /// Returns the number of entries into the reach of an open face so far, including re-entries.

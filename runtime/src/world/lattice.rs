@@ -200,8 +200,8 @@ impl LatticeStructure {
         (content.block == NO_BLOCK).then(|| FaceChange::Opened(number(seat, face)))
     }
 
-    /// Returns the capture at a face of the free block `child`, a rank among the free blocks.
-    /// `pose` is one of 24 orientations. The block enters the reach of the face at the same tick.
+    /// Returns the capture of the free block `child` at a face. `pose` is the number of one of 24
+    /// orientations. The block enters the reach of the face at the same tick.
     #[inline]
     pub fn docking(&self, seat: usize, face: Face, child: u32, pose: u8, tick: u64) -> Docking {
         Docking {

@@ -154,8 +154,8 @@ pub(crate) struct Passive {
 /// Faces with valves, and the pump, in block units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Suction {
-    /// Pressure of the pump, as the acceleration of a block by this pressure on one face \[1 /
-    /// tick^2\].
+    /// Largest pressure of the pump, as the acceleration of a block if this pressure acts on one
+    /// face \[1 / tick^2\].
     pub head: f64,
     /// Hydraulic resistance between the pump and the plate \[1 / tick\].
     pub supply: f64,
@@ -190,7 +190,7 @@ impl Magnet {
         }
     }
 
-    /// Returns for how long before the end of a step captures are tested \[tick\]. This is the
+    /// Returns how long before the end of a step the test for captures begins \[tick\]. This is the
     /// length `dt` of the step, or 0 if captures are tested only at its end.
     pub fn tested<R: Real>(&self, dt: R) -> R {
         if self.sampled { R::zero() } else { dt }
@@ -215,8 +215,8 @@ pub(crate) struct Pull {
 }
 
 impl WorldParameters {
-    /// Returns two numbers of steps per tick: of blocks away from magnetized faces, and of blocks
-    /// near them.
+    /// Returns the number of steps per tick for blocks away from magnetized faces, then the number
+    /// for blocks near them.
     pub fn rates(&self, settings: &Settings) -> [u32; 2] {
         let short = settings.substeps.max(1);
         let long = settings
@@ -225,11 +225,11 @@ impl WorldParameters {
         [long.unwrap_or(short), short]
     }
 
-    /// Scales forces and impulses by `response`, their effect over one step as a fraction of the
-    /// effect without drag. This concerns the steady acceleration, random impulses, rejections, the
-    /// shell and compliant contacts.
+    /// Scales forces and impulses by `response`: the steady acceleration, random impulses,
+    /// rejections, the force of the shell, and forces of compliant contacts.
     ///
-    /// `dt` is the length of a step \[tick\].
+    /// `response` is the effect of a force over one step with drag, divided by its effect without
+    /// drag. `dt` is the length of a step \[tick\].
     pub fn weakened(mut self, response: f64, dt: f64) -> WorldParameters {
         if let Some(magnet) = &mut self.bond {
             magnet.square_of_step = dt * dt * response;

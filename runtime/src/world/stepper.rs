@@ -33,8 +33,7 @@ pub(crate) enum Moving {
     Short,
 }
 
-/// Method for motion and collisions of blocks, the only difference between the worlds of rigid
-/// blocks.
+/// Method that moves and collides blocks. The worlds of rigid blocks differ only in this method.
 pub(crate) trait Integrator: Sized + State {
     type Real: Real;
     type Blocks: Blocks<Real = Self::Real> + State;
@@ -57,14 +56,14 @@ pub(crate) trait Integrator: Sized + State {
         blocks: &[BodyState],
     ) -> Result<(Self::Blocks, Self), SceneError>;
 
-    /// Updates neighbours to the current positions. Returns whether results of [`Integrator::near`]
-    /// may have changed.
+    /// Updates the neighbour search to the current positions. Returns whether results of
+    /// [`Integrator::near`] may have changed.
     fn follow(&mut self, _blocks: &Self::Blocks) -> bool {
         false
     }
 
-    /// Lists the blocks that may come within `reach` of a position before [`Integrator::follow`]
-    /// returns `true`, in ascending order.
+    /// Lists the blocks that may come within `reach` of a position until [`Integrator::follow`]
+    /// next returns `true`. The list is in ascending order.
     fn near(
         &self,
         blocks: &Self::Blocks,
@@ -274,7 +273,7 @@ impl<I: Integrator> Stepper<I> {
         Ok(())
     }
 
-    /// Changes the motion of each moving block by `by`, in ascending order.
+    /// Applies `by` to the motion of each moving block, in ascending order.
     fn change(
         &mut self,
         moving: Moving,

@@ -4,8 +4,8 @@ use stochc_ir::Face;
 
 use super::SpatialWorld;
 
-/// Returns the centre of a block \[block lengths\] and its quaternion, in the order x, y, z; x, y,
-/// z, w.
+/// Returns the position of a block's centre (x, y, z) \[block lengths\], then its rotation as a
+/// quaternion (x, y, z, w).
 pub fn pose(arena: &impl SpatialWorld, id: u32) -> [f32; 7] {
     let state = arena.state(id);
     let (p, q) = (state.position, state.orientation.coords);

@@ -127,7 +127,7 @@ impl<R: Real> Faces<R> {
     }
 
     /// Adds blocks of the plate to the structure. If the faces of the scene always attract, the
-    /// faces of these blocks now do as well.
+    /// faces of these blocks attract from now on.
     pub fn place_seeds(&mut self, seeds: impl Iterator<Item = (Cell, Vector3<R>)>) {
         if let Attraction::Passive(_) = self.magnet.law {
             for (cell, centre) in seeds {
@@ -140,8 +140,8 @@ impl<R: Real> Faces<R> {
 
     /// Switches a face on, unless it is on or holds a block. The owner of the face is at `centre`.
     ///
-    /// If the faces of the scene always attract, all faces of the owner now do as well. Returns
-    /// whether new faces are on. They need a call of [`Faces::set_nearby`].
+    /// If the faces of the scene always attract, all faces of the owner attract from now on.
+    /// Returns whether new faces are on. They need a call of [`Faces::set_nearby`].
     pub fn magnetize(&mut self, site: BlockFace, centre: Vector3<R>, parent: Orientation) -> bool {
         if let Attraction::Passive(_) = self.magnet.law {
             let is_new = self.placed.insert(site.body, centre, parent) && self.expose();
@@ -392,8 +392,8 @@ impl<R: Real> Faces<R> {
         }
     }
 
-    /// Applies the attraction of each face to the blocks within its reach, by a call of `push`. The
-    /// order is by face, then by block number.
+    /// Calls `push` with the attraction of each face on each block within its reach. The order is
+    /// by face, then by block number.
     pub fn pull(
         &mut self,
         blocks: &mut impl Blocks<Real = R>,
@@ -416,10 +416,11 @@ impl<R: Real> Faces<R> {
 
     /// Captures blocks that were close and straight enough during a step of length `dt`.
     ///
-    /// The closest block is captured first, then the block with the lowest number, then the face
-    /// with the lowest site. A face captures one block, and a block is captured by one face. Faces
-    /// of blocks that are bonded, by `is_bonded`, are skipped. If the scene samples captures, they
-    /// happen only in the last step of a tick, given by `ends`.
+    /// The closest block is captured first. Blocks at equal distance are captured in the order of
+    /// their numbers, then in the order of the faces' sites. A face captures one block, and a block
+    /// is captured by one face. A face of a free block is skipped if `is_bonded` returns that it is
+    /// bonded. If the scene samples captures, they happen only in the last step of a tick. `ends`
+    /// states whether this is the last step.
     pub fn capture(
         &mut self,
         tick: u64,

@@ -111,8 +111,8 @@ impl<R: Real> AttractingFace<R> {
 
     /// Applies the forces of the face to a block. Each force has its own reach.
     ///
-    /// A force of constant magnitude reverses when the block passes the middle, perhaps many times
-    /// per step. Near the middle the force is therefore reduced, so that the block swings by one
+    /// A force of constant magnitude reverses when the block passes its target, perhaps many times
+    /// per step. Near the target the force is therefore reduced, so that the block swings by one
     /// radian per step. The affected distance shrinks with the square of the step.
     ///
     /// `drop` is the pressure drop on a face that draws fluid, as acceleration of a block. It is 0

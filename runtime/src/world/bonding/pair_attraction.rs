@@ -28,7 +28,8 @@ pub(crate) struct FacePair {
 }
 
 impl FacePair {
-    /// Returns the face of each block that points most towards the other's centre.
+    /// Returns two faces: for each block, the face that points most towards the centre of the other
+    /// block.
     pub fn new(first: &Pose, second: &Pose) -> FacePair {
         let face = AttractingFace::<f64>::facing(first.position, first.rotation, second.position);
         let target = AttractingFace::turned(first.position, first.rotation, face);
@@ -61,7 +62,7 @@ impl FacePair {
     }
 
     /// Returns whether the blocks come close and straight enough to bond during a step of length
-    /// `dt`. `ends` has their poses and motions at the end of the step.
+    /// `dt`. `ends` contains their poses and motions at the end of the step.
     pub fn bonds(&self, magnet: &Magnet, ends: [(&Pose, &Motion); 2], dt: f64) -> bool {
         let [(first, _), (second, _)] = ends;
         let dt = magnet.tested(dt);

@@ -91,8 +91,8 @@ fn nearest<R: Real>(from: Vector3<R>, way: Vector3<R>, [first, last]: [R; 2]) ->
     }
 }
 
-/// Returns the interval of path fractions with a quantity below `most`. The quantity starts at
-/// `from` and changes linearly by `change`.
+/// Returns the part of a path where a quantity is below `most`, as the fractions at its ends. The
+/// quantity starts at `from` and changes linearly by `change`.
 fn between<R: Real>(from: R, change: R, most: R) -> Option<[R; 2]> {
     if change == R::zero() {
         return (from.abs() < most).then_some([R::zero(), R::one()]);
@@ -125,7 +125,7 @@ mod tests {
     }
 
     /// Returns whether a block docks at an upward face at the origin during a step. `end` is the
-    /// centre of its lower face at the end of the step.
+    /// centre of the block's lower face at the end of the step.
     fn docks(measure: Measure, end: Vector3<f64>, velocity: Vector3<f64>, spin: f64) -> bool {
         docks_on(&magnet(measure), end, velocity, spin)
     }

@@ -33,7 +33,8 @@ pub(super) struct StepDrag {
 struct Decay {
     /// Fraction of a velocity that remains after a step of viscous drag.
     left: f64,
-    /// Mean over the step of the remaining fraction: the response to a constant force.
+    /// Remaining fraction of a velocity, averaged over the step. This is also the response to a
+    /// constant force.
     mean: f64,
     wake: f64,
 }
@@ -48,13 +49,15 @@ impl Decay {
         }
     }
 
-    /// Returns the remaining fraction of a velocity of this magnitude, by the exact solution.
+    /// Returns the fraction of a velocity of this magnitude that remains after the step, by the
+    /// exact solution.
     fn left(&self, speed: f64, dt: f64) -> f64 {
         self.left / (1.0 + self.wake * speed * self.mean * dt)
     }
 }
 
-/// Returns (1 - exp(-x)) / x: the mean remaining fraction over a step for a drag of x per step.
+/// Returns the remaining fraction of a velocity, averaged over a step: (1 - exp(-x)) / x. `x` is
+/// the drag rate times the step.
 pub(crate) fn mean(x: f64) -> f64 {
     if x < 1e-8 {
         1.0 - x / 2.0

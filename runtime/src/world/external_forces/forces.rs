@@ -131,9 +131,9 @@ impl ExternalForces {
 }
 
 impl Sink {
-    /// Returns the velocity of the fluid that faces draw: Q / (2 pi d^2) at distance d from a face
-    /// in a wall. It is constant below half a block length, the smallest possible distance of a
-    /// block's centre.
+    /// Returns the velocity of the fluid at a position, towards the face that draws it. The speed
+    /// is Q / (2 pi d^2) at distance d from a face in a wall. Below half a block length, the
+    /// smallest possible distance of a block's centre, the speed is constant.
     fn draw(&self, place: Vector3<f64>) -> Vector3<f64> {
         let way = self.centre - place;
         if way.dot(&self.normal) >= 0.0 {

@@ -17,7 +17,7 @@ use crate::world::external_forces::Response;
 pub(crate) struct BlockGroups {
     /// Key of the group of each block.
     pub(super) of: BTreeMap<u32, u32>,
-    /// Groups by key: the number of a present or former member.
+    /// Groups by key. The key is the number of a present or former member.
     pub(super) groups: BTreeMap<u32, BlockGroup>,
     /// Broken pairs that are still separating.
     parted: BTreeSet<(u32, u32)>,

@@ -10,10 +10,10 @@ use crate::world::unit_cube::INVERSE_INERTIA;
 /// Returns the index of the bond with the highest load, and the load \[block lengths / tick^2\].
 /// Returns `None` if the group has no bonds.
 ///
-/// A bond transmits the force that moves the blocks on the side of its second block with the group.
-/// The load is T + M / (1/2 block length), with the tension T and the tipping moment M. Two faces
-/// with attraction F separate if the load exceeds F. The pattern of the faces resists shear and
-/// twist.
+/// A bond divides its group. It transmits the force that the blocks on the side of its second block
+/// need to move with the group. The load is T + M / (1/2 block length), with the tension T and the
+/// tipping moment M. Two faces with attraction F separate if the load exceeds F. The pattern of the
+/// faces resists shear and twist.
 pub(super) fn worst(
     group: &BlockGroup,
     before: &[Motion],

@@ -16,7 +16,8 @@ use crate::world::real::cast;
 use crate::world::unit_cube::INVERSE_INERTIA;
 use crate::world::{BodyState, SceneError};
 
-/// Thickness of the ground \[block lengths\]. The engine would push blocks out below thin ground.
+/// Thickness of the ground \[block lengths\]. If the ground were thin, the engine would push blocks
+/// out at its lower side.
 const GROUND: f32 = 20.0;
 
 /// Returns the engine's contact settings in block units.
@@ -105,7 +106,8 @@ struct Surface {
 ///
 /// # Errors
 ///
-/// If contacts have a compliant law. The engine's contact compliance comes from its solver.
+/// If contacts have a compliant law, because the engine's solver determines the compliance of
+/// contacts.
 fn surface(contact: &ContactParameters) -> Result<Surface, SceneError> {
     match contact.law {
         ContactLaw::Rigid { restitution } => Ok(Surface {

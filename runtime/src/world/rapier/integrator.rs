@@ -19,7 +19,7 @@ use crate::world::{BodyState, Fault, SceneError};
 /// The engine as an integrator.
 pub(super) struct Rapier {
     wall: Option<WallForce<f32>>,
-    /// Factor on the velocity in each substep.
+    /// Fraction of the velocity that linear drag leaves in each substep.
     drag: Option<f32>,
     /// Length of a substep \[tick\].
     dt: f32,

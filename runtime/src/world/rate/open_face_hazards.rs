@@ -33,7 +33,7 @@ pub(super) struct OpenFace {
     left: f64,
     /// Current distribution of the waiting time. `None` until it is computed.
     wait: Option<Wait>,
-    /// Accumulated hazard of `wait` between the opening of the face and its last update.
+    /// Hazard of `wait`, accumulated from the opening of the face to the last update of `wait`.
     before: f64,
     /// Upper bound of the capture time.
     latest: f64,

@@ -171,7 +171,7 @@ impl<'r> RateWorld<'r> {
         }
     }
 
-    /// Schedules the capture of a block that was released nearby, with some probability. `since` is
+    /// With some probability, schedules the capture of a block that was released nearby. `since` is
     /// the number of ticks since the release.
     fn head_start(&mut self, slot: Slot, from: Cell, block: u32, since: u64) {
         let Some(face) = self.hazards.face(slot) else {

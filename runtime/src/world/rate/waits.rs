@@ -48,7 +48,7 @@ impl<'r> RateModel<'r> {
         }
     }
 
-    /// Returns the factor on all rates at this fraction of free blocks.
+    /// Returns the factor that scales all rates if this fraction of the blocks is free.
     pub fn of_free(&self, part: f64) -> f64 {
         self.rates.parameters.of_free(part)
     }

@@ -283,8 +283,8 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// Sorts and deduplicates pairs, by counting the first block: there are many blocks, and each
-    /// has few pairs.
+    /// Sorts and deduplicates pairs. Uses a counting sort by the first block, because there are
+    /// many blocks with few pairs each.
     fn in_order(&mut self, found: &[(u32, u32)], pairs: &mut Vec<(u32, u32)>) {
         let ends = &mut self.ends;
         ends.clear();

@@ -46,7 +46,8 @@ impl<R: Lane> LocalSteps<R> {
         }
     }
 
-    /// Returns the largest path in a long step of a block with this speed \[block lengths\].
+    /// Returns the longest path that a block with this speed may take in a long step \[block
+    /// lengths\].
     pub fn distance(&self, speed: R) -> R {
         speed * self.long + R::from_double(SURPRISE)
     }

@@ -34,8 +34,8 @@ pub(super) struct NeighbourList<R: Lane> {
     /// Half-width of the region with most blocks \[block lengths\].
     span: f64,
     floor: Option<f64>,
-    /// Height of the grid, above which few blocks are \[block lengths\]. A higher grid would crowd
-    /// a sediment or a flat structure into its lowest cells.
+    /// Height of the grid \[block lengths\]. Few blocks are above it. A higher grid would crowd a
+    /// sediment or a flat structure into its lowest cells.
     top: f64,
     grid: CellList<R>,
     /// [`SKIN`], or 0 if all pairs are searched in every step.
@@ -100,7 +100,8 @@ impl<R: Lane> NeighbourList<R> {
         self.places.clear();
     }
 
-    /// Decides whether to keep a list, and sets the height of the grid.
+    /// Decides whether to keep a list of pairs between steps, and adapts the size of the grid to
+    /// the blocks. Invalidates the list if this changes anything.
     fn review(&mut self, bodies: &Bodies<R>) {
         self.due = REVIEW;
         let step = bodies.fastest().double() * bodies.dt.double();

@@ -15,10 +15,11 @@ type Patch<R> = (SmallVec<[ManifoldPoint<R>; 8]>, Vector3<R>);
 
 pub type Polygon<R> = SmallVec<[Vector3<R>; 8]>;
 
-/// Returns the points of `other`'s most opposite face that are below a face of `own`. Also returns
-/// the gradient of their depth.
+/// Returns the points of a face of `other` that are below a face of `own`. Also returns the
+/// gradient of their depth.
 ///
-/// `out` is the outward normal of the face of `own`, parallel to the axis with index `axis`.
+/// The face of `other` is the one most opposite to `out`. `out` is the outward normal of the face
+/// of `own`, parallel to the axis with index `axis`.
 pub fn face_points<R: Real>(
     own: &Cuboid<'_, R>,
     other: &Cuboid<'_, R>,

@@ -17,7 +17,7 @@ pub(super) use ground::{ball_on_ground, cube_on_ground, face_on_ground};
 /// Contact points between two bodies.
 #[derive(Clone, Debug)]
 pub(super) struct Manifold<R: Real> {
-    /// Direction of the shortest path of the first body out of the second.
+    /// Direction of the first body's shortest path out of the second body.
     pub normal: Vector3<R>,
     /// Points in order around the patch, unless several faces of a body touch.
     pub points: SmallVec<[ManifoldPoint<R>; 8]>,

@@ -11,7 +11,7 @@ use crate::world::real::Real;
 use crate::world::rigid::narrow_phase::{Manifold, ManifoldPoint};
 use crate::world::unit_cube::INVERSE_INERTIA;
 
-/// Returns the point that represents a patch.
+/// Returns the point that represents a contact patch.
 ///
 /// `centres` are the centres of the moving bodies. `response` is the displacement of a block in a
 /// step, per unit of depth.

@@ -47,7 +47,7 @@ struct BatchBody<R: Lane> {
     inverse_inertia: R::Quad,
 }
 
-/// Point with the same index of each contact in a batch.
+/// For each contact in a batch, the point with the same index.
 #[derive(Clone, Copy, Debug)]
 struct BatchPoint<R: Lane, const N: usize> {
     /// Mask of the contacts that have this point.

@@ -129,7 +129,8 @@ impl<R: Lane> SolverBodies<R> {
         self.contacts.iter_mut().for_each(|count| *count += 2);
     }
 
-    /// Loads the spins, and the velocities in the middle of the step. These exclude `late`.
+    /// Loads the spins, and the velocities in the middle of the step. The velocities exclude
+    /// `late`.
     ///
     /// `rigid` states whether overlaps are corrected.
     pub fn start(&mut self, rigid: bool, motion_of: impl Fn(u32) -> [Vector3<R>; 3]) {
