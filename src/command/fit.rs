@@ -68,7 +68,7 @@ pub struct FitArguments {
     /// Folder for `fit.json`, the figure `fit.svg`, and `fitted.sa` with the fitted scenes. It must be new or empty
     #[arg(long, short, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
-    /// Print the expected CPU time without making runs
+    /// Print the expected CPU time, and simulate nothing
     #[arg(long)]
     dry_run: bool,
     /// Size and format of the figure.

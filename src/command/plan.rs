@@ -105,7 +105,7 @@ pub struct PlanArguments {
     #[arg(long)]
     keep_scaffolds: bool,
     /// Simulate the plan and several simple plans with physics, at most N runs each, and write the fastest one. Blocks may
-    /// jam in it
+    /// jam in this plan
     #[arg(long, value_name = "N", conflicts_with_all = ["run", "complete"], value_parser = clap::value_parser!(u64).range(MIN_RACE..=MAX_RACE))]
     race: Option<u64>,
     /// Print a picture of the plan, the reasons for its order, and the cost of alternatives

@@ -17,7 +17,7 @@ pub struct PresentationOptions {
 /// Unit of times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum UnitOption {
-    /// Ticks of the scene. Programs with ticks of different lengths are shown in seconds
+    /// Ticks of the scene. If programs have ticks of different lengths, times are in seconds
     Ticks,
     /// Seconds of the scene
     S,

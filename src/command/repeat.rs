@@ -11,7 +11,7 @@ use super::levels::LevelOptions;
 use crate::exit::{Exit, Failure};
 
 /// Help of `--runs`.
-const RUNS: &str = "Number of runs of each program. With `--until`, the largest number [default: the number of the manifest, or 10000 with `--until`]";
+const RUNS: &str = "Number of runs of each program. With `--until`, the maximum [default: the number of the manifest, or 10000 with `--until`]";
 
 /// Arguments of `repeat`.
 #[derive(Debug, Args)]

@@ -26,17 +26,17 @@ use crate::operations::trade::{MeasuredTrade, TradeSetup, manifest, measured};
 #[derive(Debug, Args)]
 #[command(mut_arg("figure_width", |it| it.requires("out")), mut_arg("figure_format", |it| it.requires("out")))]
 pub struct TradeArguments {
-    /// Programs to simulate. For several programs, the report also compares their order at each setting
+    /// Programs to simulate. For several programs, the report also states which one is faster at each setting
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
-    /// Number of runs of each program at each setting. With `--time` or `--until`, the largest number [default: 30, or
+    /// Number of runs of each program at each setting. With `--time` or `--until`, the maximum [default: 30, or
     /// 10000 with `--time` or `--until`]
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MAX_RUNS))]
     runs: Option<u64>,
     /// Start no more runs after this time, such as 90s, 10m or 2h
     #[arg(long, value_name = "TIME", value_parser = time)]
     time: Option<Duration>,
-    /// Make runs until the mean time of every program is known to this precision, such as 3%. The precision is the half-width
+    /// Add runs until the mean time of every program is known to this precision, such as 3%. The precision is the half-width
     /// of the 95 % confidence interval
     #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with = "time")]
     until: Option<f64>,
@@ -55,7 +55,7 @@ pub struct TradeArguments {
     /// Continue an interrupted measurement in the folder of `--out`, or add runs to a finished one
     #[arg(long, requires = "out")]
     resume: bool,
-    /// Print the expected CPU time without making runs
+    /// Print the expected CPU time, and simulate nothing
     #[arg(long, conflicts_with_all = ["time", "until"])]
     dry_run: bool,
     #[command(flatten)]

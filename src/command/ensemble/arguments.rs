@@ -120,10 +120,10 @@ impl ModelOptions {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Runs")]
 pub struct MakingOptions {
-    /// Number of runs of each program. With `--until`, the largest number [default: 50, or 10000 with `--until`]
+    /// Number of runs of each program. With `--until`, the maximum [default: 50, or 10000 with `--until`]
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_RUNS))]
     pub runs: Option<u64>,
-    /// Make runs until the mean time of every program is known to this precision, such as 3%. The precision is the half-width
+    /// Add runs until the mean time of every program is known to this precision, such as 3%. The precision is the half-width
     /// of the 95 % confidence interval
     #[arg(long, value_name = "PERCENT", value_parser = share, requires = "out", conflicts_with_all = ["record", "watch"])]
     pub until: Option<f64>,
@@ -142,7 +142,7 @@ pub struct MakingOptions {
     /// Write `report.html` in the folder, and update it every few seconds
     #[arg(long, requires = "out", help_heading = "Output")]
     pub watch: bool,
-    /// Print the expected CPU time without making runs
+    /// Print the expected CPU time, and simulate nothing
     #[arg(long, conflicts_with_all = ["watch", "captures"])]
     pub dry_run: bool,
     #[command(flatten)]

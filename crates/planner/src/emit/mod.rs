@@ -195,7 +195,7 @@ impl ExplainedComments {
                 if std::mem::replace(&mut self.mast, true) {
                     return;
                 }
-                "Masts: pieces on them grow in parallel with the rest, and they guide blocks to adjacent growth.".to_owned()
+                "Masts: parts of the shape on them grow in parallel with the rest, and they guide blocks to adjacent growth.".to_owned()
             }
             (0, 0) => {
                 if std::mem::replace(&mut self.grows, true) {

@@ -93,7 +93,7 @@ fn in_order(scaffolding: &Scaffolding) -> Vec<&MastSegment> {
         let (next, rest): (Vec<&MastSegment>, Vec<&MastSegment>) =
             left.iter().copied().partition(is_last);
         // A cycle of segments would have no support.
-        assert!(!next.is_empty(), "every piece joins the target");
+        assert!(!next.is_empty(), "every segment joins the target");
         order.extend(next);
         left = rest;
     }

@@ -77,5 +77,5 @@ pub(super) fn way(from: Cell, to: Cell) -> Face {
     let ways = Face::ALL
         .into_iter()
         .find(|&face| from.across(face) == Some(to));
-    ways.expect("cells of a piece are adjacent")
+    ways.expect("cells of a segment are adjacent")
 }
