@@ -79,8 +79,8 @@ pub fn step_errors(scene: &Scene, steps: Substeps) -> Vec<StepError> {
     errors.collect()
 }
 
-/// Experiment: maps a scene, steps per tick and starting moment in a step, in (0, 1), to the
-/// measured value.
+/// Function that runs an experiment and returns the measured value. The arguments are the scene,
+/// the steps per tick, and the starting moment within a step, in (0, 1).
 type Experiment = fn(&Scene, u32, f64) -> Option<f64>;
 
 /// Returns the coefficient of restitution of two blocks that meet face to face at the expected

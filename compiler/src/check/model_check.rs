@@ -25,7 +25,7 @@ const BOUNDS: ExplorationBounds = ExplorationBounds {
     work: 100_000,
 };
 
-/// Advice for a violation: report a bug.
+/// Advice for a violation. Every violation is a bug of stochc.
 pub const MISTAKE: &str =
     "this is a bug in stochc, not in your program; please report it with the program";
 

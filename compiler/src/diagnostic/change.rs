@@ -10,7 +10,7 @@ use crate::{FileId, Sources};
 pub struct TextChange<'a> {
     file: FileId,
     text: &'a str,
-    /// Edits by their first byte: the end of the replaced bytes, and the replacement.
+    /// Maps the first byte of each edit to the end of the replaced bytes and the replacement.
     edits: BTreeMap<usize, (usize, &'a str)>,
 }
 

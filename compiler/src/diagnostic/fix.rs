@@ -88,7 +88,8 @@ pub(crate) fn last_named(
     is_whole.then_some(SourceLocation { span, ..location })
 }
 
-/// Largest number of bytes that are searched in a line or block. Bounds the work for long ones.
+/// Largest number of bytes that are searched in a line or inside braces. Bounds the work for long
+/// ones.
 pub(crate) const LONG: usize = 1 << 12;
 
 /// Returns the range to remove with one entry of the list after `keyword`. It includes the comma

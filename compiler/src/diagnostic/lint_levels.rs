@@ -107,8 +107,8 @@ struct Set {
 #[derive(Debug)]
 struct LintScope {
     span: Span,
-    /// Index of the innermost block around this block that also sets levels. `None` if there is
-    /// none.
+    /// Index of the innermost block of statements around this one that also sets levels. `None` if
+    /// there is none.
     outer: Option<usize>,
     /// For each code, the index of the last statement in this block that sets its level.
     set: FxHashMap<Code, usize>,

@@ -233,8 +233,8 @@ fn missing_reason(location: SourceLocation, text: &str) -> Diagnostic {
 
 /// Returns the error of a number that cannot be stored.
 fn number_too_large(location: SourceLocation, number: &str) -> Diagnostic {
-    /// Integers up to this number of digits are compared with the 64-bit limit in the message,
-    /// longer ones with the limit of floating-point numbers.
+    /// Integers with fewer digits are compared with the 64-bit limit in the message. Longer
+    /// integers are compared with the limit of floating-point numbers.
     const DIGITS: usize = 300;
     let is_whole = number.bytes().all(|byte| byte.is_ascii_digit()) && number.len() < DIGITS;
     let (title, limit) = if is_whole {

@@ -92,8 +92,11 @@ impl Expander<'_, '_> {
         self.plan.grown.get(number).copied()
     }
 
-    /// Returns a `let` of this name below its use, in a block around the current statement. Also
-    /// returns the location of the name. Returns `None` if there is none.
+    /// Returns the locations of a `let` that declares this word below its use, and of the name in
+    /// it. Returns `None` if there is no such `let`.
+    ///
+    /// Searches the blocks of statements around the current statement, then the top level of the
+    /// files.
     fn let_below(&self, word: Symbol) -> Option<(SourceLocation, SourceLocation)> {
         let names = |item: &Item| match &item.kind {
             ItemKind::Let(let_) if let_.name.symbol == word => Some((item.span, let_.name.span)),

@@ -138,7 +138,7 @@ impl ReachAnalysis<'_> {
 
     /// Returns the number of open sides of a cell that only narrow paths reach. Returns `None` if
     /// the cell has a wide access path. A path is wide if a cube with an edge of two block lengths
-    /// fits through. It may end in a passable gap in the direction of the face `path`.
+    /// fits through. A wide path may end in a passable gap in the direction of the face `path`.
     fn tightness(
         &mut self,
         cell: Cell,

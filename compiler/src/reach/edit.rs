@@ -197,8 +197,8 @@ fn find(items: &[Item], span: Span) -> Option<CaptureStatement<'_>> {
     })
 }
 
-/// Returns the part of a role's path that the source spells out. Returns `None` if it uses a
-/// parameter.
+/// Returns the part of a role's path that the source spells out. Returns `None` if the source uses
+/// a parameter.
 fn ending<'k>(place: &Place, path: &'k [NameKey]) -> Option<&'k [NameKey]> {
     let from = path.len().checked_sub(place.path.len())?;
     let is_written = (place.path.iter().zip(&path[from..])).all(|(segment, key)| {

@@ -14,9 +14,9 @@ use stochc_ir::Cell;
 pub struct BlockedCapture {
     /// The capture whose cell is closed.
     pub capture: EventId,
-    /// Whether the search proved that the worst order leaves no path. Otherwise it reached its
-    /// limit first. In the worst order, everything that does not depend on the capture happens
-    /// first.
+    /// Whether the search proved that the worst order leaves no path. If `false`, the search
+    /// reached its limit first. In the worst order, everything that does not depend on the capture
+    /// happens first.
     pub is_shown: bool,
 }
 

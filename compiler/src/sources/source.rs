@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 use stochc_grammar::Span;
 use stochc_text::is_invisible;
 
-/// Number of a file: an index into [`Sources`].
+/// Index of a file in [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FileId(pub u32);
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use crate::table::{News, PhaseId, RoleId, Tables};
 use crate::{Cell, Face};
 
-/// Capture or release: an index into [`EventGraph::events`].
+/// Index of a capture or release in [`EventGraph::events`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct EventId(pub u32);
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::table::{PhaseId, RoleId};
 use crate::{Cell, Face};
 
-/// Record of one run: a pure function of (tables, scene, settings, seed, run).
+/// Record of one run. It depends only on (tables, scene, settings, seed, run).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
     /// Number of the run in its ensemble, from 0.

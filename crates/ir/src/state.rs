@@ -134,7 +134,7 @@ impl<'a> StateReader<'a> {
         Ok(postcard::from_bytes(&bytes)?)
     }
 
-    /// Copies the bytes that [`StateWriter::copy`] has written to `to`.
+    /// Copies to `to` the bytes that [`StateWriter::copy`] has written.
     ///
     /// # Errors
     ///

@@ -89,7 +89,8 @@ impl Parser<'_, '_> {
         is_alone.then_some(first)
     }
 
-    /// Removes the statement that ends directly before a byte, because the error belongs to it.
+    /// Removes the statement that ends directly before a byte, because the error is a part of this
+    /// statement.
     fn retract(&mut self, at: usize) {
         let Some(frame) = self.frames.last_mut() else {
             return;

@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use stochc_ir::Cell;
 
-/// Number of cells along each side of a chunk. A power of two, which avoids divisions.
+/// Number of cells along each edge of a chunk. A power of two, which avoids divisions.
 const SIDE: i32 = 1 << SIDE_BITS;
 const SIDE_BITS: u32 = 2;
 

@@ -146,8 +146,8 @@ pub trait SpatialWorld: World + Sized {
     /// Returns the bonds between free blocks in ascending order. They form a tree in each group.
     fn free_bonds(&self) -> Vec<FreeBond>;
 
-    /// Returns the blocks within reach of each open face, by face and time of entry, with the tick
-    /// of entry.
+    /// Returns the blocks within reach of each open face, with the tick of entry. The list is
+    /// sorted by face, then by that tick.
     ///
     /// The result describes the end of the last step: faces switched on since then are not
     /// included.

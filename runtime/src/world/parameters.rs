@@ -225,8 +225,8 @@ impl WorldParameters {
         [long.unwrap_or(short), short]
     }
 
-    /// Scales forces and impulses by `response`: the steady acceleration, random impulses,
-    /// rejections, the force of the shell, and forces of compliant contacts.
+    /// Multiplies these terms by `response`: the steady acceleration, random impulses, rejections,
+    /// the force of the shell, and forces of compliant contacts.
     ///
     /// `response` is the effect of a force over one step with drag, divided by its effect without
     /// drag. `dt` is the length of a step \[tick\].

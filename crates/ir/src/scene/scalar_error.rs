@@ -89,7 +89,8 @@ impl fmt::Display for ScalarError {
 impl std::error::Error for ScalarError {}
 
 impl ScalarError {
-    /// Returns the parameters that could be changed instead, if that is helpful.
+    /// Returns parameters of the scene that could be changed instead. Empty for a wrong dimension
+    /// or value.
     pub fn has(&self) -> &[&'static str] {
         match self {
             ScalarError::Unknown { has, .. } | ScalarError::Absent { has, .. } => has,

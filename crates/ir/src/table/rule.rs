@@ -3,11 +3,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Cell, Face};
 
-/// Name that blocks take in turn: an index into [`Tables::roles`](super::Tables::roles).
+/// Index of a role in [`Tables::roles`](super::Tables::roles). A role is a name that blocks take in
+/// turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct RoleId(pub u32);
 
-/// Phase of the program: an index into [`Tables::phases`](super::Tables::phases).
+/// Index of a phase in [`Tables::phases`](super::Tables::phases).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct PhaseId(pub u32);
 

@@ -59,7 +59,7 @@ struct Active<R: Real> {
     target: AttractingFace<R>,
     /// Number of entries of blocks into the face's reach.
     entries: u32,
-    /// Blocks within reach by number, with the tick of entry.
+    /// Blocks within reach in the order of their entry: number, and tick of entry.
     inside: Vec<(u32, u64)>,
     /// Blocks that may be within reach, in ascending order.
     nearby: Vec<u32>,
@@ -79,7 +79,7 @@ struct DockingCandidate<R: Real> {
     near: Near<R>,
 }
 
-/// Block that has just been captured, with its place.
+/// Block that has just been captured, with its position and orientation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Anchored<R: Real> {
     pub body: u32,

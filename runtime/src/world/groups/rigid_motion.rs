@@ -18,7 +18,7 @@ pub(super) struct RigidMotion {
 }
 
 impl RigidMotion {
-    /// Returns the rigid motion of at least one cube of side 1 and mass 1.
+    /// Returns the rigid motion of at least one cube of edge 1 and mass 1.
     pub fn new(cubes: &[Motion], response: Response) -> RigidMotion {
         let (mut compound, turning) = RigidMotion::momenta(cubes, response);
         let arms = (cubes.iter()).map(|cube| cube.position - compound.middle);

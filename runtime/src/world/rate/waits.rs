@@ -21,7 +21,8 @@ pub(super) struct RateModel<'r> {
     known: FxHashMap<Seen, Wait>,
 }
 
-/// Cache key: all causes of a waiting time, except the number of free blocks.
+/// Cache key of a waiting time. Contains everything that the waiting time depends on, except the
+/// number of free blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Seen {
     near: Neighbourhood,

@@ -67,7 +67,7 @@ impl<R: Lane> CollisionShape<R> {
         }
     }
 
-    /// Removes the blocks that cannot touch the ground from `low`, a list of low blocks.
+    /// Removes blocks that cannot touch the ground from the list `low` of low blocks.
     fn keep_near_ground(&self, bodies: &Bodies<R>, low: &mut Vec<u32>) {
         if let Ground::Plate(plate) = &self.ground {
             low.retain(|&id| {

@@ -106,7 +106,7 @@ fn fits(unit: &str, kinds: &[QuantityKind]) -> bool {
     kinds.is_empty() || kinds.iter().any(|kind| kind.dimension == dimension)
 }
 
-/// Returns the symbols of units, and short ones also with common prefixes.
+/// Returns the symbols of units. Short symbols are also returned with common prefixes.
 fn symbols() -> impl Iterator<Item = String> {
     let bases = BASES.iter().map(|(base, ..)| *base);
     // A percent sign is not a word, and the plural of ticks suffices.
