@@ -93,17 +93,17 @@ pub enum Command {
         after_help = "Examples:\n  stochc trace tower.sa\n  stochc trace tower.sa --run 17 --seed 2"
     )]
     Trace(Box<trace::TraceArguments>),
-    /// Make the missing runs of an interrupted ensemble, or add runs
+    /// Simulate the missing runs of an interrupted ensemble, or add runs
     #[command(
         after_help = "Examples:\n  stochc resume results/tower\n  stochc resume results/tower -n 400"
     )]
     Resume(Box<resume::ResumeArguments>),
-    /// Make the runs of a results folder again, with the same settings
+    /// Simulate the runs of a results folder again, with the same settings
     #[command(
         after_help = "Examples:\n  stochc repeat results/tower -o results/again\n  stochc repeat results/tower --record all -o results/recorded"
     )]
     Repeat(Box<repeat::RepeatArguments>),
-    /// Estimate completion times at once, from calibrated rates and without physics
+    /// Estimate completion times immediately, from calibrated rates and without physics
     #[command(
         after_help = "Examples:\n  stochc estimate tower.sa\n  stochc estimate tower.sa --captures=10"
     )]

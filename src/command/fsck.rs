@@ -18,7 +18,8 @@ pub struct FsckArguments {
     /// Results folder
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Repair the folder. This moves corrupted files into `DIR/corrupted`, and rewrites journal and tables from valid lines
+    /// Repair the folder. This moves corrupted files into `DIR/damaged`, and writes the journal and the tables again
+    /// from valid lines
     #[arg(long)]
     repair: bool,
 }

@@ -21,7 +21,7 @@ pub struct ShardArguments {
 enum ShardCommand {
     /// Split an ensemble into shards
     New(Box<new::NewArguments>),
-    /// Make the runs of one shard
+    /// Simulate the runs of one shard
     Run(run::RunArguments),
     /// List the shards of an ensemble and their states
     Status(status::StatusArguments),
