@@ -19,7 +19,7 @@ use crate::world::{SpatialWorld, World};
 /// Probability per tick of an unplanned capture in model `shuffle`, for faces that always attract.
 const STRAYS: f64 = 0.25;
 
-/// Runs number `run` of the ensemble with this `seed`.
+/// Computes run number `run` of the ensemble with this `seed`.
 ///
 /// The record is a pure function of all arguments except `watch`.
 ///

@@ -622,7 +622,7 @@ impl Checker<'_> {
         })
     }
 
-    /// Completes the diagnostic of a name without a block: the name is unknown, or its block is in
+    /// Completes the diagnostic of a name without a block. The name is unknown, or its block is in
     /// another phase. `help` is the help for a block of another phase. Returns `None` if the
     /// statement has been reported.
     fn unknown(

@@ -23,9 +23,9 @@ pub enum LocatedDependency {
     /// A block can switch on a limited number of faces at a time, in source order. A capture has
     /// `of` edges of this kind, and `needed` of them are enough.
     Face {
-        /// Number of earlier captures of the block that must have happened.
+        /// Number of earlier captures by the block that must have happened.
         needed: u8,
-        /// Number of earlier captures of the block with an edge to this capture.
+        /// Number of earlier captures by the block with an edge to this capture.
         of: u8,
     },
     /// An `after` at this location.
@@ -111,7 +111,7 @@ pub fn build(
 }
 
 /// Returns the dependencies of captures that wait for a free face. Such a capture waits until fewer
-/// than `faces` earlier captures of the same block are pending.
+/// than `faces` earlier captures by the same block are pending.
 fn face_turns(
     plan: &ProgramPlan,
     faces: u8,

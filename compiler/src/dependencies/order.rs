@@ -22,7 +22,7 @@ pub struct Order {
     /// Critical path of each phase: captures that must follow one another, with the releases
     /// between them. Its length is its number of captures. A phase of pre-attached blocks has none.
     pub chains: Vec<Vec<EventId>>,
-    /// Edges that this order does not need, because another capture of the same block comes
+    /// Edges that this order does not need, because another capture by the same block comes
     /// earlier. Empty unless blocks can have several active faces.
     pub unneeded: FxHashSet<EdgeIndex>,
 }

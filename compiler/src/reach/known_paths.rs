@@ -7,7 +7,8 @@ use stochc_ir::Cell;
 
 use super::moving_cube::MovingCube;
 
-/// Positions of a cube of one size with a path to the outside, in every order of the current phase.
+/// For a cube of one size, positions with a path to the outside in every order of the current
+/// phase.
 #[derive(Default)]
 pub struct KnownPaths {
     /// Next position on the path, and the phase that proved it. The last position is its own

@@ -32,8 +32,8 @@ pub struct ValidProgram<'a> {
     pub patterns: &'a Patterns<'a>,
     /// File of the assembly.
     pub file: FileId,
-    /// Check of the files with one change. `None` inside such a check, which needs only the titles
-    /// of diagnostics.
+    /// Function that checks the files with one change. `None` inside such a check, because it needs
+    /// only the titles of diagnostics.
     pub trial: Option<&'a Trial<'a>>,
     /// Whether blocks are known to [pass gaps](stochc_estimate::Rates::passes_gaps) in the scene.
     pub has_passable_gaps: bool,

@@ -157,7 +157,7 @@ static TO_STRUCTURE: [[[Face; 6]; 6]; 6] = {
 };
 
 /// Own face that points in each direction of the structure. The indices are the directions of east
-/// and north, then the direction.
+/// and north, then the structure's direction.
 static TO_OWN: [[[Face; 6]; 6]; 6] = {
     let mut of = [[Face::ALL; 6]; 6];
     let mut i = 0;

@@ -22,8 +22,8 @@ pub fn end_of_line(bytes: &[u8], at: usize) -> usize {
         .map_or(bytes.len(), |offset| at + offset)
 }
 
-/// Returns whether a text begins with a comment. Three slashes begin documentation, two or more
-/// than three a comment.
+/// Returns whether a text begins with a comment. Two slashes, or more than three, begin a comment.
+/// Three slashes begin documentation.
 pub fn is_comment(rest: &[u8]) -> bool {
     rest.starts_with(b"//") && (!rest.starts_with(b"///") || rest.starts_with(b"////"))
 }

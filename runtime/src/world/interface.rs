@@ -68,7 +68,7 @@ pub trait World: State {
     /// Returns the number of entries into the reach of an open face so far, including re-entries.
     ///
     /// Returns 0 for other faces and for worlds without positions. A block does not count if
-    /// another face captures it into the cell in front.
+    /// another face captures it into the cell in front of this face.
     fn entries(&self, _site: BlockFace) -> u32 {
         0
     }

@@ -40,8 +40,7 @@ impl MotionLimits {
         }
     }
 
-    /// Returns the limits with the largest distance reduced to `far` if it was larger. The ground
-    /// ends at `far`.
+    /// Returns these limits with a largest distance of at most `far`. The ground ends at `far`.
     #[cfg(feature = "rapier")]
     pub fn within(self, far: f64) -> MotionLimits {
         let far = self.far.min(far);

@@ -23,7 +23,8 @@ impl<R: Real> WallForce<R> {
         }
     }
 
-    /// Returns the acceleration of a block at a position by the shell \[block lengths / tick^2\].
+    /// Returns the acceleration that the shell gives a block at a position \[block lengths /
+    /// tick^2\].
     pub fn push(&self, place: Vector3<R>) -> Vector3<R> {
         let pull = self.pull(place);
         pull.map_or_else(Vector3::zeros, |(way, pull)| way * -pull)

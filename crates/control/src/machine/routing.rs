@@ -132,8 +132,8 @@ impl<M: Copy> Structure<'_, M> {
         })
     }
 
-    /// Returns the ancestor of `slot`, or itself, at a depth. Returns `None` if `slot` is not as
-    /// deep.
+    /// Returns the block at a depth, among `slot` and its ancestors. Returns `None` if `slot` is
+    /// not as deep.
     fn ancestor(&mut self, mut slot: BlockSlot, depth: u32) -> Option<BlockSlot> {
         self.find_path(slot);
         loop {

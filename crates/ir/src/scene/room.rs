@@ -118,8 +118,8 @@ impl Interior {
         }
     }
 
-    /// Returns whether all blocks fit in a box within the hemisphere. This avoids counting sites,
-    /// which might be too many for the memory.
+    /// Returns whether all blocks fit in a box within the hemisphere. If they do, the sites need
+    /// not be counted. Their number might exceed the memory.
     fn is_roomy(&self, count: u32) -> bool {
         let radius = self.radius - MARGIN;
         let along = |length: f64| (length / MIN_SPACING - 1.0).max(0.0);

@@ -25,8 +25,8 @@ pub(crate) struct Faces<R: Real> {
     magnet: Magnet,
     /// Open faces, sorted by site.
     active: Vec<Active<R>>,
-    /// Faces that always attract and whose cell is occupied by a block that they do not hold. They
-    /// keep their entry counts, because the block may leave.
+    /// Faces that always attract, but have a block in front that they do not hold. They keep their
+    /// entry counts, because the block may leave.
     covered: Vec<Active<R>>,
     /// Faces that hold a block.
     holds: BTreeMap<BlockFace, u32>,

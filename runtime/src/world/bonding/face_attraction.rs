@@ -12,12 +12,12 @@ use crate::world::unit_cube::INVERSE_INERTIA;
 /// Distance below which a pull has no direction \[block lengths\].
 const COINCIDENT: f64 = 1e-6;
 
-/// Velocity change of a face's centre by a unit force: by translation, and by rotation about an
-/// axis half a block length away.
+/// Velocity change that a unit force causes at a face's centre, by translation and by rotation. The
+/// axis of rotation is half a block length away.
 const FACE_YIELDS: f64 = 1.0 + 0.25 * INVERSE_INERTIA;
 
-/// Velocity change of a corner by unit forces at all four corners. They turn the block about the
-/// normal, at a distance of 1/sqrt(2) block lengths.
+/// Velocity change that unit forces at all four corners cause at a corner. They turn the block
+/// about the normal, at a distance of 1/sqrt(2) block lengths.
 const CORNERS_YIELD: f64 = 4.0 * 0.5 * INVERSE_INERTIA;
 
 /// Magnetized face in space.

@@ -88,7 +88,7 @@ impl FacePair {
     }
 }
 
-/// Returns the pairs of blocks that may be within each other's reach, in ascending order, by a
+/// Returns the pairs of blocks that may be within each other's reach, in ascending order. Uses a
 /// sweep along x.
 pub(crate) fn close(blocks: &[(u32, Vector3<f64>)], reach: f64) -> Vec<(usize, usize)> {
     let far = reach + 2.0 * INSIDE;

@@ -332,8 +332,8 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// Adds the pairs of a block with the blocks of a SIMD vector that `hits` marks. Rare, hence
-    /// not inlined.
+    /// Adds pairs of a block with other blocks. `hits` marks these blocks in a SIMD vector. Rarely
+    /// called, so it is not inlined.
     #[inline(never)]
     fn note(&self, own: Tag, from: usize, mut hits: u32, pairs: &mut Vec<(u32, u32)>) {
         while hits != 0 {

@@ -123,7 +123,8 @@ const SLICES: u32 = 512;
 /// Number of scale heights after which the profile is negligible.
 const FAR: f64 = 40.0;
 
-/// Returns the acceleration of a block at rest by weight and buoyancy, positive downward \[m/s^2\].
+/// Returns the acceleration that weight and buoyancy give a block at rest, positive downward
+/// \[m/s^2\].
 pub fn down(scene: &Scene) -> f64 {
     let density = scene.fluid.as_ref().and_then(|fluid| fluid.density);
     let displaced = density.map_or(0.0, |density| density * scene.block.side.powi(3));

@@ -18,8 +18,8 @@ pub struct SchemaEntry {
     pub equations: &'static [&'static Equation],
     /// Function that adds the clause to a scene, with parameters not set.
     pub make: fn(&mut Scene),
-    /// Function that returns whether a scene has the entry. `None` if its required parameters
-    /// decide it.
+    /// Function that returns whether a scene has the entry. `None` if the required parameters of
+    /// the entry decide this.
     pub(super) is: Option<fn(&Scene) -> bool>,
 }
 

@@ -75,7 +75,7 @@ impl<R: Lane> Solver<R> {
     /// Solves all contacts after the bodies moved as if there were none. Changes the velocities and
     /// corrects the positions accordingly.
     ///
-    /// `push` returns the acceleration of a block at a position by the shell. If contacts are
+    /// `push` returns the acceleration that the shell gives a block at a position. If contacts are
     /// rigid, it includes the steady acceleration. Contacts act in the middle of a step, before the
     /// second half of the resulting velocity change. Otherwise collisions would add energy to
     /// blocks that fall or meet the shell. `moved` receives every changed block with its position,

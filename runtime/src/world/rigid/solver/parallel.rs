@@ -443,8 +443,8 @@ fn velocity<R: Lane, const N: usize>(
     }))
 }
 
-/// Returns the velocity change in direction `one` of the frame by a unit impulse in direction
-/// `two`.
+/// Returns the velocity change that a unit impulse in direction `two` of the frame causes in
+/// direction `one`.
 #[inline(always)]
 fn yields<R: Lane, const N: usize>(
     frame: &[BatchVector<R>; 3],

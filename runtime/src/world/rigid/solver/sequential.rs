@@ -344,8 +344,8 @@ impl SequentialContact {
 }
 
 impl<R: Lane> ConstraintRow<R> {
-    /// Returns the velocity change in this row's direction by a unit impulse in the other's
-    /// direction.
+    /// Returns the velocity change that a unit impulse in the other row's direction causes in this
+    /// row's direction.
     fn yields(&self, other: &ConstraintRow<R>, a: &SolverBody<R>, b: &SolverBody<R>) -> R {
         let turned = |i: usize| self.torques[i] * other.torques[i];
         let moved = self.direction * other.direction;
