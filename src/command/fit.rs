@@ -59,7 +59,8 @@ pub struct FitArguments {
     /// Number of runs of each program with each parameter set, 4 to 10,000
     #[arg(long, short = 'n', value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(4..=10_000))]
     runs: u64,
-    /// Time steps per tick. `2/8` means eight steps for blocks near open faces, and two for all other blocks
+    /// Time steps per tick. `2/8` means eight steps for blocks near open faces, and two for all other blocks. Scenes with a
+    /// fluid, a flow or `bond reject` take eight steps for all blocks
     #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
     substeps: Substeps,
     /// Stop each run after this many ticks. The fit does not use stopped runs, and a warning counts them
