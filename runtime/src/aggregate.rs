@@ -4,7 +4,7 @@ use stochc_ir::table::{PhaseId, Tables};
 
 use crate::observe::{ObservedEvent, StepObserver};
 use crate::run_error::RunError;
-use crate::watch::{Watch, resume, tell};
+use crate::watch::{Watch, report_tick, resume};
 use crate::world::World;
 
 /// Progress of a run towards its largest group.
@@ -70,7 +70,7 @@ pub(crate) fn gather<W: World>(
         if let Some(by) = Limit::reached(is_late, tick, max_ticks) {
             break Outcome::TimedOut { phase, by };
         }
-        tell(watch, tick, phase, &[&growth, world, &step_observer])?;
+        report_tick(watch, tick, phase, &[&growth, world, &step_observer])?;
         dockings.clear();
         if let Err(fault) = world.step(&mut dockings) {
             let reason = fault.to_string();

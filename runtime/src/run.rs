@@ -8,7 +8,7 @@ use crate::control::Controller;
 use crate::observe::{EventObservation, Observer, StepObserver};
 use crate::run_error::RunError;
 use crate::settings::{Model, Settings};
-use crate::watch::{Watch, resume, tell};
+use crate::watch::{Watch, report_tick, resume};
 #[cfg(feature = "rapier")]
 use crate::world::rapier::RapierWorld;
 use crate::world::rate::RateWorld;
@@ -181,7 +181,7 @@ fn follow<W: World>(
         if let Some(by) = Limit::reached(controller.timed_out(), tick, max_ticks) {
             break Outcome::TimedOut { phase, by };
         }
-        tell(watch, tick, phase, &[&controller, world, &step_observer])?;
+        report_tick(watch, tick, phase, &[&controller, world, &step_observer])?;
         // Stop one tick early: the next step then ends at the tick that needs the controller.
         if let Some(last) = controller.next_due(max_ticks).checked_sub(1) {
             world.skip(last);

@@ -59,7 +59,7 @@ pub(crate) fn resume(
 /// # Errors
 ///
 /// [`RunError::Cancelled`], if the watch cancels the run.
-pub(crate) fn tell(
+pub(crate) fn report_tick(
     watch: &mut (impl Watch + ?Sized),
     tick: u64,
     phase: PhaseId,

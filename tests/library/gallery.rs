@@ -71,7 +71,7 @@ impl Sample {
         let mut checked = check(self.files[0].0, &mut folder, self.limits);
         if self.corrupted {
             for program in &mut checked.programs {
-                program.tables = program.tables.as_ref().map(without_news);
+                program.tables = program.tables.as_ref().map(without_notifications);
             }
             stochc::compiler::model_check::try_out(&mut checked);
         }
@@ -115,10 +115,10 @@ assembly tunnel {
 ";
 
 /// Returns tables without messages, as an error of the compiler could produce them.
-fn without_news(tables: &Tables) -> Tables {
+fn without_notifications(tables: &Tables) -> Tables {
     let duties = tables.duties().map(|duty| {
         let rules = duty.rules().map(|rule| (rule.when.to_vec(), rule.then));
-        let rules = rules.filter(|(_, then)| !matches!(then, Action::Tell { .. }));
+        let rules = rules.filter(|(_, then)| !matches!(then, Action::Notify { .. }));
         (duty.role, duty.phase, duty.trigger, rules.collect())
     });
     Tables::assemble(

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use stochc::ir::emit::{table_json, table_text};
 use stochc::ir::scene::BondKind;
 use stochc::ir::table::{
-    Action, Condition, News, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger,
+    Action, Condition, Notification, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger,
 };
 use stochc::ir::{Cell, Face};
 
@@ -84,8 +84,8 @@ fn condition_rows() -> Vec<(Value, String)> {
         Condition::Docked(A),
         Condition::Asked(A),
         Condition::Released(A),
-        Condition::Heard(News::Anchored(B)),
-        Condition::Heard(News::Released(B)),
+        Condition::Notified(Notification::Anchored(B)),
+        Condition::Notified(Notification::Released(B)),
         Condition::Turn(1),
     ];
     let row = |condition| {
@@ -113,14 +113,17 @@ fn action_rows() -> Vec<(Value, String)> {
         face: Face::Up,
         child: A,
     };
-    let news = News::Anchored(A);
+    let notification = Notification::Anchored(A);
     let of_bonds = [BondKind::Attract, BondKind::Suction, BondKind::Reject];
     let with_hardware = |action| of_bonds.map(|bond| (bond, action));
     let mut all = Vec::from(with_hardware(magnetize));
     all.extend(with_hardware(switch_off));
     let messages = [
         Action::AskRelease,
-        Action::Tell { to: B, news },
+        Action::Notify {
+            to: B,
+            notification,
+        },
         Action::Report,
     ];
     all.extend(messages.map(|action| (BondKind::Attract, action)));
@@ -161,8 +164,8 @@ fn every_trigger_condition_and_action_is_documented() {
     assert_rows(&words::<Trigger>(), trigger_rows());
     assert_rows(&words::<Condition>(), condition_rows());
     assert_rows(&words::<Action>(), action_rows());
-    let heard = condition_rows().into_iter();
-    let heard = heard.filter(|(value, _)| word(value) == "heard");
-    let news = heard.map(|(value, row)| (value["heard"].clone(), row));
-    assert_rows(&words::<News>(), news.collect());
+    let notified = condition_rows().into_iter();
+    let notified = notified.filter(|(value, _)| word(value) == "notified");
+    let notifications = notified.map(|(value, row)| (value["notified"].clone(), row));
+    assert_rows(&words::<Notification>(), notifications.collect());
 }

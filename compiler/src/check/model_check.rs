@@ -73,13 +73,13 @@ pub fn expected(graph: &EventGraph, tables: &Tables) -> ProgramGoals {
         let event = graph.event(id);
         let mut meant = Meant {
             phase: event.phase,
-            event: event.action.news(),
+            event: event.action.notification(),
             cell: event.cell,
             waits_for: Vec::new(),
             turn: (0, Vec::new()),
         };
         for edge in graph.waits_for(id) {
-            let first = graph.event(edge.first).action.news();
+            let first = graph.event(edge.first).action.notification();
             match edge.why {
                 Dependency::Face { needed, .. } => {
                     meant.turn.0 = usize::from(needed);

@@ -4,7 +4,9 @@ use petgraph::graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::scene::{BondKind, Scene};
-use stochc_ir::table::{Action, Condition, News, Phase, PhaseId, Role, RoleId, Tables, Trigger};
+use stochc_ir::table::{
+    Action, Condition, Notification, Phase, PhaseId, Role, RoleId, Tables, Trigger,
+};
 
 use crate::blocks::liveness::{Holder, Liveness};
 use crate::dependencies::graph::{DependencyGraph, LocatedDependency};
@@ -150,9 +152,9 @@ impl Lowering<'_> {
                     {
                         Some(self.seen(first))
                     }
-                    LocatedDependency::After(_) | LocatedDependency::Freed => {
-                        (actor.since != Some(first)).then(|| Condition::Heard(self.news(first)))
-                    }
+                    LocatedDependency::After(_) | LocatedDependency::Freed => (actor.since
+                        != Some(first))
+                    .then(|| Condition::Notified(self.notification(first))),
                 }
             })
             .collect();
@@ -184,11 +186,11 @@ impl Lowering<'_> {
         }
     }
 
-    fn news(&self, id: EventId) -> News {
+    fn notification(&self, id: EventId) -> Notification {
         let event = self.plan.event(id);
         match event.kind {
-            EventKind::Capture { .. } => News::Anchored(event.role),
-            EventKind::Release => News::Released(event.role),
+            EventKind::Capture { .. } => Notification::Anchored(event.role),
+            EventKind::Release => Notification::Released(event.role),
         }
     }
 
@@ -207,9 +209,9 @@ impl Lowering<'_> {
         receivers.sort_unstable();
         receivers.dedup();
         for to in receivers {
-            let action = Action::Tell {
+            let action = Action::Notify {
                 to,
-                news: self.news(id),
+                notification: self.notification(id),
             };
             match event.kind {
                 EventKind::Capture { .. } => {

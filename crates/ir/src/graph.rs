@@ -1,7 +1,7 @@
 //! Dependency graph of a compiled program.
 use serde::{Deserialize, Serialize};
 
-use crate::table::{News, PhaseId, RoleId, Tables};
+use crate::table::{Notification, PhaseId, RoleId, Tables};
 use crate::{Cell, Face};
 
 /// Index of a capture or release in [`EventGraph::events`].
@@ -143,10 +143,10 @@ impl EventAction {
     }
 
     /// Returns the message content that reports the event.
-    pub fn news(self) -> News {
+    pub fn notification(self) -> Notification {
         match self {
-            EventAction::Capture { child, .. } => News::Anchored(child),
-            EventAction::Release { child } => News::Released(child),
+            EventAction::Capture { child, .. } => Notification::Anchored(child),
+            EventAction::Release { child } => Notification::Released(child),
         }
     }
 

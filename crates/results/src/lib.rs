@@ -26,8 +26,8 @@
 //! let stop = AtomicBool::new(false);
 //! let results = run(Destination::Memory(&manifest), &progress, &stop, |program, number, watch| {
 //!     let program = &manifest.programs[program];
-//!     let mut told = |tick, phase| watch.tick(tick, phase);
-//!     let record = program.run(&manifest.settings_of(program), manifest.seed, number, &mut told);
+//!     let mut on_tick = |tick, phase| watch.tick(tick, phase);
+//!     let record = program.run(&manifest.settings_of(program), manifest.seed, number, &mut on_tick);
 //!     record.map_err(|_| RunCancelled)
 //! })?;
 //! assert_eq!(results.finished.to_vec()?.len(), 10);

@@ -60,7 +60,7 @@ pub fn serve(gas: &mut dyn Gas, version: &str) -> Result<(), Box<dyn Error>> {
     for line in io::stdin().lines() {
         match line?.split_whitespace().collect::<Vec<_>>()[..] {
             ["run", ticks] => run(gas, ticks.parse()?)?,
-            ["state"] => tell(gas)?,
+            ["state"] => print_state(gas)?,
             _ => return Err("unknown order".into()),
         }
     }
@@ -88,7 +88,7 @@ fn run(gas: &mut dyn Gas, ticks: u64) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn tell(gas: &dyn Gas) -> Result<(), Box<dyn Error>> {
+fn print_state(gas: &dyn Gas) -> Result<(), Box<dyn Error>> {
     let mut out = BufWriter::new(io::stdout().lock());
     for state in gas.states() {
         let [x, y, z] = state.position;

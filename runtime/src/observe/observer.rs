@@ -1,7 +1,7 @@
 //! Interface of observers, and the events that they see.
 use stochc_control::{Body, Payload};
 use stochc_ir::state::{State, StateError, StateReader, StateWriter};
-use stochc_ir::table::{News, PhaseId, RoleId};
+use stochc_ir::table::{Notification, PhaseId, RoleId};
 use stochc_ir::{Cell, Face};
 
 use crate::world::{FreeBond, SpatialWorld};
@@ -157,8 +157,8 @@ impl From<Payload> for MessageContent {
         match payload {
             Payload::Report(by) => MessageContent::Report(by.role),
             Payload::Ask(role) => MessageContent::Ask(role),
-            Payload::Tell(News::Anchored(role)) => MessageContent::Anchored(role),
-            Payload::Tell(News::Released(role)) => MessageContent::Released(role),
+            Payload::Notify(Notification::Anchored(role)) => MessageContent::Anchored(role),
+            Payload::Notify(Notification::Released(role)) => MessageContent::Released(role),
         }
     }
 }

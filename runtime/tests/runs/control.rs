@@ -8,7 +8,7 @@ use crate::tables::{Draft, at_once, chain, magnetize};
 use proptest::prelude::*;
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, RunRecord};
 use stochc_ir::scene::{BondKind, Messages};
-use stochc_ir::table::{Action, Condition, News, PhaseId, RoleId, Tables};
+use stochc_ir::table::{Action, Condition, Notification, PhaseId, RoleId, Tables};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::control::Controller;
 use stochc_runtime::world::shuffle::ShuffleWorld;
@@ -204,17 +204,17 @@ fn without_delay_messages_arrive_in_the_same_tick() {
 
 /// Returns a run with towers of two on A and B. M captures N only after both are complete. N's
 /// child O also waits for a message that can arrive before N has docked.
-fn news(hop: Option<u32>, run: u64) -> (RunRecord, [RoleId; 4]) {
+fn notification(hop: Option<u32>, run: u64) -> (RunRecord, [RoleId; 4]) {
     let mut draft = Draft::default();
     let phase = draft.phase(1);
     let [a, b] = [draft.seed("A", 0, 0), draft.seed("B", 2, 2)];
     let m = draft.seed("M", 1, 1);
     let [e, f, i, j, n, o] = ["E", "F", "I", "J", "N", "O"].map(|name| draft.role(name));
-    let heard = |role| Condition::Heard(News::Anchored(role));
-    let tell = |to, role| {
-        at_once(Action::Tell {
+    let notified = |role| Condition::Notified(Notification::Anchored(role));
+    let notify = |to, role| {
+        at_once(Action::Notify {
             to,
-            news: News::Anchored(role),
+            notification: Notification::Anchored(role),
         })
     };
     for (seed, x, low, high) in [(a, 0, e, i), (b, 2, f, j)] {
@@ -229,12 +229,12 @@ fn news(hop: Option<u32>, run: u64) -> (RunRecord, [RoleId; 4]) {
             phase,
             vec![at_once(magnetize(Face::Up, high, cell(2)))],
         );
-        draft.anchored(high, phase, vec![tell(m, high), tell(n, high)]);
+        draft.anchored(high, phase, vec![notify(m, high), notify(n, high)]);
     }
     let first = magnetize(Face::Up, n, Cell::new(1, 1, 1));
-    draft.start(m, phase, vec![(vec![heard(i)], first)]);
+    draft.start(m, phase, vec![(vec![notified(i)], first)]);
     let second = magnetize(Face::Up, o, Cell::new(1, 1, 2));
-    draft.anchored(n, phase, vec![(vec![heard(i), heard(j)], second)]);
+    draft.anchored(n, phase, vec![(vec![notified(i), notified(j)], second)]);
     draft.anchored(o, phase, vec![at_once(Action::Report)]);
     (shuffle(&draft.tables(), hop, run).0, [i, j, n, o])
 }
@@ -242,13 +242,13 @@ fn news(hop: Option<u32>, run: u64) -> (RunRecord, [RoleId; 4]) {
 #[test]
 fn notifications_cross_the_plate_and_wait_for_their_receiver() {
     for run in 0..50 {
-        let (record, [i, j, n, o]) = news(Some(7), run);
+        let (record, [i, j, n, o]) = notification(Some(7), run);
         assert_eq!(record.outcome, Outcome::Completed);
         let docked = |role| bond(&record, role).docked;
         // The message goes down I's tower to the plate. M is part of the plate.
         assert_eq!(bond(&record, n).magnetized, docked(i) + 2 * 7);
         // The message reaches M and continues to N, which may dock later.
-        let at_n = |news: u64| (news + 2 * 7).max(docked(n)) + 7;
+        let at_n = |notification: u64| (notification + 2 * 7).max(docked(n)) + 7;
         assert_eq!(
             bond(&record, o).magnetized,
             at_n(docked(i)).max(at_n(docked(j)))
@@ -270,15 +270,22 @@ fn a_new_holder_knows_the_messages_of_the_last() {
     let face = Face::Up;
     draft.start(a, first, vec![at_once(magnetize(face, x, cell(0, 1)))]);
     draft.anchored(x, first, vec![at_once(Action::Report)]);
-    let news = News::Anchored(c);
+    let notification = Notification::Anchored(c);
     draft.start(d, second, vec![at_once(magnetize(face, c, cell(2, 1)))]);
-    draft.anchored(c, second, vec![at_once(Action::Tell { to: x, news })]);
+    draft.anchored(
+        c,
+        second,
+        vec![at_once(Action::Notify {
+            to: x,
+            notification,
+        })],
+    );
     draft.start(
         x,
         second,
-        vec![(vec![Condition::Heard(news)], Action::AskRelease)],
+        vec![(vec![Condition::Notified(notification)], Action::AskRelease)],
     );
-    let released = News::Released(x);
+    let released = Notification::Released(x);
     draft.start(
         a,
         second,
@@ -289,17 +296,25 @@ fn a_new_holder_knows_the_messages_of_the_last() {
             ),
             (
                 vec![Condition::Released(x)],
-                Action::Tell {
+                Action::Notify {
                     to: b,
-                    news: released,
+                    notification: released,
                 },
             ),
         ],
     );
     let again = magnetize(face, x, cell(1, 1));
-    draft.start(b, second, vec![(vec![Condition::Heard(released)], again)]);
+    draft.start(
+        b,
+        second,
+        vec![(vec![Condition::Notified(released)], again)],
+    );
     let next = magnetize(face, y, cell(1, 2));
-    draft.anchored(x, second, vec![(vec![Condition::Heard(news)], next)]);
+    draft.anchored(
+        x,
+        second,
+        vec![(vec![Condition::Notified(notification)], next)],
+    );
     draft.anchored(y, second, vec![at_once(Action::Report)]);
     let tables = draft.tables();
     for hop in [None, Some(0), Some(3)] {

@@ -55,9 +55,9 @@ fn a_report_is_written_into_its_folder() {
 #[test]
 fn the_critical_path_includes_messages() {
     let folder = tempfile::tempdir().unwrap();
-    let file = path(folder.path(), "news.sa");
+    let file = path(folder.path(), "notifications.sa");
     let text = "scene slow from hemisphere { messages { hop 50 ticks } }\n\
-                assembly news in slow { seed plate 3 x 1 { A at (0, 0) B at (2, 0) }\n\
+                assembly notifications in slow { seed plate 3 x 1 { A at (0, 0) B at (2, 0) }\n\
                 phase g { A.up ->> T[1..2] B.up -> X after T[2] } }\n";
     fs::write(&file, text).unwrap();
     let out = path(folder.path(), "out");
@@ -66,7 +66,7 @@ fn the_critical_path_includes_messages() {
     assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
     let chains = fs::read_to_string(path(out.as_ref(), "report-figures/chains.csv")).unwrap();
     let mut ends = [0; 3];
-    let mut news = 0;
+    let mut notifications = 0;
     for line in chains.lines().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
         let [_, run, _, event, from, to] = cells[..] else {
@@ -75,10 +75,14 @@ fn the_critical_path_includes_messages() {
         let [run, from, to] = [run, from, to].map(|it| it.parse::<usize>().unwrap());
         assert_eq!(from, ends[run], "{chains}");
         ends[run] = to;
-        news += if event == "news" { to - from } else { 0 };
+        notifications += if event == "notification" {
+            to - from
+        } else {
+            0
+        };
     }
     // The message travels down to the plate and up the other tower.
-    assert_eq!(news, 3 * 2 * 50, "{chains}");
+    assert_eq!(notifications, 3 * 2 * 50, "{chains}");
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     assert!(
         page.contains("Then the message about it took 100 ticks"),

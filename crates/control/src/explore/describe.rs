@@ -1,5 +1,5 @@
 //! Descriptions of steps in the names of the program.
-use stochc_ir::table::{News, RoleId, Tables};
+use stochc_ir::table::{Notification, RoleId, Tables};
 
 use super::context::ExplorationContext;
 use super::effects::{Effects, Mistake};
@@ -140,21 +140,25 @@ impl Describer<'_> {
 
     /// Describes a message: `the report of C`.
     pub fn message(&self, message: &Message) -> String {
-        let news = |news| self.news(news);
+        let notification = |notification| self.notification(notification);
         match (message.payload, message.target) {
             (Payload::Report(by), _) => format!("the report of {}", self.name(by.role)),
             (Payload::Ask(role), _) => format!("the release request of {}", self.name(role)),
-            (Payload::Tell(what), Recipient::Role(to)) => {
-                format!("the news for {} that {}", self.name(to), news(what))
+            (Payload::Notify(what), Recipient::Role(to)) => {
+                format!(
+                    "the notification for {} that {}",
+                    self.name(to),
+                    notification(what)
+                )
             }
-            (Payload::Tell(what), _) => format!("the news that {}", news(what)),
+            (Payload::Notify(what), _) => format!("the notification that {}", notification(what)),
         }
     }
 
-    fn news(&self, news: News) -> String {
-        match news {
-            News::Anchored(role) => format!("{} is anchored", self.name(role)),
-            News::Released(role) => format!("{} is released", self.name(role)),
+    fn notification(&self, notification: Notification) -> String {
+        match notification {
+            Notification::Anchored(role) => format!("{} is anchored", self.name(role)),
+            Notification::Released(role) => format!("{} is released", self.name(role)),
         }
     }
 
@@ -186,7 +190,11 @@ impl Describer<'_> {
                 )
             }
             Mistake::TooEarly(event, missing) => {
-                format!("{} before {}", self.news(event), self.news(missing))
+                format!(
+                    "{} before {}",
+                    self.notification(event),
+                    self.notification(missing)
+                )
             }
             Mistake::OutOfTurn(role) => {
                 format!(

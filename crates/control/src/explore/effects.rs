@@ -1,5 +1,5 @@
 //! Effects of a transition other than the change of the state.
-use stochc_ir::table::{News, RoleId};
+use stochc_ir::table::{Notification, RoleId};
 
 use super::report::Property;
 use crate::{BlockFace, Body, Message};
@@ -31,7 +31,7 @@ pub(super) enum Mistake {
     /// A role was given to a second block.
     SecondHolder(RoleId),
     /// An event happened before another one that it must follow.
-    TooEarly(News, News),
+    TooEarly(Notification, Notification),
     /// A block was captured too early: too few of its predecessors at the same parent had been
     /// captured.
     OutOfTurn(RoleId),

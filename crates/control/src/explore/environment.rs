@@ -1,5 +1,5 @@
 //! Environment that applies the structure's decisions to a state.
-use stochc_ir::table::{News, RoleId};
+use stochc_ir::table::{Notification, RoleId};
 
 use super::effects::{Effects, Mistake};
 use super::expected::PhaseGoal;
@@ -28,7 +28,7 @@ pub(super) struct StateEnvironment<'a> {
 
 impl StateEnvironment<'_> {
     /// Records an event and checks its predecessors.
-    fn happen(&mut self, event: News) {
+    fn happen(&mut self, event: Notification) {
         let needs = self.stage.and_then(|stage| stage.needs.get(&event));
         let missing = (needs.into_iter().flatten()).find(|needed| !self.done.has(**needed));
         if let Some(missing) = missing {
@@ -36,15 +36,15 @@ impl StateEnvironment<'_> {
             self.effects.faults.push((Property::Order, fault));
         }
         let turn = self.stage.and_then(|stage| stage.turns.get(&event));
-        if let (Some((needed, of)), News::Anchored(role)) = (turn, event)
+        if let (Some((needed, of)), Notification::Anchored(role)) = (turn, event)
             && of.iter().filter(|first| self.done.has(**first)).count() < *needed
         {
             let fault = Mistake::OutOfTurn(role);
             self.effects.faults.push((Property::Order, fault));
         }
         match event {
-            News::Anchored(role) => self.done.captures.insert(role),
-            News::Released(role) => self.done.releases.insert(role),
+            Notification::Anchored(role) => self.done.captures.insert(role),
+            Notification::Released(role) => self.done.releases.insert(role),
         };
     }
 }
@@ -108,12 +108,12 @@ impl Environment for StateEnvironment<'_> {
     }
 
     fn captured(&mut self, capture: &PlannedCapture, _docking: &Docking, _mark: ()) {
-        self.happen(News::Anchored(capture.child));
+        self.happen(Notification::Anchored(capture.child));
         self.effects.captured.push(capture.child);
     }
 
     fn released(&mut self, by: RoleId, role: RoleId, _body: Body, orphans: usize) {
-        self.happen(News::Released(role));
+        self.happen(Notification::Released(role));
         self.effects.released.push((by, role));
         if orphans > 0 {
             (self.effects.faults).push((Property::NoneAdrift, Mistake::Adrift(role)));

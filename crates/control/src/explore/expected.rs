@@ -2,7 +2,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_ir::Cell;
-use stochc_ir::table::{Action, Condition, News, PhaseId, RoleId, Tables};
+use stochc_ir::table::{Action, Condition, Notification, PhaseId, RoleId, Tables};
 
 use crate::Reporter;
 
@@ -21,9 +21,9 @@ pub(super) struct PhaseGoal {
     /// Roles released in the phase.
     pub releases: BTreeSet<RoleId>,
     /// Predecessors of each event.
-    pub needs: BTreeMap<News, BTreeSet<News>>,
+    pub needs: BTreeMap<Notification, BTreeSet<Notification>>,
     /// Captures that need a given number of the listed predecessors.
-    pub turns: BTreeMap<News, (usize, Vec<News>)>,
+    pub turns: BTreeMap<Notification, (usize, Vec<Notification>)>,
     /// Reports to the plate, each once.
     pub reports: BTreeSet<Reporter>,
     /// Cells filled in the phase.
@@ -38,13 +38,13 @@ pub struct Meant {
     /// Phase of the event.
     pub phase: PhaseId,
     /// The expected event.
-    pub event: News,
+    pub event: Notification,
     /// Cell of the captured block, for captures.
     pub cell: Option<Cell>,
     /// Predecessors within the phase.
-    pub waits_for: Vec<News>,
+    pub waits_for: Vec<Notification>,
     /// Number of predecessors that must happen first, and the events that count as predecessors.
-    pub turn: (usize, Vec<News>),
+    pub turn: (usize, Vec<Notification>),
 }
 
 impl ProgramGoals {
@@ -54,12 +54,17 @@ impl ProgramGoals {
         for duty in tables.duties() {
             for (place, rule) in duty.rules().enumerate() {
                 let (event, cell) = match rule.then {
-                    Action::Magnetize { child, cell, .. } => (News::Anchored(child), Some(cell)),
-                    Action::SwitchOff { child, .. } => (News::Released(child), None),
-                    Action::AskRelease => (News::Released(duty.role), None),
-                    Action::Report | Action::Tell { .. } => continue,
+                    Action::Magnetize { child, cell, .. } => {
+                        (Notification::Anchored(child), Some(cell))
+                    }
+                    Action::SwitchOff { child, .. } => (Notification::Released(child), None),
+                    Action::AskRelease => (Notification::Released(duty.role), None),
+                    Action::Report | Action::Notify { .. } => continue,
                 };
-                let waits_for = rule.when.iter().filter_map(|condition| news_of(*condition));
+                let waits_for = rule
+                    .when
+                    .iter()
+                    .filter_map(|condition| reported_event(*condition));
                 let needed = rule.when.iter().find_map(|condition| match condition {
                     Condition::Turn(needed) => Some(usize::from(*needed)),
                     _ => None,
@@ -71,7 +76,9 @@ impl ProgramGoals {
                     waits_for: waits_for.collect(),
                     turn: (
                         needed.unwrap_or(0),
-                        duty.given_before(place).map(News::Anchored).collect(),
+                        duty.given_before(place)
+                            .map(Notification::Anchored)
+                            .collect(),
                     ),
                 });
             }
@@ -90,12 +97,12 @@ impl ProgramGoals {
         for meant in events {
             let stage = &mut phases[meant.phase.0 as usize];
             match meant.event {
-                News::Anchored(child) => {
+                Notification::Anchored(child) => {
                     stage.captures.insert(child);
                     stage.cells.extend(meant.cell);
                     cells.extend(meant.cell.map(|cell| ((meant.phase, child), cell)));
                 }
-                News::Released(child) => {
+                Notification::Released(child) => {
                     stage.releases.insert(child);
                 }
             }
@@ -143,11 +150,11 @@ impl ProgramGoals {
 }
 
 /// Returns the event of a condition. Returns `None` for a condition without an event.
-fn news_of(condition: Condition) -> Option<News> {
+fn reported_event(condition: Condition) -> Option<Notification> {
     match condition {
-        Condition::Docked(role) => Some(News::Anchored(role)),
-        Condition::Released(role) => Some(News::Released(role)),
-        Condition::Heard(news) => Some(news),
+        Condition::Docked(role) => Some(Notification::Anchored(role)),
+        Condition::Released(role) => Some(Notification::Released(role)),
+        Condition::Notified(notification) => Some(notification),
         Condition::Asked(_) | Condition::Turn(_) => None,
     }
 }

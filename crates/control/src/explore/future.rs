@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_ir::Cell;
-use stochc_ir::table::{Action, Condition, Duty, News, PhaseId, RoleId, Tables, Trigger};
+use stochc_ir::table::{Action, Condition, Duty, Notification, PhaseId, RoleId, Tables, Trigger};
 
 use super::context::ExplorationContext;
 use super::roles::RoleSet;
@@ -84,7 +84,7 @@ pub(super) struct Future {
     /// Cells that may be filled.
     pub cells: Vec<Cell>,
     /// Captures and releases that may happen.
-    pub events: BTreeSet<News>,
+    pub events: BTreeSet<Notification>,
     /// Blocks that may be released, and their parents.
     pub released: RoleSet,
     /// Blocks that may act or whose presence may matter.
@@ -109,7 +109,7 @@ struct Forecast<'a, 't> {
     asked: RoleSet,
     docked: RoleSet,
     released_roles: RoleSet,
-    heard: BTreeSet<(RoleId, News)>,
+    notified: BTreeSet<(RoleId, Notification)>,
     future: Future,
 }
 
@@ -135,7 +135,7 @@ impl Future {
             asked: none(),
             docked: none(),
             released_roles: none(),
-            heard: BTreeSet::new(),
+            notified: BTreeSet::new(),
             future: Future {
                 reports: state.structure.reports(),
                 cells: Vec::new(),
@@ -175,7 +175,7 @@ impl<'t> Forecast<'_, 't> {
                     Condition::Docked(role) => self.docked.insert(role),
                     Condition::Asked(role) => self.asked.insert(role),
                     Condition::Released(role) => self.released_roles.insert(role),
-                    Condition::Heard(news) => self.hear(block.role(), news),
+                    Condition::Notified(notification) => self.notify(block.role(), notification),
                     Condition::Turn(_) => false,
                 };
             }
@@ -231,14 +231,14 @@ impl<'t> Forecast<'_, 't> {
             Condition::Docked(child) => self.docked.contains(child),
             Condition::Asked(child) => self.asked.contains(child),
             Condition::Released(child) => self.released_roles.contains(child),
-            Condition::Heard(news) => self.heard.contains(&(role, news)),
+            Condition::Notified(notification) => self.notified.contains(&(role, notification)),
             // A turn is more than a single observation.
             Condition::Turn(_) => false,
         }
     }
 
-    fn hear(&mut self, role: RoleId, news: News) -> bool {
-        self.heard.insert((role, news))
+    fn notify(&mut self, role: RoleId, notification: Notification) -> bool {
+        self.notified.insert((role, notification))
     }
 
     fn fire(&mut self, role: RoleId, action: Action) {
@@ -250,13 +250,15 @@ impl<'t> Forecast<'_, 't> {
             }
             Action::SwitchOff { child, .. } => {
                 self.released_roles.insert(child);
-                self.future.events.insert(News::Released(child));
+                self.future.events.insert(Notification::Released(child));
                 for role in [role, child] {
                     self.future.released.insert(role);
                     self.future.touched.insert(role);
                 }
             }
-            Action::Tell { to, news } => self.arrive(role, &Message::tell(to, news)),
+            Action::Notify { to, notification } => {
+                self.arrive(role, &Message::notify(to, notification))
+            }
             Action::Report => {
                 self.future.reports += 1;
                 (self.captors).add_lineage(self.state, role, &mut self.future.touched);
@@ -267,7 +269,7 @@ impl<'t> Forecast<'_, 't> {
     fn capture(&mut self, parent: RoleId, child: RoleId, cell: Cell) {
         self.docked.insert(child);
         self.future.cells.push(cell);
-        self.future.events.insert(News::Anchored(child));
+        self.future.events.insert(Notification::Anchored(child));
         self.future.touched.insert(parent);
         self.future.touched.insert(child);
         if self.anchored.insert(child)
@@ -285,10 +287,10 @@ impl<'t> Forecast<'_, 't> {
             (Payload::Ask(child), _) => {
                 self.asked.insert(child);
             }
-            (Payload::Tell(news), Recipient::Role(role)) => {
-                self.hear(role, news);
+            (Payload::Notify(notification), Recipient::Role(role)) => {
+                self.notify(role, notification);
             }
-            (Payload::Tell(_), _) => {}
+            (Payload::Notify(_), _) => {}
         }
     }
 }

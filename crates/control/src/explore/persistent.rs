@@ -45,7 +45,7 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use stochc_ir::Cell;
-use stochc_ir::table::News;
+use stochc_ir::table::Notification;
 
 use super::CanReach;
 use super::context::ExplorationContext;
@@ -73,7 +73,7 @@ struct Footprint {
     /// Cell that the transition fills.
     cell: Option<Cell>,
     /// Captures and releases that the transition causes.
-    events: Vec<News>,
+    events: Vec<Notification>,
     /// Blocks that the transition releases, and their parents.
     released: RoleSet,
     /// All blocks that the transition may touch.
@@ -232,11 +232,14 @@ impl<'t> PersistentSets<'t> {
             released.insert(role);
             touched.insert(role);
         }
-        let captures = effects.captured.iter().map(|&role| News::Anchored(role));
+        let captures = effects
+            .captured
+            .iter()
+            .map(|&role| Notification::Anchored(role));
         let releases = effects
             .released
             .iter()
-            .map(|&(_, role)| News::Released(role));
+            .map(|&(_, role)| Notification::Released(role));
         Footprint {
             cell,
             events: captures.chain(releases).collect(),
@@ -270,7 +273,7 @@ impl PersistentSets<'_> {
         let Some(stage) = state.stage(self.context.expected) else {
             return false;
         };
-        let waits = |event: &News, needed: &News| {
+        let waits = |event: &Notification, needed: &Notification| {
             let needs = stage.needs.get(event);
             let turn = stage.turns.get(event);
             needs.is_some_and(|needs| needs.contains(needed))

@@ -1,7 +1,7 @@
 //! Events so far in a phase.
 use std::collections::BTreeSet;
 
-use stochc_ir::table::{News, RoleId};
+use stochc_ir::table::{Notification, RoleId};
 
 use crate::Reporter;
 
@@ -16,10 +16,10 @@ pub(super) struct PhaseProgress {
 
 impl PhaseProgress {
     /// Returns whether an event has happened in this phase.
-    pub fn has(&self, event: News) -> bool {
+    pub fn has(&self, event: Notification) -> bool {
         match event {
-            News::Anchored(role) => self.captures.contains(&role),
-            News::Released(role) => self.releases.contains(&role),
+            Notification::Anchored(role) => self.captures.contains(&role),
+            Notification::Released(role) => self.releases.contains(&role),
         }
     }
 }

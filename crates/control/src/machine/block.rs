@@ -174,15 +174,15 @@ impl<M: Copy> StructureBlock<M> {
         cold.map_or_else(Vec::new, |cold| std::mem::take(&mut cold.waiting))
     }
 
-    /// Returns the messages to pass on when the block is released. They are news that the block has
-    /// received, addressed to the next holder of its role, and kept messages. Returns none if the
+    /// Returns the messages to pass on when the block is released. They are received notifications,
+    /// addressed to the next holder of the block's role, and kept messages. Returns none if the
     /// block has failed.
     pub(super) fn legacy(&self) -> impl Iterator<Item = Message> {
-        let heard = self.seen().iter().filter_map(|&condition| match condition {
-            Condition::Heard(news) => Some(Message::tell(self.role, news)),
+        let notifications = self.seen().iter().filter_map(|&condition| match condition {
+            Condition::Notified(notification) => Some(Message::notify(self.role, notification)),
             _ => None,
         });
-        let all = heard.chain(self.waiting().iter().copied());
+        let all = notifications.chain(self.waiting().iter().copied());
         all.filter(|_| !self.is_dead)
     }
 

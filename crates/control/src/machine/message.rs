@@ -1,6 +1,6 @@
 //! Messages between blocks, with recipients and contents.
 use serde::{Deserialize, Serialize};
-use stochc_ir::table::{News, RoleId, Trigger};
+use stochc_ir::table::{Notification, RoleId, Trigger};
 
 use crate::body::Body;
 
@@ -32,7 +32,7 @@ pub enum Payload {
     /// Request for release by the child with this role.
     Ask(RoleId),
     /// Event that happened elsewhere.
-    Tell(News),
+    Notify(Notification),
 }
 
 /// Source of a report: a rule of a duty. A block may make several reports.
@@ -47,11 +47,11 @@ pub struct Reporter {
 }
 
 impl Message {
-    /// Returns a message with news for the present or future holder of a role.
-    pub fn tell(to: RoleId, news: News) -> Message {
+    /// Returns a notification for the present or future holder of a role.
+    pub fn notify(to: RoleId, notification: Notification) -> Message {
         Message {
             target: Recipient::Role(to),
-            payload: Payload::Tell(news),
+            payload: Payload::Notify(notification),
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Routing of messages, hop by hop along parents and children.
 //!
 //! A block sends to its parent, or to the child whose branch contains the receiver. The plate is
-//! one body, so crossing it is not a hop. News for a role without a holder waits at the block that
-//! will capture it: every block has the program and can determine that block. A released block
-//! leaves its received messages to the next holder of its role.
+//! one body, so crossing it is not a hop. A notification for a role without a holder
+//! waits at the block that will capture it: every block has the program and can determine that
+//! block. A released block leaves its received messages to the next holder of its role.
 use smallvec::SmallVec;
 use stochc_ir::table::RoleId;
 

@@ -306,14 +306,14 @@ impl<'t, M: Copy> Structure<'t, M> {
                 self.reports += 1;
                 return environment.reported(by);
             }
-            (Payload::Tell(news), Recipient::Role(role)) => {
+            (Payload::Notify(notification), Recipient::Role(role)) => {
                 if self.slots.get(at).is_some_and(|block| block.role != role) {
                     self.change(at, |block| block.keep(message));
                     return;
                 }
-                Condition::Heard(news)
+                Condition::Notified(notification)
             }
-            (Payload::Tell(news), _) => Condition::Heard(news),
+            (Payload::Notify(notification), _) => Condition::Notified(notification),
             (Payload::Ask(child), _) => Condition::Asked(child),
         };
         self.change(at, |block| block.see(seen));
@@ -381,7 +381,9 @@ impl<'t, M: Copy> Structure<'t, M> {
                 Some(parent) => (Recipient::Block(parent.body), Payload::Ask(role)),
                 None => return,
             },
-            Action::Tell { to, news } => (Recipient::Role(to), Payload::Tell(news)),
+            Action::Notify { to, notification } => {
+                (Recipient::Role(to), Payload::Notify(notification))
+            }
             Action::Report => {
                 let by = Reporter {
                     role,

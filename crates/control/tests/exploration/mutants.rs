@@ -5,7 +5,7 @@ use stochc_control::explore::Property;
 
 use crate::mutations::{assemble, duties, explore_twice, mutants};
 use crate::programs::{BUSY, tables, tables_of};
-use stochc_ir::table::{Action, Condition, News};
+use stochc_ir::table::{Action, Condition, Notification};
 
 #[test]
 fn every_relevant_mutant_is_found() {
@@ -93,7 +93,9 @@ fn a_second_block_of_one_name_is_found() {
     let mut rash = duties(&original);
     for (_, _, _, rules) in &mut rash {
         for (when, _) in rules {
-            when.retain(|condition| !matches!(condition, Condition::Heard(News::Released(_))));
+            when.retain(|condition| {
+                !matches!(condition, Condition::Notified(Notification::Released(_)))
+            });
         }
     }
     let [reduced, full] = explore_twice(&assemble(&original, rash), &original);

@@ -47,9 +47,9 @@ impl DrawnTimes {
         let mut start = (began, NO_BLOCK);
         for (i, &event) in step.before.iter().enumerate() {
             let end = self.ends[event as usize];
-            let heard = messages.map_or(end, |it| it.heard(i, end, &self.ends, rng));
-            if heard >= start.0 {
-                start = (heard, event);
+            let arrival = messages.map_or(end, |it| it.arrival(i, end, &self.ends, rng));
+            if arrival >= start.0 {
+                start = (arrival, event);
             }
         }
         start.0 += messages.map_or(0.0, |it| it.request(rng));

@@ -1,4 +1,4 @@
-//! Delays by the messages that the order of a program needs: news between blocks, requests for
+//! Delays by the messages that the order of a program needs: notifications, requests for
 //! release, reports to the plate. Messages travel along bonds, hop by hop. The event tables
 //! determine the senders.
 use rand_chacha::ChaCha8Rng;
@@ -9,15 +9,15 @@ use stochc_ir::table::PhaseId;
 use super::events::{Block, Events, NamedBlock};
 use super::exponential::exponential;
 
-/// Largest length of [`MessagePath::handed_to`]. If news goes to the top of a growing tower, the
-/// lower blocks are captured long before the news arrives.
+/// Largest length of [`MessagePath::handed_to`]. If a notification goes to the top of a growing
+/// tower, the lower blocks are captured long before it arrives.
 const MAX_HANDED: usize = 64;
 
 /// Messages that an event needs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepMessages {
-    /// Path of the news about each predecessor.
-    news: Vec<MessagePath>,
+    /// Path of the notification about each predecessor.
+    notifications: Vec<MessagePath>,
     /// Number of hops of the request for release. 0 for a capture.
     request: u32,
     /// Number of hops of the report that this event was the last of the phase.
@@ -26,10 +26,10 @@ pub struct StepMessages {
 }
 
 impl StepMessages {
-    /// Draws the time when the news about a predecessor arrives \[ticks\]. `news` is the index of
-    /// the predecessor, which happened at `happened`. `ends` contains the times of all events.
-    pub fn heard(&self, news: usize, happened: f64, ends: &[f64], rng: &mut ChaCha8Rng) -> f64 {
-        let path = &self.news[news];
+    /// Draws the time when the notification about a predecessor arrives \[ticks\]. The predecessor
+    /// is given by `index` and happened at `happened`. `ends` contains the times of all events.
+    pub fn arrival(&self, index: usize, happened: f64, ends: &[f64], rng: &mut ChaCha8Rng) -> f64 {
+        let path = &self.notifications[index];
         let mut at = happened + self.hop.draw(path.hops, rng);
         for &capture in &path.handed_to {
             at = at.max(ends[capture as usize]) + self.hop.draw(1, rng);
@@ -81,13 +81,13 @@ impl HopTime {
     }
 }
 
-/// Path of news to a block.
+/// Path of a notification to a block.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct MessagePath {
     /// Number of hops between existing blocks.
     hops: u32,
-    /// Captures that anchor the last blocks of the path, in order, at most [`MAX_HANDED`]. The news
-    /// waits at each parent until the next block of the path is captured.
+    /// Captures that anchor the last blocks of the path, in order, at most [`MAX_HANDED`]. The
+    /// notification waits at each parent until the next block of the path is captured.
     handed_to: Vec<u32>,
 }
 
@@ -213,7 +213,7 @@ impl<'a> MessageTimes<'a> {
         block.map_or(0, |id| self.depths[id.0 as usize])
     }
 
-    /// Returns the path of news from a block to another one in a phase.
+    /// Returns the path of a notification from a block to another one in a phase.
     fn path(&self, from: Block, to: Block, phase: PhaseId) -> MessagePath {
         let common = self.common(from, to);
         let hops = self.depth(from) + self.depth(to) - 2 * self.depth(common);
@@ -236,21 +236,21 @@ impl<'a> MessageTimes<'a> {
     pub fn for_event(&self, id: EventId, needed: &[&Edge]) -> StepMessages {
         let is_release = !self.events.is_capture(id);
         StepMessages {
-            news: needed.iter().map(|edge| self.news(edge)).collect(),
+            notifications: needed.iter().map(|edge| self.notification(edge)).collect(),
             request: u32::from(is_release),
             report: self.report(id, is_release),
             hop: self.hop,
         }
     }
 
-    /// Returns the path of news from the block that notices the first event to the block that acts
-    /// in the second.
-    fn news(&self, edge: &Edge) -> MessagePath {
+    /// Returns the path of a notification from the block that notices the first event to the block
+    /// that acts in the second.
+    fn notification(&self, edge: &Edge) -> MessagePath {
         let first = edge.first;
         let actor = self.events.actors[edge.then.0 as usize];
         let witness = self.parents[first.0 as usize];
         let needs_message = matches!(edge.why, Dependency::After | Dependency::Freed);
-        // A block notices events at its own faces and its own anchoring without news.
+        // A block notices events at its own faces and its own anchoring without a notification.
         if !needs_message || actor == witness || actor.1 == Some(first) {
             return MessagePath::default();
         }

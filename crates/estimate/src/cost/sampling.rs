@@ -100,9 +100,9 @@ pub fn sample(
                 let (start, end) = (drawn.starts[event as usize], drawn.ends[event as usize]);
                 let (sum, count) = &mut waited[event as usize];
                 (*sum, *count) = (*sum + (end - start), *count + 1);
-                let heard = end + step.report(&mut rng);
-                if heard >= latest.0 {
-                    latest = (heard, event);
+                let arrival = end + step.report(&mut rng);
+                if arrival >= latest.0 {
+                    latest = (arrival, event);
                 }
             }
             // After a timeout, the event on the critical path counts until the timeout.

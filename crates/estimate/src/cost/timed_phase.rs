@@ -229,7 +229,7 @@ impl PhaseDraw<'_, '_> {
         for (other, nearby) in self.phase.near.get(&event).into_iter().flatten() {
             let capture = self.phase.steps[*other as usize].event;
             if self.missing[*other as usize] == 0 && !self.times.has_happened(capture) {
-                // The face may open only when news of the release arrives.
+                // The face may open only when the notification of the release arrives.
                 let opens = self.times.starts[capture as usize];
                 self.head_start(*other, event, nearby, time.max(opens));
             }

@@ -3,14 +3,14 @@ use serde_json::{Value, json};
 
 use crate::Json;
 use crate::scene::BondKind;
-use crate::table::{Action, Condition, Duty, News, RoleId, Tables, Trigger};
+use crate::table::{Action, Condition, Duty, Notification, RoleId, Tables, Trigger};
 
 /// Returns event tables with names.
 ///
 /// `{ assembly, faces, plate: { width, depth }, phases: [{ name, reports, timeout }], blocks: [{
 /// name, seed, duties: [{ phase, trigger, rules: [{ when, then }] }] }] }`. A cell is `[x, y, z]`,
 /// and a timeout is in ticks. A condition is `{ docked: NAME }`, `{ asked: NAME }`, `{ released:
-/// NAME }`, `{ heard: { anchored: NAME } }`, or `{ turn: { enough: n, of: [NAME] } }`: n of these
+/// NAME }`, `{ notified: { anchored: NAME } }`, or `{ turn: { enough: n, of: [NAME] } }`: n of these
 /// have docked.
 ///
 /// The verbs for capture and release depend on the kind of bond: `magnetize` and `switch_off`,
@@ -95,7 +95,7 @@ fn condition(tables: &Tables, duty: Duty<'_>, place: usize, condition: Condition
         Condition::Docked(role) => json!({ "docked": tables.name(role) }),
         Condition::Asked(role) => json!({ "asked": tables.name(role) }),
         Condition::Released(role) => json!({ "released": tables.name(role) }),
-        Condition::Heard(what) => json!({ "heard": news(tables, what) }),
+        Condition::Notified(what) => json!({ "notified": notification(tables, what) }),
     }
 }
 
@@ -109,16 +109,19 @@ fn action(tables: &Tables, action: Action) -> Value {
         Action::SwitchOff { face, child } => {
             json!({ "do": release, "face": face, "child": tables.name(child) })
         }
-        Action::Tell { to, news: what } => {
-            json!({ "do": "tell", "to": tables.name(to), "news": news(tables, what) })
+        Action::Notify {
+            to,
+            notification: what,
+        } => {
+            json!({ "do": "notify", "to": tables.name(to), "notification": notification(tables, what) })
         }
         Action::Report => json!({ "do": "report" }),
     }
 }
 
-fn news(tables: &Tables, news: News) -> Value {
-    match news {
-        News::Anchored(role) => json!({ "anchored": tables.name(role) }),
-        News::Released(role) => json!({ "released": tables.name(role) }),
+fn notification(tables: &Tables, notification: Notification) -> Value {
+    match notification {
+        Notification::Anchored(role) => json!({ "anchored": tables.name(role) }),
+        Notification::Released(role) => json!({ "released": tables.name(role) }),
     }
 }

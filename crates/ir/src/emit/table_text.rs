@@ -3,7 +3,7 @@ use std::fmt::{self, Display, Formatter, Write};
 
 use super::Text;
 use crate::scene::BondKind;
-use crate::table::{Action, Condition, Duty, News, PhaseId, RoleId, Rule, Tables, Trigger};
+use crate::table::{Action, Condition, Duty, Notification, PhaseId, RoleId, Rule, Tables, Trigger};
 use stochc_text::counted;
 
 /// Returns the text form of event tables.
@@ -132,7 +132,11 @@ fn rule_text(tables: &Tables, duty: Duty<'_>, place: usize, rule: Rule<'_>) -> S
             Condition::Docked(role) => write!(text, "{} has docked", name(role)),
             Condition::Asked(role) => write!(text, "{} asks", name(role)),
             Condition::Released(role) => write!(text, "{} has gone", name(role)),
-            Condition::Heard(news) => write!(text, "told that {}", news_text(tables, news)),
+            Condition::Notified(notification) => write!(
+                text,
+                "notified that {}",
+                notification_text(tables, notification)
+            ),
             Condition::Turn(needed) => {
                 let given: Vec<&str> = duty.given_before(place).map(name).collect();
                 let have = if needed == 1 { "has" } else { "have" };
@@ -162,17 +166,22 @@ fn rule_text(tables: &Tables, duty: Duty<'_>, place: usize, rule: Rule<'_>) -> S
                 BondKind::Reject => write!(text, "reject {face}, which frees {child}"),
             }
         }
-        Action::Tell { to, news } => {
-            write!(text, "tell {} that {}", name(to), news_text(tables, news))
+        Action::Notify { to, notification } => {
+            write!(
+                text,
+                "notify {} that {}",
+                name(to),
+                notification_text(tables, notification)
+            )
         }
         Action::Report => write!(text, "report to the plate"),
     };
     text
 }
 
-fn news_text(tables: &Tables, news: News) -> String {
-    match news {
-        News::Anchored(role) => format!("{} is anchored", tables.name(role)),
-        News::Released(role) => format!("{} is released", tables.name(role)),
+fn notification_text(tables: &Tables, notification: Notification) -> String {
+    match notification {
+        Notification::Anchored(role) => format!("{} is anchored", tables.name(role)),
+        Notification::Released(role) => format!("{} is released", tables.name(role)),
     }
 }

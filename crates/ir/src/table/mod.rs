@@ -16,5 +16,5 @@ mod tables;
 
 pub use crate::table::invalid::InvalidTables;
 pub use crate::table::plate::Plate;
-pub use rule::{Action, Condition, News, PhaseId, RoleId, Rule, Trigger};
+pub use rule::{Action, Condition, Notification, PhaseId, RoleId, Rule, Trigger};
 pub use tables::{Duty, LooseDuty, PRE_ATTACHED, Phase, Role, RuleRange, Tables};

@@ -34,7 +34,7 @@ pub enum Condition {
     /// This block has released the child with this role.
     Released(RoleId),
     /// A message has reported this event.
-    Heard(News),
+    Notified(Notification),
     /// At least this number of earlier captures of the duty are complete. The block can then
     /// magnetize another face.
     Turn(u8),
@@ -43,7 +43,7 @@ pub enum Condition {
 /// Event reported by a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum News {
+pub enum Notification {
     /// A block has been captured in this role during this phase.
     Anchored(RoleId),
     /// The block in this role has been released during this phase.
@@ -77,12 +77,12 @@ pub enum Action {
         /// Role that ends.
         child: RoleId,
     },
-    /// Sends news to another block of the structure, along parents and children.
-    Tell {
+    /// Sends a notification to another block of the structure, along parents and children.
+    Notify {
         /// Receiver of the message.
         to: RoleId,
         /// Event to report.
-        news: News,
+        notification: Notification,
     },
     /// Reports to the plate, along the chain of parents, that this branch of the phase is complete.
     Report,

@@ -5,8 +5,8 @@ use serde::ser::SerializeStruct as _;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{
-    Action, Condition, Duty, InvalidTables, LooseDuty, News, Phase, PhaseId, Plate, Role, RoleId,
-    Rule, Tables, Trigger,
+    Action, Condition, Duty, InvalidTables, LooseDuty, Notification, Phase, PhaseId, Plate, Role,
+    RoleId, Rule, Tables, Trigger,
 };
 use crate::Cell;
 use crate::scene::BondKind;
@@ -202,7 +202,7 @@ impl StoredTables {
                     | Condition::Released(role) => {
                         self.known(role)?;
                     }
-                    Condition::Heard(news) => self.known_of(news)?,
+                    Condition::Notified(notification) => self.known_of(notification)?,
                     Condition::Turn(_) => {}
                 }
             }
@@ -219,9 +219,9 @@ impl StoredTables {
                     }
                 }
                 Action::SwitchOff { child, .. } => self.known(child)?,
-                Action::Tell { to, news } => {
+                Action::Notify { to, notification } => {
                     self.known(to)?;
-                    self.known_of(news)?;
+                    self.known_of(notification)?;
                 }
                 Action::AskRelease | Action::Report => {}
             }
@@ -237,8 +237,8 @@ impl StoredTables {
         }
     }
 
-    fn known_of(&self, news: News) -> Result<(), InvalidTables> {
-        let (News::Anchored(role) | News::Released(role)) = news;
+    fn known_of(&self, notification: Notification) -> Result<(), InvalidTables> {
+        let (Notification::Anchored(role) | Notification::Released(role)) = notification;
         self.known(role)
     }
 }

@@ -34,7 +34,7 @@ pub(crate) enum SegmentKind {
     Pending { event: usize },
     /// Transfer of messages to the block of the waiting event, after a dependency of the event
     /// happened.
-    News,
+    Notification,
     /// Transfer of messages to the plate that report the events of a phase.
     Reports,
 }
@@ -60,7 +60,7 @@ impl CriticalPathSegment {
     pub fn event(&self) -> Option<usize> {
         match self.kind {
             SegmentKind::Event { event, .. } | SegmentKind::Pending { event } => Some(event),
-            SegmentKind::News | SegmentKind::Reports => None,
+            SegmentKind::Notification | SegmentKind::Reports => None,
         }
     }
 }
@@ -229,7 +229,7 @@ fn unfinished(
                 since,
             });
             if let Some((first, _)) = since {
-                news(moments, phase, since, from, segments);
+                add_notification(moments, phase, since, from, segments);
                 back(events, moments, first, segments);
             }
         }
@@ -282,14 +282,14 @@ fn back(
             to: done,
             since,
         });
-        news(moments, phase, since, from, segments);
+        add_notification(moments, phase, since, from, segments);
         next = since.map(|(first, _)| first);
     }
 }
 
 /// Adds the transfer of messages from a dependency to the event. Adds nothing if messages take no
 /// time.
-fn news(
+fn add_notification(
     moments: &[EventTiming],
     phase: PhaseId,
     since: Option<(usize, Dependency)>,
@@ -300,7 +300,7 @@ fn news(
     if let Some(happened) = happened.filter(|&happened| happened < began) {
         segments.push(CriticalPathSegment {
             phase,
-            kind: SegmentKind::News,
+            kind: SegmentKind::Notification,
             from: happened,
             to: began,
             since,
@@ -408,7 +408,7 @@ mod tests {
         let links = segments(&completed);
         let expected = [(Some(0), 0, 30), (None, 30, 80), (Some(1), 80, 100)];
         assert_eq!(summary(&links), expected);
-        assert_eq!(links[1].kind, SegmentKind::News);
+        assert_eq!(links[1].kind, SegmentKind::Notification);
         // The path of a stopped run is the same.
         let (phase, by) = (PhaseId(0), Limit::MaxTicks);
         let mut stopped = record(

@@ -301,7 +301,7 @@ pub(super) fn chains(subject: &ReportedProgram, run: &FinishedRun) -> String {
             run.record.run.to_string(),
             subject.program.phase(segment.phase).to_owned(),
             match segment.kind {
-                SegmentKind::News => "news".to_owned(),
+                SegmentKind::Notification => "notification".to_owned(),
                 SegmentKind::Reports => "reports".to_owned(),
                 SegmentKind::Event { event, .. } | SegmentKind::Pending { event } => {
                     subject.events.events[event].text(subject.program)

@@ -109,7 +109,9 @@ pub(super) fn lead(of: &NarrativeContext, run: &FinishedRun) -> Option<String> {
     let share = longest.ticks() as f64 / total.max(1) as f64;
     let text = |event: usize| code(&of.events.events[event].text(of.program));
     let subject = match (longest.kind, longest.since) {
-        (SegmentKind::News, Some((first, _))) => format!("The message about {}", text(first)),
+        (SegmentKind::Notification, Some((first, _))) => {
+            format!("The message about {}", text(first))
+        }
         _ => text(longest.event()?),
     };
     (share >= 0.25).then(|| {
@@ -175,7 +177,7 @@ pub(crate) fn item(
             count(segment.ticks()),
             of.at(segment.from)
         ),
-        SegmentKind::News => format!(
+        SegmentKind::Notification => format!(
             "Then the message about it took {}{share} to reach the block that waited for it, from tick {} on.",
             count(segment.ticks()),
             of.at(segment.from)

@@ -317,8 +317,8 @@ impl<'r> RateWorld<'r> {
             return false;
         };
         let mut changes = Changes::new();
-        let tell = |change| changes.push(change);
-        self.lattice.dock(seat, face, cell, docking, tell);
+        let record = |change| changes.push(change);
+        self.lattice.dock(seat, face, cell, docking, record);
         self.note_cell(cell, true, changes);
         self.follow_free_blocks();
         true
@@ -371,8 +371,8 @@ impl World for RateWorld<'_> {
                 self.note_face(closed);
             }
             let mut changes = Changes::new();
-            let tell = |change| changes.push(change);
-            let Some(child) = self.lattice.release(seat, face, tell) else {
+            let record = |change| changes.push(change);
+            let Some(child) = self.lattice.release(seat, face, record) else {
                 continue;
             };
             going.extend(self.lattice.active_faces(child));

@@ -147,18 +147,18 @@ class Panel {
 
 function condition(when) {
   const [kind, what] = Object.entries(when)[0];
-  if (kind !== 'heard') return `${what} ${kind === 'asked' ? 'asks for its release' : kind}`;
-  const [news, role] = Object.entries(what)[0];
-  return `after the message that ${role} is ${news}`;
+  if (kind !== 'notified') return `${what} ${kind === 'asked' ? 'asks for its release' : kind}`;
+  const [event, role] = Object.entries(what)[0];
+  return `after the message that ${role} is ${event}`;
 }
 
 function action(then) {
-  const news = what => Object.entries(what).map(([kind, role]) => `${role} is ${kind}`)[0];
+  const notification = what => Object.entries(what).map(([kind, role]) => `${role} is ${kind}`)[0];
   const words = {
     magnetize: () => `magnetize ${then.face} for ${then.child}`,
     ask_release: () => 'ask the parent for its release',
     switch_off: () => `switch ${then.face} off and release ${then.child}`,
-    tell: () => `send ${then.to} the message that ${news(then.news)}`,
+    notify: () => `send ${then.to} the message that ${notification(then.notification)}`,
     report: () => 'report to the plate',
   };
   return words[then.do] ? words[then.do]() : then.do;
