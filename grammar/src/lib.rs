@@ -11,6 +11,7 @@ mod error;
 mod format;
 mod parse;
 mod print;
+mod scan;
 mod span;
 mod symbol;
 pub mod tree;
@@ -23,8 +24,9 @@ pub use parse::{
     parse_cancellable,
 };
 pub use print::print;
+pub use scan::{Part, PartKind, code, parts};
 pub use span::Span;
-pub use symbol::{Symbol, Symbols};
+pub use symbol::{BEGINNINGS, CONTINUATIONS, Symbol, Symbols};
 
 /// Byte order mark. Some editors write it at the start of a file. It has no meaning in UTF-8.
 pub const BYTE_ORDER_MARK: &str = "\u{feff}";

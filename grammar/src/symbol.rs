@@ -9,12 +9,30 @@ use string_interner::{StringInterner, Symbol as _};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Symbol(pub u32);
 
-/// Reserved words of the language, which cannot be names.
-const RESERVED: [&str; 25] = [
-    "after", "as", "assembly", "at", "for", "from", "import", "in", "layer", "let", "pattern",
-    "phase", "plate", "release", "scene", "seed", "shape", "timeout", "yields", "up", "down",
-    "north", "south", "east", "west",
+/// Keywords that begin a statement or declaration. Only the last one may be a name.
+pub const BEGINNINGS: [&str; 13] = [
+    "assembly",
+    "for",
+    "import",
+    "layer",
+    "let",
+    "pattern",
+    "phase",
+    "release",
+    "scene",
+    "seed",
+    "shape",
+    "yields",
+    "aggregate",
 ];
+
+/// Keywords within a statement or declaration. Only the last one may be a name.
+pub const CONTINUATIONS: [&str; 8] = ["after", "as", "at", "from", "in", "plate", "timeout", "to"];
+
+const FACES: [&str; 6] = ["up", "down", "north", "south", "east", "west"];
+
+/// Number of words that cannot be names.
+const RESERVED: usize = BEGINNINGS.len() - 1 + CONTINUATIONS.len() - 1 + FACES.len();
 
 /// All words of a program's files, without duplicates.
 #[derive(Clone, Debug)]
@@ -30,7 +48,9 @@ impl Symbols {
     /// Creates a table that contains only the reserved words.
     pub fn new() -> Symbols {
         let mut symbols = Symbols(StringInterner::new());
-        for word in RESERVED {
+        let [beginnings @ .., _] = BEGINNINGS;
+        let [continuations @ .., _] = CONTINUATIONS;
+        for word in beginnings.into_iter().chain(continuations).chain(FACES) {
             symbols.intern(word);
         }
         symbols
@@ -57,7 +77,7 @@ impl Symbols {
 
     /// Returns whether the word is reserved, so that it cannot be a name.
     pub(crate) fn is_reserved(&self, symbol: Symbol) -> bool {
-        (symbol.0 as usize) < RESERVED.len()
+        (symbol.0 as usize) < RESERVED
     }
 
     /// Returns the number of different words.

@@ -1,7 +1,7 @@
 //! Converts syntax errors to diagnostics.
 use stochc_grammar::{
     BYTE_ORDER_MARK, MAX_DEPTH, MAX_ERRORS, MAX_STATEMENT, MAX_TERMS, SyntaxError,
-    SyntaxErrorKind as K, is_comment,
+    SyntaxErrorKind as K, code, is_comment,
 };
 
 use stochc_text::series;
@@ -176,21 +176,21 @@ fn indentation(line: &str) -> usize {
 /// line at `start`, the head of the outer block.
 fn closed_by_outer_brace(text: &str, start: usize) -> Option<usize> {
     let mut open: Vec<(usize, usize)> = Vec::new();
-    let mut at = start;
-    for line in text[start..].split_inclusive('\n') {
-        let depth = indentation(line);
-        let code = line.split("//").next().unwrap_or(line);
-        for (column, sign) in code.match_indices(['{', '}']) {
-            if sign == "{" {
-                open.push((at + column, depth));
-                continue;
-            }
-            let (inner, inner_depth) = open.pop()?;
-            if column == depth && depth < inner_depth && !open.is_empty() {
-                return Some(inner);
-            }
+    let text = &text[start..];
+    let signs = code(text).flat_map(|(at, code)| {
+        (code.match_indices(['{', '}'])).map(move |(column, sign)| (at + column, sign))
+    });
+    for (at, sign) in signs {
+        let line_start = text[..at].rfind('\n').map_or(0, |end| end + 1);
+        let depth = indentation(&text[line_start..at]);
+        if sign == "{" {
+            open.push((start + at, depth));
+            continue;
         }
-        at += line.len();
+        let (inner, inner_depth) = open.pop()?;
+        if at == line_start + depth && depth < inner_depth && !open.is_empty() {
+            return Some(inner);
+        }
     }
     None
 }

@@ -2,12 +2,13 @@
 use std::sync::Arc;
 
 use gen_lsp_types::{
-    CodeActionParams, CompletionParams, DefinitionParams, DidChangeTextDocumentParams,
-    DidCloseTextDocumentParams, DidOpenTextDocumentParams, DidSaveTextDocumentParams,
-    DocumentFormattingParams, DocumentHighlightParams, DocumentLinkParams,
-    DocumentRangeFormattingParams, DocumentSymbolParams, FoldingRangeParams, HoverParams,
-    InlayHintParams, Location, Position, PrepareRenameParams, ReferenceParams, RenameParams,
-    SemanticTokensParams, TextDocumentPositionParams, TextEdit,
+    CodeActionParams, CodeLensParams, CompletionParams, DefinitionParams,
+    DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams,
+    DidSaveTextDocumentParams, DocumentDiagnosticParams, DocumentFormattingParams,
+    DocumentHighlightParams, DocumentLinkParams, DocumentRangeFormattingParams,
+    DocumentSymbolParams, FoldingRangeParams, HoverParams, InlayHintParams, Location, Position,
+    PrepareRenameParams, ReferenceParams, RenameParams, SemanticTokensParams,
+    TextDocumentPositionParams, TextEdit, WorkspaceSymbolParams,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -17,7 +18,8 @@ use stochc_compiler::{Cancellation, FileId};
 use super::wire::{Reason, RequestFailure};
 use crate::features::definition::{self, named_at};
 use crate::features::{
-    actions, completion, folding, formatting, hints, hover, rename, symbols, tokens,
+    actions, completion, diagnostics, folding, formatting, hints, hover, lenses, rename, symbols,
+    tokens,
 };
 use crate::workspace::analysis::Analysis;
 use crate::workspace::documents::Documents;
@@ -87,13 +89,15 @@ pub enum Needs {
     Text,
     /// The program of the request's file.
     Own,
+    /// The program of the request's file. If its check takes long, its last analysis is enough.
+    Recent,
     /// All open programs.
     All,
 }
 
 /// A parsed request.
 pub struct Query {
-    /// File of the request.
+    /// File of the request. Empty for a request about the workspace.
     pub path: String,
     /// Programs that the request needs.
     pub needs: Needs,
@@ -194,7 +198,7 @@ impl Query {
             "textDocument/hover" => {
                 let it: HoverParams = params(raw)?;
                 let it = it.text_document_position_params;
-                Query::at(it, Needs::Own, |context, analysis, at| {
+                Query::at(it, Needs::Recent, |context, analysis, at| {
                     let found = hover::hover(analysis, at, context.cancellation)?;
                     value(found.map(|(text, location)| {
                         json!({
@@ -218,8 +222,10 @@ impl Query {
             "textDocument/completion" => {
                 let it: CompletionParams = params(raw)?;
                 let it = it.text_document_position_params;
-                Query::at(it, Needs::Own, |_, analysis, at| {
-                    value(completion::completions(analysis, at))
+                let position = it.position;
+                Query::at(it, Needs::Recent, move |_, analysis, at| {
+                    let line = analysis.lines(FileId(0)).line_before(position);
+                    value(completion::completions(analysis, at, line))
                 })
             }
             "textDocument/references" => {
@@ -233,7 +239,7 @@ impl Query {
             "textDocument/documentHighlight" => {
                 let it: DocumentHighlightParams = params(raw)?;
                 let it = it.text_document_position_params;
-                Query::at(it, Needs::Own, |context, analysis, at| {
+                Query::at(it, Needs::Recent, |context, analysis, at| {
                     let places = definition::highlights(analysis, at, context.cancellation)?;
                     // Read or write access.
                     let kind = |declares| if declares { 3 } else { 2 };
@@ -274,12 +280,12 @@ impl Query {
         })
     }
 
-    /// Parses a request about a whole document.
+    /// Parses a request about a whole document, or the workspace.
     fn parse_for_document(method: &str, raw: Value) -> Result<Query, RequestFailure> {
         Ok(match method {
             "textDocument/documentSymbol" => {
                 let it: DocumentSymbolParams = params(raw)?;
-                Query::new(&it.text_document.uri.0, Needs::Own, |context| {
+                Query::new(&it.text_document.uri.0, Needs::Recent, |context| {
                     let analysis = context.own()?;
                     let lines = analysis.lines(FileId(0));
                     let checked = &analysis.checked;
@@ -292,13 +298,13 @@ impl Query {
             }
             "textDocument/semanticTokens/full" => {
                 let it: SemanticTokensParams = params(raw)?;
-                Query::new(&it.text_document.uri.0, Needs::Own, |context| {
+                Query::new(&it.text_document.uri.0, Needs::Recent, |context| {
                     value(json!({ "data": tokens::tokens(context.own()?) }))
                 })
             }
             "textDocument/inlayHint" => {
                 let it: InlayHintParams = params(raw)?;
-                Query::new(&it.text_document.uri.0, Needs::Own, move |context| {
+                Query::new(&it.text_document.uri.0, Needs::Recent, move |context| {
                     let analysis = context.own()?;
                     let lines = analysis.lines(FileId(0));
                     let within = lines.offset(it.range.start)..lines.offset(it.range.end) + 1;
@@ -314,7 +320,7 @@ impl Query {
             }
             "textDocument/documentLink" => {
                 let it: DocumentLinkParams = params(raw)?;
-                Query::new(&it.text_document.uri.0, Needs::Own, |context| {
+                Query::new(&it.text_document.uri.0, Needs::Recent, |context| {
                     let analysis = context.own()?;
                     let links = definition::imports(analysis).map(|(path, file)| {
                         let target = context.documents.uri(analysis.path(file));
@@ -322,6 +328,33 @@ impl Query {
                     });
                     value(links.collect::<Vec<Value>>())
                 })
+            }
+            "textDocument/codeLens" => {
+                let it: CodeLensParams = params(raw)?;
+                Query::new(&it.text_document.uri.0, Needs::Recent, |context| {
+                    let uri = context.documents.uri(&context.path);
+                    value(lenses::lenses(context.own()?, &uri))
+                })
+            }
+            "textDocument/diagnostic" => {
+                let it: DocumentDiagnosticParams = params(raw)?;
+                Query::new(&it.text_document.uri.0, Needs::Own, |context| {
+                    let path = &context.path;
+                    let mut all = diagnostics::of(context.own()?, path, &context.documents);
+                    value(json!({ "kind": "full", "items": all.remove(path) }))
+                })
+            }
+            "workspace/symbol" => {
+                let it: WorkspaceSymbolParams = params(raw)?;
+                Query {
+                    path: String::new(),
+                    needs: Needs::All,
+                    has_edits: false,
+                    answer: Box::new(move |context| {
+                        let all = context.all();
+                        value(symbols::in_workspace(&all, &it.query, &context.documents))
+                    }),
+                }
             }
             "textDocument/formatting" => {
                 let it: DocumentFormattingParams = params(raw)?;

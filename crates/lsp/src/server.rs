@@ -25,6 +25,14 @@ use crate::workspace::uri;
 /// Idle time before a changed text is checked in the background.
 const PAUSE: Duration = Duration::from_millis(120);
 
+/// Capabilities of clients for refreshes, each with the request for the refresh.
+const REFRESHES: [(&str, &str); 4] = [
+    ("semanticTokens", "workspace/semanticTokens/refresh"),
+    ("inlayHint", "workspace/inlayHint/refresh"),
+    ("codeLens", "workspace/codeLens/refresh"),
+    ("diagnostics", "workspace/diagnostic/refresh"),
+];
+
 /// Stage of the session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SessionStage {
@@ -47,6 +55,10 @@ pub struct Server<W> {
     folders: Arc<[PathBuf]>,
     /// Whether the client can report changes of files.
     can_watch: bool,
+    /// Whether the client requests the diagnostics of open files.
+    can_pull: bool,
+    /// Requests for a refresh that the client supports.
+    refreshes: Vec<&'static str>,
     /// Pending requests in the order of arrival.
     requests: Vec<PendingRequest>,
     /// Diagnostics published for each file, with the version of its text.
@@ -65,6 +77,14 @@ struct PendingRequest {
     work: Work,
 }
 
+/// Age of an analysis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Age {
+    Current,
+    /// The texts have changed since.
+    Outdated,
+}
+
 /// Progress of a request.
 enum Work {
     /// The request waits for analyses of programs.
@@ -77,7 +97,7 @@ impl PendingRequest {
     fn is_about(&self, changed: &str, outdated: &BTreeSet<String>) -> bool {
         match self.needs {
             Needs::Text => self.path == changed,
-            Needs::Own => outdated.contains(&self.path),
+            Needs::Own | Needs::Recent => outdated.contains(&self.path),
             Needs::All => {
                 let is_running = matches!(self.work, Work::Running(_));
                 outdated.contains(&self.path) || is_running && !outdated.is_empty()
@@ -103,6 +123,8 @@ impl<W: Write> Server<W> {
             programs: Programs::default(),
             folders: Arc::default(),
             can_watch: false,
+            can_pull: false,
+            refreshes: Vec::new(),
             requests: Vec::new(),
             shown: BTreeMap::new(),
             disconnected: false,
@@ -195,9 +217,10 @@ impl<W: Write> Server<W> {
 
     fn query(&self, method: &str, params: Value) -> Result<Query, RequestFailure> {
         let query = Query::parse(method, params)?;
-        match self.documents.get(&query.path) {
-            Some(_) => Ok(query),
-            None => Err(requests::not_open()),
+        if query.path.is_empty() || self.documents.is_open(&query.path) {
+            Ok(query)
+        } else {
+            Err(requests::not_open())
         }
     }
 
@@ -265,8 +288,11 @@ impl<W: Write> Server<W> {
             Some(Done::Checked(checked)) => Some(checked),
             _ => None,
         };
-        if self.programs.checked(job, checked) {
+        if let Some(is_refresh_due) = self.programs.checked(job, checked) {
             self.show();
+            if is_refresh_due {
+                self.refresh();
+            }
         }
     }
 
@@ -296,8 +322,8 @@ impl<W: Write> Server<W> {
         for mut request in std::mem::take(&mut self.requests) {
             if let Work::Waiting(answer) = request.work {
                 request.work = match self.needed(&request.path, request.needs) {
-                    Some(Ok(programs)) if self.jobs.has_room(JobTrigger::Requested) => {
-                        match self.work_out(request.path.clone(), programs, answer) {
+                    Some(Ok((programs, age))) if self.jobs.has_room(JobTrigger::Requested) => {
+                        match self.work_out(request.path.clone(), programs, age, answer) {
                             Some(job) => Work::Running(job),
                             None => {
                                 let why = failed(&request.method);
@@ -323,15 +349,18 @@ impl<W: Write> Server<W> {
     ///
     /// Returns `None` if a check must run first. The check starts as soon as another job is
     /// allowed.
-    fn needed(&mut self, path: &str, needs: Needs) -> Option<Result<Vec<Arc<Analysis>>, ()>> {
+    fn needed(
+        &mut self,
+        path: &str,
+        needs: Needs,
+    ) -> Option<Result<(Vec<Arc<Analysis>>, Age), ()>> {
         let paths: Vec<String> = match needs {
             Needs::Text => Vec::new(),
-            Needs::Own => vec![path.to_owned()],
+            Needs::Own | Needs::Recent => vec![path.to_owned()],
             Needs::All => {
+                let own = Some(path.to_owned()).filter(|path| !path.is_empty());
                 let others = self.programs.paths().filter(|other| *other != path);
-                std::iter::once(path.to_owned())
-                    .chain(others.cloned())
-                    .collect()
+                own.into_iter().chain(others.cloned()).collect()
             }
         };
         let mut programs = Some(Vec::new());
@@ -344,23 +373,37 @@ impl<W: Write> Server<W> {
                 }
                 Some(Knowledge::Failed) | None => return Some(Err(())),
                 Some(Knowledge::Waiting) => {
+                    if needs == Needs::Recent
+                        && let Some(last) = self.programs.last(&path)
+                    {
+                        return Some(Ok((vec![last], Age::Outdated)));
+                    }
                     self.check(&path, JobTrigger::Requested);
                     programs = None;
                 }
             }
         }
-        programs.map(Ok)
+        programs.map(|programs| Ok((programs, Age::Current)))
     }
 
     /// Starts a job that computes a response. Returns `None` if no thread is available.
     fn work_out(
         &mut self,
         path: String,
-        programs: Vec<Arc<Analysis>>,
+        mut programs: Vec<Arc<Analysis>>,
+        age: Age,
         answer: RequestHandler,
     ) -> Option<JobId> {
         let (documents, encoding) = (self.documents.clone(), self.encoding);
         let job = self.jobs.start(move |cancellation| {
+            if age == Age::Outdated
+                && let Some(document) = documents.get(&path)
+            {
+                let text = document.program_text(encoding);
+                programs = (programs.iter())
+                    .map(|it| Arc::new(it.for_newer(text.clone())))
+                    .collect();
+            }
             let context = RequestContext {
                 path,
                 programs,
@@ -399,6 +442,12 @@ impl<W: Write> Server<W> {
         self.folders = folders(params);
         let watching = "/capabilities/workspace/didChangeWatchedFiles/dynamicRegistration";
         self.can_watch = params.pointer(watching) == Some(&Value::Bool(true));
+        let capabilities = &params["capabilities"];
+        self.can_pull = capabilities["textDocument"]["diagnostic"].is_object();
+        let supported = REFRESHES
+            .iter()
+            .filter(|(area, _)| capabilities["workspace"][area]["refreshSupport"] == true);
+        self.refreshes = supported.map(|(_, method)| *method).collect();
         let client = params["processId"].as_i64();
         if let Some(client) = client.and_then(|id| i32::try_from(id).ok()) {
             client_process::watch(client, self.events.clone());
@@ -418,6 +467,13 @@ impl<W: Write> Server<W> {
                 "referencesProvider": true,
                 "documentHighlightProvider": true,
                 "documentSymbolProvider": true,
+                "workspaceSymbolProvider": true,
+                "codeLensProvider": {},
+                "diagnosticProvider": {
+                    "identifier": "stochc",
+                    "interFileDependencies": true,
+                    "workspaceDiagnostics": false,
+                },
                 "documentFormattingProvider": true,
                 "documentRangeFormattingProvider": true,
                 "documentLinkProvider": {},
@@ -450,14 +506,23 @@ impl<W: Write> Server<W> {
         }));
     }
 
-    /// Publishes the diagnostics of every file whose diagnostics have changed.
+    /// Asks the client to repeat requests whose responses have changed.
+    fn refresh(&mut self) {
+        for method in self.refreshes.clone() {
+            self.send(&json!({ "jsonrpc": "2.0", "id": method, "method": method }));
+        }
+    }
+
+    /// Publishes the diagnostics of every file whose diagnostics have changed. A client that
+    /// requests the diagnostics of a file only gets those that other programs find in the file.
     fn show(&mut self) {
         let mut now: BTreeMap<String, Vec<LspDiagnostic>> = BTreeMap::new();
         for (path, diagnostics) in self.programs.found() {
             let all = now.entry(path.clone()).or_default();
             for diagnostic in diagnostics {
                 // Programs with a common import find the same diagnostics in it.
-                if !all.contains(diagnostic) {
+                let is_pulled = self.can_pull && self.programs.own(path).contains(diagnostic);
+                if !is_pulled && !all.contains(diagnostic) {
                     all.push(diagnostic.clone());
                 }
             }
@@ -476,7 +541,9 @@ impl<W: Write> Server<W> {
             let version = self.documents.get(&path).map(|document| document.version);
             let is_known = now.contains_key(&path);
             let new = (version, now.remove(&path).unwrap_or_default());
-            if shown.get(&path) != Some(&new) {
+            let old = shown.get(&path);
+            let is_empty = new.1.is_empty() && old.is_none_or(|(_, old)| old.is_empty());
+            if old != Some(&new) && !(self.can_pull && is_empty) {
                 self.publish(&path, &new);
             }
             if is_known {

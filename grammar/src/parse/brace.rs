@@ -8,6 +8,7 @@ use super::window::{Cause, Unreadable, cut};
 use super::{Rule, SaParser, trivia, words};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
+use crate::scan::code;
 use crate::tree::ItemKind;
 
 /// Largest number of bytes that are searched for the next piece.
@@ -188,10 +189,8 @@ fn holds(head: Option<Rule>, next: Rule) -> bool {
 
 /// Returns the number of closing braces in a text that have no opening brace.
 fn surplus(text: &str) -> i64 {
-    let code = text
-        .lines()
-        .map(|line| line.split("//").next().unwrap_or(line));
-    let signs = code.flat_map(str::bytes).map(|byte| match byte {
+    let bytes = code(text).flat_map(|(_, code)| code.bytes());
+    let signs = bytes.map(|byte| match byte {
         b'}' => 1,
         b'{' => -1,
         _ => 0,

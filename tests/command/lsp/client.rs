@@ -102,6 +102,20 @@ impl Client {
         notifications.filter(|it| it.get("id").is_some()).collect()
     }
 
+    /// Waits for a request of the server, and returns its method.
+    pub fn request_of_server(&mut self) -> String {
+        let is_request = |it: &Value| it.get("id").is_some() && it.get("method").is_some();
+        while !self.notifications.iter().any(is_request) {
+            let message = self.receive().expect("a request");
+            self.notifications.push(message);
+        }
+        let at = self.notifications.iter().position(is_request).unwrap();
+        self.notifications.remove(at)["method"]
+            .as_str()
+            .unwrap()
+            .to_owned()
+    }
+
     /// Returns the versions of a document that the server has sent diagnostics for.
     pub fn diagnosed(&self, uri: &str) -> Vec<i64> {
         let diagnosed = self.notifications.iter().map(|it| &it["params"]);

@@ -88,7 +88,9 @@ fn every_name_has_a_token() {
 
 #[test]
 fn blocks_and_comments_are_folded() {
-    let found = ask(TOWER, "foldingRange", document());
+    // Braces in strings and comments do not count.
+    let text = TOWER.replace("let n = 2", "import \"{//.sa\" // {");
+    let found = ask(&text, "foldingRange", document());
     let mut ranges: Vec<(u64, u64, bool)> = (found.as_array().unwrap().iter())
         .map(|range| {
             let line = |key: &str| range[key].as_u64().unwrap();
@@ -111,7 +113,7 @@ fn blocks_and_comments_are_folded() {
 }
 
 #[test]
-fn captured_blocks_have_hints_with_their_cells() {
+fn captured_blocks_have_hints_with_cells_and_waits() {
     let hints = |from: u32, to: u32| {
         let range = json!({
             "start": { "line": from, "character": 0 },
@@ -127,8 +129,115 @@ fn captured_blocks_have_hints_with_their_cells() {
         hints.collect::<Vec<String>>()
     };
     // The blocks of a range have none.
-    assert_eq!(hints(0, 18), ["16:17 (1, 0, 1)", "16:25 (1, 0, 2)"]);
+    assert_eq!(
+        hints(0, 18),
+        ["16:17 (1, 0, 1), 631 ticks", "16:25 (1, 0, 2), 342 ticks"]
+    );
     assert_eq!(hints(0, 10), [""; 0]);
+}
+
+#[test]
+fn programs_have_lenses_with_critical_path_and_simulation() {
+    let lenses = |text: &str| {
+        let found = ask(text, "codeLens", document());
+        let lenses = found.as_array().unwrap().iter().map(|lens| {
+            let command = &lens["command"];
+            let (place, title) = (shown(&lens["range"]), command["title"].as_str().unwrap());
+            let words = [command["command"].as_str().unwrap()];
+            let arguments = command["arguments"].as_array().unwrap().iter();
+            let words = words
+                .into_iter()
+                .chain(arguments.map(|it| it.as_str().unwrap()));
+            format!("{place} {title} {}", words.collect::<Vec<_>>().join(" "))
+        });
+        lenses.collect::<Vec<String>>()
+    };
+    let found = lenses(TOWER);
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(
+        found[0].starts_with("12:9-12:13 critical path: 2 of 4 captures, "),
+        "{found:?}"
+    );
+    assert_eq!(
+        found[1],
+        format!("12:9-12:13 ▶ simulate stochc.simulate {URI}")
+    );
+    // A program with errors cannot be simulated.
+    let wrong = TOWER.replace("B.up -> C", "B.up -> C   Q.up -> E");
+    assert!(!lenses(&wrong).iter().any(|lens| lens.contains("simulate")));
+    assert_eq!(lenses("let n = 1\n"), [""; 0]);
+}
+
+/// Checks that a client gets answers about the last checked text during the check of a long
+/// program. Their positions are those of the edited text.
+#[test]
+fn a_long_program_is_answered_during_its_check() {
+    let captures = |i: usize| format!("        S.up -> A{i}  release A{i}\n");
+    let body: String = (0..800).map(captures).collect();
+    let text = format!(
+        "assembly long in hemisphere {{\n    seed plate 1 x 1 {{ S at (0, 0) }}\n    phase p {{\n{body}    }}\n}}\n"
+    );
+    let refresh = json!({ "refreshSupport": true });
+    let mut client = Client::with(json!({
+        "workspace": { "inlayHint": refresh, "semanticTokens": {}, "codeLens": refresh },
+    }));
+    client.open(URI, &text);
+    client.diagnostics(URI);
+    // The check of these loops takes seconds.
+    let loops = "for i in 1..1000 { for j in 1..8000 { } }";
+    let seeds = "seed plate 1 x 1 { M at (0, 0) }";
+    let slow_programs: String = (0..100)
+        .map(|i| format!("assembly a{i} {{ {seeds} phase p {{ {loops} M.up -> A }} }}\n"))
+        .collect();
+    let start = json!({ "line": 0, "character": 0 });
+    let change = json!({ "range": { "start": start, "end": start }, "text": slow_programs });
+    client.notify(
+        "textDocument/didChange",
+        json!({
+            "textDocument": { "uri": URI, "version": 2 },
+            "contentChanges": [change],
+        }),
+    );
+    let slow = client.request(
+        "textDocument/definition",
+        json!({ "textDocument": { "uri": URI }, "position": start }),
+    );
+    let place =
+        json!({ "textDocument": { "uri": URI }, "position": { "line": 104, "character": 16 } });
+    let hover = client.ask("textDocument/hover", place.clone());
+    assert!(
+        hover["result"]["contents"]["value"]
+            .as_str()
+            .unwrap()
+            .contains("**`A1`**"),
+        "{hover}"
+    );
+    assert_eq!(shown(&hover["result"]["range"]), "104:16-104:18");
+    let symbols = client.ask("textDocument/documentSymbol", document());
+    assert_eq!(
+        shown(&symbols["result"][0]["selectionRange"]),
+        "100:9-100:13"
+    );
+    let tokens = client.ask("textDocument/semanticTokens/full", document());
+    assert!(tokens["result"]["data"].as_array().unwrap().len() > 4000);
+    let completion = client.ask("textDocument/completion", place);
+    assert!(completion["result"].is_array(), "{completion}");
+    client.notify("$/cancelRequest", json!({ "id": slow }));
+    client.answer(&json!(slow));
+    // After the check, the client is asked to repeat its requests.
+    client.notify(
+        "textDocument/didChange",
+        json!({
+            "textDocument": { "uri": URI, "version": 3 },
+            "contentChanges": [{ "text": text }],
+        }),
+    );
+    let mut requests = [client.request_of_server(), client.request_of_server()];
+    requests.sort();
+    assert_eq!(
+        requests,
+        ["workspace/codeLens/refresh", "workspace/inlayHint/refresh"]
+    );
 }
 
 /// Returns the completions offered before `|`.
@@ -153,15 +262,18 @@ fn keywords_names_and_faces_are_completed() {
         ["east", "west", "north", "south", "up", "down"]
     );
     let start = within("|");
-    for word in ["A", "B", "tower", "release", "yields"] {
+    for word in ["A", "B", "tower", "release", "yields", "seed", "aggregate"] {
         assert!(start.contains(&word.to_owned()), "{word} in {start:?}");
     }
     assert!(!start.contains(&"flag".to_owned()), "{start:?}");
     assert_eq!(within("yields fl|"), ["flag"]);
     assert!(within("B.up -> |").contains(&"left".to_owned()));
     assert!(within("B.up -> X a|").contains(&"after".to_owned()));
+    assert!(within("seed p|").contains(&"plate".to_owned()));
+    assert!(offered("aggregate a in hemisphere t|").contains(&"to".to_owned()));
     assert_eq!(within("tower(B) as |"), [""; 0]);
     assert_eq!(within("// |"), [""; 0]);
+    assert_eq!(offered("import \"|"), [""; 0]);
     let scenes = offered("scene mine from hemisphere {\n}\nassembly a in |");
     for scene in ["mine", "hemisphere", "suction_tank"] {
         assert!(scenes.contains(&scene.to_owned()), "{scenes:?}");

@@ -183,3 +183,89 @@ fn positions_are_counted_as_agreed() {
         assert_eq!(shown(&found[0]["range"]), expected, "{encodings:?}");
     }
 }
+
+/// Checks that a client that requests diagnostics gets each of them once, and learns when to ask
+/// again.
+#[test]
+fn diagnostics_are_pulled() {
+    let folder = tempfile::tempdir().unwrap();
+    let uri = |name: &str| format!("file://{}/{name}", folder.path().to_str().unwrap());
+    let (own, imported) = (uri("own.sa"), uri("imported.sa"));
+    let mut client = Client::with(json!({
+        "textDocument": { "diagnostic": {} },
+        "workspace": { "diagnostics": { "refreshSupport": true } },
+    }));
+    let pulled = |client: &mut Client, uri: &str| {
+        let params = json!({ "textDocument": { "uri": uri } });
+        let report = client.ask("textDocument/diagnostic", params)["result"].take();
+        assert_eq!(report["kind"], "full", "{report}");
+        report["items"].as_array().unwrap().clone()
+    };
+    client.open(&imported, "let n = 2\n");
+    assert_eq!(pulled(&mut client, &imported), [Value::Null; 0]);
+    client.open(
+        &own,
+        "import \"imported.sa\"\nassembly a { seed plate 1 x 1 { M at (0, 0) } phase p { M.up ->> T[1..m] } }\n",
+    );
+    let errors = pulled(&mut client, &own);
+    assert_eq!(errors.len(), 1, "{errors:?}");
+    assert_eq!(errors[0]["code"], "unknown-name");
+    // Nothing is sent twice.
+    assert_eq!(client.diagnosed(&own), [0; 0]);
+    assert_eq!(client.diagnosed(&imported), [0; 0]);
+    // A change of one file changes the diagnostics of the other.
+    client.notify(
+        "textDocument/didChange",
+        json!({
+            "textDocument": { "uri": imported, "version": 2 },
+            "contentChanges": [{ "text": "let m = 2\n" }],
+        }),
+    );
+    assert_eq!(client.request_of_server(), "workspace/diagnostic/refresh");
+    assert_eq!(pulled(&mut client, &own), [Value::Null; 0]);
+    assert_eq!(client.leave(), 0);
+}
+
+#[test]
+fn symbols_of_the_workspace_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let uri = |name: &str| format!("file://{}/{name}", folder.path().to_str().unwrap());
+    std::fs::write(
+        folder.path().join("towers.sa"),
+        "pattern tower(base) { base.up -> A }\n",
+    )
+    .unwrap();
+    let mut client = Client::new(&["utf-16"]);
+    client.open(
+        &uri("main.sa"),
+        "import \"towers.sa\"\nassembly two_towers { seed plate 1 x 1 { M at (0, 0) } phase grow { tower(M) } }\n",
+    );
+    let mut found = |query: &str| {
+        let answer = client.ask("workspace/symbol", json!({ "query": query }));
+        let symbols = answer["result"].as_array().unwrap().iter().map(|symbol| {
+            let file = symbol["location"]["uri"]
+                .as_str()
+                .unwrap()
+                .rsplit('/')
+                .next();
+            let container = symbol["containerName"].as_str().unwrap_or("-");
+            let place = shown(&symbol["location"]["range"]);
+            format!(
+                "{} {container} {} {place}",
+                symbol["name"].as_str().unwrap(),
+                file.unwrap()
+            )
+        });
+        symbols.collect::<Vec<String>>()
+    };
+    assert_eq!(
+        found("TWR"),
+        [
+            "tower - towers.sa 0:8-0:13",
+            "two_towers - main.sa 1:9-1:19"
+        ]
+    );
+    assert_eq!(found("grow"), ["grow two_towers main.sa 1:61-1:65"]);
+    assert_eq!(found("").len(), 5);
+    assert_eq!(found("nothing"), [""; 0]);
+}

@@ -2,9 +2,9 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
-use stochc_compiler::FileId;
 use stochc_compiler::names::NameKind;
 use stochc_compiler::scene::BUILT_IN;
+use stochc_grammar::{BEGINNINGS, CONTINUATIONS, PartKind, parts};
 use stochc_ir::Face;
 
 use super::scene;
@@ -20,25 +20,6 @@ const ENUM_MEMBER: u32 = 20;
 /// Largest number of names in a response.
 const MAX_NAMES: usize = 1000;
 
-/// Keywords that begin a statement or declaration.
-const BEGINNINGS: [&str; 12] = [
-    "aggregate",
-    "assembly",
-    "for",
-    "import",
-    "let",
-    "pattern",
-    "phase",
-    "release",
-    "scene",
-    "seed plate",
-    "shape",
-    "yields",
-];
-
-/// Keywords within a statement or declaration.
-const CONTINUATIONS: [&str; 7] = ["after", "as", "at", "from", "in", "timeout", "to"];
-
 /// Kinds of names that a place or an argument can contain.
 const PLACES: [NameKind; 5] = [
     NameKind::Block,
@@ -48,16 +29,15 @@ const PLACES: [NameKind; 5] = [
     NameKind::Counter,
 ];
 
-/// Returns the words that are allowed at a byte.
-pub fn completions(analysis: &Analysis, at: usize) -> Vec<Value> {
+/// Returns the words that are allowed at a byte. `line` is the text of its line up to this byte.
+pub fn completions(analysis: &Analysis, at: usize, line: &str) -> Vec<Value> {
     if let Some(items) = scene::completions(analysis, at) {
         return items;
     }
-    let text = &analysis.checked.sources.file(FileId(0)).text;
-    let line = text[..at].rsplit('\n').next().unwrap_or_default();
     let before = line.trim_end_matches(|c: char| c.is_ascii_alphanumeric() || c == '_');
-    let is_string = before.matches('"').count() % 2 == 1;
-    if is_string || before.contains("//") {
+    let last = parts(before).last().map(|part| part.kind);
+    let is_string = last == Some(PartKind::String { is_closed: false });
+    if is_string || last == Some(PartKind::Comment) {
         return Vec::new();
     }
     if before.ends_with('.') && !before.ends_with("..") {

@@ -1,25 +1,31 @@
-//! Inlay hints: the cell of each captured block.
+//! Inlay hints: the cell and the expected waiting time of each captured block.
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use serde_json::{Value, json};
 use stochc_compiler::FileId;
-use stochc_compiler::plan::EventKind;
-use stochc_ir::{Cell, Face};
+use stochc_compiler::plan::{EventId, EventKind};
+use stochc_ir::Face;
+use stochc_text::number;
 
 use crate::workspace::analysis::Analysis;
 
-/// Returns the cells of blocks that are captured in a range of bytes. A capture that stands for
-/// several blocks has no hint.
+/// Returns the cells of blocks that are captured in a range of bytes, with their mean waiting times
+/// if they are known. A capture that stands for several blocks has no hint.
 pub fn hints(analysis: &Analysis, within: &Range<usize>) -> Vec<Value> {
     let sources = &analysis.checked.sources;
-    let mut cells: BTreeMap<usize, Option<Cell>> = BTreeMap::new();
-    for program in &analysis.checked.programs {
-        for (event, cell) in program.plan.events.iter().zip(&program.layout.cells) {
+    let lines = analysis.lines(FileId(0));
+    let mut found: BTreeMap<usize, Option<(usize, EventId)>> = BTreeMap::new();
+    for (number, program) in analysis.checked.programs.iter().enumerate() {
+        for (id, event) in (0..).map(EventId).zip(&program.plan.events) {
             let location = event.location;
             let end = location.span.end as usize;
             let is_capture = matches!(event.kind, EventKind::Capture { .. });
             if !is_capture || location.file != FileId(0) || !within.contains(&end) {
+                continue;
+            }
+            let range = lines.range(location.span);
+            if range.start == range.end {
                 continue;
             }
             let text = sources.text(location);
@@ -27,15 +33,22 @@ pub fn hints(analysis: &Analysis, within: &Range<usize>) -> Vec<Value> {
                 .rsplit_once('.')
                 .filter(|(_, word)| Face::from_word(word).is_some());
             let name_end = end - face.map_or(0, |(_, word)| word.len() + 1);
-            cells
+            found
                 .entry(name_end)
-                .and_modify(|cell| *cell = None)
-                .or_insert(*cell);
+                .and_modify(|capture| *capture = None)
+                .or_insert(Some((number, id)));
         }
     }
-    let lines = analysis.lines(FileId(0));
-    let hints = cells.into_iter().filter_map(|(at, cell)| {
-        let label = cell?.to_string();
+    let hints = found.into_iter().filter_map(|(at, capture)| {
+        let (program, event) = capture?;
+        let cells = &analysis.checked.programs[program].layout.cells;
+        let mut label = cells.get(event.0 as usize)?.as_ref()?.to_string();
+        if let Some(cost) = analysis.cost(program)
+            && let Some(it) = cost.captures.iter().find(|it| it.event == event)
+        {
+            let (bound, wait) = (cost.lower_bound.prefix(), number(it.wait.round()));
+            label.push_str(&format!(", {bound}{wait} ticks"));
+        }
         Some(json!({ "position": lines.position(at), "label": label, "paddingLeft": true }))
     });
     hints.collect()

@@ -21,9 +21,6 @@ const MAX_DESCRIBED: usize = 3;
 /// Largest number of blocks that a hover text lists.
 const MAX_LISTED: usize = 12;
 
-/// Largest number of events for an estimate of times, to limit the response time.
-const MAX_ESTIMATED: usize = 10_000;
-
 /// Returns the hover text of the name at a byte, and its range.
 ///
 /// # Errors
@@ -58,11 +55,11 @@ pub fn hover(
 fn blocks(analysis: &Analysis, located: &Located) -> String {
     let program = &analysis.checked.programs[located.program];
     let ancestry = Ancestry::new(program);
-    let cost = times(program);
+    let cost = analysis.cost(located.program);
     let roles = &located.roles;
     let mut text = String::new();
     for &role in roles.iter().take(MAX_DESCRIBED) {
-        text.push_str(&block(analysis, program, &ancestry, cost.as_ref(), role));
+        text.push_str(&block(analysis, program, &ancestry, cost, role));
         if let Some(tables) = &program.tables {
             let duties = duties_text(tables, role);
             if !duties.is_empty() {
@@ -72,7 +69,7 @@ fn blocks(analysis: &Analysis, located: &Located) -> String {
     }
     let listed = roles.iter().skip(MAX_DESCRIBED).take(MAX_LISTED);
     for &role in listed {
-        text.push_str(&block(analysis, program, &ancestry, cost.as_ref(), role));
+        text.push_str(&block(analysis, program, &ancestry, cost, role));
     }
     let rest = roles.len().saturating_sub(MAX_DESCRIBED + MAX_LISTED);
     if rest > 0 {
@@ -148,15 +145,6 @@ fn block(
     }
     text.push('\n');
     text
-}
-
-/// Estimates the times in a scene with known or estimated rates. Returns `None` for scenes without
-/// rates and for large programs.
-fn times(program: &Program) -> Option<Cost> {
-    let scene = program.scene.as_ref()?;
-    let rates = Rates::known_or_guessed(&[], scene)?;
-    let is_small = program.plan.events.len() <= MAX_ESTIMATED;
-    is_small.then(|| program.estimate(Some(&*rates))).flatten()
 }
 
 /// Returns the reasons why a time is a lower bound, in brackets. Empty if it is an estimate.
@@ -243,17 +231,17 @@ fn docs(tree: &Tree, at: u32) -> &[String] {
 /// phases.
 fn phases(analysis: &Analysis, location: SourceLocation) -> String {
     let mut text = String::new();
-    for program in &analysis.checked.programs {
+    for (index, program) in analysis.checked.programs.iter().enumerate() {
         let phases = program.plan.phases.iter().enumerate();
         let named = phases.filter(|(_, phase)| {
             phase.location.file == location.file && phase.location.span.start == location.span.start
         });
         let named: Vec<_> = named.take(MAX_LISTED).collect();
-        let cost = (!named.is_empty()).then(|| times(program)).flatten();
+        let cost = (!named.is_empty()).then(|| analysis.cost(index)).flatten();
         for (number, phase) in named {
             let measured = measure(program, number, phase);
             let _ = write!(text, "- `{}`: {measured}", phase.name);
-            if let Some(cost) = cost.as_ref().filter(|_| !phase.pre_attached)
+            if let Some(cost) = cost.filter(|_| !phase.pre_attached)
                 && let Some(times) = cost.phases[number].times
             {
                 let (by, bound) = (by(program), cost.lower_bound);

@@ -7,6 +7,7 @@ pub(crate) mod folding;
 pub(crate) mod formatting;
 pub(crate) mod hints;
 pub(crate) mod hover;
+pub(crate) mod lenses;
 pub(crate) mod rename;
 pub(crate) mod scene;
 pub(crate) mod symbols;

@@ -1,9 +1,17 @@
-//! Outline of a file.
+//! Outline of a file, and symbols of the workspace.
+use std::collections::BTreeSet;
+
 use gen_lsp_types::{DocumentSymbol, SymbolKind};
+use serde_json::{Value, json};
 use stochc_compiler::{Span, Symbols};
 use stochc_grammar::tree::{Item, ItemKind};
 
+use crate::workspace::analysis::Analysis;
+use crate::workspace::documents::Documents;
 use crate::workspace::position::LineIndex;
+
+/// Largest number of symbols in a response about the workspace.
+const MAX_FOUND: usize = 1000;
 
 /// Returns the declarations of a file, with nested ones.
 pub fn symbols(items: &[Item], words: &Symbols, lines: &LineIndex<'_>) -> Vec<DocumentSymbol> {
@@ -11,6 +19,58 @@ pub fn symbols(items: &[Item], words: &Symbols, lines: &LineIndex<'_>) -> Vec<Do
         .iter()
         .filter_map(|item| symbol(item, words, lines))
         .collect()
+}
+
+/// Returns the declarations in some programs and their imports. A name must contain the characters
+/// of the query, in their order and in either case.
+pub fn in_workspace(all: &[&Analysis], query: &str, documents: &Documents) -> Vec<Value> {
+    let query: Vec<char> = query.to_lowercase().chars().collect();
+    let mut files = BTreeSet::new();
+    let mut found = Vec::new();
+    for analysis in all {
+        for (file, tree) in analysis.checked.trees() {
+            if !files.insert(analysis.path(file)) {
+                continue;
+            }
+            let uri = documents.uri(analysis.path(file));
+            let outline = symbols(
+                &tree.items,
+                &analysis.checked.symbols,
+                &analysis.lines(file),
+            );
+            add(outline, None, &query, &uri, &mut found);
+        }
+    }
+    found
+}
+
+fn add(
+    symbols: Vec<DocumentSymbol>,
+    container: Option<&str>,
+    query: &[char],
+    uri: &str,
+    found: &mut Vec<Value>,
+) {
+    for symbol in symbols {
+        if matches(&symbol.name, query) && found.len() < MAX_FOUND {
+            found.push(json!({
+                "name": symbol.name,
+                "kind": symbol.kind,
+                "location": { "uri": uri, "range": symbol.selection_range },
+                "containerName": container,
+            }));
+        }
+        let children = symbol.children.unwrap_or_default();
+        add(children, Some(&symbol.name), query, uri, found);
+    }
+}
+
+fn matches(name: &str, query: &[char]) -> bool {
+    let mut rest = query.iter().peekable();
+    for character in name.chars().flat_map(char::to_lowercase) {
+        rest.next_if(|&&wanted| wanted == character);
+    }
+    rest.peek().is_none()
 }
 
 fn symbol(item: &Item, words: &Symbols, lines: &LineIndex<'_>) -> Option<DocumentSymbol> {

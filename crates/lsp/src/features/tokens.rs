@@ -33,6 +33,10 @@ pub fn tokens(analysis: &Analysis) -> Vec<u32> {
         };
         let range = lines.range(span);
         let start = range.start;
+        // The name was deleted or divided after the check.
+        if range.end.line != start.line || range.end == start {
+            continue;
+        }
         if start.line > line {
             character = 0;
         }

@@ -1,24 +1,46 @@
 //! Analysis of an open program, in the client's terms.
+use std::sync::{Arc, OnceLock};
+
 use gen_lsp_types::{Location, Range};
 use stochc_compiler::names::{Names, Occurrence};
 use stochc_compiler::{
-    Cancellation, Cancelled, Checked, FileId, Limits, Reader, SourceLocation, check_cancellable,
+    Cancellation, Cancelled, Checked, FileId, Limits, Program, Reader, SourceLocation,
+    check_cancellable,
 };
+use stochc_estimate::{Cost, Rates};
 
 use super::documents::Documents;
-use super::position::{Encoding, LineIndex, line_starts};
+use super::position::{Change, Encoding, LineIndex, line_starts};
+
+/// Largest number of events for an estimate of times, to limit the response time.
+const MAX_ESTIMATED: usize = 10_000;
+
+/// Length of all files \[bytes\], or number of events, from which a check takes long.
+const LONG: usize = 1 << 14;
 
 /// Analysis of an open program and its imported files.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Analysis {
     /// Results of the compiler.
-    pub checked: Checked,
+    pub checked: Arc<Checked>,
     /// Definitions and references of the program's names.
-    pub names: Names,
+    pub names: Arc<Names>,
     /// Character encoding of the client's positions.
     encoding: Encoding,
     /// Starts of the lines of each file.
-    lines: Vec<Vec<usize>>,
+    lines: Arc<Vec<Vec<usize>>>,
+    /// Estimated times of each program, computed on demand.
+    costs: Arc<Vec<OnceLock<Option<Cost>>>>,
+    /// Newer text of the program's own file. `None` if the analysis is up to date.
+    newer: Option<Arc<NewerText>>,
+}
+
+/// Text of a file that was edited after its analysis.
+#[derive(Debug)]
+struct NewerText {
+    text: String,
+    lines: Vec<usize>,
+    change: Change,
 }
 
 impl Analysis {
@@ -37,12 +59,47 @@ impl Analysis {
         let names = Names::new(&checked, cancellation)?;
         let files = checked.sources.files().iter();
         let lines = files.map(|file| line_starts(&file.text)).collect();
+        let costs = checked.programs.iter().map(|_| OnceLock::new()).collect();
         Ok(Analysis {
-            checked,
-            names,
+            checked: Arc::new(checked),
+            names: Arc::new(names),
             encoding,
-            lines,
+            lines: Arc::new(lines),
+            costs: Arc::new(costs),
+            newer: None,
         })
+    }
+
+    /// Returns this analysis for a newer text of the program's own file. Bytes still count in the
+    /// old text, and positions count in the new one.
+    pub fn for_newer(&self, text: String) -> Analysis {
+        let files = self.checked.sources.files();
+        let change = Change::between(files.first().map_or("", |file| &file.text), &text);
+        let newer = NewerText {
+            lines: line_starts(&text),
+            text,
+            change,
+        };
+        Analysis {
+            newer: Some(Arc::new(newer)),
+            ..self.clone()
+        }
+    }
+
+    /// Returns whether a check of the program takes so long that requests should not wait for it.
+    pub fn is_long(&self) -> bool {
+        let bytes: usize = (self.checked.sources.files().iter())
+            .map(|file| file.text.len())
+            .sum();
+        let events = (self.checked.programs.iter()).map(|program| program.plan.events.len());
+        bytes.max(events.sum()) >= LONG
+    }
+
+    /// Returns the estimated times of a program, by number. Returns `None` for scenes without rates
+    /// and for large programs.
+    pub fn cost(&self, program: usize) -> Option<&Cost> {
+        let cost = || times(&self.checked.programs[program]);
+        self.costs.get(program)?.get_or_init(cost).as_ref()
     }
 
     /// Returns the path of a file.
@@ -59,8 +116,12 @@ impl Analysis {
 
     /// Returns the lines of a file.
     pub fn lines(&self, file: FileId) -> LineIndex<'_> {
+        if let Some(newer) = self.newer.as_ref().filter(|_| file == FileId(0)) {
+            let lines = LineIndex::known(&newer.text, newer.lines.as_slice(), self.encoding);
+            return lines.changed(newer.change);
+        }
         let text = &self.checked.sources.file(file).text;
-        LineIndex::known(text, &self.lines[file.0 as usize], self.encoding)
+        LineIndex::known(text, self.lines[file.0 as usize].as_slice(), self.encoding)
     }
 
     /// Returns the range of a span in a file.
@@ -81,4 +142,11 @@ impl Analysis {
     pub fn name_at(&self, at: usize) -> Option<&Occurrence> {
         self.names.at(FileId(0), at as u32)
     }
+}
+
+fn times(program: &Program) -> Option<Cost> {
+    let scene = program.scene.as_ref()?;
+    let rates = Rates::known_or_guessed(&[], scene)?;
+    let is_small = program.plan.events.len() <= MAX_ESTIMATED;
+    is_small.then(|| program.estimate(Some(&*rates))).flatten()
 }

@@ -32,6 +32,69 @@ pub struct LineIndex<'t> {
     text: &'t str,
     starts: Cow<'t, [usize]>,
     encoding: Encoding,
+    /// Change since the text whose bytes the caller uses. Makes `text` the changed text.
+    change: Change,
+}
+
+/// Change of a text: the replacement of one range of bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Change {
+    start: usize,
+    old_end: usize,
+    new_end: usize,
+}
+
+impl Change {
+    /// Returns the smallest change between two texts.
+    pub fn between(old: &str, new: &str) -> Change {
+        let (a, b) = (old.as_bytes(), new.as_bytes());
+        let mut start = a.iter().zip(b).take_while(|(a, b)| a == b).count();
+        while !old.is_char_boundary(start) || !new.is_char_boundary(start) {
+            start -= 1;
+        }
+        let rest = a[start..].iter().rev().zip(b[start..].iter().rev());
+        let mut same = rest.take_while(|(a, b)| a == b).count();
+        while !old.is_char_boundary(a.len() - same) || !new.is_char_boundary(b.len() - same) {
+            same -= 1;
+        }
+        Change {
+            start,
+            old_end: a.len() - same,
+            new_end: b.len() - same,
+        }
+    }
+
+    /// Returns the byte of the new text for the end of a range of the old text.
+    fn end(self, at: usize) -> usize {
+        if at <= self.start {
+            at
+        } else if at >= self.old_end {
+            at - self.old_end + self.new_end
+        } else {
+            self.start
+        }
+    }
+
+    /// Returns the byte of the new text for the start of a range of the old text. Differs from the
+    /// end of a range where the change is an insertion.
+    fn start(self, at: usize) -> usize {
+        if at >= self.old_end {
+            at - self.old_end + self.new_end
+        } else {
+            self.end(at)
+        }
+    }
+
+    /// Returns the byte of the old text for a byte of the new text.
+    fn old(self, at: usize) -> usize {
+        if at <= self.start {
+            at
+        } else if at >= self.new_end {
+            at - self.new_end + self.old_end
+        } else {
+            self.start
+        }
+    }
 }
 
 impl<'t> LineIndex<'t> {
@@ -50,12 +113,22 @@ impl<'t> LineIndex<'t> {
             text,
             starts: starts.into(),
             encoding,
+            change: Change::default(),
         }
+    }
+
+    /// Returns the index for bytes of the text before a change, and positions after it.
+    pub fn changed(self, change: Change) -> LineIndex<'t> {
+        LineIndex { change, ..self }
     }
 
     /// Returns the position of a byte. Bytes beyond the end of the text have the position of the
     /// end.
     pub fn position(&self, at: usize) -> Position {
+        self.position_now(self.change.end(at))
+    }
+
+    fn position_now(&self, at: usize) -> Position {
         let mut at = at.min(self.text.len());
         while !self.text.is_char_boundary(at) {
             at -= 1;
@@ -69,17 +142,30 @@ impl<'t> LineIndex<'t> {
         }
     }
 
-    /// Returns the range of a span.
+    /// Returns the range of a span. The range of a deleted span is empty.
     pub fn range(&self, span: Span) -> Range {
+        let end = self.change.end(span.end as usize);
+        let start = self.change.start(span.start as usize).min(end);
         Range {
-            start: self.position(span.start as usize),
-            end: self.position(span.end as usize),
+            start: self.position_now(start),
+            end: self.position_now(end),
         }
     }
 
     /// Returns the byte of a position. Positions beyond a line or text map to its end, and
     /// positions within a character to its first byte.
     pub fn offset(&self, position: Position) -> usize {
+        self.change.old(self.offset_now(position))
+    }
+
+    /// Returns the text of a line up to a position.
+    pub fn line_before(&self, position: Position) -> &'t str {
+        let start = self.starts.get(position.line as usize);
+        let end = self.offset_now(position);
+        start.map_or("", |&start| &self.text[start..end])
+    }
+
+    fn offset_now(&self, position: Position) -> usize {
         let line = position.line as usize;
         let Some(&start) = self.starts.get(line) else {
             return self.text.len();

@@ -37,6 +37,11 @@ struct OpenProgram {
     is_unseen: bool,
     /// Latest diagnostics of the program.
     found: DiagnosticsByFile,
+    /// Last analysis, if the texts have changed since and a check takes long.
+    last: Option<Arc<Analysis>>,
+    /// Whether the client has received responses, or may show diagnostics, that the next check can
+    /// change although the text stays the same.
+    is_refresh_due: bool,
 }
 
 /// State of the analysis of a program's current texts.
@@ -70,7 +75,7 @@ impl Programs {
     /// date.
     pub fn changed<T>(&mut self, path: &str, jobs: &Jobs<T>) -> BTreeSet<String> {
         self.0.entry(path.to_owned()).or_default();
-        self.outdate(jobs, |own, reads| {
+        self.outdate(path, jobs, |own, reads| {
             own == path || reads.lack_a_file() || reads.include(path)
         })
     }
@@ -83,7 +88,7 @@ impl Programs {
         encoding: Encoding,
         jobs: &Jobs<T>,
     ) -> BTreeSet<String> {
-        self.outdate(jobs, |_, reads| reads.are_outdated(documents, encoding))
+        self.outdate("", jobs, |_, reads| reads.are_outdated(documents, encoding))
     }
 
     /// Removes a closed program, and records that the file on disk replaces its text. Returns the
@@ -95,9 +100,11 @@ impl Programs {
         outdated
     }
 
-    /// Invalidates the analyses of some programs and cancels their checks.
+    /// Invalidates the analyses of some programs after a change of a file, and cancels their
+    /// checks.
     fn outdate<T>(
         &mut self,
+        changed: &str,
         jobs: &Jobs<T>,
         is_outdated: impl Fn(&str, &Reads) -> bool,
     ) -> BTreeSet<String> {
@@ -111,8 +118,13 @@ impl Programs {
             if let AnalysisState::Running(job) = program.state {
                 jobs.cancel(job);
             }
-            program.state = AnalysisState::Unknown;
+            if let AnalysisState::Known(analysis) = std::mem::take(&mut program.state)
+                && analysis.is_long()
+            {
+                program.last = Some(analysis);
+            }
             program.is_unseen = true;
+            program.is_refresh_due |= path != changed;
             outdated.insert(path.clone());
         }
         outdated
@@ -125,6 +137,21 @@ impl Programs {
             AnalysisState::Unknown | AnalysisState::Running(_) => Knowledge::Waiting,
             AnalysisState::Failed => Knowledge::Failed,
         })
+    }
+
+    /// Returns an analysis of earlier texts, if the check takes long. The client must refresh the
+    /// response after the check.
+    pub fn last(&mut self, path: &str) -> Option<Arc<Analysis>> {
+        let program = self.0.get_mut(path)?;
+        let last = program.last.clone()?;
+        program.is_refresh_due = true;
+        Some(last)
+    }
+
+    /// Returns the diagnostics that a program has found in its own file.
+    pub fn own(&self, path: &str) -> &[LspDiagnostic] {
+        let found = self.0.get(path).and_then(|it| it.found.get(path));
+        found.map_or(&[], Vec::as_slice)
     }
 
     /// Returns whether the diagnostics of a file are not yet determined.
@@ -171,12 +198,12 @@ impl Programs {
         program.state = job.map_or(AnalysisState::Failed, AnalysisState::Running);
     }
 
-    /// Stores the result of a check unless the check is out of date. Returns `false` if it is.
-    pub fn checked(&mut self, job: JobId, checked: Option<CheckedProgram>) -> bool {
+    /// Stores the result of a check, and returns whether the client must refresh earlier responses.
+    /// Returns `None` if the check is out of date.
+    pub fn checked(&mut self, job: JobId, checked: Option<CheckedProgram>) -> Option<bool> {
         let is_it = |program: &&mut OpenProgram| matches!(program.state, AnalysisState::Running(own) if own == job);
-        let Some(program) = self.0.values_mut().find(is_it) else {
-            return false;
-        };
+        let program = self.0.values_mut().find(is_it)?;
+        program.last = None;
         program.is_unseen = false;
         program.state = match checked {
             Some(checked) => {
@@ -185,7 +212,7 @@ impl Programs {
             }
             None => AnalysisState::Failed,
         };
-        true
+        Some(std::mem::take(&mut program.is_refresh_due))
     }
 }
 

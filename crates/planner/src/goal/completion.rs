@@ -13,7 +13,7 @@ use stochc_compiler::{
 };
 use stochc_estimate::Rates;
 use stochc_grammar::tree::{Item, ItemKind, Name};
-use stochc_grammar::{format, is_comment};
+use stochc_grammar::{PartKind, format, is_comment, parts};
 use stochc_ir::Cell;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::RoleId;
@@ -400,11 +400,8 @@ fn after(text: &str, at: usize) -> usize {
 
 /// Returns the position of a comment in a line. Returns `None` if there is none.
 fn comment(line: &str) -> Option<usize> {
-    let mut is_quoted = false;
-    line.char_indices().find_map(|(at, sign)| {
-        is_quoted ^= sign == '"';
-        (!is_quoted && line[at..].starts_with("//")).then_some(at)
-    })
+    let comment = parts(line).find(|part| part.kind == PartKind::Comment);
+    comment.map(|part| part.range.start)
 }
 
 /// Returns whether a comment is a documentation comment.
