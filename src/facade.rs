@@ -25,8 +25,8 @@ pub fn check_with(path: &str, levels: &LintLevels) -> Checked {
     check_within(path, levels, &[])
 }
 
-/// Checks a file like [`check_with`], and also allows imports from the folders `further`. Symbolic
-/// links must not lead out of these folders.
+/// Checks a file like [`check_with`], and also allows imports from the folders `further`. Rejects
+/// symbolic links that lead out of these folders.
 pub fn check_within(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Checked {
     let mut reader = DiskReader::new(path, None, further);
     let limits = Limits::default();

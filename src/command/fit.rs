@@ -171,8 +171,8 @@ fn keep(out: &Path, fit: &Fit, scenes: &str, figures: &[(String, Vec<u8>)]) -> R
     Ok(())
 }
 
-/// Creates a folder. Accepts an existing folder that is empty, except for files of killed
-/// processes.
+/// Creates a folder. Accepts an existing folder if it contains only leftovers of killed processes,
+/// or nothing.
 fn claim_empty(out: &Path) -> Result<(), String> {
     let shown = out.display();
     let unusable = |error: io::Error| format!("cannot use `{shown}`: {error}");

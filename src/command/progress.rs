@@ -15,8 +15,8 @@ use crate::progress::WorkProgress;
 pub enum Display {
     /// Bar that is redrawn.
     Bar,
-    /// Plain lines, at least 10 s apart. A line follows each tenth of the work, or the last line
-    /// after 60 s.
+    /// Plain lines, at least 10 s apart. Prints a line after each tenth of the work, and at the
+    /// latest 60 s after the previous line.
     Lines,
     /// No progress.
     Quiet,

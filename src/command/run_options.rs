@@ -30,7 +30,7 @@ pub struct JsonOption {
     pub json: bool,
 }
 
-/// Options of commands that measure with runs and print a table.
+/// Options of commands that simulate runs to measure something, and that print a table.
 #[derive(Debug, Args)]
 pub struct MeasuringOptions {
     #[command(flatten)]

@@ -46,15 +46,16 @@ pub fn show(checked: &Checked, format: Format, colour: bool, width: usize) -> St
     }
 }
 
-/// Returns the diagnostics of one file, drawn over its source. Their number follows at the end.
+/// Returns the diagnostics of one file, drawn over its source. The last line states the number of
+/// diagnostics.
 pub fn drawn(checked: &Checked, colour: bool, width: usize) -> String {
     let mut tally = DiagnosticCounts::default();
     tally.add(checked);
     graphical::show(checked, colour, width) + &tally.lines()
 }
 
-/// Returns the errors of one file, drawn over its source. The number of diagnostics follows at the
-/// end.
+/// Returns the errors of one file, drawn over its source. The last line states the number of
+/// diagnostics.
 pub fn drawn_errors(checked: &Checked, colour: bool, width: usize) -> String {
     let mut tally = DiagnosticCounts::default();
     tally.add(checked);

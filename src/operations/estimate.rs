@@ -12,7 +12,7 @@ use super::rates::{matching, rates_for_scenes, read_rates_for, supported};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
-/// Approximate number of captures to sample for a program, in all its runs together.
+/// Approximate number of captures that all runs of a program sample together.
 const DRAWN: u64 = 1_000_000;
 
 /// Largest number of runs of a program.

@@ -31,7 +31,7 @@ pub struct FitProgram {
     pub measurement: Measurement,
 }
 
-/// Programs that the fit does not use, although they are given.
+/// Given programs whose times the fit does not use.
 #[derive(Clone, Copy, Debug)]
 pub struct Unused<'a> {
     /// Names of programs that are held out: their measured times validate the fit.
@@ -49,8 +49,8 @@ pub struct FitSetup<'a> {
     pub priors: &'a [Prior],
     /// Number of points per round. `None` means three per coefficient of the polynomials.
     pub points: Option<usize>,
-    /// Number of rounds, at least one. Each round samples the range that the previous round left as
-    /// plausible.
+    /// Number of rounds, at least one. Each round samples the range that is plausible after the
+    /// previous round.
     pub rounds: u64,
     /// Number of runs of each program at each point.
     pub runs: u64,
@@ -356,7 +356,7 @@ fn check_limit(setup: &FitSetup, measured: &[FitProgram]) -> Result<(), Failure>
 }
 
 /// Simulates every program at every point. Returns the times of each program. Also returns the
-/// number of runs without a time that the fit would need.
+/// number of incomplete runs whose completion times the fit needs.
 fn simulated(
     setup: &FitSetup,
     measured: &[FitProgram],

@@ -157,7 +157,7 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// Returns the default extent of a calibration.
+    /// Returns the default settings and the default number of runs of a calibration.
     pub fn usual(threads: Option<u16>) -> Effort {
         Effort {
             settings: Settings {

@@ -76,8 +76,8 @@ fn to(
 /// source.
 const MAX_STATEMENTS: usize = 50_000;
 
-/// Returns the source location of each event. Returns none if the sources are missing or compile to
-/// another program.
+/// Returns the source location of each event. Returns an empty list if the sources are missing or
+/// compile to another program.
 fn statements(program: &EnsembleProgram) -> Vec<EventLocation> {
     if program.sources.is_empty() || program.compiled.graph.events.len() > MAX_STATEMENTS {
         return Vec::new();

@@ -32,7 +32,7 @@ pub struct TradeSetup<'a> {
     /// Required precision: half-width of the 95 % confidence interval, divided by the mean. `None`
     /// if the number of runs is fixed.
     pub until: Option<f64>,
-    /// Number of substeps of the reference.
+    /// Number of substeps of the reference setting.
     pub finest: u32,
     /// Limit on the ticks of a run. Longer runs are stopped.
     pub max_ticks: u64,

@@ -78,8 +78,8 @@ pub struct Waits {
     pub entry_rate: Option<f64>,
     /// Number of captured blocks that had never been captured before.
     pub free: usize,
-    /// Numbers of captured blocks that had been released before. Each number belongs to the last
-    /// role of the blocks.
+    /// Number of captured blocks for each role that they had before their last release. Blocks that
+    /// were never released are excluded.
     pub released: Vec<(RoleId, usize)>,
 }
 

@@ -5,7 +5,7 @@ use stochc_results::parquet::setting_column;
 use stochc_results::parquet::{FilledTable, TableDefinition};
 use stochc_results::{EnsembleProgram, Manifest};
 
-/// Condition for null values in a summary table.
+/// Text in a summary table for an unknown value.
 const UNKNOWN: &str = "unknown";
 
 /// Row of a summary table: a program with its results.

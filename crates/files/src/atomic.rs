@@ -31,7 +31,7 @@ pub enum Replaces {
     Nothing,
     /// Replaces files that this function recognizes as files of stochc.
     Ours(fn(&mut File) -> io::Result<bool>),
-    /// Replaces any regular file, in a folder of stochc.
+    /// Replaces any regular file. Only for files in folders of stochc.
     Ordinary,
     /// Replaces a file that has the same content, in a folder shared by several machines without
     /// locks. Names of drafts begin with the stem and `.draft-`. Drafts of killed processes are not

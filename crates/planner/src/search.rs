@@ -45,7 +45,7 @@ impl PlanSearch<'_> {
 }
 
 impl Default for PlanSearch<'_> {
-    /// Returns settings for the first plan only, by mean completion time.
+    /// Returns settings that make only the first plan, with the mean completion time as objective.
     fn default() -> Self {
         PlanSearch {
             objective: Objective::Mean,

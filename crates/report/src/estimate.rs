@@ -24,7 +24,7 @@ pub struct CompletionEstimate {
     pub incomplete: u64,
     /// Completion times of the program. Incomplete samples count as slower than all others. `None`
     /// if fewer than a tenth completed or the scene has too few free blocks. Also `None` if a run
-    /// was stopped earlier than the slowest completed run ended.
+    /// was stopped before the end of the slowest completed run.
     pub total: Option<Times>,
     /// Times of each phase, except phases of pre-attached blocks.
     pub phases: Vec<PhaseEstimate>,

@@ -17,8 +17,8 @@ pub fn this_build() -> String {
     digest
 }
 
-/// Returns a message if `builds`, the builds that made the existing runs, include a build other
-/// than this one.
+/// Returns a message if a build other than this one made some of the existing runs. `builds` lists
+/// the builds that made them.
 pub fn other_build(builds: &[String]) -> Option<String> {
     let this = this_build();
     let other = builds.iter().find(|&build| *build != this)?;

@@ -39,7 +39,7 @@ const CHECKSUM: u64 = 4;
 
 /// Number of ticks between two readings of the clock.
 const LOOK_EVERY: u32 = 16;
-/// Checkpoints may take one part in this many of a run's time.
+/// Reciprocal of the largest fraction of a run's time that checkpoints may take.
 const SHARE: u32 = 100;
 /// Shortest interval between two checkpoints. A run that is stopped loses at most this time.
 const MIN: Duration = Duration::from_secs(10);

@@ -122,7 +122,8 @@ pub fn summed_up(program: &Program, rates: &[Rates]) -> String {
     format!("  estimate: {takes}{never}{reasons}; details: `--cost`\n")
 }
 
-/// Returns the feature of a program or its scene that the rate model does not support.
+/// Returns a feature of a program or its scene that the rate model does not support. Returns `None`
+/// if it supports all.
 fn unsupported(program: &Program, scene: &Scene) -> Option<&'static str> {
     if program.plan.aggregate.is_some() {
         return Some("aggregates");

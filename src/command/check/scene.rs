@@ -25,7 +25,7 @@ pub struct InForce<'a> {
     absent: Vec<AbsentTerm>,
     speed: Speed,
     groups: Vec<DimensionlessNumber>,
-    /// Smallest density of free blocks at the structures of the assemblies.
+    /// Smallest density of free blocks at the heights of the assemblies' captures.
     at_structure: Option<DimensionlessNumber>,
     /// Default number of substeps of the scene.
     steps: Substeps,

@@ -38,7 +38,7 @@ pub struct ProgramOptions {
     pub imports: ImportOptions,
 }
 
-/// How each run is computed.
+/// Options that select how each run is computed.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Model")]
 pub struct ModelOptions {
@@ -116,7 +116,8 @@ impl ModelOptions {
     }
 }
 
-/// Options of the runs of an ensemble and of their results. The command has an argument `out`.
+/// Options of the runs of an ensemble and of their results. Commands with these options also have
+/// an argument `out`.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Runs")]
 pub struct MakingOptions {
@@ -149,7 +150,8 @@ pub struct MakingOptions {
     pub shown: ResultsOptions,
 }
 
-/// Returns a parser for the names of the values `all`. `meaning` returns the help text of a value.
+/// Returns a parser that accepts the name of each value in `all`. `meaning` returns the help text
+/// of a value.
 fn one_of<T: Copy + Send + Sync + 'static>(
     all: &'static [T],
     name: fn(T) -> &'static str,

@@ -13,7 +13,7 @@ pub enum Budget {
 impl Budget {
     /// Returns a budget that takes about one second for a shape with `cells` cells.
     pub fn for_cells(cells: usize) -> Budget {
-        /// Number of cells whose events the planner plans in a second.
+        /// Number of cells that the planner plans per second.
         const IN_A_SECOND: usize = 300_000;
         Budget::Tries((IN_A_SECOND / cells.max(1)).clamp(1, 3000) as u64)
     }

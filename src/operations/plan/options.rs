@@ -17,8 +17,8 @@ pub struct PlanOptions<'a> {
     /// Name of the shape in the target program. `None` means the only shape, or the shape of the
     /// last claim.
     pub shape: Option<&'a str>,
-    /// Number of the model in a `.vox` file to build. `None` means all models, at their places in
-    /// the voxel scene.
+    /// Number of the model to build from a `.vox` file. `None` means all models, at their positions
+    /// in the voxel scene.
     pub model: Option<u32>,
     /// Plate to build on. `None` means the plate of the target.
     pub seed_plate: Option<&'a SeedPlate>,
@@ -36,7 +36,7 @@ pub struct PlanOptions<'a> {
     pub imports: &'a [PathBuf],
     /// Budget of the search. `None` means a budget of about one second.
     pub budget: Option<Budget>,
-    /// Time that the plan minimizes.
+    /// Statistic of the completion time that the plan minimizes.
     pub objective: Objective,
     /// Seed of the random numbers.
     pub seed: u64,

@@ -26,9 +26,9 @@ pub const MIN_RACE: u64 = 8;
 /// Largest number of runs of a plan in a race.
 pub const MAX_RACE: u64 = 100_000;
 
-/// Limit on the lead of the fastest plan, divided by the half-width of the lead's confidence
-/// interval. A plan leaves the race if its distance from the fastest plan exceeds this limit. The
-/// limit is above 1, because plans are compared after each round.
+/// Limit on the distance of a plan from the fastest plan, divided by the half-width of the
+/// confidence interval of this distance. A plan above the limit leaves the race. The limit is above
+/// 1, because plans are compared after each round.
 const MAX_BEHIND: f64 = 1.5;
 
 /// Limit on the ticks of a run, as a multiple of its plan's estimated time.

@@ -9,8 +9,9 @@ use crate::{Interaction, LowerBoundReasons, Times};
 pub struct Cost {
     /// The phases, in order.
     pub phases: Vec<PhaseCost>,
-    /// Completion time of the program. Infinite in samples with a timeout. `None` without rates,
-    /// with too few free blocks, or if at least nine tenths of the samples have a timeout.
+    /// Completion time of the program. A sample with a timeout has an infinite time. `None` if
+    /// there are no rates or too few free blocks, or if at least nine tenths of the samples have a
+    /// timeout.
     pub total: Option<Times>,
     /// Whether rates were given.
     pub has_rates: bool,
@@ -20,8 +21,8 @@ pub struct Cost {
     pub interaction: Interaction,
     /// Reasons why the times are lower bounds. Empty if they are estimates.
     pub lower_bound: LowerBoundReasons,
-    /// The captures by decreasing share of the total time. Equal shares are in source order. Empty
-    /// without times.
+    /// Captures, sorted by decreasing share of the total time. Equal shares are in source order.
+    /// Empty without times.
     pub captures: Vec<CaptureCost>,
 }
 

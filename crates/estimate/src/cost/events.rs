@@ -31,8 +31,8 @@ pub struct Events<'a> {
     pub parts: ProgramParts<'a>,
     /// All events in topological order.
     pub(super) order: Vec<EventId>,
-    /// For each event, its level: the largest number of captures in a chain of events of the phase
-    /// that ends with the event.
+    /// For each event, the number of captures on the longest chain of events that ends with this
+    /// event. The chain stays within one phase.
     levels: Vec<u32>,
     /// For each capture, the capturing block. For each release, the released block.
     pub actors: Vec<NamedBlock>,
@@ -173,8 +173,8 @@ pub struct PhaseEvent {
     pub id: EventId,
     /// Cell that the event fills or empties.
     pub cell: Cell,
-    /// Level of the event: the largest number of captures in a chain of events of the phase that
-    /// ends with the event.
+    /// Level of the event: the number of captures on the longest chain of events that ends with
+    /// this event. The chain stays within one phase.
     pub level: u32,
     /// Capturing face. `None` for a release.
     pub face: Option<Face>,

@@ -9,8 +9,8 @@ use stochc_ir::table::PhaseId;
 use super::events::{Block, Events, NamedBlock};
 use super::exponential::exponential;
 
-/// Largest length of [`MessagePath::handed_to`]. If a notification goes to the top of a growing
-/// tower, the lower blocks are captured long before it arrives.
+/// Largest length of [`MessagePath::handed_to`]. A limit is sufficient: in a growing tower, the
+/// lower blocks are captured long before a notification arrives.
 const MAX_HANDED: usize = 64;
 
 /// Messages that an event needs.
@@ -20,7 +20,7 @@ pub struct StepMessages {
     notifications: Vec<MessagePath>,
     /// Number of hops of the request for release. 0 for a capture.
     request: u32,
-    /// Number of hops of the report that this event was the last of the phase.
+    /// Number of hops of the report after the last event of a branch. 0 for other events.
     report: u32,
     hop: HopTime,
 }
@@ -42,7 +42,7 @@ impl StepMessages {
         self.hop.draw(self.request, rng)
     }
 
-    /// Draws the duration of the report that this event was the last of its phase \[ticks\].
+    /// Draws the duration of the report after the last event of a branch \[ticks\].
     pub fn report(&self, rng: &mut ChaCha8Rng) -> f64 {
         self.hop.draw(self.report, rng)
     }
@@ -262,8 +262,8 @@ impl<'a> MessageTimes<'a> {
         self.path(from, actor.1, self.events.parts.graph.event(first).phase)
     }
 
-    /// Returns the number of hops of the report that an event was the last of its branch. Returns 0
-    /// if later events of the branch report.
+    /// Returns the number of hops of the report after the last event of a branch. Returns 0 if a
+    /// later event of the branch reports.
     fn report(&self, id: EventId, is_release: bool) -> u32 {
         if self.is_followed[id.0 as usize] {
             0

@@ -17,7 +17,7 @@ struct OccupancyInterval {
 #[derive(Debug, Default)]
 pub struct Occupancy {
     intervals: FxHashMap<Cell, SmallVec<[OccupancyInterval; 1]>>,
-    /// Bit sets of the cells with intervals, by cubes of 4 x 4 x 4 cells. Speeds up queries,
+    /// For each cube of 4 x 4 x 4 cells, a bit set of the cells with intervals. Speeds up queries,
     /// because most queried cells are empty and close together.
     cubes: FxHashMap<[i32; 3], u64>,
 }

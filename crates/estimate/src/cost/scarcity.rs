@@ -9,7 +9,7 @@ use super::steps::Step;
 use super::waits::CaptureWait;
 use crate::{Parameters, Rates, Wait};
 
-/// Use of free blocks by a phase of a program with scarce blocks.
+/// Data about the free blocks in one phase of a program with scarce blocks.
 pub struct ScarceBlocks<'a> {
     parameters: &'a Parameters,
     /// Number of free blocks at the start of the program.

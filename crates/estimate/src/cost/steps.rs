@@ -15,7 +15,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// Draws the duration of the report that this event was the last of its phase \[ticks\].
+    /// Draws the duration of the report after the last event of a branch \[ticks\].
     pub fn report(&self, rng: &mut ChaCha8Rng) -> f64 {
         let messages = self.messages.as_ref();
         messages.map_or(0.0, |it| it.report(rng))

@@ -260,8 +260,8 @@ impl PhaseDraw<'_, '_> {
 }
 
 impl RemainingBlocks<'_, '_> {
-    /// Returns the next step whose block arrives, with its capture time \[ticks\]. Returns `None`
-    /// if another event, at `next`, comes first.
+    /// Returns the next step whose block arrives, with its capture time \[ticks\]. `next` is the
+    /// time of the next other event. Returns `None` if that event comes first.
     fn arrival_before(&mut self, next: Option<f64>) -> Option<(u32, f64)> {
         let left = time(self.arrivals.peek()?) - self.clock;
         let arrival = self.now + (left / self.speed).max(0.0);

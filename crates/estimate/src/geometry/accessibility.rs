@@ -28,8 +28,8 @@ const CLEARANCE: f64 = 0.35;
 /// Bit set of points.
 type Points = [u64; WORDS];
 
-/// Cells that may block faces of one direction: offsets from the open cell, with the points that
-/// each blocks.
+/// Offsets of the cells that may block a face of one direction, relative to its open cell. Each
+/// cell has the set of points that it blocks.
 type Blockers = Vec<([i32; 3], Points)>;
 
 /// Capacity of the cache.
@@ -97,7 +97,7 @@ static IN_REACH: LazyLock<[Neighbourhood; 6]> =
 
 static BLOCKERS: LazyLock<[Blockers; 6]> = LazyLock::new(|| Face::ALL.map(blockers));
 
-/// Index in [`BLOCKERS`] of each cell within reach, by its place in a neighbourhood.
+/// For each direction and each cell of a neighbourhood, the index of the cell in [`BLOCKERS`].
 static NUMBERS: LazyLock<[[u8; CELLS]; 6]> = LazyLock::new(|| {
     Face::ALL.map(|way| {
         let mut numbers = [0; CELLS];

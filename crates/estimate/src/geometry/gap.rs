@@ -15,8 +15,8 @@ pub fn beside_gap(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
     beside.filter(|beside| beside.z >= 1)
 }
 
-/// Returns the low corners of all cubes of size two from where a block can slide into the gap
-/// `cell`. Each cube contains one of the cells [`beside_gap`], but not the gap.
+/// Returns cubes of size two, each by its low corner. From each of these cubes, a block can slide
+/// into the gap `cell`. A cube contains one of the cells [`beside_gap`], but not the gap.
 pub fn gap_entrances(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
     let pairs = aside(way).flat_map(move |out| {
         let edges = aside(way).filter(move |edge| *edge != out && *edge != out.opposite());

@@ -85,8 +85,8 @@ impl Rates {
     ///
     /// Blocks of density n and mean speed v come within reach at the rate n v A / 4, with A the
     /// surface of the sphere of reach. They dock with probability 1 / (1 + (x₀ / x)^s), with x the
-    /// pull's work over the energy of a block. The gas near the ground, and released blocks, are as
-    /// in the default scene.
+    /// pull's work over the energy of a block. The density near the ground and the head starts of
+    /// released blocks are those of the default scene.
     pub fn first_guess(scene: &Scene) -> Option<Rates> {
         let Some(Bond::Attract { pull, .. }) = &scene.bond else {
             return None;

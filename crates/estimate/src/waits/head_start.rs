@@ -11,15 +11,15 @@ use crate::geometry::accessibility::RADIUS;
 pub struct HeadStart {
     /// Squared distance between the block's cell and the open cell \[block lengths^2\].
     pub squared_distance: u32,
-    /// Distance of the block in front of the open cell, along the face's normal \[block lengths\].
-    /// Negative on the other side.
+    /// Distance between the block and the open cell along the face's normal \[block lengths\].
+    /// Positive in front of the cell, negative on the other side.
     pub before: i32,
     /// Probability of the capture if no other block is faster.
     pub probability: f64,
     /// Mean time of the capture \[ticks\].
     pub ticks: f64,
-    /// Whether the face opens shortly after the release, in the block's own cell. A loose block
-    /// must dock again.
+    /// Whether the face opens shortly after the release. A block that is released in the open cell
+    /// is then loose and must dock again.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub late: bool,
 }

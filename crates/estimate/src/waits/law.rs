@@ -18,14 +18,14 @@ pub struct Surroundings {
     /// Whether a block or the ground is next to the capturing block, perpendicular to the face's
     /// normal.
     pub beside_parent: bool,
-    /// Whether no block is next to the open cell, but a block is across one of its edges. Both
-    /// directions are perpendicular to the face's normal.
+    /// Whether no block is next to the open cell, but a block is across one of the cell's edges.
+    /// Only directions perpendicular to the face's normal count.
     pub corner: bool,
     /// Whether no block is next to the capturing block, but a block is across one of its edges.
     /// Both directions are perpendicular to the face's normal.
     pub corner_parent: bool,
-    /// Whether the nearest block or ground is two cells away from the capturing block,
-    /// perpendicular to the face's normal.
+    /// Whether the nearest block or ground is two cells away from the capturing block. Only
+    /// directions perpendicular to the face's normal count.
     pub near_parent: bool,
     /// Whether the open cell is a gap: a block is opposite to the face, and no block is next to the
     /// cell.

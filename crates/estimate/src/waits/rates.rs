@@ -60,7 +60,8 @@ pub const FORMAT: u32 = 1;
 /// Index of the parameter for a block opposite to the face.
 const AHEAD: usize = 10;
 
-/// Smallest logarithm of the rate in a passable gap, relative to other cells: half of their rate.
+/// Limit for passable gaps: the logarithm of 1/2. In a passable gap, the rate is more than half of
+/// the rate in other cells.
 const SLOWEST_GAP: f64 = -0.7;
 
 /// Rates of built-in scenes, written by `stochc calibrate SCENE --out`.

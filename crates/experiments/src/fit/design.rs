@@ -7,8 +7,8 @@ use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-/// Points of a design in a box within the unit cube. A coordinate is a probability of the prior of
-/// one parameter.
+/// Points of a design in a box within the unit cube. Each coordinate is a cumulative probability of
+/// the prior of one parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
     /// Points of the design. Each is a list of coordinates.

@@ -1,7 +1,8 @@
 //! Statistics of measured times, which may be right-censored.
 use crate::statistics::{KaplanMeier, Observation, Summary};
 
-/// Fraction of runs that must have been observed up to the horizon, of those that lasted longer.
+/// Minimum fraction of runs that must have been observed until the horizon. Counts only runs that
+/// lasted longer than the horizon.
 const FOLLOWED: f64 = 0.5;
 
 /// Statistics of a program's measured completion times.
@@ -98,8 +99,8 @@ impl Observed {
     }
 }
 
-/// Returns the horizon: the latest time that enough runs were observed for.
-/// If all runs have the same limit, this is the limit.
+/// Returns the horizon: the latest time when enough runs were still observed. If all runs have the
+/// same limit, this is the limit.
 ///
 /// Returns `None` if enough runs were observed to completion.
 fn horizon(runs: &[Observation]) -> Option<f64> {

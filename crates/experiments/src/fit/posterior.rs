@@ -18,8 +18,8 @@ const DRAWS: usize = 4_000;
 /// Number of Metropolis steps of each draw at each power of the likelihood.
 const MOVES: usize = 12;
 
-/// Smallest width of a box, as a fraction of the prior. Narrower boxes do not allow fitting a
-/// polynomial.
+/// Draws from a posterior distribution. Each coordinate is a cumulative probability of the prior of
+/// one parameter.
 const MIN: f64 = 0.1;
 
 /// Draws from a posterior distribution. Each coordinate is a probability of the prior of one
@@ -148,8 +148,8 @@ fn weights(known: &[f64], power: f64) -> Vec<f64> {
     weights.iter().map(|it| it / sum).collect()
 }
 
-/// Returns the power of the likelihood for the next step, at most 1. At least half of the draws
-/// stay effective with it.
+/// Returns the power of the likelihood for the next step, at most 1. With this power, at least half
+/// of the draws stay effective.
 fn next_temperature(known: &[f64], heat: f64) -> f64 {
     let of_use = |power: f64| {
         let squares: f64 = weights(known, power - heat).iter().map(|it| it * it).sum();

@@ -329,8 +329,9 @@ mod tests {
         assert!(width < 0.5, "the data say something");
     }
 
-    /// Checks intervals if runs are stopped. The cases are half of the runs, three quarters, a few
-    /// at any time, and half of them early.
+    /// Checks the coverage of intervals if runs are stopped. In the first three cases, half of the
+    /// runs, three quarters, or a few runs at different times are stopped. In the last case, half
+    /// of the runs are stopped early.
     #[test]
     fn intervals_have_their_coverage_with_censoring() {
         let early = |i: usize| match i % 10 {
@@ -351,8 +352,8 @@ mod tests {
         );
     }
 
-    /// Checks a prior range that does not contain the truth. The prediction then misses the data,
-    /// usually at the nearest end.
+    /// Checks a prior range that does not contain the truth. The prediction then misses the data.
+    /// The posterior is usually at the end of the range that is nearest to the truth.
     #[test]
     fn reports_a_true_value_beyond_the_range() {
         let mut at_end = 0;

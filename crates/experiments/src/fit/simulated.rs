@@ -3,7 +3,7 @@
 /// Simulated times of a program at a point of the design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulated {
-    /// Coordinates of the point: a probability of the prior of each parameter.
+    /// Coordinates of the point. Each is a cumulative probability of the prior of one parameter.
     pub at: Vec<f64>,
     /// Completion times of the runs, in the unit of the data.
     pub times: Vec<f64>,

@@ -27,7 +27,7 @@ pub const POWER: f64 = 0.8;
 pub struct Difference {
     /// Test that gave the p-value.
     pub test: Test,
-    /// Horizon: upper limit of the times that count, which is the end of the time range that both
+    /// Horizon: upper limit of the times that count. This is the end of the time range that both
     /// samples cover. `None` if all times are known.
     pub horizon: Option<f64>,
     /// Mean of the first sample minus mean of the second, in the unit of the times.
@@ -77,7 +77,8 @@ pub enum Longer {
 
 /// Compares two samples. Returns `None` for too few runs, or if all times are equal.
 ///
-/// Runs of equal seeds are paired by number. Runs without a partner are ignored.
+/// If both samples have the same seed, runs with the same number are paired, and runs without a
+/// partner are ignored.
 pub fn compare(first: &Runs, second: &Runs) -> Option<Difference> {
     let is_paired = first.seed == second.seed;
     let (ours, theirs) = if is_paired {

@@ -1,8 +1,8 @@
 //! Compact list of times.
 use super::{Observation, Status};
 
-/// Times in the order of insertion. Uses 4 bytes per time if all times are short multiples of a
-/// quarter, as ticks usually are.
+/// Times in the order of insertion. Uses 4 bytes per time if all times are small multiples of 1/4,
+/// as ticks usually are.
 #[derive(Clone, Debug)]
 pub struct TimeSample(StoredTimes);
 

@@ -143,7 +143,7 @@ pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
     }
 }
 
-/// Returns a scene parameter with the value `said` in a unit.
+/// Returns a scene parameter with the value `given` in `unit`.
 ///
 /// # Errors
 ///

@@ -6,8 +6,8 @@ use stochc_results::ChosenSetting;
 /// Default number of substeps of the reference, the finest candidate.
 pub const FINEST: u32 = 32;
 
-/// Returns the candidates of a trade, with at most `finest` substeps. The doublings that lead to
-/// the reference come first.
+/// Returns the candidates of a trade, with at most `finest` substeps. The candidates that double
+/// the substeps from 1 to `finest` come first.
 pub fn candidates(finest: u32) -> Vec<Vec<ChosenSetting>> {
     let all = settings(finest);
     all.iter().map(ChosenSetting::all_of).collect()

@@ -13,8 +13,8 @@ pub const CLOSE: f64 = 0.1;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Convergence {
-    /// The last doubling caused a small change, including its interval. The doubling before caused
-    /// no change that is significant and may be large.
+    /// The last doubling caused a small change, including its interval. No change by the previous
+    /// doubling is significant and possibly large.
     Converged,
     /// Undecided: the intervals are too wide, or there are fewer than two doublings.
     Undecided,

@@ -10,7 +10,8 @@ use stochc_compiler::diagnostic::{Diagnostic, Severity, visible};
 use crate::workspace::analysis::Analysis;
 use crate::workspace::documents::Documents;
 
-/// Returns the diagnostics of a program by file path, always including its own file.
+/// Returns the diagnostics of a program by file path. The result always contains the program's own
+/// file.
 pub fn of(
     analysis: &Analysis,
     path: &str,

@@ -68,17 +68,17 @@ pub struct Indices<'a> {
 }
 
 impl Indices<'_> {
-    /// Returns the index `steps` cells east of the base.
+    /// Returns the source text of the x index that is `steps` cells east of the base.
     pub fn x(&self, steps: i32) -> String {
         self.along(0, steps)
     }
 
-    /// Returns the index `steps` cells north of the base.
+    /// Returns the source text of the y index that is `steps` cells north of the base.
     pub fn y(&self, steps: i32) -> String {
         self.along(1, steps)
     }
 
-    /// Returns the index `steps` cells above the base.
+    /// Returns the source text of the z index that is `steps` cells above the base.
     pub fn z(&self, steps: i32) -> String {
         self.along(2, steps)
     }
@@ -116,8 +116,8 @@ impl Indices<'_> {
     }
 }
 
-/// Returns groups of equal nests that stand at equal distances along an axis, as indices of
-/// `nests`. The lowest nest of a group comes first. Every group is long enough for a loop.
+/// Returns groups of equal nests at equal distances along an axis. A group contains indices of
+/// `nests`, the lowest nest first. Every group is long enough for a loop.
 pub(super) fn runs<'a>(
     axis: usize,
     nests: impl Iterator<Item = (usize, &'a LoopNest)>,

@@ -29,9 +29,9 @@ use statement::{NameWords, Statement, statements};
 pub struct Naming<'a> {
     /// Name of the assembly.
     pub assembly: &'a str,
-    /// Name of its scene. `None` for the default scene.
+    /// Name of the program's scene. `None` for the default scene.
     pub scene: Option<&'a str>,
-    /// Name of its shape. `None` if the shape is too large to declare.
+    /// Name of the program's shape. `None` if the shape is too large to declare.
     pub shape: Option<&'a str>,
     /// Declarations of the scene and the shape, as text.
     pub declarations: &'a str,

@@ -78,8 +78,8 @@ struct Claim<'a> {
 }
 
 impl Claim<'_> {
-    /// Returns whether the phase has no events. New captures are then added to it instead of to a
-    /// new phase after it.
+    /// Returns whether the phase has no events. If so, new captures are added to this phase.
+    /// Otherwise, they are added to a new phase after it.
     fn fills_phase(&self) -> bool {
         self.program.plan.phases[self.phase].events.is_empty()
     }

@@ -105,7 +105,7 @@ impl Goal {
         Ok(larger)
     }
 
-    /// Returns the factor that enlarges the radius so that the shape fits with a tenth to spare.
+    /// Returns the factor that enlarges the radius so that the shape fits with a margin of a tenth.
     /// Returns `None` if the shape already fits.
     fn radius_needed(&self, scene: &Scene) -> Option<f64> {
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());

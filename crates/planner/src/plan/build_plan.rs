@@ -49,7 +49,7 @@ pub struct RaceTimes {
     pub baseline: Option<Baseline>,
     /// Number of runs.
     pub runs: u64,
-    /// Number of right-censored runs. Their times are the times of censoring.
+    /// Number of runs that did not complete. Their times until the stop count as completion times.
     pub stopped: u64,
     /// Mean completion time \[ticks\].
     pub mean: f64,

@@ -9,7 +9,7 @@ use crate::timing::precedence::Why;
 pub struct Capture {
     /// Cell of the block.
     pub cell: Cell,
-    /// Direction from its parent: the capturing face.
+    /// Direction of the capturing face. It points from the parent to this block.
     pub way: Face,
     /// Mean waiting time \[ticks\].
     pub wait: f64,

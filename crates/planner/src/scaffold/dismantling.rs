@@ -26,14 +26,15 @@ pub struct HandOver {
     pub cell: Cell,
     /// Direction from the new parent.
     pub way: Face,
-    /// Cell of the capture that must come before, in the same phase. `None` if there is none.
+    /// Cell whose capture in the same phase must come before this hand-over. `None` if there is
+    /// none.
     pub after: Option<Cell>,
 }
 
 /// Column of temporary blocks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Mast {
-    /// Position on the plate, as (x, y).
+    /// Position of the mast on the plate, as (x, y).
     pub foot: (i32, i32),
     /// Number of blocks.
     pub height: i32,

@@ -82,8 +82,8 @@ impl SiteRoles {
         self.part[site as usize]
     }
 
-    /// Returns the only direction of a site's first capture. `None` if any block with its final
-    /// parent may capture it.
+    /// Returns the only possible direction of a site's first capture. Returns `None` if any block
+    /// with a final parent may capture the site.
     pub fn way(&self, site: u32) -> Option<Face> {
         self.way[site as usize]
     }
@@ -99,8 +99,8 @@ impl SiteRoles {
     }
 
     /// Returns, for each site that is handed over, the site that must be captured before its
-    /// hand-over. If its segment joins other segments, this is the target site that the last of
-    /// them joins. [`NONE`] for all other sites.
+    /// hand-over. The chain of joined segments ends at this target site. [`NONE`] for all other
+    /// sites.
     pub fn roots(&self) -> Vec<u32> {
         let mut roots = vec![NONE; self.part.len()];
         for segment in &self.segments {

@@ -23,8 +23,8 @@ const GUIDED: f32 = 0.7;
 const CHANCE: f32 = 2.0;
 
 impl GrowthSchedule {
-    /// Returns scaffolds with segments from the far ends of the target, within the length that each
-    /// mast allows. Mast positions are partly random.
+    /// Returns scaffolds with segments that begin at the far ends of the target. Each segment has
+    /// at most the length that its mast allows. Mast positions are partly random.
     ///
     /// Cells at most `limit` captures from the plate need no mast. If `have_guides` is set, each
     /// mast with space gets a guide.

@@ -47,7 +47,7 @@ impl Priorities {
     /// Returns changed priorities. Most changes are at critical sites.
     pub fn changed(&self, critical: &[f32], rng: &mut ChaCha8Rng) -> Priorities {
         const MAX: usize = 4;
-        /// One in this many changes selects another direction.
+        /// One of `WAYS` changes selects another direction.
         const WAYS: u32 = 4;
         let mut other = self.clone();
         for _ in 0..rng.random_range(1..=MAX) {

@@ -5,7 +5,8 @@ use stochc_ir::{Cell, Face};
 use crate::space::grid::{Grid, shifted};
 use crate::space::sites::{NONE, Sites};
 
-/// Positions of a cube of size one or two, by its low corner, that are reachable from outside.
+/// Positions that a cube can reach from outside. Each position is given by the low corner of the
+/// cube.
 #[derive(Clone, Debug)]
 pub struct FreeSpace {
     /// Edge length of the cube \[cells\].
@@ -37,7 +38,8 @@ enum PlaceReach {
 }
 
 impl FreeSpace {
-    /// Returns the space of a cube with edges of `size` cells, for the complete target.
+    /// Returns the positions that a cube with edges of `size` cells can reach if the target is
+    /// complete.
     pub fn new(sites: &Sites<'_>, size: i32) -> FreeSpace {
         let cells = sites.target.cells();
         let mut space = FreeSpace {

@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use crate::space::sites::{MIDDLE, NONE, Sites, across, place};
 use stochc_ir::Face;
 
-/// Standing blocks, with a level for each site. A site on a seed has level 1. The level of any
-/// other site is above the level of a neighbour.
+/// Standing blocks, with a level for each site. A site on a seed has level 1. Every other site has
+/// a higher level than one of its neighbours.
 ///
 /// Levels start from a breadth-first search and are raised when blocks are removed.
 ///

@@ -32,10 +32,9 @@ pub(crate) enum SegmentKind {
     Event { event: usize, bond: Option<usize> },
     /// Wait for capture number `event`, which had not happened when the run was stopped.
     Pending { event: usize },
-    /// Transfer of messages to the block of the waiting event, after a dependency of the event
-    /// happened.
+    /// Transfer of messages from a dependency to the block of the event that waits for it.
     Notification,
-    /// Transfer of messages to the plate that report the events of a phase.
+    /// Transfer of messages to the plate. The messages report the events of a phase.
     Reports,
 }
 

@@ -88,8 +88,8 @@ pub(super) fn tables(
     present.map(|(table, _)| table).collect()
 }
 
-/// Returns all tables of a report except [`CHAINS`], in the order of [`tables`]. The latest observed
-/// time is in the unit of the report.
+/// Returns all tables of a report except [`CHAINS`], in the order of [`tables`]. `last` is the
+/// latest observed time, in the unit of the report.
 pub(super) fn files(
     subjects: &[ReportedProgram],
     waits: &[Vec<ReportedCapture>],
@@ -120,8 +120,8 @@ pub(super) fn files(
         .collect()
 }
 
-/// Returns the growth of aggregates' largest groups as a table: the share of runs without a group
-/// of each size, over time.
+/// Returns the growth of aggregates' largest groups as a table. For each size, the table has the
+/// share of runs whose groups are all smaller, over time.
 fn sizes(subjects: &[ReportedProgram]) -> String {
     let mut table = CsvTable::new([
         "program", "size", "ticks", "at_risk", "reached", "without", "low", "high",

@@ -17,8 +17,8 @@ pub struct EventLocation {
 }
 
 /// Returns `[{ file, pieces: [{ lines, events }] }]`: the source texts, split at the ends of the
-/// statements. The pieces of a file join to its text. Omits files without events, except the first
-/// file.
+/// statements. The pieces of a file, joined together, are its text. Omits files without events,
+/// except the first file.
 pub(super) fn program_text(sources: &[Source], statements: &[EventLocation]) -> Value {
     let files = sources.iter().enumerate().filter_map(|(number, source)| {
         let mut events: BTreeMap<(usize, usize), Vec<u32>> = BTreeMap::new();

@@ -121,8 +121,8 @@ impl Drawing {
         self.push(class, Style::default(), form, "");
     }
 
-    /// Draws text in lines of at most `most` width. `place` is the start of the first line. Returns
-    /// the baseline after the last line.
+    /// Breaks text into lines with a width of at most `most`, and draws them. `place` is the start
+    /// of the first line. Returns the baseline after the last line.
     pub(crate) fn paragraph(&mut self, class: &str, place: Point, most: f64, content: &str) -> f64 {
         let mut y = place.1;
         for line in wrapped(content, most) {

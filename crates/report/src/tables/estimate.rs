@@ -79,8 +79,8 @@ pub fn lower_bound(reasons: LowerBoundReasons, width: usize) -> String {
     }
 }
 
-/// Returns a sentence about the interactions of captures that the sum along a graph ignores, and
-/// the resulting error.
+/// Returns a sentence about the interactions that the sum along a graph ignores, and about the
+/// resulting error.
 pub fn left_out(interaction: Interaction) -> String {
     let mut meaning = interaction.meaning().to_owned();
     meaning[..1].make_ascii_uppercase();

@@ -40,10 +40,10 @@ pub(crate) fn execute<J>(
     });
 }
 
-/// Prefix of the reason of a run that failed by a panic.
+/// Prefix of the failure reason of a run that panicked.
 const PANICKED: &str = "panicked: ";
 
-/// Returns whether a run failed by a panic.
+/// Returns whether a run failed because it panicked.
 pub(crate) fn is_panic(record: &RunRecord) -> bool {
     matches!(&record.outcome, Outcome::Failed { reason, .. } if reason.starts_with(PANICKED))
 }

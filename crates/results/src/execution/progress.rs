@@ -43,7 +43,7 @@ struct Worker {
 pub struct Totals {
     /// Progress of each program.
     pub programs: Vec<ProgramProgress>,
-    /// Number of right-censored runs: they timed out or reached the tick limit.
+    /// Number of runs that timed out or reached the tick limit.
     pub stopped: u64,
     /// Number of failed runs.
     pub failed: u64,

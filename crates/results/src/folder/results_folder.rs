@@ -54,8 +54,8 @@ pub struct Folder {
     existing: Records,
     shortest: Option<Finished>,
     whole: u64,
-    /// Stored manifest, if the ensemble has grown since and the journal has corrupted lines. These
-    /// lines must be removed before runs are added.
+    /// Manifest as stored. Set only if more runs are requested than stored and the journal has
+    /// corrupted lines. These lines must be removed before runs are added.
     foul: Option<Manifest>,
     damage: Vec<String>,
     further: MakeFurther,
@@ -64,7 +64,8 @@ pub struct Folder {
     _lock: FileLock,
 }
 
-/// Additional files of a folder, each with its name, or the error of reading the folder's runs.
+/// Name and content of each additional file of a folder. An error if the folder's runs cannot be
+/// read.
 pub type FurtherFiles = Result<Vec<(String, Vec<u8>)>, JournalError>;
 
 /// Function that generates additional files from the runs of a folder.
@@ -343,13 +344,14 @@ impl Folder {
         (self.manifest, self.existing)
     }
 
-    /// Returns the shortest run, of the runs at opening that did not fail.
+    /// Returns the run with the fewest ticks. Considers only runs that existed at opening and did
+    /// not fail.
     pub(crate) fn shortest(&self) -> Option<&Finished> {
         self.shortest.as_ref()
     }
 
-    /// Removes corrupted lines from the journal if the ensemble has grown: they might be mistaken
-    /// for new runs. Must be called after all other checks.
+    /// Removes corrupted lines from the journal if more runs are requested than stored. Otherwise,
+    /// these lines might be mistaken for new runs. Must be called after all other checks.
     ///
     /// # Errors
     ///
@@ -364,8 +366,8 @@ impl Folder {
         Ok(())
     }
 
-    /// Opens the journal for new runs. Must be called only once: it starts at the journal's end at
-    /// opening.
+    /// Opens the journal for new runs. Must be called only once, because it starts at the end that
+    /// the journal had at opening.
     ///
     /// # Errors
     ///

@@ -196,8 +196,7 @@ fn parsed(bytes: &[u8]) -> Result<Manifest, ManifestError> {
     Manifest::from_json(json)
 }
 
-/// Reads a damaged manifest. The inner error also occurs if the manifest does not match the
-/// journal.
+/// Reads a damaged manifest. A manifest that does not match the journal is also an inner error.
 fn saved(path: &Path) -> std::io::Result<Result<Manifest, ManifestError>> {
     // The identity determines the runs and must match the journal.
     let belongs = |manifest: &Manifest| {

@@ -297,8 +297,8 @@ pub(crate) fn salvaged(
     Ok(Some(text))
 }
 
-/// Reads the next line like [`read_line`]. At a line of `most` or more bytes, returns 0 as at the
-/// end of the file.
+/// Reads the next line like [`read_line`]. Treats a line of `most` or more bytes as the end of the
+/// file, and returns 0.
 fn read_or_end(file: &mut impl BufRead, most: u64, line: &mut Vec<u8>) -> io::Result<u64> {
     match read_line(file, most, line) {
         Err(error) if error.kind() == io::ErrorKind::FileTooLarge => Ok(0),

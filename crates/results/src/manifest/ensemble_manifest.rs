@@ -12,7 +12,7 @@ use super::limits::{FORMAT, MAX_PROGRAMS, MAX_RUNS};
 use super::varied::{SweepAxes, Varied};
 use crate::build::this_build;
 
-/// Everything that determines an ensemble: `manifest.json` in its folder.
+/// Data that determine an ensemble. Stored as `manifest.json` in the results folder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifest {
     /// Version of `stochc` that made the manifest.
@@ -104,9 +104,9 @@ impl Manifest {
 
     /// Returns the SHA-256, in hexadecimal, of everything that determines the runs of one program.
     ///
-    /// Does not depend on its name in the ensemble and on other programs. Changes of its source
-    /// without effect on its tables do not affect it. Depends on the names in its tables and the
-    /// name of its scene.
+    /// Does not depend on the program's name in the ensemble or on other programs. A change of the
+    /// source matters only if it changes the tables. The names in the tables and the name of the
+    /// scene matter.
     pub fn runs_identity(&self, program: &EnsembleProgram) -> String {
         sha256(&(
             &self.stochc,

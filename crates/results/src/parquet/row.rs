@@ -15,7 +15,7 @@ pub(super) struct RunContext<'a> {
 }
 
 impl RunContext<'_> {
-    /// Converts ticks of the run to seconds, by the tick of its scene.
+    /// Converts ticks of the run to seconds, with the length of a tick in the run's scene.
     pub fn seconds(&self, ticks: u64) -> f64 {
         ticks as f64 * self.program.scene.tick
     }

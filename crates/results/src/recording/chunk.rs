@@ -12,7 +12,7 @@ use super::format::{RecordingError, deflate, inflate};
 pub(super) const NUMBERS: usize = 7;
 
 /// Integer that stands for 1 in a quaternion. Its resolution equals the resolution of coordinates
-/// in an arena of 60 block lengths.
+/// in an enclosure of 60 block lengths.
 const UNIT: f64 = 4095.0;
 /// Smallest possible quantization step of a coordinate \[block lengths\].
 const FINEST: f64 = 1.0 / (1 << 20) as f64;

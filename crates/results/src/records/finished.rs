@@ -11,8 +11,8 @@ pub struct Finished {
     pub program: usize,
     /// Record of the run.
     pub record: RunRecord,
-    /// CPU time of the run \[s\]. It is measured only in sweeps over settings, for runs without
-    /// resuming.
+    /// CPU time of the run \[s\]. Measured only in sweeps over settings, and only for runs that
+    /// were not resumed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cpu: Option<f64>,
 }

@@ -140,7 +140,7 @@ impl Shard {
         self.is_made
     }
 
-    /// Returns two numbers: all runs of the shard, and the finished ones.
+    /// Returns the number of all runs of the shard, and the number of its finished runs.
     pub fn runs(&self) -> (u64, u64) {
         let all = self.jobs.end - self.jobs.start;
         let done = if self.is_made {

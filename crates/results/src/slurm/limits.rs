@@ -43,8 +43,8 @@ impl SlurmLimits {
     }
 
     /// Adds the limit on the user's jobs. `output` is the output of `sacctmgr --noheader
-    /// --parsable2 show associations format=MaxSubmitJobs`. It has a line for each account of the
-    /// user, which is empty if there is no limit.
+    /// --parsable2 show associations format=MaxSubmitJobs`. The output has a line for each account
+    /// of the user. A line is empty if the account has no limit.
     pub fn with_associations(self, output: &str) -> SlurmLimits {
         // The account of the jobs is unknown, so take the smallest limit.
         let limits = output.lines().filter_map(|line| line.trim().parse().ok());

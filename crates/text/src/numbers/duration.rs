@@ -63,8 +63,7 @@ pub fn seconds(seconds: f64) -> String {
     format!("{value:.digits$} {unit}", digits = decimals(value))
 }
 
-/// Returns the number of decimals of a value with the half-width of its interval. Adds decimals if
-/// the half-width would otherwise round to 0.
+/// Returns the number of decimals for printing a value and the half-width of its interval.
 fn decimals_within(value: f64, half: f64) -> usize {
     /// Largest number of decimals. More decimals are not readable.
     const MAX: usize = 6;

@@ -291,8 +291,8 @@ fn several_lines(message: &str) -> Failure {
     }
 }
 
-/// Calls `look` repeatedly until `is_final` accepts its value or `time` has passed. Returns the
-/// last value.
+/// Calls `look` repeatedly until `is_final` accepts the result or `time` has passed. Returns the
+/// last result.
 fn poll<T, E>(
     time: Duration,
     look: impl Fn() -> Result<T, E>,

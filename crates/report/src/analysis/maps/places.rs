@@ -23,10 +23,11 @@ const MARGIN: i32 = 3;
 /// Largest width of a map \[block lengths\].
 const WIDEST: i32 = 40;
 
-/// Half the thickness of the slices through positions before a capture \[block lengths\].
+/// Half the thickness of a slice \[block lengths\]. Maps show the positions of blocks in a slice
+/// before their captures.
 pub(super) const HALF_SLICE: f64 = 1.0;
 
-/// Largest number of captures of a program with a map of its faces.
+/// Largest number of captures of a program. Larger programs get no map of their faces.
 const MAX_CAPTURES: usize = 2000;
 
 /// Cell in a slice: index of the slice, then the two coordinates of the cell.

@@ -130,7 +130,7 @@ fn further(settings: &Settings) -> Vec<(&'static str, String)> {
 }
 
 /// Returns the command line that makes an ensemble. Returns `None` if the sweep lacks a combination
-/// of settings, which no command line can state.
+/// of settings: no command line makes such a sweep.
 pub(super) fn simulate(manifest: &Manifest) -> Option<String> {
     let axes = manifest.axes();
     let chosen = setting_axes(manifest)?;
