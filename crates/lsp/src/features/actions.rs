@@ -83,7 +83,8 @@ mod tests {
             safe: true,
         };
         let diagnostic = Diagnostic::new(Code::UnknownName, "a name").label(at(15, 16), "here");
-        analysis.checked.diagnostics = vec![diagnostic.clone().fix(fix), diagnostic];
+        let checked = std::sync::Arc::get_mut(&mut analysis.checked).unwrap();
+        checked.diagnostics = vec![diagnostic.clone().fix(fix), diagnostic];
 
         let found = actions(&analysis, &path, (15, 15), &documents);
         assert_eq!(found.len(), 1);

@@ -15,7 +15,7 @@ use super::position::{Change, Encoding, LineIndex, line_starts};
 /// Largest number of events for an estimate of times, to limit the response time.
 const MAX_ESTIMATED: usize = 10_000;
 
-/// Length of all files \[bytes\], or number of events, from which a check takes long.
+/// A check takes long if all files together have this many bytes, or the programs this many events.
 const LONG: usize = 1 << 14;
 
 /// Analysis of an open program and its imported files.
