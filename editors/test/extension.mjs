@@ -20,6 +20,7 @@ for (const [name, { body }] of Object.entries(json('snippets/stochc.json'))) {
 
 // The structure of an example, and the messages of a program that is wrong.
 const { page, programs } = require('./src/structure.js');
+const { simulate } = require('./src/simulation.js');
 assert.deepEqual(programs('assembly a in b {\n}\n  aggregate c to 3\n// assembly d'), ['a', 'c']);
 const picture = await page(resolve(stochc), 'examples/suction_growth.sa', 'together');
 assert.match(picture, /<svg[^>]*>[\s\S]*<\/svg>/);
@@ -37,4 +38,18 @@ const source = readFileSync(new URL('src/extension.js', vscode), 'utf8');
 for (const { command } of json('package.json').contributes.commands) {
   assert.ok(source.includes(`registerCommand('${command}'`), command);
 }
-console.log('VS Code: snippets, structure and bundle');
+
+// A simulation saves the file, and runs the command without a shell.
+const calls = [];
+const uri = text => ({ toString: () => text, fsPath: text.replace('file://', '') });
+const editor = {
+  Uri: { parse: uri },
+  TaskScope: { Workspace: 2 },
+  ProcessExecution: class { constructor(...words) { this.words = words; } },
+  Task: class { constructor(...parts) { this.run = parts[4]; } },
+  workspace: { textDocuments: [{ uri: uri('file:///a b.sa'), save: async () => calls.push('saved') }] },
+  tasks: { executeTask: async ({ run }) => calls.push(run.words) },
+};
+await simulate(editor, 'stochc', 'file:///a b.sa');
+assert.deepEqual(calls, ['saved', ['stochc', ['simulate', '/a b.sa']]]);
+console.log('VS Code: snippets, structure, simulation and bundle');

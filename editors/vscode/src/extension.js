@@ -1,6 +1,7 @@
 // Starts the language server, and shows structures.
 const vscode = require('vscode');
 const { LanguageClient } = require('vscode-languageclient/node');
+const { simulate } = require('./simulation');
 const { page, programs } = require('./structure');
 
 const command = () => vscode.workspace.getConfiguration('stochc').get('path') || 'stochc';
@@ -48,6 +49,7 @@ async function showStructure() {
 async function activate(context) {
   context.subscriptions.push(
     vscode.commands.registerCommand('stochc.showStructure', showStructure),
+    vscode.commands.registerCommand('stochc.simulate', uri => simulate(vscode, command(), uri)),
     vscode.commands.registerCommand('stochc.restart', start),
     vscode.workspace.onDidChangeConfiguration(changed => changed.affectsConfiguration('stochc.path') && start()),
   );
