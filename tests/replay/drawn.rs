@@ -34,7 +34,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 /// Checks that the arrows point to the east, to the north and up.
 fn check_axes(page: &mut impl Page) {
-    let ways = [
+    let directions = [
         ("E", [1.0, 0.0, 0.0]),
         ("N", [0.0, 1.0, 0.0]),
         ("up", [0.0, 0.0, 1.0]),
@@ -43,7 +43,7 @@ fn check_axes(page: &mut impl Page) {
         let look = format!("replay.look([{azimuth}, {height}, 15, 0, 0, 1])");
         let drawn = page.drawn("#labels .axes", &look);
         let [right, up] = basis(azimuth, height);
-        for (name, way) in ways {
+        for (name, direction) in directions {
             let at = drawn
                 .iter()
                 .position(|it| it[0] == "fillText" && it[2] == name);
@@ -52,7 +52,7 @@ fn check_axes(page: &mut impl Page) {
             let [from, to] = [&drawn[at - 2], &drawn[at - 1]];
             assert_eq!((&from[0], &to[0]), (&"moveTo".into(), &"lineTo".into()));
             let arrow = [2, 3].map(|i| number(&to[i]) - number(&from[i]));
-            let expected = [dot(way, right), -dot(way, up)];
+            let expected = [dot(direction, right), -dot(direction, up)];
             let long = 26.0;
             for (arrow, expected) in arrow.iter().zip(expected) {
                 assert!((arrow - long * expected).abs() < 1e-6, "{name}: {arrow}");

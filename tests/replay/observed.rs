@@ -230,12 +230,17 @@ impl Observer for Groups {
         for FreeBond { bodies, faces } in &self.bonds {
             let [first, second] = bodies.map(|id| arena.state(id));
             let between = second.position - first.position;
-            for (state, way, face) in [(first, between, faces[0]), (second, -between, faces[1])] {
-                let own = state.orientation.inverse() * way;
+            for (state, displacement, face) in
+                [(first, between, faces[0]), (second, -between, faces[1])]
+            {
+                let own = state.orientation.inverse() * displacement;
                 let along: f64 = (own.iter().zip(face.normal()))
                     .map(|(part, normal)| part * f64::from(normal))
                     .sum();
-                assert!(along > 0.9 * way.norm(), "{bodies:?} {faces:?}: {own}");
+                assert!(
+                    along > 0.9 * displacement.norm(),
+                    "{bodies:?} {faces:?}: {own}"
+                );
             }
         }
     }

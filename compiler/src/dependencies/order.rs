@@ -75,7 +75,7 @@ pub fn sort(
         let length = |i: usize| f64::from(is_capture(plan, EventId(i as u32)));
         unneeded = face_turns::unneeded(graph, &face_turns::earliest(graph, length));
     }
-    let edges = |node, way| needed(graph, &unneeded, node, way);
+    let edges = |node, direction| needed(graph, &unneeded, node, direction);
     // Kahn's algorithm keeps independent events in source order.
     let mut missing: Vec<u32> = (graph.node_indices())
         .map(|node| edges(node, Incoming).count() as u32)
@@ -133,9 +133,9 @@ pub(crate) fn needed<'a>(
     graph: &'a DependencyGraph,
     unneeded: &'a FxHashSet<EdgeIndex>,
     node: NodeIndex,
-    way: Direction,
+    direction: Direction,
 ) -> impl Iterator<Item = EdgeReference<'a, LocatedDependency>> {
-    let edges = graph.edges_directed(node, way);
+    let edges = graph.edges_directed(node, direction);
     edges.filter(|edge| !unneeded.contains(&edge.id()))
 }
 

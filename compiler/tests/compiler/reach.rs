@@ -325,12 +325,12 @@ fn cube(low: Cell) -> impl Iterator<Item = Cell> {
     (0..8).map(move |i| Cell::new(low.x + (i & 1), low.y + (i >> 1 & 1), low.z + (i >> 2)))
 }
 
-/// Returns whether a cube of two cells can bring a block to a cell. For a gap along `way` on free
-/// ground, the cell next to it suffices.
-fn is_wide(room: Room, target: Cell, way: Face, full: &BTreeMap<Cell, EventId>) -> bool {
+/// Returns whether a cube of two cells can bring a block to a cell. For a gap along `direction` on
+/// free ground, the cell next to it suffices.
+fn is_wide(room: Room, target: Cell, direction: Face, full: &BTreeMap<Cell, EventId>) -> bool {
     let aside = || {
         let faces = Face::ALL.into_iter();
-        let faces = faces.filter(|&face| face != way && face != way.opposite());
+        let faces = faces.filter(|&face| face != direction && face != direction.opposite());
         faces.map(|face| target.across(face).unwrap())
     };
     let is_gap = aside().all(|beside| beside.z < 1 || !full.contains_key(&beside));

@@ -15,10 +15,10 @@ const SEEN: [&str; 7] = [
 /// Returns the mean waiting times of the faces that `stochc calibrate` shows.
 fn waits(rates: &Rates) -> [f64; 5] {
     let tower = |x: i32, top: i32, cell: Cell| (cell.x, cell.y) == (x, 0) && cell.z <= top;
-    let wait = |x: i32, z: i32, way: Face, is_full: &dyn Fn(Cell) -> bool| {
+    let wait = |x: i32, z: i32, direction: Face, is_full: &dyn Fn(Cell) -> bool| {
         let seen = rates.surroundings(
             Cell::new(x, 0, z),
-            way,
+            direction,
             Neighbourhood::new(Cell::new(x, 0, z), is_full),
             |_| None,
         );

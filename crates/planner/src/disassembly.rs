@@ -32,7 +32,10 @@ pub struct Disassembly {
 impl Disassembly {
     /// Returns the number of sites without an access path two cells wide.
     pub fn narrow_count(&self) -> usize {
-        self.access_path.iter().filter(|way| way.is_none()).count()
+        self.access_path
+            .iter()
+            .filter(|path| path.is_none())
+            .count()
     }
 }
 
@@ -231,7 +234,7 @@ mod tests {
 
     /// Returns whether a cube with edges of `size` cells can come from outside and cover a cell.
     /// Tries every position.
-    fn has_way(full: &BTreeSet<Cell>, cell: Cell, size: i32) -> bool {
+    fn has_path(full: &BTreeSet<Cell>, cell: Cell, size: i32) -> bool {
         comes_out(
             full,
             cube(shifted(cell, 1 - size, 1 - size, 1 - size), size),
@@ -242,7 +245,7 @@ mod tests {
     /// Returns whether a cube of size two can reach a gap along an axis. The cube must cover a cell
     /// next to the gap, but not the gap itself. All cells next to the gap above the ground must be
     /// empty.
-    fn has_way_to_gap(full: &BTreeSet<Cell>, cell: Cell, axis: Face) -> bool {
+    fn has_path_to_gap(full: &BTreeSet<Cell>, cell: Cell, axis: Face) -> bool {
         let aside = || {
             let faces = Face::ALL.into_iter();
             let faces = faces.filter(|face| *face != axis && *face != axis.opposite());
@@ -300,15 +303,15 @@ mod tests {
                 prop_assert!(is_held);
                 let access_path = disassembly.access_path[site as usize];
                 let is_there = match access_path {
-                    Some(AccessPath::Inside) => has_way(&full, cell, 2),
+                    Some(AccessPath::Inside) => has_path(&full, cell, 2),
                     Some(AccessPath::Gap(axis)) => {
                         let ends = [axis, axis.opposite()].map(|face| cell.across(face).unwrap());
                         let is_plate = axis == Face::Up && sites.is_on_seed(site);
                         has_gaps
-                            && has_way_to_gap(&full, cell, axis)
+                            && has_path_to_gap(&full, cell, axis)
                             && (is_plate || ends.iter().any(|end| full.contains(end)))
                     }
-                    None => has_way(&full, cell, 1),
+                    None => has_path(&full, cell, 1),
                 };
                 prop_assert!(is_there, "{} by {:?}", cell, access_path);
                 full.insert(cell);

@@ -122,7 +122,7 @@ const VARIANTS: u64 = 8;
 
 /// Number of consecutive variations of access paths, multiplied by the number of cells. Large
 /// targets get fewer variations, so that the effort stays the same.
-const WAYS: u64 = 2000;
+const PATH_VARIATIONS: u64 = 2000;
 
 /// Number of variations of priorities after each series of variations of access paths.
 const PRIORITIES: u64 = 150;
@@ -294,7 +294,7 @@ impl Searcher<'_> {
     /// ends.
     fn alternate(&mut self, mut found: ScheduleCandidate) -> ScheduleCandidate {
         while !self.is_over() {
-            let most = self.rounds + WAYS / self.sites.len() as u64;
+            let most = self.rounds + PATH_VARIATIONS / self.sites.len() as u64;
             while self.rounds < most && !self.is_over() {
                 self.rounds += 1;
                 self.report(&found);

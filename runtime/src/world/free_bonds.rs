@@ -123,8 +123,8 @@ impl FreeBonds {
         let fastest = places
             .iter()
             .map(|&(id, _)| blocks.motion(id).velocity.norm());
-        let way = 2.0 * dt * fastest.fold(0.0, f64::max);
-        for (i, j) in close(&places, self.magnet.anchoring() + way) {
+        let distance = 2.0 * dt * fastest.fold(0.0, f64::max);
+        for (i, j) in close(&places, self.magnet.anchoring() + distance) {
             let (a, b) = (places[i].0, places[j].0);
             let (first, second) = (blocks.pose(a), blocks.pose(b));
             let (one, other) = (blocks.motion(a), blocks.motion(b));
@@ -132,11 +132,11 @@ impl FreeBonds {
             if pair.bonds(&self.magnet, [(&first, &one), (&second, &other)], dt) {
                 // A broken pair may bond again once it separates no faster than its magnets can
                 // stop in a step, after drag.
-                let way = (places[j].1 - places[i].1).normalize();
+                let direction = (places[j].1 - places[i].1).normalize();
                 let turning = other.spin - one.spin;
                 // Separation speed of the centres, or of two edges.
-                let opening = (other.velocity - one.velocity).dot(&way)
-                    + 0.5 * (turning - way * turning.dot(&way)).norm();
+                let opening = (other.velocity - one.velocity).dot(&direction)
+                    + 0.5 * (turning - direction * turning.dot(&direction)).norm();
                 if opening > self.passive.hold * dt * self.response.linear {
                     parting.insert((a, b));
                 }
@@ -173,10 +173,10 @@ impl FreeBonds {
         let from = blocks.exact_position(id);
         let neighbours = self.groups.remove(id, blocks);
         for &neighbour in &neighbours {
-            let way = blocks.exact_position(neighbour) - from;
+            let displacement = blocks.exact_position(neighbour) - from;
             self.reject(
                 neighbour,
-                way * (self.passive.impulse / way.norm().max(1e-9)),
+                displacement * (self.passive.impulse / displacement.norm().max(1e-9)),
             );
         }
         neighbours

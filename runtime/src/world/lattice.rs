@@ -176,13 +176,13 @@ impl LatticeStructure {
         self.block(cell).is_none().then_some(cell)
     }
 
-    /// Returns the faces of neighbours that point into a cell. `ways` is the bit set of their
+    /// Returns the faces of neighbours that point into a cell. `directions` is the bit set of their
     /// directions.
     #[inline]
-    fn aimed(&self, cell: Cell, ways: u8) -> impl Iterator<Item = (usize, Face)> {
-        faces(ways).filter_map(move |way| {
-            let seat = self.block(cell.across(way.opposite())?)?;
-            Some((seat, self.seats[seat].orientation.to_own(way)))
+    fn aimed(&self, cell: Cell, directions: u8) -> impl Iterator<Item = (usize, Face)> {
+        faces(directions).filter_map(move |direction| {
+            let seat = self.block(cell.across(direction.opposite())?)?;
+            Some((seat, self.seats[seat].orientation.to_own(direction)))
         })
     }
 
@@ -194,9 +194,9 @@ impl LatticeStructure {
             return None;
         }
         of.on |= bit(face);
-        let way = of.orientation.to_structure(face);
+        let direction = of.orientation.to_structure(face);
         let content = self.grid.get_mut(of.across(face)?);
-        content.aimed |= bit(way);
+        content.aimed |= bit(direction);
         (content.block == NO_BLOCK).then(|| FaceChange::Opened(number(seat, face)))
     }
 
@@ -244,7 +244,7 @@ impl LatticeStructure {
         mut emit: impl FnMut(FaceChange),
     ) {
         let (on, parent) = (number(seat, face), self.seats[seat]);
-        let way = parent.orientation.to_structure(face);
+        let direction = parent.orientation.to_structure(face);
         let (child_face, turn) = (docking.child_face, docking.turn);
         let child = self.seeds.len() + docking.child as usize;
         self.seats[seat].on &= !bit(face);
@@ -258,7 +258,7 @@ impl LatticeStructure {
         self.free.remove(docking.child as usize);
         let content = self.grid.mark(cell, true);
         content.block = child as u32;
-        content.aimed &= !bit(way);
+        content.aimed &= !bit(direction);
         let aimed = content.aimed;
         emit(FaceChange::Closed(on));
         for (seat, face) in self.aimed(cell, aimed) {
@@ -273,9 +273,9 @@ impl LatticeStructure {
             return None;
         }
         of.on &= !bit(face);
-        let way = of.orientation.to_structure(face);
+        let direction = of.orientation.to_structure(face);
         let cell = of.across(face)?;
-        self.grid.get_mut(cell).aimed &= !bit(way);
+        self.grid.get_mut(cell).aimed &= !bit(direction);
         Some(FaceChange::Closed(number(seat, face)))
     }
 

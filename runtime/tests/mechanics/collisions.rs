@@ -325,12 +325,12 @@ fn an_anchored_block_is_as_firm_as_the_ground<K: Kind>() {
     let (e, speed) = (0.5, 0.0625);
     let mut scene = with_contact(e, 0.0);
     scene.bond = attract(0.0, 0.1);
-    for (from, way) in [
+    for (from, direction) in [
         (at(0.0, 0.0, 2.03), at(0.0, 0.0, -1.0)),
         (at(-1.53, 0.0, 0.55), at(1.0, 0.0, 0.0)),
     ] {
         let flying = BodyState {
-            velocity: speed * way,
+            velocity: speed * direction,
             ..BodyState::at_rest(from)
         };
         let held = BodyState::at_rest(at(0.0, 0.0, 0.53));
@@ -344,6 +344,6 @@ fn an_anchored_block_is_as_firm_as_the_ground<K: Kind>() {
         assert_eq!(dockings.len(), 1);
         near(world.state(0).position, at(0.0, 0.0, 0.5), 1e-12);
         let back = world.state(1).velocity;
-        near(back, -e * speed * way, solved::<K>(speed));
+        near(back, -e * speed * direction, solved::<K>(speed));
     }
 }

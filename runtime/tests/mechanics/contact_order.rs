@@ -79,14 +79,14 @@ fn corner_to_face(dice: &mut Dice) -> Vec<BodyState> {
 
 /// Returns two spinning blocks with random orientations that meet off centre.
 fn pair(dice: &mut Dice) -> Vec<BodyState> {
-    let way = dice.direction();
-    let aside = dice.direction().cross(&way).normalize() * (0.5 * dice.unit());
+    let direction = dice.direction();
+    let aside = dice.direction().cross(&direction).normalize() * (0.5 * dice.unit());
     let speed = 0.07 + 0.1 * dice.unit();
     [1.0, -1.0]
         .map(|side| BodyState {
-            position: at(0.0, 0.0, 30.0) + (way * 0.9 + aside * 0.5) * side,
+            position: at(0.0, 0.0, 30.0) + (direction * 0.9 + aside * 0.5) * side,
             orientation: dice.rotation(),
-            velocity: -way * (side * speed),
+            velocity: -direction * (side * speed),
             spin: 0.1 * dice.direction(),
         })
         .to_vec()

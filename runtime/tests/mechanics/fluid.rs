@@ -216,23 +216,29 @@ fn kicks_in_a_viscous_fluid_move_blocks_alike_at_every_step<W: SpatialWorld>() {
             agitation: kicks(0.02),
             ..fluid(None, Some(viscosity(rate)))
         };
-        let ways = [1, 16].map(|substeps| {
+        let displacements = [1, 16].map(|substeps| {
             let mut world: W = world(&scene, &settings(substeps), &vec![still(); 400]);
             pass(&mut world, 40);
             let before = states(&world);
             pass(&mut world, 1);
             let after = states(&world);
-            let ways = before.iter().zip(&after);
-            let ways: Vec<f64> = ways
+            let displacements = before.iter().zip(&after);
+            let displacements: Vec<f64> = displacements
                 .map(|(a, b)| (b.position - a.position).norm())
                 .collect();
-            ways
+            displacements
         });
-        let apart = ways[0].iter().zip(&ways[1]).map(|(a, b)| (a - b).abs());
+        let apart = displacements[0]
+            .iter()
+            .zip(&displacements[1])
+            .map(|(a, b)| (a - b).abs());
         let apart = apart.fold(0.0, f64::max);
         // Positions at a height of 100 block lengths have a resolution of 1e-5 in Rapier.
         assert!(apart < 1e-4, "{rate}: {apart}");
-        let square: f64 = ways[0].iter().map(|way| way * way).sum();
+        let square: f64 = displacements[0]
+            .iter()
+            .map(|displacement| displacement * displacement)
+            .sum();
         let found = (square / 400.0).sqrt();
         let estimated = speed(&scene).rms.unwrap();
         // 1,200 independent squares have a standard error of 2 %.
@@ -419,8 +425,8 @@ fn a_jet_carries_a_block_to_the_middle<W: SpatialWorld>() {
     let x = world.state(0).position.x;
     // On the axis s s' = 6.2 D U, starting at the tube, 6 block lengths from the centre.
     let speed = flow / (std::f64::consts::FRAC_PI_4 * nozzle * nozzle);
-    let way = 6.0 - from;
-    let exact = 6.0 - (way * way + 2.0 * 6.2 * nozzle * speed * ticks as f64).sqrt();
+    let distance = 6.0 - from;
+    let exact = 6.0 - (distance * distance + 2.0 * 6.2 * nozzle * speed * ticks as f64).sqrt();
     assert!((x - exact).abs() < 0.03 * (from - exact), "{x} {exact}");
 }
 
@@ -432,10 +438,10 @@ fn a_sphere_keeps_its_blocks<W: SpatialWorld>() {
     };
     let height = (25.0_f64 - 4.5).sqrt();
     // A swing into the wall is half an oscillation, at the radius of 4.5 block lengths.
-    for way in [at(0.0, 0.0, 1.0), at(0.6, 0.0, -0.8), at(0.0, -1.0, 0.0)] {
+    for direction in [at(0.0, 0.0, 1.0), at(0.6, 0.0, -0.8), at(0.0, -1.0, 0.0)] {
         let start = BodyState {
-            velocity: way * 0.05,
-            ..BodyState::at_rest(way * 4.5 + Vector3::z() * height)
+            velocity: direction * 0.05,
+            ..BodyState::at_rest(direction * 4.5 + Vector3::z() * height)
         };
         let mut world: W = world(&scene, &settings(16), &[start]);
         let half = std::f64::consts::PI / f64::sqrt(wall);

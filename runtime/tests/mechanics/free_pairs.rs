@@ -24,8 +24,8 @@ fn nearest(world: &impl SpatialWorld) -> f64 {
     for group in world.groups() {
         for (i, &a) in group.iter().enumerate() {
             for &b in &group[i + 1..] {
-                let way = blocks[a as usize].position - blocks[b as usize].position;
-                least = least.min(way.norm());
+                let displacement = blocks[a as usize].position - blocks[b as usize].position;
+                least = least.min(displacement.norm());
             }
         }
     }

@@ -99,11 +99,11 @@ fn the_cone_is_the_same_in_all_directions<K: Kind>() {
     let ticks = 40;
     for yaw in [0.0, 0.4] {
         for direction in 0..16 {
-            let way = along(f64::from(direction) * std::f64::consts::TAU / 16.0);
-            let mut world = on_ground::<K>(flat(yaw, SPEED * way));
+            let heading = along(f64::from(direction) * std::f64::consts::TAU / 16.0);
+            let mut world = on_ground::<K>(flat(yaw, SPEED * heading));
             let end = press::<K>(&mut world, Vector3::zeros(), ticks);
-            let slowed = (SPEED * way - end.velocity) / (WEIGHT * ticks as f64);
-            let off = (slowed - FRICTION * way).norm();
+            let slowed = (SPEED * heading - end.velocity) / (WEIGHT * ticks as f64);
+            let off = (slowed - FRICTION * heading).norm();
             assert!(off < slack::<K>(), "{yaw} {direction}: {slowed:?}");
         }
     }
@@ -120,9 +120,11 @@ fn a_sliding_cube_comes_to_rest_where_it_should<K: Kind>() {
     assert!(end.velocity.norm() < rocking * WEIGHT);
     // Symplectic Euler: the sum of v0 - k mu g. It is v0^2 / (2 mu g) less half a tick at full
     // speed.
-    let way = (end.position - start).norm();
+    let distance = (end.position - start).norm();
     let expected = speed * speed / (2.0 * FRICTION * WEIGHT) - 0.5 * speed;
-    assert!((way - expected).abs() < slack::<K>() / FRICTION * expected + 0.5 * FRICTION * WEIGHT);
+    assert!(
+        (distance - expected).abs() < slack::<K>() / FRICTION * expected + 0.5 * FRICTION * WEIGHT
+    );
     let rest = press::<K>(&mut world, Vector3::zeros(), 50);
     assert!((rest.position - end.position).norm() < 50.0 * rocking * WEIGHT);
 }

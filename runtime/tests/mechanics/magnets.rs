@@ -9,7 +9,7 @@ use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld, World};
 use stochc_runtime::{Substeps, step_errors};
 
 in_every_kind!(
-    a_fast_block_docks_if_its_way_leads_through_the_window,
+    a_fast_block_docks_if_its_path_leads_through_the_window,
     a_block_next_to_the_middle_of_a_magnet_stays_there,
     a_block_swings_about_the_middle_of_a_magnet_without_gain_or_loss,
     each_force_of_a_magnet_has_its_own_reach,
@@ -77,17 +77,17 @@ fn a_block_docks_from_beyond_the_reach_of_the_pull<K: Kind>() {
 
 /// The block passes the face at three times the width of the window per step. Steps end at various
 /// positions.
-fn a_fast_block_docks_if_its_way_leads_through_the_window<K: Kind>() {
+fn a_fast_block_docks_if_its_path_leads_through_the_window<K: Kind>() {
     let (within, speed) = (0.05, 0.3);
     for start in 0..16 {
         for (aside, expected) in [(0.0, 1), (0.04, 1), (0.06, 0)] {
             let mut scene = empty();
             scene.bond = attract(1e-9, within);
-            let way = at(0.6, 0.0, -0.8);
+            let direction = at(0.6, 0.0, -0.8);
             let late = f64::from(start) / 16.0;
             let block = BodyState {
-                velocity: way * speed,
-                ..BodyState::at_rest(at(0.0, aside, 0.5) - way * (speed * (2.0 + late)))
+                velocity: direction * speed,
+                ..BodyState::at_rest(at(0.0, aside, 0.5) - direction * (speed * (2.0 + late)))
             };
             let mut world = K::world(&scene, &[block]);
             open(&mut world);
@@ -164,8 +164,8 @@ fn the_docking_time_follows_from_the_force() {
         }
         let times = (0..CASES).map(|case| {
             let phase = (f64::from(case) + 0.5) / f64::from(CASES);
-            let way = 0.25 + 0.7 * phase - within;
-            (2.0 * way / force).sqrt()
+            let distance = 0.25 + 0.7 * phase - within;
+            (2.0 * distance / force).sqrt()
         });
         let exact = times.sum::<f64>() / f64::from(CASES);
         let steps = Substeps {

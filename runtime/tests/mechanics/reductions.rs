@@ -116,11 +116,11 @@ fn spheres_touch_at_one_side_whatever_their_orientation<K: Kind>() {
     scene.contact = contact(1.0, 0.3);
     let mut dice = Dice::new(5);
     for _ in 0..20 {
-        let (way, speed) = (dice.direction(), 0.01);
+        let (direction, speed) = (dice.direction(), 0.01);
         let mut block = |sign: f64| BodyState {
             orientation: dice.rotation(),
-            velocity: -sign * speed * way,
-            ..BodyState::at_rest(at(0.0, 0.0, 8.0) + sign * 0.755 * way)
+            velocity: -sign * speed * direction,
+            ..BodyState::at_rest(at(0.0, 0.0, 8.0) + sign * 0.755 * direction)
         };
         let start = [block(1.0), block(-1.0)];
         let mut world: K::World =
@@ -151,21 +151,21 @@ fn spheres_that_collide_off_centre_push_along_their_centres<K: Kind>() {
     let mut dice = Dice::new(6);
     for e in [0.0, 0.5, 1.0] {
         scene.contact = contact(e, 0.0);
-        let way = dice.direction();
+        let direction = dice.direction();
         let depth = 1e-4;
         let mut block = |sign: f64| BodyState {
             orientation: dice.rotation(),
-            velocity: -sign * 0.05 * way + 0.03 * dice.direction(),
-            ..BodyState::at_rest(at(0.0, 0.0, 4.0) + sign * 0.5 * (1.0 - depth) * way)
+            velocity: -sign * 0.05 * direction + 0.03 * dice.direction(),
+            ..BodyState::at_rest(at(0.0, 0.0, 4.0) + sign * 0.5 * (1.0 - depth) * direction)
         };
         let start = [block(1.0), block(-1.0)];
         let mut world: K::World =
             crate::scenes::world(&scene, &reduced::<K>(Reduction::Corners), &start);
         pass(&mut world, 1);
-        let impulse = -(1.0 + e) * (start[0].velocity - start[1].velocity).dot(&way) / 2.0;
+        let impulse = -(1.0 + e) * (start[0].velocity - start[1].velocity).dot(&direction) / 2.0;
         for ((id, sign), start) in [(0, 1.0), (1, -1.0)].into_iter().zip(&start) {
             let end = world.state(id);
-            let off = (end.velocity - start.velocity - sign * impulse * way).amax();
+            let off = (end.velocity - start.velocity - sign * impulse * direction).amax();
             // Positions, and with them the normal, are rounded to 4 units.
             assert!(off < 0.1 * 20.0 * K::ROUNDING, "{off:e}");
             assert!(end.spin.amax() < 6.0 * 0.1 * 20.0 * K::ROUNDING);
@@ -227,11 +227,11 @@ fn without_block_contact_free_blocks_pass_but_anchored_ones_and_the_ground_hold<
     }
     assert_eq!(dockings.len(), 1);
     assert!(world.anchored(0).is_some());
-    for (id, way) in [(1, 1.0), (2, -1.0)] {
+    for (id, sign) in [(1, 1.0), (2, -1.0)] {
         let end = world.state(id);
         // All values are powers of two, so the results are equal to the bit.
-        assert_eq!(end.position, at(way * 3.0, 0.0, 5.0));
-        assert_eq!(end.velocity, at(way * 0.0625, 0.0, 0.0));
+        assert_eq!(end.position, at(sign * 3.0, 0.0, 5.0));
+        assert_eq!(end.velocity, at(sign * 0.0625, 0.0, 0.0));
     }
     for id in [3, 4] {
         let end = world.state(id);

@@ -21,12 +21,12 @@ const EAST: BlockFace = BlockFace {
 };
 
 fn an_impulse_moves_a_block_in_a_viscous_fluid_by_j_over_m_gamma_at_every_step<W: SpatialWorld>() {
-    let way = 2.0;
+    let distance = 2.0;
     for rate in [0.5, 20.0] {
         for substeps in [1, 4, 16] {
             let scene = Scene {
                 fluid: viscous(rate),
-                ..reject(1e-7, way * rate)
+                ..reject(1e-7, distance * rate)
             };
             let blocks = [at(1.0, 0.0, 0.5), at(0.0, 5.0, 5.0)].map(BodyState::at_rest);
             let settings = Settings::new(Model::Rapier, substeps);
@@ -37,7 +37,7 @@ fn an_impulse_moves_a_block_in_a_viscous_fluid_by_j_over_m_gamma_at_every_step<W
             assert!(dockings(&mut world, 60).is_empty());
             let moved = world.state(0).position - at(1.0, 0.0, 0.5);
             assert!(
-                (moved - at(way, 0.0, 0.0)).norm() < 1e-3 * way,
+                (moved - at(distance, 0.0, 0.0)).norm() < 1e-3 * distance,
                 "{rate} {substeps}: {moved}"
             );
         }

@@ -72,9 +72,9 @@ fn an_inelastic_cube_rises_no_higher_than_it_should<K: Kind>() {
     for substeps in STEPS {
         let path = path::<K>(&ground(0.5, 0.0), substeps, 20.0, Vector3::zeros(), 220);
         let peak = peaks(&path)[0];
-        let way = (2.0 * WEIGHT * 20.0).sqrt() / f64::from(substeps);
+        let distance = (2.0 * WEIGHT * 20.0).sqrt() / f64::from(substeps);
         assert!(peak < 5.0 + 0.001, "{substeps}: {peak}");
-        assert!(peak > 5.0 - 0.75 * way - 0.001, "{substeps}: {peak}");
+        assert!(peak > 5.0 - 0.75 * distance - 0.001, "{substeps}: {peak}");
     }
 }
 
@@ -99,7 +99,10 @@ fn a_heavy_cube_slides_as_far_as_coulomb_says<K: Kind>() {
         let scene = ground(0.0, 0.3);
         let path = path::<K>(&scene, substeps, 0.0, at(speed, 0.0, 0.0), 200);
         let end = path[path.len() - 1].position.x;
-        let way = speed * speed / (2.0 * 0.3 * WEIGHT);
-        assert!((end / way - 1.0).abs() < 0.02, "{substeps}: {end} of {way}");
+        let distance = speed * speed / (2.0 * 0.3 * WEIGHT);
+        assert!(
+            (end / distance - 1.0).abs() < 0.02,
+            "{substeps}: {end} of {distance}"
+        );
     }
 }

@@ -42,12 +42,12 @@ fn record(scene: &Scene, settings: &Settings, number: u64) -> RunRecord {
 
 /// Returns scenes and settings: the full kernel, substeps, each term left out, both kinds of
 /// contact.
-fn ways<K: Kind>() -> Vec<(Scene, Settings)> {
-    let mut ways = vec![(crowd(), K::settings()), (crowd(), K::with_substeps(3))];
+fn cases<K: Kind>() -> Vec<(Scene, Settings)> {
+    let mut cases = vec![(crowd(), K::settings()), (crowd(), K::with_substeps(3))];
     for reduction in Reduction::ALL {
         let reduction = Some(reduction);
         let settings = K::settings();
-        ways.push((
+        cases.push((
             crowd(),
             Settings {
                 reduction,
@@ -57,15 +57,15 @@ fn ways<K: Kind>() -> Vec<(Scene, Settings)> {
     }
     let mut soft = crowd();
     soft.contact = compliant(200.0, 2.0, 0.2);
-    ways.push((soft, K::settings()));
-    for (_, settings) in &mut ways {
+    cases.push((soft, K::settings()));
+    for (_, settings) in &mut cases {
         settings.max_ticks = Some(1500);
     }
-    ways
+    cases
 }
 
 fn a_run_is_the_same_in_order_alone_and_on_any_thread<K: Kind>() {
-    for (scene, settings) in ways::<K>() {
+    for (scene, settings) in cases::<K>() {
         let sequence: Vec<RunRecord> = (0..2).map(|n| record(&scene, &settings, n)).collect();
         assert_ne!(sequence[0].bonds, sequence[1].bonds, "{settings:?}");
         assert!(
@@ -89,7 +89,7 @@ fn a_run_is_the_same_in_order_alone_and_on_any_thread<K: Kind>() {
 /// The factors are powers of two, so results are equal to the bit.
 fn length_mass_and_time_scale<K: Kind>() {
     let (length, mass, time) = (2f64.powi(-14), 2f64.powi(-40), 2f64.powi(-9));
-    for (scene, settings) in ways::<K>() {
+    for (scene, settings) in cases::<K>() {
         let (speed, force) = (length / time, mass * length / (time * time));
         let mut small = scene.clone();
         small.tick *= time;

@@ -157,7 +157,7 @@ const TOWER: &str = include_str!("../../../examples/five_tower_reconfigured.sa")
 
 #[test]
 fn rigid_blocks_in_all_steps_and_reductions() {
-    let mut ways = vec![
+    let mut cases = vec![
         rigid(),
         rigid().with_steps(Substeps::DEFAULT),
         Settings {
@@ -165,11 +165,11 @@ fn rigid_blocks_in_all_steps_and_reductions() {
             ..rigid().with_steps(Substeps::DEFAULT)
         },
     ];
-    ways.extend(Reduction::ALL.map(|reduction| Settings {
+    cases.extend(Reduction::ALL.map(|reduction| Settings {
         reduction: Some(reduction),
         ..rigid()
     }));
-    everywhere(TOWER, &ways, 211);
+    everywhere(TOWER, &cases, 211);
 }
 
 #[test]
@@ -191,15 +191,15 @@ fn rapier_restores_no_state() {
 
 #[test]
 fn rate_and_shuffle_restore_their_state() {
-    let mut ways = Vec::new();
+    let mut cases = Vec::new();
     for model in [Model::Rate, Model::Shuffle] {
-        ways.push(Settings {
+        cases.push(Settings {
             max_ticks: Some(5000),
             ..Settings::new(model, 1)
         });
     }
-    everywhere(TOWER, &ways[..1], 997);
-    everywhere(TOWER, &ways[1..], 7);
+    everywhere(TOWER, &cases[..1], 997);
+    everywhere(TOWER, &cases[1..], 7);
 }
 
 #[test]

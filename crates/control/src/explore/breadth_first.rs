@@ -21,15 +21,15 @@ pub(super) fn shortest<'t>(
     let checker = exploration.checker();
     let mut persistent = exploration.reduce.then(|| PersistentSets::new(context));
     // Predecessor of each state, and the transition from it.
-    let mut ways: Vec<(usize, Option<Transition>)> = vec![(0, None)];
+    let mut arrivals: Vec<(usize, Option<Transition>)> = vec![(0, None)];
     let violated = |wrong: Breach,
-                    ways: &[(usize, Option<Transition>)],
+                    arrivals: &[(usize, Option<Transition>)],
                     at: usize,
                     state: &ProgramState<'_>,
                     last: Option<Transition>| {
         let mut transitions: Vec<Transition> = last.into_iter().collect();
         let mut at = at;
-        while let (before, Some(transition)) = ways[at] {
+        while let (before, Some(transition)) = arrivals[at] {
             transitions.push(transition);
             at = before;
         }
@@ -38,7 +38,7 @@ pub(super) fn shortest<'t>(
     };
     let (first, effects) = ProgramState::first(&context);
     if let Some(wrong) = checker.effects(&effects) {
-        return violated(wrong, &ways, 0, &first, None);
+        return violated(wrong, &arrivals, 0, &first, None);
     }
     let mut visited = HashSet::from([fingerprint(&first)]);
     let mut weight = first.weight();
@@ -46,7 +46,7 @@ pub(super) fn shortest<'t>(
     while let Some((at, state)) = queue.pop_front() {
         weight -= state.weight();
         if let Some(wrong) = checker.unplanned(&context, &state) {
-            return violated(wrong, &ways, at, &state, None);
+            return violated(wrong, &arrivals, at, &state, None);
         }
         let mut transitions = state.transitions(&context);
         if let Some(persistent) = &mut persistent {
@@ -55,18 +55,18 @@ pub(super) fn shortest<'t>(
         if transitions.is_empty()
             && let Some(wrong) = checker.hang(&state)
         {
-            return violated(wrong, &ways, at, &state, None);
+            return violated(wrong, &arrivals, at, &state, None);
         }
         for transition in transitions {
             let mut next = state.clone();
             let effects = next.make(&context, transition);
             if let Some(wrong) = checker.transition(&state, transition, &effects) {
-                return violated(wrong, &ways, at, &state, Some(transition));
+                return violated(wrong, &arrivals, at, &state, Some(transition));
             }
             if visited.insert(fingerprint(&next)) {
-                ways.push((at, Some(transition)));
+                arrivals.push((at, Some(transition)));
                 weight += next.weight();
-                queue.push_back((ways.len() - 1, next));
+                queue.push_back((arrivals.len() - 1, next));
             }
         }
         let bounds = &exploration.bounds;

@@ -29,7 +29,7 @@ pub(super) struct DepthFirst<'s, 't> {
     checker: PropertyChecker<'t>,
     persistent: Option<PersistentSets<'t>>,
     visited: HashSet<u128>,
-    way: Vec<Visit<'t>>,
+    path: Vec<Visit<'t>>,
     weight: usize,
     work: u64,
     transitions: u64,
@@ -45,7 +45,7 @@ impl<'s, 't> DepthFirst<'s, 't> {
             checker: exploration.checker(),
             persistent: exploration.reduce.then(|| PersistentSets::new(context)),
             visited: HashSet::new(),
-            way: Vec::new(),
+            path: Vec::new(),
             weight: 0,
             work: 0,
             transitions: 0,
@@ -70,10 +70,10 @@ impl<'s, 't> DepthFirst<'s, 't> {
         if let Some(verdict) = self.enter(first) {
             return verdict;
         }
-        while let Some(visit) = self.way.last_mut() {
+        while let Some(visit) = self.path.last_mut() {
             let Some(transition) = visit.todo.pop() else {
                 self.weight -= visit.state.weight();
-                self.way.pop();
+                self.path.pop();
                 continue;
             };
             visit.tried = Some(transition);
@@ -120,7 +120,7 @@ impl<'s, 't> DepthFirst<'s, 't> {
         };
         // The list is used from its end.
         todo.reverse();
-        self.way.push(Visit {
+        self.path.push(Visit {
             state,
             todo,
             tried: None,
@@ -139,8 +139,8 @@ impl<'s, 't> DepthFirst<'s, 't> {
 
     fn violated(&self, wrong: Breach) -> ExplorationVerdict {
         let transitions: Vec<Transition> =
-            self.way.iter().filter_map(|visit| visit.tried).collect();
-        let phase = (self.way.last()).and_then(|visit| visit.state.structure.phase());
+            self.path.iter().filter_map(|visit| visit.tried).collect();
+        let phase = (self.path.last()).and_then(|visit| visit.state.structure.phase());
         self.checker
             .violated(&self.context, wrong, phase, &transitions)
     }

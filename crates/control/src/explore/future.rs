@@ -56,7 +56,7 @@ impl PhaseCaptors {
     }
 
     /// Adds all roles on the paths that a message at this role's block may take.
-    pub fn add_way(
+    pub fn add_path(
         &self,
         state: &ProgramState<'_>,
         at: RoleId,
@@ -281,7 +281,7 @@ impl<'t> Forecast<'_, 't> {
     }
 
     fn arrive(&mut self, at: RoleId, message: &Message) {
-        (self.captors).add_way(self.state, at, message, &mut self.future.touched);
+        (self.captors).add_path(self.state, at, message, &mut self.future.touched);
         match (message.payload, message.target) {
             (Payload::Report(_), _) => self.future.reports += 1,
             (Payload::Ask(child), _) => {

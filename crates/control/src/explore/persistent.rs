@@ -202,7 +202,7 @@ impl<'t> PersistentSets<'t> {
                 .into_iter()
                 .filter_map(|at| state.role(at))
             {
-                captors.add_way(state, at, &transit.message, &mut touched);
+                captors.add_path(state, at, &transit.message, &mut touched);
             }
         }
         match transition {
@@ -219,8 +219,8 @@ impl<'t> PersistentSets<'t> {
         }
         for (from, message) in &effects.sent {
             if let Some(at) = after.role(*from).or_else(|| state.role(*from)) {
-                captors.add_way(&after, at, message, &mut touched);
-                captors.add_way(state, at, message, &mut touched);
+                captors.add_path(&after, at, message, &mut touched);
+                captors.add_path(state, at, message, &mut touched);
             }
         }
         let closing = effects

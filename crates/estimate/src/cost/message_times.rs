@@ -154,13 +154,13 @@ impl<'a> MessageTimes<'a> {
 
     /// Determines the depth of a block and its distant ancestor.
     fn measure(&mut self, block: EventId) {
-        let mut way = Vec::new();
+        let mut path = Vec::new();
         let mut at = Some(block);
         while let Some(id) = at.filter(|id| self.depths[id.0 as usize] == 0) {
-            way.push(id);
+            path.push(id);
             at = self.parent(id);
         }
-        for id in way.into_iter().rev() {
+        for id in path.into_iter().rev() {
             let parent = self.parent(id);
             let (jump, further) = (self.jump(parent), self.jump(self.jump(parent)));
             let [near, middle, far] = [parent, jump, further].map(|it| self.depth(it));

@@ -50,12 +50,12 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
         let bound = bound(before, &events);
         let captures = || events.iter().filter_map(|event| Some((event, event.face?)));
         let open: FxHashMap<(u32, Cell), Face> = captures()
-            .map(|(event, way)| ((event.level, event.cell), way))
+            .map(|(event, direction)| ((event.level, event.cell), direction))
             .collect();
         let depth = captures().map(|(event, _)| event.level).max().unwrap_or(0);
         let beside = captures().count() as f64 - f64::from(depth);
         let is_scarce = beside > MANY * (f64::from(count) - before as f64);
-        for (event, way) in captures().filter(|_| !all.is_pre_attached(phase)) {
+        for (event, direction) in captures().filter(|_| !all.is_pre_attached(phase)) {
             let &PhaseEvent { cell, level, .. } = event;
             // Half of the blocks of the same level count as captured.
             let mates = bound[level as usize + 1] - bound[level as usize] - 1;
@@ -65,15 +65,15 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
                 let is_full = |near| near != cell && occupancy.is_full(near, level, with_mates);
                 Neighbourhood::around(which, cell, is_full)
             };
-            let wait = |near: Neighbourhood, way_into: &dyn Fn(Cell) -> Option<Face>| {
-                let around = rates.surroundings(cell, way, near, way_into);
+            let wait = |near: Neighbourhood, open_direction: &dyn Fn(Cell) -> Option<Face>| {
+                let around = rates.surroundings(cell, direction, near, open_direction);
                 rates.wait(&Surroundings {
                     free,
                     cold: cold && level == 1,
                     ..around
                 })
             };
-            let with_mates = near(feature_cells(way), true);
+            let with_mates = near(feature_cells(direction), true);
             // Cells that are empty with mates are also empty without them.
             let alone = near(with_mates, false);
             let without = wait(alone, &|near| open.get(&(level, near)).copied());
@@ -82,7 +82,7 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
                 wait: without.between(with),
                 free,
                 is_scarce: is_scarce || mates as f64 > FEW * f64::from(count),
-                head_starts: head_starts(of_releases, &released, cell, way),
+                head_starts: head_starts(of_releases, &released, cell, direction),
             });
         }
         occupancy.end(&events);
@@ -116,14 +116,14 @@ fn head_starts(
     of_releases: HeadStarts,
     released: &[Released; 2],
     cell: Cell,
-    way: Face,
+    direction: Face,
 ) -> Vec<(EventId, ReleaseNearby)> {
     let mut found = Vec::new();
     if released.iter().all(FxHashMap::is_empty) {
         return found;
     }
     for from in within(cell, NEAR) {
-        let Some(nearby) = of_releases.of(cell, way, from) else {
+        let Some(nearby) = of_releases.of(cell, direction, from) else {
             continue;
         };
         for phase in released {

@@ -42,21 +42,21 @@ thread_local! {
 
 /// Returns the fraction of the sphere around a face that blocks and ground leave open, from 0 to 1.
 ///
-/// `way` is the direction from the capturing block to the open cell, which is the centre of
+/// `direction` is the direction from the capturing block to the open cell, which is the centre of
 /// `around`.
-pub(crate) fn unobstructed(way: Face, around: Neighbourhood) -> f64 {
-    let around = around.within(in_reach(way));
+pub(crate) fn unobstructed(direction: Face, around: Neighbourhood) -> f64 {
+    let around = around.within(in_reach(direction));
     KNOWN.with_borrow_mut(|known| {
         if known.len() >= MAX_CACHED {
             known.clear();
         }
-        *(known.entry((way, around))).or_insert_with(|| left_open(way, around))
+        *(known.entry((direction, around))).or_insert_with(|| left_open(direction, around))
     })
 }
 
-fn left_open(way: Face, around: Neighbourhood) -> f64 {
+fn left_open(direction: Face, around: Neighbourhood) -> f64 {
     let mut blocked: Points = [0; WORDS];
-    let (blockers, numbers) = (&BLOCKERS[way as usize], &NUMBERS[way as usize]);
+    let (blockers, numbers) = (&BLOCKERS[direction as usize], &NUMBERS[direction as usize]);
     let (all_words, _) = blocked.as_chunks_mut::<AT_ONCE>();
     for (part, words) in all_words.iter_mut().enumerate() {
         // Kept in registers.
@@ -83,33 +83,35 @@ pub fn sees(open: Cell, other: Cell) -> bool {
 
 /// Returns the offsets of the cells that can affect a face of a direction, relative to its open
 /// cell.
-pub fn offsets(way: Face) -> impl Iterator<Item = [i32; 3]> {
-    BLOCKERS[way as usize].iter().map(|(offset, _)| *offset)
+pub fn offsets(direction: Face) -> impl Iterator<Item = [i32; 3]> {
+    BLOCKERS[direction as usize]
+        .iter()
+        .map(|(offset, _)| *offset)
 }
 
 /// Returns the cells of a neighbourhood that can block a face of a direction.
-pub(crate) fn in_reach(way: Face) -> Neighbourhood {
-    IN_REACH[way as usize]
+pub(crate) fn in_reach(direction: Face) -> Neighbourhood {
+    IN_REACH[direction as usize]
 }
 
 static IN_REACH: LazyLock<[Neighbourhood; 6]> =
-    LazyLock::new(|| Face::ALL.map(|way| Neighbourhood::from_cells(offsets(way))));
+    LazyLock::new(|| Face::ALL.map(|direction| Neighbourhood::from_cells(offsets(direction))));
 
 static BLOCKERS: LazyLock<[Blockers; 6]> = LazyLock::new(|| Face::ALL.map(blockers));
 
 /// For each direction and each cell of a neighbourhood, the index of the cell in [`BLOCKERS`].
 static NUMBERS: LazyLock<[[u8; CELLS]; 6]> = LazyLock::new(|| {
-    Face::ALL.map(|way| {
+    Face::ALL.map(|direction| {
         let mut numbers = [0; CELLS];
-        for (number, offset) in (0..).zip(offsets(way)) {
+        for (number, offset) in (0..).zip(offsets(direction)) {
             numbers[place(offset)] = number;
         }
         numbers
     })
 });
 
-fn blockers(way: Face) -> Blockers {
-    let points = points(way);
+fn blockers(direction: Face) -> Blockers {
+    let points = points(direction);
     let mut found: Blockers = all()
         .filter_map(|offset| {
             let mut blocked: Points = [0; WORDS];
@@ -136,8 +138,8 @@ fn distance(point: [f64; 3], cell: [i32; 3]) -> f64 {
 
 /// Returns the points of a cubic grid in the sphere, relative to the centre of the open cell. The
 /// grid is invariant under quarter turns, so rotated surroundings give equal results.
-fn points(way: Face) -> Vec<[f64; 3]> {
-    let (axis, sign) = axis(way);
+fn points(direction: Face) -> Vec<[f64; 3]> {
+    let (axis, sign) = axis(direction);
     let step = 2.0 * RADIUS / ACROSS as f64;
     let at = |i: usize| (i as f64 + 0.5) * step - RADIUS;
     let mut points = Vec::new();
@@ -157,8 +159,8 @@ fn points(way: Face) -> Vec<[f64; 3]> {
 }
 
 /// Returns the axis of a direction, and its sign.
-fn axis(way: Face) -> (usize, f64) {
-    match way {
+fn axis(direction: Face) -> (usize, f64) {
+    match direction {
         Face::East => (0, 1.0),
         Face::West => (0, -1.0),
         Face::North => (1, 1.0),
@@ -174,8 +176,11 @@ mod tests {
 
     const HIGH: Cell = Cell::new(0, 0, 50);
 
-    fn with(cell: Cell, way: Face, full: &[Cell]) -> f64 {
-        unobstructed(way, Neighbourhood::new(cell, |cell| full.contains(&cell)))
+    fn with(cell: Cell, direction: Face, full: &[Cell]) -> f64 {
+        unobstructed(
+            direction,
+            Neighbourhood::new(cell, |cell| full.contains(&cell)),
+        )
     }
 
     #[test]
@@ -212,12 +217,12 @@ mod tests {
     fn accessibility_is_isotropic() {
         // A wall to one side of the open cell, for every face and each of its four sides.
         let mut seen = Vec::new();
-        for way in Face::ALL {
-            let parent = HIGH.across(way.opposite()).expect("there is one");
+        for direction in Face::ALL {
+            let parent = HIGH.across(direction.opposite()).expect("there is one");
             for side in Face::ALL {
-                if side != way && side != way.opposite() {
+                if side != direction && side != direction.opposite() {
                     let wall = HIGH.across(side).expect("there is one");
-                    seen.push(with(HIGH, way, &[parent, wall]));
+                    seen.push(with(HIGH, direction, &[parent, wall]));
                 }
             }
         }

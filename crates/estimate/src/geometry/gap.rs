@@ -7,23 +7,23 @@ use stochc_ir::{Cell, Face};
 
 use crate::geometry::surroundings::aside;
 
-/// Returns the cells next to an open cell, perpendicular to `way`, above the ground. The open cell
-/// is a passable gap only if these cells are empty. The ground does not matter, because it causes
-/// no jams.
-pub fn beside_gap(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
-    let beside = aside(way).filter_map(move |face| cell.across(face));
+/// Returns the cells next to an open cell, perpendicular to `direction`, above the ground. The open
+/// cell is a passable gap only if these cells are empty. The ground does not matter, because it
+/// causes no jams.
+pub fn beside_gap(cell: Cell, direction: Face) -> impl Iterator<Item = Cell> {
+    let beside = aside(direction).filter_map(move |face| cell.across(face));
     beside.filter(|beside| beside.z >= 1)
 }
 
 /// Returns cubes of size two, each by its low corner. From each of these cubes, a block can slide
 /// into the gap `cell`. A cube contains one of the cells [`beside_gap`], but not the gap.
-pub fn gap_entrances(cell: Cell, way: Face) -> impl Iterator<Item = Cell> {
-    let pairs = aside(way).flat_map(move |out| {
-        let edges = aside(way).filter(move |edge| *edge != out && *edge != out.opposite());
+pub fn gap_entrances(cell: Cell, direction: Face) -> impl Iterator<Item = Cell> {
+    let pairs = aside(direction).flat_map(move |out| {
+        let edges = aside(direction).filter(move |edge| *edge != out && *edge != out.opposite());
         edges.map(move |edge| (out, edge))
     });
     let lows = pairs.flat_map(move |(out, edge)| {
-        [way, way.opposite()].map(|along| entrance(cell, out, edge, along))
+        [direction, direction.opposite()].map(|along| entrance(cell, out, edge, along))
     });
     lows.flatten().filter(|low| low.z >= 1)
 }
@@ -45,21 +45,21 @@ mod tests {
     #[test]
     fn cubes_stand_beside_the_cell() {
         let cell = Cell::new(3, -2, 9);
-        for way in Face::ALL {
-            let beside: Vec<Cell> = beside_gap(cell, way).collect();
+        for direction in Face::ALL {
+            let beside: Vec<Cell> = beside_gap(cell, direction).collect();
             let mut seen = BTreeSet::new();
-            for low in gap_entrances(cell, way) {
+            for low in gap_entrances(cell, direction) {
                 let steps = || 0..2;
                 let cube: BTreeSet<Cell> = steps()
                     .flat_map(|x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])))
                     .map(|by| low.offset(by).expect("no number overflows"))
                     .collect();
-                assert!(!cube.contains(&cell), "{way:?}");
+                assert!(!cube.contains(&cell), "{direction:?}");
                 let held = beside.iter().filter(|cell| cube.contains(cell));
-                assert_eq!(held.count(), 1, "{way:?}");
+                assert_eq!(held.count(), 1, "{direction:?}");
                 seen.insert(low);
             }
-            assert_eq!((beside.len(), seen.len()), (4, 16), "{way:?}");
+            assert_eq!((beside.len(), seen.len()), (4, 16), "{direction:?}");
         }
         // On the ground there is no access from below.
         let low = gap_entrances(Cell::new(0, 0, 1), Face::East);

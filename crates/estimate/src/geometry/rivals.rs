@@ -54,37 +54,37 @@ impl Rivals {
 
 /// Returns the kind of competition between two faces. Each face is given by the cell that it is
 /// open to, and its direction. Returns `None` if they do not compete.
-pub fn rivalry((cell, way): (Cell, Face), other: (Cell, Face)) -> Option<Rivalry> {
+pub fn rivalry((cell, direction): (Cell, Face), other: (Cell, Face)) -> Option<Rivalry> {
     let difference = |to: i32, from: i32| to.checked_sub(from).filter(|it| it.abs() <= 1);
     let offset = [
         difference(other.0.x, cell.x)?,
         difference(other.0.y, cell.y)?,
         difference(other.0.z, cell.z)?,
     ];
-    let along = |way: Face| match way as usize % 2 {
-        0 => offset[way as usize / 2],
-        _ => -offset[way as usize / 2],
+    let along = |direction: Face| match direction as usize % 2 {
+        0 => offset[direction as usize / 2],
+        _ => -offset[direction as usize / 2],
     };
     let apart: i32 = offset.iter().map(|part| part.abs()).sum();
     match apart {
         0 => None,
-        1 if other.1 == way && along(way) == 0 => Some(Rivalry::Beside),
-        2 if other.1 == way && along(way) == 0 => Some(Rivalry::Across),
+        1 if other.1 == direction && along(direction) == 0 => Some(Rivalry::Beside),
+        2 if other.1 == direction && along(direction) == 0 => Some(Rivalry::Across),
         _ if along(other.1) > 0 => None,
         3 => Some(Rivalry::AtCorner),
         _ => Some(Rivalry::Around),
     }
 }
 
-/// Returns the rivals of a face open to `cell` in direction `way`. `open` returns the direction of
-/// the face open to a cell.
-pub fn rivals(cell: Cell, way: Face, open: impl Fn(Cell) -> Option<Face>) -> Rivals {
+/// Returns the rivals of a face open to `cell` in a direction. `open` returns the direction of the face
+/// open to a cell.
+pub fn rivals(cell: Cell, direction: Face, open: impl Fn(Cell) -> Option<Face>) -> Rivals {
     let mut rivals = Rivals::default();
     for offset in touching() {
         let Some(near) = cell.offset(offset) else {
             continue;
         };
-        let rivalry = open(near).and_then(|other| rivalry((cell, way), (near, other)));
+        let rivalry = open(near).and_then(|other| rivalry((cell, direction), (near, other)));
         if let Some(rivalry) = rivalry {
             rivals.add(rivalry);
         }
@@ -103,13 +103,15 @@ mod tests {
 
     const CELL: Cell = Cell::new(0, 0, 50);
 
-    fn found(way: Face, open: &[([i32; 3], Face)]) -> Rivals {
+    fn found(direction: Face, open: &[([i32; 3], Face)]) -> Rivals {
         let open: Vec<_> = (open.iter())
-            .filter_map(|(offset, way)| Some((CELL.offset(*offset)?, *way)))
+            .filter_map(|(offset, direction)| Some((CELL.offset(*offset)?, *direction)))
             .collect();
-        rivals(CELL, way, |cell| {
+        rivals(CELL, direction, |cell| {
             let mut faces = open.iter();
-            faces.find(|(at, _)| *at == cell).map(|(_, way)| *way)
+            faces
+                .find(|(at, _)| *at == cell)
+                .map(|(_, direction)| *direction)
         })
     }
 
@@ -145,17 +147,17 @@ mod tests {
 
     #[test]
     fn a_rotated_pattern_has_the_same_rivals() {
-        for way in Face::ALL {
-            let [x, y, z] = way.normal().map(i32::abs);
+        for direction in Face::ALL {
+            let [x, y, z] = direction.normal().map(i32::abs);
             let beside = [y, z, x];
             let other = Face::ALL.into_iter().find(|face| face.normal() == beside);
             let other = other.expect("there is one");
             let found = found(
-                way,
+                direction,
                 &[
-                    (beside, way),
+                    (beside, direction),
                     (beside.map(|part| -part), other),
-                    ([0; 3], way),
+                    ([0; 3], direction),
                 ],
             );
             let expected = Rivals {
@@ -163,7 +165,7 @@ mod tests {
                 across: 0,
                 around: 2,
             };
-            assert_eq!(found, expected, "{way:?}");
+            assert_eq!(found, expected, "{direction:?}");
         }
     }
 

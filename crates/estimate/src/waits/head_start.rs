@@ -85,9 +85,9 @@ impl<'r> HeadStarts<'r> {
     }
 
     /// Returns the head starts of a block that is released in the cell `from`, at the face open to
-    /// `cell` in direction `way`. Returns `None` if there are none.
-    pub fn of(&self, cell: Cell, way: Face, from: Cell) -> Option<ReleaseNearby> {
-        let (squared_distance, before) = relative(cell, way, from)?;
+    /// `cell` in a direction. Returns `None` if there are none.
+    pub fn of(&self, cell: Cell, direction: Face, from: Cell) -> Option<ReleaseNearby> {
+        let (squared_distance, before) = relative(cell, direction, from)?;
         let at = |late: bool| {
             let place = (squared_distance, before, late);
             let mut known = self.known.iter();
@@ -130,7 +130,7 @@ impl ReleaseNearby {
 
 /// Returns the squared distance of a cell from an open one, and its distance in front of the face.
 /// Returns `None` on overflow.
-pub fn relative(cell: Cell, way: Face, from: Cell) -> Option<(u32, i32)> {
+pub fn relative(cell: Cell, direction: Face, from: Cell) -> Option<(u32, i32)> {
     let offset = [
         from.x.checked_sub(cell.x)?,
         from.y.checked_sub(cell.y)?,
@@ -140,7 +140,11 @@ pub fn relative(cell: Cell, way: Face, from: Cell) -> Option<(u32, i32)> {
     for part in offset {
         squares = squares.checked_add(part.unsigned_abs().checked_pow(2)?)?;
     }
-    let before = offset.iter().zip(way.normal()).map(|(a, b)| a * b).sum();
+    let before = offset
+        .iter()
+        .zip(direction.normal())
+        .map(|(a, b)| a * b)
+        .sum();
     Some((squares, before))
 }
 

@@ -143,13 +143,13 @@ impl Rates {
     pub fn surroundings(
         &self,
         cell: Cell,
-        way: Face,
+        direction: Face,
         near: Neighbourhood,
         open: impl Fn(Cell) -> Option<Face>,
     ) -> Surroundings {
         Surroundings {
             density: self.density(cell.z),
-            ..around(cell, way, near, open)
+            ..around(cell, direction, near, open)
         }
     }
 
@@ -157,7 +157,7 @@ impl Rates {
     pub fn wait_among(
         &self,
         cell: Cell,
-        way: Face,
+        direction: Face,
         near: Neighbourhood,
         rivals: Rivals,
         cold: bool,
@@ -166,7 +166,7 @@ impl Rates {
             density: self.density(cell.z),
             rivals,
             cold,
-            ..blocked_around(cell, way, near)
+            ..blocked_around(cell, direction, near)
         })
     }
 

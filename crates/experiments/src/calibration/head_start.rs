@@ -30,8 +30,8 @@ impl HeadStartTally {
             let open =
                 |wait: &&WaitingFace| wait.since <= it.tick + A_MOMENT && wait.until > it.tick;
             for wait in history.waits.iter().filter(open) {
-                let Some((squared, before)) =
-                    relative(wait.cell, wait.way, it.cell).filter(|(squared, _)| *squared <= NEAR)
+                let Some((squared, before)) = relative(wait.cell, wait.direction, it.cell)
+                    .filter(|(squared, _)| *squared <= NEAR)
                 else {
                     continue;
                 };

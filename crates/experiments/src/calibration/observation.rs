@@ -36,7 +36,7 @@ pub(super) struct Move {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WaitingFace {
     pub cell: Cell,
-    pub way: Face,
+    pub direction: Face,
     pub since: u64,
     pub until: u64,
     /// Number of the captured block. `None` if the run ended before a capture.
@@ -57,7 +57,7 @@ impl History {
             });
             waits.push(WaitingFace {
                 cell: bond.cell,
-                way: bond.face,
+                direction: bond.face,
                 since: bond.magnetized,
                 until: bond.docked,
                 captured: Some(bond.body),
@@ -66,7 +66,7 @@ impl History {
         for wait in &record.waiting {
             waits.push(WaitingFace {
                 cell: wait.cell,
-                way: wait.face,
+                direction: wait.face,
                 since: wait.magnetized,
                 until: record.ticks,
                 captured: None,
@@ -88,7 +88,7 @@ impl History {
             }
         }
         moves.sort_by_key(|it| (it.tick, it.came));
-        waits.sort_by_key(|it| (it.since, it.cell, it.way as u8));
+        waits.sort_by_key(|it| (it.since, it.cell, it.direction as u8));
         History { moves, waits }
     }
 }
@@ -97,7 +97,7 @@ impl WaitingFace {
     /// Returns the squared distance of a cell from the open cell \[block lengths^2\], or `None` on
     /// overflow.
     fn squared_distance(&self, cell: Cell) -> Option<u32> {
-        relative(self.cell, self.way, cell).map(|(squared, _)| squared)
+        relative(self.cell, self.direction, cell).map(|(squared, _)| squared)
     }
 }
 
@@ -180,7 +180,9 @@ impl Observations {
     fn follow(&mut self, history: &History, wait: &WaitingFace, density: f64, count: u32) {
         let rivals: Vec<&WaitingFace> = (history.waits.iter())
             .filter(|other| other.since < wait.until && other.until > wait.since)
-            .filter(|other| rivalry((wait.cell, wait.way), (other.cell, other.way)).is_some())
+            .filter(|other| {
+                rivalry((wait.cell, wait.direction), (other.cell, other.direction)).is_some()
+            })
             .collect();
         let within = |tick: &u64| *tick > wait.since && *tick < wait.until;
         let mut cuts: Vec<u64> = (history.moves.iter())
@@ -212,7 +214,7 @@ impl Observations {
                 let mut waiting = rivals
                     .iter()
                     .filter(|it| it.since <= from && it.until >= to);
-                waiting.find(|it| it.cell == cell).map(|it| it.way)
+                waiting.find(|it| it.cell == cell).map(|it| it.direction)
             };
             let surroundings = Surroundings {
                 density,
@@ -220,7 +222,7 @@ impl Observations {
                 cold: wait.since == 0,
                 ..around(
                     wait.cell,
-                    wait.way,
+                    wait.direction,
                     Neighbourhood::new(wait.cell, |cell| full.contains(&cell)),
                     open,
                 )

@@ -290,8 +290,8 @@ mod tests {
     /// displacement is 1 / 13.
     #[test]
     fn a_coarse_drag_warning_states_its_error() {
-        let way = ((-6.5_f64).exp() + (-13.0_f64).exp()) / 2.0;
-        let times = 1.0 / 13.0 / way;
+        let displacement = ((-6.5_f64).exp() + (-13.0_f64).exp()) / 2.0;
+        let times = 1.0 / 13.0 / displacement;
         assert!(
             (6.5_f64.exp_m1() / 6.5 / times - 1.0).abs() < 0.01,
             "{times}"

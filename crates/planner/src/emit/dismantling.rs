@@ -14,7 +14,7 @@ pub fn captures(dismantling: &Dismantling) -> Vec<Capture> {
     let handed_over = dismantling
         .hand_overs
         .iter()
-        .map(|it| Capture::at_once(it.cell, it.way));
+        .map(|it| Capture::at_once(it.cell, it.direction));
     handed_over
         .chain(dismantling.captures.iter().cloned())
         .collect()
@@ -66,10 +66,11 @@ pub fn write_releases(dismantling: &Dismantling, out: &mut String) {
 /// Returns the number of hand-overs in the row at the start of `rest`. A row consists of
 /// consecutive hand-overs in one direction. Returns 1 if the row is too short for a loop.
 fn row(rest: &[HandOver]) -> usize {
-    let continues =
-        |two: &&[HandOver]| two[1].way == rest[0].way && two[1].after == Some(two[0].cell);
+    let continues = |two: &&[HandOver]| {
+        two[1].direction == rest[0].direction && two[1].after == Some(two[0].cell)
+    };
     // The first one must wait for the cell before it.
-    let begins = rest[0].after == rest[0].cell.across(rest[0].way.opposite());
+    let begins = rest[0].after == rest[0].cell.across(rest[0].direction.opposite());
     match 1 + rest.windows(2).take_while(continues).count() {
         length if begins && length >= MIN => length,
         _ => 1,
@@ -78,7 +79,7 @@ fn row(rest: &[HandOver]) -> usize {
 
 /// Returns the axis of a row (0 is x, 1 is y, 2 is z). Returns `None` for a single hand-over.
 fn along(row: &[HandOver]) -> Option<usize> {
-    (row.len() > 1).then(|| match row[0].way {
+    (row.len() > 1).then(|| match row[0].direction {
         Face::East | Face::West => 0,
         Face::North | Face::South => 1,
         Face::Up | Face::Down => 2,
@@ -91,7 +92,7 @@ fn write_row(row: &[HandOver], axis: usize, out: &mut String) {
         cells().map(|at| at[axis]).min().unwrap_or(0),
         cells().map(|at| at[axis]).max().unwrap_or(0),
     );
-    let step = row[0].way.normal()[axis];
+    let step = row[0].direction.normal()[axis];
     let counter = COUNTERS[axis];
     let indices = |here: String| {
         let mut at = <[i32; 3]>::from(row[0].cell).map(|at| at.to_string());

@@ -13,7 +13,7 @@ pub fn pre_attached(target: &Target) -> Vec<Capture> {
     let all = || target.existing().iter().chain(target.released());
     let there: FxHashMap<Cell, &ExistingBlock> = all().map(|block| (block.cell, block)).collect();
     let parent = |block: &ExistingBlock| {
-        let cell = block.cell.across(block.way.opposite())?;
+        let cell = block.cell.across(block.direction.opposite())?;
         there.get(&cell).copied()
     };
     let depth = |block: &ExistingBlock| {
@@ -25,7 +25,7 @@ pub fn pre_attached(target: &Target) -> Vec<Capture> {
     sorted.sort_unstable();
     let captures = sorted
         .into_iter()
-        .map(|(_, block)| Capture::at_once(block.cell, block.way));
+        .map(|(_, block)| Capture::at_once(block.cell, block.direction));
     captures.collect()
 }
 

@@ -184,13 +184,13 @@ impl ExplainedComments {
         out: &mut String,
     ) {
         let after = &captures[statement.first()].after;
-        let ways: Vec<Cell> = after
+        let path_cells: Vec<Cell> = after
             .iter()
-            .filter(|(_, why)| *why == Why::Way)
+            .filter(|(_, why)| *why == Why::AccessPath)
             .map(|&(cell, _)| cell)
             .collect();
-        let turns = after.len() - ways.len();
-        let comment = match (ways.len(), turns) {
+        let turns = after.len() - path_cells.len();
+        let comment = match (path_cells.len(), turns) {
             (0, 0) if captures[statement.first()].is_temporary => {
                 if std::mem::replace(&mut self.mast, true) {
                     return;
@@ -219,10 +219,10 @@ impl ExplainedComments {
             }
             (1, 0) => format!(
                 "Comes later, because it is on the access path to {}.",
-                ways[0]
+                path_cells[0]
             ),
             (n, _) => {
-                let listed = listed_cells(&ways);
+                let listed = listed_cells(&path_cells);
                 let verb = if n == 1 { "is" } else { "are" };
                 format!("Comes later, because {listed} {verb} reached through here.")
             }

@@ -81,7 +81,7 @@ pub fn statements(captures: &[Capture], other: impl Fn(Cell) -> Option<String>) 
         .map(|(i, capture)| (capture.cell, i))
         .collect();
     let parent = |capture: &Capture| {
-        let cell = capture.cell.across(capture.way.opposite())?;
+        let cell = capture.cell.across(capture.direction.opposite())?;
         place.get(&cell).copied()
     };
     // Captures by parent, in order.
@@ -105,13 +105,16 @@ pub fn statements(captures: &[Capture], other: impl Fn(Cell) -> Option<String>) 
         });
         let outside = match parent {
             Some(_) => None,
-            None => capture.cell.across(capture.way.opposite()).and_then(&other),
+            None => capture
+                .cell
+                .across(capture.direction.opposite())
+                .and_then(&other),
         };
         let mut statement = Statement {
             parent: outside,
             captures: vec![i],
             base: capture.cell,
-            rows: vec![(capture.way, 1)],
+            rows: vec![(capture.direction, 1)],
             after: after(capture, |cell| {
                 let found = place.get(&cell);
                 found.map_or(Called::Block, |&at| Called::from_capture(&captures[at]))
@@ -135,8 +138,8 @@ pub fn statements(captures: &[Capture], other: impl Fn(Cell) -> Option<String>) 
             within[next] = statements.len();
             statement.captures.push(next);
             match statement.rows.last_mut() {
-                Some((way, length)) if *way == captures[next].way => *length += 1,
-                _ => statement.rows.push((captures[next].way, 1)),
+                Some((direction, length)) if *direction == captures[next].direction => *length += 1,
+                _ => statement.rows.push((captures[next].direction, 1)),
             }
             last = next;
         }
@@ -249,8 +252,8 @@ impl Statement {
         };
         let name = words.of(self.called[1]);
         let mut here = Cell::new(-dx, -dy, -dz);
-        for &(way, length) in &self.rows {
-            let [dx, dy, dz] = way.normal();
+        for &(direction, length) in &self.rows {
+            let [dx, dy, dz] = direction.normal();
             let step = |here: Cell, steps: i32| {
                 Cell::new(
                     here.x + steps * dx,
@@ -260,12 +263,12 @@ impl Statement {
             };
             if length > 1 && dx + dy + dz > 0 {
                 let (first, last) = (step(here, 1), step(here, length));
-                let _ = write!(out, ".{way} ->> {name}{}", at.block(first, last));
+                let _ = write!(out, ".{direction} ->> {name}{}", at.block(first, last));
                 here = last;
             } else {
                 for _ in 0..length {
                     here = step(here, 1);
-                    let _ = write!(out, ".{way} -> {name}{}", at.block(here, here));
+                    let _ = write!(out, ".{direction} -> {name}{}", at.block(here, here));
                 }
             }
         }

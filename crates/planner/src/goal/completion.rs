@@ -310,7 +310,7 @@ pub(super) fn existing(program: &Program, last: usize) -> Vec<(ExistingBlock, Ro
     let blocks = placed.into_iter().filter_map(|placed| {
         let block = ExistingBlock {
             cell: placed.cell,
-            way: layout.parents[placed.capture.0 as usize]?.face,
+            direction: layout.parents[placed.capture.0 as usize]?.face,
             can_capture: !released_later.contains(&placed.role),
         };
         Some((block, placed.role))

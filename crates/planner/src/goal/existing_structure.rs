@@ -20,7 +20,7 @@ pub struct ExistingStructure {
 struct BondedBlock {
     cell: Cell,
     /// Direction from its parent.
-    way: Face,
+    direction: Face,
     /// Name of its parent. `None` means the plate.
     parent: Option<String>,
 }
@@ -89,13 +89,13 @@ impl ExistingStructure {
         };
         let blocks = there.iter().filter_map(|(&role, bond)| {
             let from = place(bond.parent)?;
-            let way = Face::ALL
+            let direction = Face::ALL
                 .into_iter()
-                .find(|&way| from.across(way) == Some(bond.cell))?;
+                .find(|&direction| from.across(direction) == Some(bond.cell))?;
             let parent = there.contains_key(&bond.parent).then(|| name(bond.parent));
             let block = BondedBlock {
                 cell: bond.cell,
-                way,
+                direction,
                 parent,
             };
             Some((name(role), block))
@@ -125,7 +125,7 @@ impl ExistingStructure {
             let is_wrong = |(_, block): &(&str, &BondedBlock)| !requested.contains(&block.cell);
             let existing = ExistingBlock {
                 cell: block.cell,
-                way: block.way,
+                direction: block.direction,
                 can_capture: cut.is_none(),
             };
             match (line.iter().find(|it| is_wrong(it)), cut) {

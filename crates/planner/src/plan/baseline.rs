@@ -56,24 +56,24 @@ impl Baseline {
         let mut tree = Vec::with_capacity(sites.len());
         // The chain visits the latest site first; the others visit the earliest stage first.
         let mut found = 0_u64;
-        let mut entry = |stage: u32, site: u32, way: Face| {
+        let mut entry = |stage: u32, site: u32, direction: Face| {
             found += 1;
             let urgency = match self {
                 Baseline::Chain => u64::MAX - found,
                 Baseline::AtOnce | Baseline::Layers | Baseline::Nearest => u64::from(stage),
             };
-            Reverse((urgency, site, way as u8, stage))
+            Reverse((urgency, site, direction as u8, stage))
         };
         let mut open: BinaryHeap<_> = feet.map(|foot| entry(1, foot, Face::Up)).collect();
-        while let Some(Reverse((_, site, way, at))) = open.pop() {
+        while let Some(Reverse((_, site, direction, at))) = open.pop() {
             if std::mem::replace(&mut added[site as usize], true) {
                 continue;
             }
-            tree.push((site, Face::ALL[usize::from(way)], at));
-            for way in Face::ALL {
-                let next = sites.next(site, way);
+            tree.push((site, Face::ALL[usize::from(direction)], at));
+            for direction in Face::ALL {
+                let next = sites.next(site, direction);
                 if next != NONE && !added[next as usize] {
-                    open.push(entry(stage(at, next), next, way));
+                    open.push(entry(stage(at, next), next, direction));
                 }
             }
         }
@@ -95,9 +95,9 @@ impl Baseline {
         };
         let mut before: Vec<Vec<u32>> = vec![Vec::new(); count];
         let (mut first, mut last) = (0, 0..0);
-        for (i, &(site, way, stage)) in tree.iter().enumerate() {
+        for (i, &(site, direction, stage)) in tree.iter().enumerate() {
             schedule.rank[site as usize] = i as u32;
-            schedule.way[site as usize] = way;
+            schedule.direction[site as usize] = direction;
             before[i].extend(schedule.held(sites, site));
             before[i].extend(schedule.turn(sites, hardware, site));
             match self {
@@ -159,22 +159,21 @@ impl Schedule {
                 free: 1.0 - bound,
                 is_first: here == 1 && sites.target.is_at_rest(),
             };
-            let mean =
-                waits.mean(
-                    sites.cell(site),
-                    self.way[site as usize],
-                    moment,
-                    |near| match sites.at(near) {
-                        near if near == NONE || near == site => CellState::Empty,
-                        near => match level[near as usize].cmp(&here) {
-                            std::cmp::Ordering::Less => CellState::Full,
-                            std::cmp::Ordering::Equal => {
-                                CellState::Awaited(self.way[near as usize])
-                            }
-                            std::cmp::Ordering::Greater => CellState::Empty,
-                        },
+            let mean = waits.mean(
+                sites.cell(site),
+                self.direction[site as usize],
+                moment,
+                |near| match sites.at(near) {
+                    near if near == NONE || near == site => CellState::Empty,
+                    near => match level[near as usize].cmp(&here) {
+                        std::cmp::Ordering::Less => CellState::Full,
+                        std::cmp::Ordering::Equal => {
+                            CellState::Awaited(self.direction[near as usize])
+                        }
+                        std::cmp::Ordering::Greater => CellState::Empty,
                     },
-                );
+                },
+            );
             self.mean[site as usize] = mean as f32;
             let start = before
                 .iter()

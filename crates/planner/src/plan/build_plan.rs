@@ -202,18 +202,18 @@ impl BuildPlan {
         }
     }
 
-    /// Returns the plan of a schedule. `in_way` contains the sites on each access path, and
+    /// Returns the plan of a schedule. `on_path` contains the sites on each access path, and
     /// `access_path` the access to each site.
     fn new(
         sites: &Sites<'_>,
         hardware: Hardware,
         schedule: &Schedule,
         waiting: &Waiting,
-        in_way: &[Vec<u32>],
+        on_path: &[Vec<u32>],
         access_path: &[Option<AccessPath>],
         seed: u64,
     ) -> BuildPlan {
-        let afters = waiting.afters(sites, hardware, schedule, in_way);
+        let afters = waiting.afters(sites, hardware, schedule, on_path);
         // A separate seed, independent of the samples that selected the schedule.
         let samples = Samples::new(sites.len(), runs(sites.len()), seed ^ 0x5eed);
         let estimate = samples.estimate(schedule, waiting, &mut Vec::new());
@@ -224,7 +224,7 @@ impl BuildPlan {
             let after = afters[here].iter();
             Capture {
                 cell: sites.cell(site),
-                way: schedule.way[here],
+                direction: schedule.direction[here],
                 wait: f64::from(schedule.mean[here]),
                 after: after
                     .map(|after| (sites.cell(after.site), after.why))

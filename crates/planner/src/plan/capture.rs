@@ -10,7 +10,7 @@ pub struct Capture {
     /// Cell of the block.
     pub cell: Cell,
     /// Direction of the capturing face. It points from the parent to this block.
-    pub way: Face,
+    pub direction: Face,
     /// Mean waiting time \[ticks\].
     pub wait: f64,
     /// Cells that must be occupied before the face opens, each with the reason. Cells that follow
@@ -26,10 +26,10 @@ pub struct Capture {
 
 impl Capture {
     /// Returns a capture without predecessors and waiting time.
-    pub(crate) fn at_once(cell: Cell, way: Face) -> Capture {
+    pub(crate) fn at_once(cell: Cell, direction: Face) -> Capture {
         Capture {
             cell,
-            way,
+            direction,
             wait: 0.0,
             after: Vec::new(),
             is_tight: false,

@@ -41,7 +41,7 @@ pub fn explanation(plan: &BuildPlan) -> String {
     let _ = writeln!(
         out,
         "waits: {} keep ways in open, {} keep faces at a corner from being open together",
-        waits(Why::Way),
+        waits(Why::AccessPath),
         waits(Why::Near),
     );
     let narrow: Vec<Cell> = captures

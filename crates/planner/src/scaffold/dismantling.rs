@@ -25,7 +25,7 @@ pub struct HandOver {
     /// Cell of the block.
     pub cell: Cell,
     /// Direction from the new parent.
-    pub way: Face,
+    pub direction: Face,
     /// Cell whose capture in the same phase must come before this hand-over. `None` if there is
     /// none.
     pub after: Option<Cell>,
@@ -54,13 +54,13 @@ impl Dismantling {
         let mut last: FxHashMap<Cell, Cell> = FxHashMap::default();
         let mut hand_overs = Vec::new();
         for segment in in_order(scaffolding) {
-            for (cell, way) in segment.handed_over() {
-                let holder = cell.across(way.opposite());
+            for (cell, direction) in segment.handed_over() {
+                let holder = cell.across(direction.opposite());
                 let holder = holder.expect("a cell of the target");
                 let before = last.insert(holder, cell);
                 hand_overs.push(HandOver {
                     cell,
-                    way,
+                    direction,
                     after: before.or_else(|| new.contains(&holder).then_some(holder)),
                 });
                 new.insert(cell);

@@ -20,7 +20,7 @@ pub enum SitePart {
 pub struct SiteRoles {
     part: Vec<SitePart>,
     /// The only direction of a site's first capture, if it is fixed.
-    way: Vec<Option<Face>>,
+    direction: Vec<Option<Face>>,
     segments: Vec<SiteSegment>,
     /// Number of target sites that are first captured on masts, plus the number of mast sites.
     temporary: usize,
@@ -41,12 +41,12 @@ impl SiteRoles {
     /// Returns the part of every site of a target with masts.
     pub fn new(sites: &Sites<'_>, scaffolding: &Scaffolding) -> SiteRoles {
         let mut part = vec![SitePart::Own; sites.len()];
-        let mut way = vec![None; sites.len()];
+        let mut direction = vec![None; sites.len()];
         let masts = scaffolding.masts();
         for (&((x, y), height), number) in masts.iter().zip(0..) {
             for z in 1..=height {
                 let site = sites.at(Cell::new(x, y, z)) as usize;
-                (part[site], way[site]) = (SitePart::Mast(number), Some(Face::Up));
+                (part[site], direction[site]) = (SitePart::Mast(number), Some(Face::Up));
             }
         }
         let segments = scaffolding
@@ -56,13 +56,13 @@ impl SiteRoles {
             .map(|(segment, number)| {
                 for (cell, from) in segment.grown() {
                     let site = sites.at(cell) as usize;
-                    (part[site], way[site]) = (SitePart::Held(number), Some(from));
+                    (part[site], direction[site]) = (SitePart::Held(number), Some(from));
                 }
                 let handed_over = segment.handed_over();
                 let mast = masts.iter().position(|(foot, _)| *foot == segment.foot);
                 SiteSegment {
                     sites: handed_over
-                        .map(|(cell, way)| (sites.at(cell), way))
+                        .map(|(cell, direction)| (sites.at(cell), direction))
                         .collect(),
                     join: sites.at(segment.join),
                     mast: mast.map_or(NONE, |mast| mast as u32),
@@ -72,7 +72,7 @@ impl SiteRoles {
         SiteRoles {
             temporary: part.iter().filter(|part| **part != SitePart::Own).count(),
             part,
-            way,
+            direction,
             segments,
         }
     }
@@ -84,8 +84,8 @@ impl SiteRoles {
 
     /// Returns the only possible direction of a site's first capture. Returns `None` if any block
     /// with a final parent may capture the site.
-    pub fn way(&self, site: u32) -> Option<Face> {
-        self.way[site as usize]
+    pub fn direction(&self, site: u32) -> Option<Face> {
+        self.direction[site as usize]
     }
 
     /// Returns the segments.

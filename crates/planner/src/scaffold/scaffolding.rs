@@ -19,7 +19,7 @@ pub struct MastSegment {
     /// Layer of the mast's block that captures the first cell.
     pub height: i32,
     /// Direction from the mast's block to the first cell.
-    pub way: Face,
+    pub direction: Face,
     /// Cells of the segment, from the mast outwards.
     pub cells: Vec<Cell>,
     /// Final parent of the last cell, a cell of the target.
@@ -58,8 +58,8 @@ impl Scaffolding {
 impl MastSegment {
     /// Returns each cell from the mast on, with the direction from the previous cell.
     pub fn grown(&self) -> impl Iterator<Item = (Cell, Face)> {
-        let steps = self.cells.windows(2).map(|two| way(two[0], two[1]));
-        (self.cells.iter().copied()).zip(std::iter::once(self.way).chain(steps))
+        let steps = self.cells.windows(2).map(|two| direction(two[0], two[1]));
+        (self.cells.iter().copied()).zip(std::iter::once(self.direction).chain(steps))
     }
 
     /// Returns the cells in hand-over order. Each has the direction from its final parent.
@@ -68,14 +68,14 @@ impl MastSegment {
         let cells = self.cells.iter().rev().copied();
         cells
             .zip(holders)
-            .map(|(cell, holder)| (cell, way(holder, cell)))
+            .map(|(cell, holder)| (cell, direction(holder, cell)))
     }
 }
 
 /// Returns the face of a cell towards an adjacent one.
-pub(super) fn way(from: Cell, to: Cell) -> Face {
-    let ways = Face::ALL
+pub(super) fn direction(from: Cell, to: Cell) -> Face {
+    let direction = Face::ALL
         .into_iter()
         .find(|&face| from.across(face) == Some(to));
-    ways.expect("cells of a segment are adjacent")
+    direction.expect("cells of a segment are adjacent")
 }

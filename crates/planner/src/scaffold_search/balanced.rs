@@ -68,7 +68,7 @@ impl GrowthSchedule {
                 .iter()
                 .map(|place| (price(place) + CHANCE * rng.random::<f32>(), *place));
             let cheapest = priced.min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((_, (at, way))) = cheapest else {
+            let Some((_, (at, direction))) = cheapest else {
                 continue;
             };
             let mut cells = Vec::new();
@@ -88,7 +88,7 @@ impl GrowthSchedule {
             scaffolding.segments.push(MastSegment {
                 foot: (at.x, at.y),
                 height: at.z,
-                way,
+                direction,
                 cells,
                 join,
             });
@@ -118,8 +118,8 @@ impl GrowthSchedule {
             };
             let first = *cells.choose(rng)?;
             let places: Vec<(Cell, Face)> = supports(target, first).collect();
-            let &(at, way) = places.choose(rng)?;
-            let mut longer = self.extensions(at, way, first, scaffolding);
+            let &(at, direction) = places.choose(rng)?;
+            let mut longer = self.extensions(at, direction, first, scaffolding);
             match longer.len() {
                 0 => None,
                 count => Some(longer.swap_remove(rng.random_range(0..count))),

@@ -10,7 +10,7 @@ use crate::scaffold::Scaffolding;
 
 /// Returns the positions next to a cell that a mast can reach.
 pub fn places_beside(target: &Target, cell: Cell) -> impl Iterator<Item = Cell> {
-    let beside = supports(target, cell).filter(|(_, way)| *way != Face::Up);
+    let beside = supports(target, cell).filter(|(_, direction)| *direction != Face::Up);
     beside.map(|(at, _)| at)
 }
 

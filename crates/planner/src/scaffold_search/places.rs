@@ -57,9 +57,11 @@ impl GrowthSchedule {
             segments.flat_map(MastSegment::handed_over).collect();
         let cells = schedule.order.iter().map(|&site| {
             let cell = sites.cell(site);
-            let way = in_the_end.get(&cell).copied();
-            let way = way.unwrap_or(schedule.way[site as usize]);
-            let holder = cell.across(way.opposite()).filter(|holder| holder.z > 0);
+            let direction = in_the_end.get(&cell).copied();
+            let direction = direction.unwrap_or(schedule.direction[site as usize]);
+            let holder = cell
+                .across(direction.opposite())
+                .filter(|holder| holder.z > 0);
             (cell, (holder, schedule.end[site as usize]))
         });
         GrowthSchedule {
@@ -69,8 +71,8 @@ impl GrowthSchedule {
 
     /// Returns the parent of each site at its capture, [`NONE`] for the plate.
     pub fn holders(&self, sites: &Sites<'_>, roles: &SiteRoles) -> Vec<u32> {
-        let holder = |site: u32| match roles.way(site) {
-            Some(way) => sites.next(site, way.opposite()),
+        let holder = |site: u32| match roles.direction(site) {
+            Some(direction) => sites.next(site, direction.opposite()),
             None => {
                 let holder = self
                     .cells
@@ -139,7 +141,7 @@ impl GrowthSchedule {
     pub fn extensions(
         &self,
         at: Cell,
-        way: Face,
+        direction: Face,
         first: Cell,
         scaffolding: &Scaffolding,
     ) -> Vec<Scaffolding> {
@@ -180,7 +182,7 @@ impl GrowthSchedule {
                 scaffolding.segments.push(MastSegment {
                     foot: (at.x, at.y),
                     height: at.z,
-                    way,
+                    direction,
                     cells: cells.clone(),
                     join,
                 });
@@ -201,7 +203,8 @@ pub fn supports(target: &Target, cell: Cell) -> impl Iterator<Item = (Cell, Face
             && (1..=at.z).all(|z| !is_full(Cell::new(at.x, at.y, z)))
             && at.z >= 1
     };
-    let ways = Face::SIDES.into_iter().chain([Face::Up]);
-    let beside = ways.filter_map(move |way| Some((cell.across(way.opposite())?, way)));
+    let directions = Face::SIDES.into_iter().chain([Face::Up]);
+    let beside = directions
+        .filter_map(move |direction| Some((cell.across(direction.opposite())?, direction)));
     beside.filter(is_place)
 }

@@ -86,9 +86,9 @@ impl<'a> SchedulingJob<'a> {
                     SitePart::Mast(_) => tail.max(rest),
                     SitePart::Own | SitePart::Held(_) => rest,
                 };
-                site = roles
-                    .way(site)
-                    .map_or(NONE, |way| self.sites.next(site, way.opposite()));
+                site = roles.direction(site).map_or(NONE, |direction| {
+                    self.sites.next(site, direction.opposite())
+                });
             }
         }
         self.roles = Some(roles);
@@ -113,8 +113,8 @@ impl<'a> SchedulingJob<'a> {
             before[i].extend(schedule.held(self.sites, site));
             before[i].extend(schedule.turn(self.sites, self.hardware, site));
             let crowding = self.crowding();
-            let way = schedule.way[site as usize];
-            let crowd = crowding.waits(site, way, |near| schedule.before(near, i as u32));
+            let direction = schedule.direction[site as usize];
+            let crowd = crowding.waits(site, direction, |near| schedule.before(near, i as u32));
             before[i].extend(crowd.into_iter().map(rank));
             for &waiting in &self.corridors.waiting[site as usize] {
                 before[rank(waiting) as usize].push(i as u32);
@@ -147,28 +147,33 @@ impl<'a> SchedulingJob<'a> {
     }
 
     /// Returns the parent of a site in a direction, or [`NONE`] for a seed.
-    pub fn parent(&self, site: u32, way: Face) -> u32 {
-        self.sites.next(site, way.opposite())
+    pub fn parent(&self, site: u32, direction: Face) -> u32 {
+        self.sites.next(site, direction.opposite())
     }
 
-    /// Returns whether `site` can be captured in direction `way`. If the site is in a gap, `way`
+    /// Returns whether `site` can be captured in a direction. If the site is in a gap, the direction
     /// must be along its axis. The parent must be a seed, or a site that `holds` accepts.
-    pub(super) fn is_way(&self, site: u32, way: Face, holds: impl FnOnce(u32) -> bool) -> bool {
+    pub(super) fn can_capture(
+        &self,
+        site: u32,
+        direction: Face,
+        holds: impl FnOnce(u32) -> bool,
+    ) -> bool {
         let along = self.corridors.along[site as usize];
-        if along.is_some_and(|axis| way != axis && way != axis.opposite()) {
+        if along.is_some_and(|axis| direction != axis && direction != axis.opposite()) {
             return false;
         }
-        match self.parent(site, way) {
-            NONE => way == Face::Up && self.sites.is_on_seed(site),
+        match self.parent(site, direction) {
+            NONE => direction == Face::Up && self.sites.is_on_seed(site),
             parent => !self.sites.is_inert(parent) && holds(parent),
         }
     }
 
     /// Returns the price of a direction \[ticks\]. This is the waiting time, reduced by 2 % if the
     /// chain continues straight.
-    pub(super) fn price(&self, schedule: &Schedule, site: u32, way: Face, wait: f32) -> f32 {
-        let parent = self.parent(site, way);
-        let is_straight = parent == NONE || schedule.way[parent as usize] == way;
+    pub(super) fn price(&self, schedule: &Schedule, site: u32, direction: Face, wait: f32) -> f32 {
+        let parent = self.parent(site, direction);
+        let is_straight = parent == NONE || schedule.direction[parent as usize] == direction;
         if is_straight { 0.98 * wait } else { wait }
     }
 

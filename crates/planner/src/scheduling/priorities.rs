@@ -31,28 +31,30 @@ impl Priorities {
         tail * (0.5 + self.keys[site as usize])
     }
 
-    /// Returns the direction into a site that the priorities select from `ways`, pairs of direction
-    /// and price. Returns `None` if `ways` is empty.
-    pub fn chosen<T>(&self, site: u32, ways: impl Iterator<Item = (T, f32)>) -> Option<T> {
+    /// Returns the direction into a site that the priorities select from `choices`, pairs of
+    /// direction and price. Returns `None` if `choices` is empty.
+    pub fn chosen<T>(&self, site: u32, choices: impl Iterator<Item = (T, f32)>) -> Option<T> {
         let skipped = usize::from(self.skipped[site as usize]);
         if skipped == 0 {
-            return ways.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(way, _)| way);
+            return choices
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .map(|(choice, _)| choice);
         }
-        let mut ways: Vec<(T, f32)> = ways.collect();
-        ways.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let last = ways.len().checked_sub(1)?;
-        Some(ways.swap_remove(skipped.min(last)).0)
+        let mut choices: Vec<(T, f32)> = choices.collect();
+        choices.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let last = choices.len().checked_sub(1)?;
+        Some(choices.swap_remove(skipped.min(last)).0)
     }
 
     /// Returns changed priorities. Most changes are at critical sites.
     pub fn changed(&self, critical: &[f32], rng: &mut ChaCha8Rng) -> Priorities {
         const MAX: usize = 4;
-        /// One of `WAYS` changes selects another direction.
-        const WAYS: u32 = 4;
+        /// One of `ODDS` changes selects another direction.
+        const ODDS: u32 = 4;
         let mut other = self.clone();
         for _ in 0..rng.random_range(1..=MAX) {
             let site = critical_site(critical, rng) as usize;
-            if rng.random_range(0..WAYS) == 0 {
+            if rng.random_range(0..ODDS) == 0 {
                 let skipped = &mut other.skipped[site];
                 *skipped = match *skipped {
                     0 => rng.random_range(1..=2),

@@ -91,9 +91,9 @@ impl SchedulingJob<'_> {
         let count = self.sites.len();
         let mut state = vec![SiteState::Absent; count];
         let mut schedule = Schedule::empty(count);
-        for (site, way) in self.sites.existing() {
+        for (site, direction) in self.sites.existing() {
             state[site as usize] = SiteState::Anchored;
-            schedule.way[site as usize] = way;
+            schedule.direction[site as usize] = direction;
             schedule.rank[site as usize] = schedule.order.len() as u32;
             schedule.order.push(site);
         }

@@ -66,41 +66,41 @@ impl ScheduleState<'_> {
         while let Some((_, Reverse(site))) = self.ready.pop() {
             // Sites that cannot open now are reconsidered when something nearby is anchored.
             self.is_ready[site as usize] = false;
-            if let Some((way, mean)) = self.best_way(site, now)
+            if let Some((direction, mean)) = self.best_direction(site, now)
                 && self.is_its_phase(site, now + 0.5 * mean)
             {
-                self.open(site, way, mean, now);
+                self.open(site, direction, mean, now);
             }
         }
     }
 
     /// Returns the direction of a site's open face. Returns `None` if the site is not open.
-    fn open_way(&self, site: u32) -> Option<Face> {
+    fn open_direction(&self, site: u32) -> Option<Face> {
         let here = site as usize;
-        (self.state[here] == SiteState::Open).then(|| self.schedule.way[here])
+        (self.state[here] == SiteState::Open).then(|| self.schedule.direction[here])
     }
 
     /// Returns the cheapest direction from a parent with an available face, and its mean waiting
     /// time \[ticks\]. Priorities may select another direction. Returns `None` if no such parent
     /// exists.
-    fn best_way(&self, site: u32, now: f32) -> Option<(Face, f32)> {
-        let ways = self.ways(site, now).map(|(way, mean)| {
-            let price = self.job.price(&self.schedule, site, way, mean);
-            ((way, mean), price)
+    fn best_direction(&self, site: u32, now: f32) -> Option<(Face, f32)> {
+        let directions = self.directions(site, now).map(|(direction, mean)| {
+            let price = self.job.price(&self.schedule, site, direction, mean);
+            ((direction, mean), price)
         });
-        self.priorities.chosen(site, ways)
+        self.priorities.chosen(site, directions)
     }
 
     /// Returns the directions from parents with an available face, each with its mean waiting time
     /// \[ticks\].
-    pub(super) fn ways(&self, site: u32, now: f32) -> impl Iterator<Item = (Face, f32)> {
+    pub(super) fn directions(&self, site: u32, now: f32) -> impl Iterator<Item = (Face, f32)> {
         let job = self.job;
         let cell = job.sites.cell(site);
         let stands = |near: Cell| match job.sites.at(near) {
             NONE => CellState::Empty,
             near => match self.state[near as usize] {
                 SiteState::Absent | SiteState::Released => CellState::Empty,
-                SiteState::Open => CellState::Awaited(self.schedule.way[near as usize]),
+                SiteState::Open => CellState::Awaited(self.schedule.direction[near as usize]),
                 SiteState::Anchored => CellState::Full,
             },
         };
@@ -109,7 +109,7 @@ impl ScheduleState<'_> {
             free: 1.0 - bound,
             is_first: now == 0.0 && job.sites.target.is_at_rest(),
         };
-        let only = job.roles.and_then(|roles| roles.way(site));
+        let only = job.roles.and_then(|roles| roles.direction(site));
         let is_own = move |parent: u32| match &self.phase {
             Some(phase) => only.is_some() || phase.is_own(parent),
             None => true,
@@ -119,22 +119,30 @@ impl ScheduleState<'_> {
                 && is_own(parent)
                 && self.open_faces[parent as usize] < job.hardware.faces
         };
-        let is_way =
-            move |way: &Face| only.is_none_or(|only| only == *way) && job.is_way(site, *way, holds);
+        let can_capture = move |direction: &Face| {
+            only.is_none_or(|only| only == *direction) && job.can_capture(site, *direction, holds)
+        };
         let crowding = job.crowding();
-        let may_open = move |way: &Face| crowding.may_open(site, *way, |near| self.open_way(near));
-        let ways = Face::ALL.into_iter().filter(is_way).filter(may_open);
-        ways.map(move |way| (way, job.waits.mean(cell, way, moment, stands) as f32))
+        let may_open = move |direction: &Face| {
+            crowding.may_open(site, *direction, |near| self.open_direction(near))
+        };
+        let directions = Face::ALL.into_iter().filter(can_capture).filter(may_open);
+        directions.map(move |direction| {
+            (
+                direction,
+                job.waits.mean(cell, direction, moment, stands) as f32,
+            )
+        })
     }
 
-    pub(super) fn open(&mut self, site: u32, way: Face, mean: f32, now: f32) {
+    pub(super) fn open(&mut self, site: u32, direction: Face, mean: f32, now: f32) {
         let here = site as usize;
         self.state[here] = SiteState::Open;
-        let parent = self.job.parent(site, way);
+        let parent = self.job.parent(site, direction);
         if parent != NONE {
             self.open_faces[parent as usize] += 1;
         }
-        self.schedule.add(site, way, now, mean);
+        self.schedule.add(site, direction, now, mean);
         self.opened.push(Reverse(((now + mean).to_bits(), site)));
     }
 
@@ -148,7 +156,7 @@ impl ScheduleState<'_> {
                 self.hand_over();
             }
         }
-        let parent = job.parent(site, self.schedule.way[site as usize]);
+        let parent = job.parent(site, self.schedule.direction[site as usize]);
         if parent != NONE {
             self.open_faces[parent as usize] -= 1;
             for next in job.sites.adjacent(parent) {

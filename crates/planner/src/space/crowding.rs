@@ -25,7 +25,7 @@ pub struct Crowding<'a> {
 impl Crowding<'_> {
     /// Returns whether a face may open while other faces are open. `open` returns the direction of
     /// a site's open face.
-    pub fn may_open(&self, site: u32, way: Face, open: impl Fn(u32) -> Option<Face>) -> bool {
+    pub fn may_open(&self, site: u32, direction: Face, open: impl Fn(u32) -> Option<Face>) -> bool {
         if self.attracts_always {
             return true;
         }
@@ -42,7 +42,7 @@ impl Crowding<'_> {
             }
         };
         !self.sites.squares(site).any(is_crowded)
-            && !self.beside_on_plate(site, way, &open).any(|_| true)
+            && !self.beside_on_plate(site, direction, &open).any(|_| true)
     }
 
     /// Returns the sites that must be captured before a face opens, possibly with duplicates.
@@ -50,7 +50,7 @@ impl Crowding<'_> {
     pub fn waits(
         &self,
         site: u32,
-        way: Face,
+        direction: Face,
         before: impl Fn(u32) -> Option<(Face, f32)>,
     ) -> Vec<u32> {
         let mut waits = Vec::new();
@@ -72,8 +72,8 @@ impl Crowding<'_> {
                 waits.push(across);
             }
         }
-        let way_of = |near: u32| before(near).map(|(way, _)| way);
-        waits.extend(self.beside_on_plate(site, way, way_of));
+        let direction_at = |near: u32| before(near).map(|(direction, _)| direction);
+        waits.extend(self.beside_on_plate(site, direction, direction_at));
         waits
     }
 
@@ -82,12 +82,15 @@ impl Crowding<'_> {
     fn beside_on_plate(
         &self,
         site: u32,
-        way: Face,
-        way_of: impl Fn(u32) -> Option<Face>,
+        direction: Face,
+        direction_at: impl Fn(u32) -> Option<Face>,
     ) -> impl Iterator<Item = u32> {
-        let is_on_plate = |site: u32, way: Face| way == Face::Up && self.sites.is_on_seed(site);
-        let adjacent = is_on_plate(site, way).then(|| self.sites.adjacent(site));
+        let is_on_plate =
+            |site: u32, direction: Face| direction == Face::Up && self.sites.is_on_seed(site);
+        let adjacent = is_on_plate(site, direction).then(|| self.sites.adjacent(site));
         let beside = adjacent.into_iter().flatten();
-        beside.filter(move |&near| way_of(near).is_some_and(|way| is_on_plate(near, way)))
+        beside.filter(move |&near| {
+            direction_at(near).is_some_and(|direction| is_on_plate(near, direction))
+        })
     }
 }

@@ -102,7 +102,7 @@ impl<'a> Sites<'a> {
     /// Returns the sites with existing blocks, each with the direction from its parent.
     pub fn existing(&self) -> impl Iterator<Item = (u32, Face)> + '_ {
         let blocks = self.target.existing().iter();
-        blocks.map(|block| (self.at(block.cell), block.way))
+        blocks.map(|block| (self.at(block.cell), block.direction))
     }
 
     /// Returns the number of sites with existing blocks.
@@ -127,8 +127,8 @@ impl<'a> Sites<'a> {
 
     /// Returns whether a standing block or the plate can capture a site by a face along an axis.
     pub fn is_held_along(&self, site: u32, axis: Face, stands: &impl Fn(u32) -> bool) -> bool {
-        let holds = |way: Face| match self.next(site, way.opposite()) {
-            NONE => way == Face::Up && self.is_on_seed(site),
+        let holds = |direction: Face| match self.next(site, direction.opposite()) {
+            NONE => direction == Face::Up && self.is_on_seed(site),
             parent => stands(parent) && !self.is_inert(parent),
         };
         holds(axis) || holds(axis.opposite())

@@ -35,7 +35,7 @@ pub struct ExistingBlock {
     /// Cell of the block.
     pub cell: Cell,
     /// Direction from the parent.
-    pub way: Face,
+    pub direction: Face,
     /// Whether the block can capture others.
     pub can_capture: bool,
 }

@@ -13,10 +13,10 @@ pub struct Waiting {
 
 /// Reason of a dependency.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "snake_case")]
 pub enum Why {
     /// The waiting site is on the access path of the site that it waits for.
-    Way,
+    AccessPath,
     /// Nearby faces must not be open at the same time.
     Near,
 }
@@ -34,13 +34,13 @@ impl Waiting {
     /// Returns, for each site, the dependencies that the program must state.
     ///
     /// Omits dependencies that follow from other dependencies, from attachment, or from the order
-    /// of captures by one parent. `in_way` contains the sites on each access path, sorted.
+    /// of captures by one parent. `on_path` contains the sites on each access path, sorted.
     pub fn afters(
         &self,
         sites: &Sites<'_>,
         hardware: Hardware,
         schedule: &Schedule,
-        in_way: &[Vec<u32>],
+        on_path: &[Vec<u32>],
     ) -> Vec<Vec<After>> {
         let mut afters = vec![Vec::new(); self.before.len()];
         // All dependencies of earlier sites, stated or not.
@@ -61,10 +61,14 @@ impl Waiting {
                 }
                 needed.push(other);
                 let other = schedule.order[other as usize];
-                let is_way = in_way
+                let is_on_path = on_path
                     .get(other as usize)
-                    .is_some_and(|way| way.binary_search(&site).is_ok());
-                let why = if is_way { Why::Way } else { Why::Near };
+                    .is_some_and(|path| path.binary_search(&site).is_ok());
+                let why = if is_on_path {
+                    Why::AccessPath
+                } else {
+                    Why::Near
+                };
                 afters[site as usize].push(After { site: other, why });
             }
             edges.push(needed);

@@ -91,21 +91,21 @@ impl<'a> RateLaw<'a> {
         self.has_passable_gaps
     }
 
-    /// Returns the mean waiting time of a face open to `cell` in direction `way`.
+    /// Returns the mean waiting time of a face open to `cell` in a direction.
     ///
     /// `state` is the state of surrounding cells. Half of the awaited cells are assumed to fill
     /// before the capture.
     pub fn mean(
         &self,
         cell: Cell,
-        way: Face,
+        direction: Face,
         moment: Moment,
         state: impl Fn(Cell) -> CellState,
     ) -> f64 {
         let aside = || {
             Face::ALL
                 .into_iter()
-                .filter(|face| *face != way && *face != way.opposite())
+                .filter(|face| *face != direction && *face != direction.opposite())
         };
         let beside = |face: Face| {
             let [dx, dy, dz] = face.normal();
@@ -115,12 +115,12 @@ impl<'a> RateLaw<'a> {
         let is_block = |face: &Face| !is_ground(face) && state(beside(*face)) == CellState::Full;
         let walls = aside().filter(|face| is_ground(face) || is_block(face));
         let has_room = self.has_passable_gaps && !aside().any(|face| is_block(&face));
-        if is_ground(&way) || (is_block(&way) && !has_room) || walls.count() == 4 {
+        if is_ground(&direction) || (is_block(&direction) && !has_room) || walls.count() == 4 {
             return JAM;
         }
         let mut full = Neighbourhood::on_ground(Cell::new(0, 0, cell.z.min(HIGHEST)));
         let mut awaited = Neighbourhood::EMPTY;
-        for offset in offsets(way) {
+        for offset in offsets(direction) {
             let [dx, dy, dz] = offset;
             match state(shifted(cell, dx, dy, dz)) {
                 CellState::Empty => {}
@@ -128,22 +128,34 @@ impl<'a> RateLaw<'a> {
                 CellState::Full => full.block(offset),
             }
         }
-        let way_into = |near: Cell| match state(near) {
-            CellState::Awaited(way) => Some(way),
+        let open_direction = |near: Cell| match state(near) {
+            CellState::Awaited(direction) => Some(direction),
             CellState::Empty | CellState::Full => None,
         };
-        let without = self.wait(cell.z, way, full, moment, rivals(cell, way, way_into));
+        let without = self.wait(
+            cell.z,
+            direction,
+            full,
+            moment,
+            rivals(cell, direction, open_direction),
+        );
         if awaited == Neighbourhood::EMPTY {
             return self.mean_of(without);
         }
-        let with = self.wait(cell.z, way, full.and(awaited), moment, Rivals::default());
+        let with = self.wait(
+            cell.z,
+            direction,
+            full.and(awaited),
+            moment,
+            Rivals::default(),
+        );
         self.mean_of(without.between(with))
     }
 
     fn wait(
         &self,
         layer: i32,
-        way: Face,
+        direction: Face,
         near: Neighbourhood,
         moment: Moment,
         rivals: Rivals,
@@ -152,10 +164,10 @@ impl<'a> RateLaw<'a> {
         let cell = Cell::new(0, 0, layer.min(HIGHEST));
         let mut seen = self.seen.borrow_mut();
         let seen = seen
-            .entry((cell.z, way, near))
+            .entry((cell.z, direction, near))
             .or_insert_with(|| match self.rates() {
-                Some(rates) => rates.surroundings(cell, way, near, |_| None),
-                None => around(cell, way, near, |_| None),
+                Some(rates) => rates.surroundings(cell, direction, near, |_| None),
+                None => around(cell, direction, near, |_| None),
             });
         let parameters = self
             .rates()
@@ -193,12 +205,12 @@ mod tests {
     fn walls_lengthen_waits_and_closed_cells_jam() {
         let law = RateLaw::new(None);
         let cell = Cell::new(4, 4, 5);
-        let mean = |way: Face, walls: &[Face]| {
-            let full: Vec<Cell> = std::iter::once(way.opposite())
+        let mean = |direction: Face, walls: &[Face]| {
+            let full: Vec<Cell> = std::iter::once(direction.opposite())
                 .chain(walls.iter().copied())
                 .map(|face| cell.across(face).unwrap())
                 .collect();
-            law.mean(cell, way, LATER, |near| {
+            law.mean(cell, direction, LATER, |near| {
                 if full.contains(&near) {
                     CellState::Full
                 } else {
@@ -221,8 +233,8 @@ mod tests {
     fn means_agree_with_the_rate_model() {
         let law = RateLaw::new(None);
         let cell = Cell::new(4, 4, 5);
-        for way in Face::ALL {
-            let parent = cell.across(way.opposite()).unwrap();
+        for direction in Face::ALL {
+            let parent = cell.across(direction.opposite()).unwrap();
             let is_full =
                 |near: Cell| near == parent || (near.x + 2 * near.y + 3 * near.z) % 11 == 9;
             let is_awaited = |near: Cell| !is_full(near) && near != cell && near.x == near.z;
@@ -230,21 +242,21 @@ mod tests {
                 free: LATER.free,
                 ..around(
                     cell,
-                    way,
+                    direction,
                     Neighbourhood::new(cell, |near| is_full(near) || (with && is_awaited(near))),
-                    |near| (!with && is_awaited(near)).then_some(way),
+                    |near| (!with && is_awaited(near)).then_some(direction),
                 )
             };
             let [without, with] = [false, true].map(|with| Parameters::TYPICAL.wait(&at(with)));
             let direct = without.between(with);
-            let mean = law.mean(cell, way, LATER, |near| match () {
+            let mean = law.mean(cell, direction, LATER, |near| match () {
                 () if is_full(near) => CellState::Full,
-                () if is_awaited(near) => CellState::Awaited(way),
+                () if is_awaited(near) => CellState::Awaited(direction),
                 () => CellState::Empty,
             });
             assert!(
                 (mean / direct.mean() - 1.0).abs() < 0.01,
-                "{way}: {mean} {}",
+                "{direction}: {mean} {}",
                 direct.mean()
             );
         }

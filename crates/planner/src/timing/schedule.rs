@@ -12,7 +12,7 @@ pub struct Schedule {
     /// Position of each site in the opening order.
     pub rank: Vec<u32>,
     /// Direction to each site from its parent, which is a site or a seed.
-    pub way: Vec<Face>,
+    pub direction: Vec<Face>,
     /// Mean waiting time of each site \[ticks\].
     pub mean: Vec<f32>,
     /// Capture time of each site for mean waiting times \[ticks\].
@@ -30,7 +30,7 @@ impl Schedule {
         Schedule {
             order: Vec::with_capacity(sites),
             rank: vec![NONE; sites],
-            way: vec![Face::Up; sites],
+            direction: vec![Face::Up; sites],
             mean: vec![0.0; sites],
             end: vec![0.0; sites],
             first_phase: sites,
@@ -39,25 +39,25 @@ impl Schedule {
     }
 
     /// Adds a site that opens last at time `start` and waits for `mean` \[ticks\].
-    pub(crate) fn add(&mut self, site: u32, way: Face, start: f32, mean: f32) {
+    pub(crate) fn add(&mut self, site: u32, direction: Face, start: f32, mean: f32) {
         let here = site as usize;
         self.rank[here] = self.order.len() as u32;
         self.order.push(site);
-        self.way[here] = way;
+        self.direction[here] = direction;
         self.mean[here] = mean;
         self.end[here] = start + mean;
     }
 
     /// Returns the parent of a site, or [`NONE`] for a seed.
     pub fn parent(&self, sites: &Sites<'_>, site: u32) -> u32 {
-        sites.next(site, self.way[site as usize].opposite())
+        sites.next(site, self.direction[site as usize].opposite())
     }
 
     /// Returns the direction and capture time of a site that opens before a position \[ticks\].
     /// Returns `None` for a site that opens later.
     pub fn before(&self, site: u32, place: u32) -> Option<(Face, f32)> {
         let here = site as usize;
-        (self.rank[here] < place).then(|| (self.way[here], self.end[here]))
+        (self.rank[here] < place).then(|| (self.direction[here], self.end[here]))
     }
 
     /// Returns the children of a site, once all directions are set.

@@ -32,7 +32,7 @@ fn ancestors(graph: &EventGraph) -> Vec<Vec<u64>> {
 /// Captures of a planned program, and which of them can wait at the same time.
 struct Captures {
     cells: Vec<Cell>,
-    ways: Vec<Face>,
+    directions: Vec<Face>,
     before: Vec<Vec<u64>>,
 }
 
@@ -41,13 +41,13 @@ impl Captures {
         let planned = tried(goal, 6).unwrap();
         let checked = check_text("planned.sa", &planned.text);
         let graph = checked.programs[0].event_graph();
-        let way = |event: &GraphEvent| match event.action {
+        let direction = |event: &GraphEvent| match event.action {
             EventAction::Capture { face, .. } => face,
             EventAction::Release { .. } => panic!("there are no scaffolds"),
         };
         Captures {
             cells: (graph.events.iter().map(|event| event.cell.unwrap())).collect(),
-            ways: graph.events.iter().map(way).collect(),
+            directions: graph.events.iter().map(direction).collect(),
             before: ancestors(&graph),
         }
     }
@@ -132,7 +132,7 @@ fn no_two_faces_of_the_plate_side_by_side_are_open_together_in_any_order() {
     for goal in goals() {
         let captures = Captures::new(&goal);
         let is_of_plate =
-            |event: usize| captures.cells[event].z == 1 && captures.ways[event] == Face::Up;
+            |event: usize| captures.cells[event].z == 1 && captures.directions[event] == Face::Up;
         for (a, b) in captures.pairs([0, 0, 1]) {
             if is_of_plate(a) && is_of_plate(b) {
                 seen += 1;

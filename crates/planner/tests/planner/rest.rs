@@ -450,8 +450,8 @@ proptest! {
             _ => format!("B[{}, {}, {}]", cell.x, cell.y, cell.z),
         };
         let begun = planned.plan.captures[..count].iter().enumerate().map(|(number, capture)| {
-            let parent = capture.cell.across(capture.way.opposite()).unwrap();
-            format!("phase p{number} {{ {}.{} -> {} }}\n", name(parent), capture.way, name(capture.cell))
+            let parent = capture.cell.across(capture.direction.opposite()).unwrap();
+            format!("phase p{number} {{ {}.{} -> {} }}\n", name(parent), capture.direction, name(capture.cell))
         });
         let begun: String = begun.collect();
         let text = format!("{head}{begun}phase grow {{ yields grown }} }}");

@@ -130,7 +130,7 @@ impl Gltf {
                 .flat_map(|number| number.to_le_bytes())
                 .collect();
             let count = seconds.len();
-            let way = file.accessor(
+            let translation = file.accessor(
                 &bytes,
                 None,
                 json!({ "componentType": FLOAT, "count": count, "type": "VEC3" }),
@@ -146,7 +146,7 @@ impl Gltf {
                     "componentType": SHORT, "normalized": true, "count": count, "type": "VEC4",
                 }),
             );
-            for (path, output) in [("translation", way), ("rotation", turns)] {
+            for (path, output) in [("translation", translation), ("rotation", turns)] {
                 channels.push(
                     json!({ "sampler": samplers.len(), "target": { "node": node, "path": path } }),
                 );

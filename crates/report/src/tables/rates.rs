@@ -120,9 +120,13 @@ fn examples(rates: &Rates) -> TextTable {
         ),
     ];
     let waits: Vec<(f64, f64)> = (rows.iter())
-        .map(|(_, cell, way, is_full)| {
-            let seen =
-                rates.surroundings(*cell, *way, Neighbourhood::new(*cell, is_full), |_| None);
+        .map(|(_, cell, direction, is_full)| {
+            let seen = rates.surroundings(
+                *cell,
+                *direction,
+                Neighbourhood::new(*cell, is_full),
+                |_| None,
+            );
             let (mean, variance) = rates.wait(&seen).moments();
             (mean, variance.max(0.0).sqrt())
         })

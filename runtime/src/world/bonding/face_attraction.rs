@@ -132,11 +132,12 @@ impl<R: Real> AttractingFace<R> {
         let square = R::from_double(magnet.square_of_step);
         // `yields` is the largest velocity change of the point of attack by a unit force.
         let mut pull = |from: Vector3<R>, to: Vector3<R>, yields: f64, force: &dyn Fn(R) -> R| {
-            let way = to - from;
-            let length = way.norm();
+            let displacement = to - from;
+            let length = displacement.norm();
             if length > R::from_double(COINCIDENT) {
                 let force = force(length);
-                let force = way * (force / length.max(force * R::from_double(yields) * square));
+                let force =
+                    displacement * (force / length.max(force * R::from_double(yields) * square));
                 push.linear += force;
                 push.angular += (from - position).cross(&force) * R::from_double(INVERSE_INERTIA);
             }

@@ -98,11 +98,11 @@ pub(crate) fn close(blocks: &[(u32, Vector3<f64>)], reach: f64) -> Vec<(usize, u
     for (rank, &a) in order.iter().enumerate() {
         let from = blocks[a].1;
         for &b in &order[rank + 1..] {
-            let way = blocks[b].1 - from;
-            if way.x > far {
+            let displacement = blocks[b].1 - from;
+            if displacement.x > far {
                 break;
             }
-            if way.norm_squared() < far * far {
+            if displacement.norm_squared() < far * far {
                 pairs.push((a.min(b), a.max(b)));
             }
         }

@@ -54,17 +54,19 @@ impl<R: Real> FaceSweep<R> {
     pub fn docks(&self, target: &AttractingFace<R>, magnet: &Magnet) -> Option<R> {
         let within = R::from_double(magnet.within);
         let from = self.centre[0] - target.centre;
-        let way = self.centre[1] - self.centre[0];
+        let displacement = self.centre[1] - self.centre[0];
         let part = match magnet.measure {
-            Measure::Centres | Measure::Corners => nearest(from, way, [R::zero(), R::one()]),
+            Measure::Centres | Measure::Corners => {
+                nearest(from, displacement, [R::zero(), R::one()])
+            }
             Measure::Gap => {
-                let (gap, change) = (from.dot(&target.normal), way.dot(&target.normal));
+                let (gap, change) = (from.dot(&target.normal), displacement.dot(&target.normal));
                 let parts = between(gap, change, within)?;
                 let aside = |vector: Vector3<R>, along| vector - target.normal * along;
-                nearest(aside(from, gap), aside(way, change), parts)
+                nearest(aside(from, gap), aside(displacement, change), parts)
             }
         };
-        let offset = from + way * part;
+        let offset = from + displacement * part;
         let close = match magnet.measure {
             Measure::Centres => offset.norm() < within,
             Measure::Corners => target.corner_distance(&self.corners_at(part)?) < within,
@@ -82,10 +84,10 @@ impl<R: Real> FaceSweep<R> {
 
 /// Returns the fraction of a path at its point nearest to the origin, within an interval of
 /// fractions.
-fn nearest<R: Real>(from: Vector3<R>, way: Vector3<R>, [first, last]: [R; 2]) -> R {
-    let length = way.norm_squared();
+fn nearest<R: Real>(from: Vector3<R>, displacement: Vector3<R>, [first, last]: [R; 2]) -> R {
+    let length = displacement.norm_squared();
     if length > R::zero() {
-        (-from.dot(&way) / length).clamp(first, last)
+        (-from.dot(&displacement) / length).clamp(first, last)
     } else {
         last
     }
@@ -144,57 +146,85 @@ mod tests {
     fn a_face_that_passes_the_window_docks() {
         for part in [0.0, 0.3, 0.7, 1.0] {
             for aside in [0.0, 0.004, 0.006] {
-                let way = Vector3::new(0.0, 0.3, -0.1);
-                let aside_of_way = Vector3::x() * aside;
-                let end = aside_of_way + way * (1.0 - part);
-                assert_eq!(docks(Measure::Centres, end, way, 0.0), aside < 0.005);
+                let displacement = Vector3::new(0.0, 0.3, -0.1);
+                let lateral = Vector3::x() * aside;
+                let end = lateral + displacement * (1.0 - part);
+                assert_eq!(
+                    docks(Measure::Centres, end, displacement, 0.0),
+                    aside < 0.005
+                );
             }
         }
         // It does not come closer, or has already passed.
-        let way = Vector3::z() * -0.1;
-        assert!(!docks(Measure::Centres, Vector3::z() * 0.02, way, 0.0));
-        assert!(!docks(Measure::Centres, Vector3::z() * -0.12, way, 0.0));
+        let displacement = Vector3::z() * -0.1;
+        assert!(!docks(
+            Measure::Centres,
+            Vector3::z() * 0.02,
+            displacement,
+            0.0
+        ));
+        assert!(!docks(
+            Measure::Centres,
+            Vector3::z() * -0.12,
+            displacement,
+            0.0
+        ));
     }
 
     #[test]
     fn a_gap_is_tested_where_it_closes() {
-        let way = Vector3::new(0.4, 0.0, -0.2);
+        let displacement = Vector3::new(0.4, 0.0, -0.2);
         // Crosses the plane of the plate at a lateral distance of 0.3 and of 0.7.
         for (end, expected) in [(0.5, true), (0.9, false)] {
             let end = Vector3::new(end, 0.0, -0.1);
-            assert_eq!(docks(Measure::Gap, end, way, 0.0), expected);
+            assert_eq!(docks(Measure::Gap, end, displacement, 0.0), expected);
         }
     }
 
     #[test]
     fn tilt_is_tested_near_the_face() {
         // Straight at the end, but tilted by 0.6 radians at the start, when it is close.
-        let (way, spin) = (Vector3::z() * 0.3, 0.6);
+        let (displacement, spin) = (Vector3::z() * 0.3, 0.6);
         let arm = Vector3::new(0.0, 0.5 * spin, 0.0);
-        assert!(!docks(Measure::Centres, way + arm, way, spin));
-        assert!(docks(Measure::Centres, way, way, 0.0));
+        assert!(!docks(
+            Measure::Centres,
+            displacement + arm,
+            displacement,
+            spin
+        ));
+        assert!(docks(Measure::Centres, displacement, displacement, 0.0));
     }
 
     #[test]
     fn a_sampled_window_is_tested_where_the_step_ends() {
-        let way = Vector3::new(0.0, 0.3, -0.1);
+        let displacement = Vector3::new(0.0, 0.3, -0.1);
         let sampled = Magnet {
             sampled: true,
             ..magnet(Measure::Centres)
         };
         for (end, expected) in [(0.004, true), (0.006, false)] {
             let end = Vector3::x() * end;
-            assert_eq!(docks_on(&sampled, end, way, 0.0), expected);
+            assert_eq!(docks_on(&sampled, end, displacement, 0.0), expected);
         }
         // The window is passed halfway through the step.
-        assert!(!docks_on(&sampled, way * 0.5, way, 0.0));
+        assert!(!docks_on(&sampled, displacement * 0.5, displacement, 0.0));
     }
 
     #[test]
     fn corners_of_a_turned_face_are_farther_apart_than_its_centre() {
-        let way = Vector3::z() * -0.001;
-        assert!(docks(Measure::Corners, Vector3::x() * 0.004, way, 0.0));
-        assert!(!docks(Measure::Corners, Vector3::x() * 0.006, way, 0.0));
+        let displacement = Vector3::z() * -0.001;
+        assert!(docks(
+            Measure::Corners,
+            Vector3::x() * 0.004,
+            displacement,
+            0.0
+        ));
+        assert!(!docks(
+            Measure::Corners,
+            Vector3::x() * 0.006,
+            displacement,
+            0.0
+        ));
         // A rotation about the normal by an angle t moves each corner by t / sqrt(2).
         let target = AttractingFace::new(Vector3::z() * -0.5, Face::Up);
         for (angle, expected) in [(0.006, true), (0.008, false)] {
@@ -204,7 +234,7 @@ mod tests {
                 let position = Vector3::z() * 0.5;
                 let near = target.at(position, rotation, Face::Down);
                 let magnet = magnet(Measure::Corners);
-                let motion = [way, Vector3::zeros()];
+                let motion = [displacement, Vector3::zeros()];
                 let sweep = FaceSweep::from_step(&near, position, rotation, motion, 1.0, &magnet);
                 assert_eq!(sweep.docks(&target, &magnet).is_some(), expected);
             }

@@ -135,13 +135,13 @@ impl Sink {
     /// is Q / (2 pi d^2) at distance d from a face in a wall. Below half a block length, the
     /// smallest possible distance of a block's centre, the speed is constant.
     fn draw(&self, place: Vector3<f64>) -> Vector3<f64> {
-        let way = self.centre - place;
-        if way.dot(&self.normal) >= 0.0 {
+        let displacement = self.centre - place;
+        if displacement.dot(&self.normal) >= 0.0 {
             return Vector3::zeros();
         }
-        let distance = way.norm();
+        let distance = displacement.norm();
         let near = distance.max(0.5);
-        way * (self.flow / (std::f64::consts::TAU * near * near) / distance.max(1e-9))
+        displacement * (self.flow / (std::f64::consts::TAU * near * near) / distance.max(1e-9))
     }
 }
 

@@ -44,12 +44,12 @@ pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut LocalFlow) 
                 let (sin, cos) = libm::sincos(angle);
                 let out = Vector3::new(cos, sin, 0.0);
                 let from = out * distance + Vector3::z() * height;
-                let way = place - from;
-                let along = -way.dot(&out);
+                let displacement = place - from;
+                let along = -displacement.dot(&out);
                 if along <= 0.0 {
                     continue;
                 }
-                let aside = way + out * along;
+                let aside = displacement + out * along;
                 let half = (SPREAD * along).max(diameter / 2.0);
                 let middle = speed * (CORE * diameter / along).min(1.0);
                 let square = aside.norm_squared() / (half * half);

@@ -232,8 +232,8 @@ impl BlockGroups {
                     response,
                 )
             };
-            let way = spin(group.rotation, &group.members) * dt;
-            let turned = UnitQuaternion::from_scaled_axis(way) * group.rotation;
+            let rotation_vector = spin(group.rotation, &group.members) * dt;
+            let turned = UnitQuaternion::from_scaled_axis(rotation_vector) * group.rotation;
             group.rotation = UnitQuaternion::new_normalize(turned.into_inner());
             compound.spin = spin(group.rotation, &group.members);
             for member in &group.members {

@@ -28,7 +28,7 @@ pub(super) fn worst(
             continue;
         };
         let joint = (before[first].position + before[second].position) / 2.0;
-        let way = (before[second].position - before[first].position).normalize();
+        let direction = (before[second].position - before[first].position).normalize();
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
         for id in behind(group, bond) {
             let Ok(member) = at(id) else { continue };
@@ -41,8 +41,8 @@ pub(super) fn worst(
             force += push;
             moment += (motion.position - joint).cross(&push) + turn;
         }
-        let tension = -force.dot(&way);
-        let bending = (moment - way * moment.dot(&way)).norm();
+        let tension = -force.dot(&direction);
+        let bending = (moment - direction * moment.dot(&direction)).norm();
         let load = tension + 2.0 * bending;
         if worst.is_none_or(|(_, most)| load > most) {
             worst = Some((bond, load));

@@ -69,14 +69,14 @@ pub(super) fn spin(
 }
 
 /// Returns the target poses of cubes, moved back by their common translation and rotation. Each of
-/// `ways` is the start and target of a cube.
-pub(super) fn without_drift(ways: &[[Pose; 2]]) -> impl Iterator<Item = Pose> {
-    let way = |[from, to]: &[Pose; 2]| Motion {
+/// `moves` is the start and target of a cube.
+pub(super) fn without_drift(moves: &[[Pose; 2]]) -> impl Iterator<Item = Pose> {
+    let motion = |[from, to]: &[Pose; 2]| Motion {
         position: from.position,
         velocity: to.position - from.position,
         spin: (to.rotation * from.rotation.inverse()).scaled_axis(),
     };
-    let motions: Vec<Motion> = ways.iter().map(way).collect();
+    let motions: Vec<Motion> = moves.iter().map(motion).collect();
     let whole = RigidMotion::new(&motions, Response::FREE);
     let from = Pose {
         position: whole.middle + whole.velocity,
@@ -86,7 +86,7 @@ pub(super) fn without_drift(ways: &[[Pose; 2]]) -> impl Iterator<Item = Pose> {
         position: whole.middle,
         rotation: UnitQuaternion::from_scaled_axis(-whole.spin),
     };
-    ways.iter().map(move |[_, pose]| pose.carried(&from, &to))
+    moves.iter().map(move |[_, pose]| pose.carried(&from, &to))
 }
 
 /// Returns the kinetic energy that cubes lose when they take a common rigid motion \[block

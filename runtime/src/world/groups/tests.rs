@@ -54,8 +54,8 @@ fn a_group_conserves_its_momenta() {
         fly(&mut blocks, 0.1);
         groups.carry(&mut blocks, Response::FREE, 0.1);
         for (a, b) in [(0, 1), (1, 2)] {
-            let way = blocks.position(b) - blocks.position(a);
-            assert!((way.norm() - 1.0).abs() < 1e-9);
+            let displacement = blocks.position(b) - blocks.position(a);
+            assert!((displacement.norm() - 1.0).abs() < 1e-9);
         }
     }
     let after = momenta(&blocks);
@@ -192,8 +192,11 @@ fn a_group_joins_another_unchanged() {
         (2, [2.0, 0.0, 0.0]),
         (3, [2.0, 0.0, 1.0]),
     ] {
-        let way = first.rotation.inverse() * (blocks.pose(id).position - first.position);
-        assert!((way - Vector3::from(expected)).norm() < 1e-12, "{id} {way}");
+        let displacement = first.rotation.inverse() * (blocks.pose(id).position - first.position);
+        assert!(
+            (displacement - Vector3::from(expected)).norm() < 1e-12,
+            "{id} {displacement}"
+        );
     }
 }
 

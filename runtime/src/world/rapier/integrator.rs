@@ -91,8 +91,8 @@ impl Integrator for Rapier {
                 continue;
             }
             let pull = self.wall.and_then(|wall| wall.pull(block.position));
-            if let Some((way, pull)) = pull {
-                block.velocity -= way * (pull * self.dt);
+            if let Some((displacement, pull)) = pull {
+                block.velocity -= displacement * (pull * self.dt);
             }
             if let Some((Kicks { speed: (low, high) }, step)) = &mut kicks {
                 let [speed, height, azimuth, _] = step.block(id as u32);

@@ -22,7 +22,7 @@ pub(super) struct OpenFace {
     /// Cell of the block to be captured.
     pub cell: Cell,
     /// Direction from the capturing block to that cell.
-    pub way: Face,
+    pub direction: Face,
     /// Occupancy around the cell.
     pub near: Neighbourhood,
     /// Tick when the face was opened.
@@ -64,7 +64,7 @@ impl OpenFace {
     /// Returns a newly opened face that captures when its hazard has accumulated to `left`.
     pub fn new(
         number: usize,
-        (cell, way): (Cell, Face),
+        (cell, direction): (Cell, Face),
         near: Neighbourhood,
         since: u64,
         left: f64,
@@ -72,7 +72,7 @@ impl OpenFace {
         OpenFace {
             number,
             cell,
-            way,
+            direction,
             near,
             since,
             rivals: Rivals::default(),
@@ -95,12 +95,12 @@ impl OpenFace {
         self.latest
     }
 
-    /// Removes faces of a cell from the rivals of this face. `ways` has one bit per direction.
-    /// Returns whether there were any.
-    fn drop_rivals(&mut self, cell: Cell, ways: u8) -> bool {
+    /// Removes faces of a cell from the rivals of this face. `directions` has one bit per
+    /// direction. Returns whether there were any.
+    fn drop_rivals(&mut self, cell: Cell, directions: u8) -> bool {
         let mut has_fewer = false;
-        for way in faces(ways) {
-            if let Some(rivalry) = rivalry((self.cell, self.way), (cell, way)) {
+        for direction in faces(directions) {
+            if let Some(rivalry) = rivalry((self.cell, self.direction), (cell, direction)) {
                 self.rivals.remove(rivalry);
                 has_fewer = true;
             }
@@ -126,9 +126,9 @@ impl OpenFaceHazards {
     /// Adds a face and returns its slot. Adds the faces with new rivals, including this one, to
     /// `changed`.
     pub fn open(&mut self, mut face: OpenFace, changed: &mut Vec<Slot>) -> Slot {
-        let this = (face.cell, face.way);
+        let this = (face.cell, face.direction);
         self.each_near(face.cell, 1, |slot, near| {
-            let other = (near.cell, near.way);
+            let other = (near.cell, near.direction);
             if let Some(rivalry) = rivalry(this, other) {
                 face.rivals.add(rivalry);
             }
@@ -169,11 +169,11 @@ impl OpenFaceHazards {
         Some(slot)
     }
 
-    /// Removes faces of a cell from the rivals of all other faces. `ways` has one bit per
+    /// Removes faces of a cell from the rivals of all other faces. `directions` has one bit per
     /// direction. Adds the affected faces to `changed`.
-    pub fn drop_rivals(&mut self, cell: Cell, ways: u8, changed: &mut Vec<Slot>) {
+    pub fn drop_rivals(&mut self, cell: Cell, directions: u8, changed: &mut Vec<Slot>) {
         self.each_near(cell, 1, |slot, face| {
-            if face.drop_rivals(cell, ways) {
+            if face.drop_rivals(cell, directions) {
                 changed.push(slot);
             }
         });
@@ -215,12 +215,12 @@ impl OpenFaceHazards {
 
     /// Marks a cell as occupied or empty and removes its faces [as
     /// rivals](OpenFaceHazards::drop_rivals). Adds the affected faces to `changed`.
-    pub fn fill(&mut self, cell: Cell, is_full: bool, ways: u8, changed: &mut Vec<Slot>) {
+    pub fn fill(&mut self, cell: Cell, is_full: bool, directions: u8, changed: &mut Vec<Slot>) {
         self.each_near(cell, SIGHT, |slot, face| {
             let offset = difference(cell, face.cell);
             face.near.set(offset, is_full);
-            let has_fewer = face.drop_rivals(cell, ways);
-            if has_fewer || feature_cells(face.way).is_blocked(offset) {
+            let has_fewer = face.drop_rivals(cell, directions);
+            if has_fewer || feature_cells(face.direction).is_blocked(offset) {
                 changed.push(slot);
             }
         });

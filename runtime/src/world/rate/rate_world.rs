@@ -103,8 +103,8 @@ impl<'r> RateWorld<'r> {
         match change {
             FaceChange::Opened(face) => self.open(face, &mut changed),
             FaceChange::Closed(face) => {
-                if let Some((cell, way)) = self.close(face) {
-                    self.hazards.drop_rivals(cell, bit(way), &mut changed);
+                if let Some((cell, direction)) = self.close(face) {
+                    self.hazards.drop_rivals(cell, bit(direction), &mut changed);
                 }
             }
         }
@@ -114,19 +114,19 @@ impl<'r> RateWorld<'r> {
     /// Processes a cell that became occupied or empty, and the resulting changes of faces.
     fn note_cell(&mut self, cell: Cell, is_full: bool, changes: Changes) {
         let mut changed = std::mem::take(&mut self.changed);
-        let mut ways = 0;
+        let mut directions = 0;
         for change in changes {
             match change {
                 FaceChange::Opened(face) => self.open(face, &mut changed),
                 FaceChange::Closed(face) => {
-                    if let Some((towards, way)) = self.close(face) {
+                    if let Some((towards, direction)) = self.close(face) {
                         debug_assert_eq!(towards, cell);
-                        ways |= bit(way);
+                        directions |= bit(direction);
                     }
                 }
             }
         }
-        self.hazards.fill(cell, is_full, ways, &mut changed);
+        self.hazards.fill(cell, is_full, directions, &mut changed);
         self.estimate_all(changed);
     }
 
@@ -154,11 +154,11 @@ impl<'r> RateWorld<'r> {
         let (seat, own) = site(face);
         let of = self.lattice.seats[seat];
         let Some(cell) = of.across(own) else { return };
-        let way = of.orientation.to_structure(own);
+        let direction = of.orientation.to_structure(own);
         let near = self.lattice.neighbourhood(cell);
         let [threshold, ..] = self.draw();
         let left = exponential(threshold);
-        let open = OpenFace::new(face, (cell, way), near, self.tick, left);
+        let open = OpenFace::new(face, (cell, direction), near, self.tick, left);
         let slot = self.hazards.open(open, changed);
         // Blocks that were released recently may still be near this face.
         let tick = self.tick;
@@ -178,7 +178,7 @@ impl<'r> RateWorld<'r> {
             return;
         };
         let opening = face.opening();
-        let nearby = self.head_starts.of(face.cell, face.way, from);
+        let nearby = self.head_starts.of(face.cell, face.direction, from);
         let Some(start) = nearby.and_then(|nearby| nearby.after(since as f64)) else {
             return;
         };

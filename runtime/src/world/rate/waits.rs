@@ -56,10 +56,15 @@ impl<'r> RateModel<'r> {
 
     /// Returns the waiting time of a face.
     pub fn of(&mut self, face: &OpenFace) -> Wait {
-        let near = face.near.within(self.features[face.way as usize]);
+        let near = face.near.within(self.features[face.direction as usize]);
         let layer = face.cell.z.min(self.highest);
         let (rivals, is_cold) = (face.rivals, face.since == 0);
-        let numbers = [face.way as u8, rivals.beside, rivals.across, rivals.around];
+        let numbers = [
+            face.direction as u8,
+            rivals.beside,
+            rivals.across,
+            rivals.around,
+        ];
         let numbers = u64::from(u32::from_le_bytes(numbers));
         let others = u64::from(layer as u32) << 33 | u64::from(is_cold) << 32 | numbers;
         let seen = Seen { near, others };
@@ -67,7 +72,7 @@ impl<'r> RateModel<'r> {
             return *known;
         }
         let rates = self.rates;
-        let wait = rates.wait_among(face.cell, face.way, near, rivals, is_cold);
+        let wait = rates.wait_among(face.cell, face.direction, near, rivals, is_cold);
         if self.known.len() >= MAX_CACHED {
             self.known.clear();
         }

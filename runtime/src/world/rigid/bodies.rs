@@ -123,18 +123,18 @@ impl<R: Lane> Bodies<R> {
         self.attitudes[id as usize].spin = spin;
     }
 
-    /// Displaces a block by `way`, adds `faster` to its velocity and sets its spin. Returns its
+    /// Displaces a block, adds `faster` to its velocity and sets its spin. Returns its
     /// position, velocity, spin and rotation.
     pub fn correct(
         &mut self,
         id: u32,
-        way: Vector3<R>,
+        displacement: Vector3<R>,
         faster: Vector3<R>,
         spin: Vector3<R>,
     ) -> ([Vector3<R>; 3], UnitQuaternion<R>) {
         let rotation = self.rotation(id);
         self.attitudes[id as usize].spin = spin;
-        self.shift(id, way);
+        self.shift(id, displacement);
         let (group, lane) = place(id);
         let group = &mut self.groups[group];
         for axis in 0..3 {
@@ -158,14 +158,14 @@ impl<R: Lane> Bodies<R> {
     }
 
     /// Displaces a block.
-    pub fn shift(&mut self, id: u32, way: Vector3<R>) {
+    pub fn shift(&mut self, id: u32, displacement: Vector3<R>) {
         let (group, lane) = place(id);
         let MotionGroup {
             position, rounded, ..
         } = &mut self.groups[group];
         for axis in 0..3 {
             let (place, rounded) = (&mut position[axis][lane], &mut rounded[axis][lane]);
-            (*place, *rounded) = add(*place, way[axis], *rounded);
+            (*place, *rounded) = add(*place, displacement[axis], *rounded);
         }
     }
 
@@ -433,17 +433,17 @@ fn shown_bit(id: u32) -> (usize, u64) {
     (id as usize / 64, 1 << (id % 64))
 }
 
-/// Returns a position after the displacement `way`, and its new rounding error. `rounded` is the
+/// Returns a position after a displacement, and its new rounding error. `rounded` is the
 /// previous rounding error.
 #[inline(always)]
 pub(super) fn add<W: Copy + Add<Output = W> + Sub<Output = W>>(
     place: W,
-    way: W,
+    displacement: W,
     rounded: W,
 ) -> (W, W) {
-    let way = way - rounded;
-    let moved = place + way;
-    (moved, (moved - place) - way)
+    let displacement = displacement - rounded;
+    let moved = place + displacement;
+    (moved, (moved - place) - displacement)
 }
 
 /// Returns `rotation` turned by a rotation vector. Exact for a constant spin.

@@ -379,8 +379,8 @@ struct Seeker<R: Lane> {
 fn squares<R: Lane>([x, y, z]: [&[R]; 3], here: &[R::Quad; 3], from: usize) -> R::Quad {
     let square = |places: &[R], here: R::Quad| {
         let group = places[from..from + ABREAST].first_chunk();
-        let way = R::Quad::load(group.expect("positions are padded to a full lane")) - here;
-        way * way
+        let difference = R::Quad::load(group.expect("positions are padded to a full lane")) - here;
+        difference * difference
     };
     square(x, here[0]) + square(y, here[1]) + square(z, here[2])
 }

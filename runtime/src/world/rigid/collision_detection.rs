@@ -71,8 +71,8 @@ impl<R: Lane> CollisionShape<R> {
     fn keep_near_ground(&self, bodies: &Bodies<R>, low: &mut Vec<u32>) {
         if let Ground::Plate(plate) = &self.ground {
             low.retain(|&id| {
-                let way = (bodies.position(id) - plate.centre).abs() - plate.half;
-                way.max() < R::from_double(TOUCH / 2.0)
+                let offset = (bodies.position(id) - plate.centre).abs() - plate.half;
+                offset.max() < R::from_double(TOUCH / 2.0)
             });
         }
     }

@@ -86,9 +86,9 @@ impl<R: Lane> NeighbourList<R> {
             let places = bodies.groups().iter().map(|group| group.position);
             self.places.extend(places);
             self.grid.close_pairs(&mut self.pairs);
-            let way = |&(i, j): &(u32, u32)| bodies.position(i) - bodies.position(j);
+            let displacement = |&(i, j): &(u32, u32)| bodies.position(i) - bodies.position(j);
             self.distances.clear();
-            let distances = self.pairs.iter().map(|pair| way(pair).norm());
+            let distances = self.pairs.iter().map(|pair| displacement(pair).norm());
             self.distances.extend(distances);
             self.closer = R::zero();
         }
@@ -137,15 +137,15 @@ impl<R: Lane> NeighbourList<R> {
         let load = |x: &[R; LANES]| R::Wide::load(x);
         let [mut farthest, mut second] = [R::Wide::splat(R::zero()); 2];
         for (group, then) in bodies.groups().iter().zip(&self.places) {
-            let way = [0, 1, 2].map(|axis| load(&group.position[axis]) - load(&then[axis]));
-            let way = square(way);
-            second = second.maximum(way.minimum(farthest));
-            farthest = way.maximum(farthest);
+            let moved = [0, 1, 2].map(|axis| load(&group.position[axis]) - load(&then[axis]));
+            let moved = square(moved);
+            second = second.maximum(moved.minimum(farthest));
+            farthest = moved.maximum(farthest);
         }
         let mut two = [R::zero(); 2];
-        for way in farthest.store().into_iter().chain(second.store()) {
+        for moved in farthest.store().into_iter().chain(second.store()) {
             let [most, next] = two;
-            two = [most.max(way), next.max(way.min(most))];
+            two = [most.max(moved), next.max(moved.min(most))];
         }
         self.closer = two[0].sqrt() + two[1].sqrt();
         self.closer < R::from_double(self.skin)
@@ -166,8 +166,8 @@ impl<R: Lane> NeighbourList<R> {
             if distance > far {
                 continue;
             }
-            let way = bodies.position(i) - bodies.position(j);
-            if way.norm_squared() < touch {
+            let displacement = bodies.position(i) - bodies.position(j);
+            if displacement.norm_squared() < touch {
                 pairs.push((i, j));
             }
         }
@@ -213,8 +213,8 @@ mod tests {
             neighbours.close_pairs(&bodies, &mut found);
             let all = (0..60).flat_map(|i| (i + 1..60).map(move |j| (i, j)));
             let near = |&(i, j): &(u32, u32)| {
-                let way = bodies.position(i) - bodies.position(j);
-                way.norm_squared() < (TOUCH * TOUCH) as f32
+                let displacement = bodies.position(i) - bodies.position(j);
+                displacement.norm_squared() < (TOUCH * TOUCH) as f32
             };
             assert_eq!(found, all.filter(near).collect::<Vec<_>>(), "step {step}");
         }

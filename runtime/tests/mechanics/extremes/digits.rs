@@ -32,7 +32,7 @@ fn blocks(far: f64, [speed, spin]: [f64; 2]) -> Vec<BodyState> {
 /// Brownian motion of 400 cubes of 10 um.
 struct Brownian {
     /// Mean squared displacement divided by Einstein's prediction.
-    way: f64,
+    displacement: f64,
     /// Mean squared rotation divided by its prediction.
     turn: f64,
 }
@@ -70,10 +70,10 @@ fn brownian<W: SpatialWorld>(tick: f64, far: f64, settings: &Settings) -> Browni
         let rate = friction / inertia;
         6.0 * BOLTZMANN * temperature / friction * (time + ((-rate * time).exp() - 1.0) / rate)
     };
-    let way = mean_square(|a, b| (a.position - b.position).norm()) * side * side;
+    let displacement = mean_square(|a, b| (a.position - b.position).norm()) * side * side;
     let turn = mean_square(|a, b| a.orientation.angle_to(&b.orientation));
     Brownian {
-        way: way / exact(Fluid::friction(viscosity, side), mass),
+        displacement: displacement / exact(Fluid::friction(viscosity, side), mass),
         turn: turn / exact(Fluid::turning_friction(viscosity, side), inertia),
     }
 }
@@ -140,7 +140,7 @@ value from Einstein's relation. The uncertainty of this ratio is 4 %. `rigid` ad
         ("0.1 us, 600", 1e-7, 600.0),
         ("0.1 us, 60,000", 1e-7, 60_000.0),
     ] {
-        let found = in_all(tick, far).map(|it| it.way);
+        let found = in_all(tick, far).map(|it| it.displacement);
         row(page, name, found);
         // 1,200 independent squares have a standard error of 4.1 %; the limit is three of these.
         if found[..2].iter().any(|part| (part - 1.0).abs() > 0.12) {

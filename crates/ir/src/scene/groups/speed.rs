@@ -171,8 +171,8 @@ pub(super) fn in_steps(scene: &Scene, steps: f64) -> Option<f64> {
 ///
 /// Assumes equipartition, as collisions and heat establish it: m a² ω² / 6 = m v².
 pub fn turn_in_steps(scene: &Scene, steps: f64) -> Option<f64> {
-    let way = BlockUnits::from_scene(scene).speed(in_steps(scene, steps)?) / steps;
-    Some(6.0_f64.sqrt() * way)
+    let distance = BlockUnits::from_scene(scene).speed(in_steps(scene, steps)?) / steps;
+    Some(6.0_f64.sqrt() * distance)
 }
 
 /// Returns the random speed of blocks in a fluid, for this number of steps per tick. Returns `None`

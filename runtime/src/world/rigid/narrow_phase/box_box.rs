@@ -93,8 +93,8 @@ fn between<R: Real>(
     let (from, to) = (middle(a, own, out), middle(b, other, -out));
     let (u, v) = (a.axis(own), b.axis(other));
     // Closest points of two lines that are not parallel.
-    let way = to - from;
-    let (uv, uw, vw) = (u.dot(&v), u.dot(&way), v.dot(&way));
+    let displacement = to - from;
+    let (uv, uw, vw) = (u.dot(&v), u.dot(&displacement), v.dot(&displacement));
     let rest = R::one() - uv * uv;
     let on_a = from + u * ((uw - uv * vw) / rest);
     let on_b = to + v * ((uv * uw - vw) / rest);

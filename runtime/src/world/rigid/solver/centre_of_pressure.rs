@@ -39,7 +39,7 @@ pub(super) fn centre_of_pressure<R: Real>(
     let middle = middle / moving;
     let levelling = moving * R::from_double(INVERSE_INERTIA) * response * deepest.depth;
     let normal = manifold.normal;
-    let flat = |way: Vector3<R>| way - normal * normal.dot(&way);
+    let flat = |vector: Vector3<R>| vector - normal * normal.dot(&vector);
     let requested = flat(middle) + manifold.slope / levelling;
     // A point is within the patch if it is on the same side of all edges.
     let nexts = points[1..].iter().chain(&points[..1]);

@@ -103,8 +103,8 @@ impl<R: Lane> Solver<R> {
             if rigid {
                 bodies.turn_now(id, turn * dt);
             }
-            let way = (change.velocity + shift) * dt;
-            let (motion, rotation) = bodies.correct(id, way, change.velocity, change.spin);
+            let displacement = (change.velocity + shift) * dt;
+            let (motion, rotation) = bodies.correct(id, displacement, change.velocity, change.spin);
             moved(id, motion, &rotation);
         }
     }
