@@ -4,7 +4,7 @@ use std::path::Path;
 
 use stochc_text::visible;
 
-/// Result of a command, which determines its exit status.
+/// Result of a command. It determines the exit status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
     /// The command succeeded.

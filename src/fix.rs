@@ -10,7 +10,7 @@ use stochc_text::visible;
 
 use crate::reader::DiskReader;
 
-/// File with all its safe fixes, applied in memory.
+/// File and the result of its safe fixes. The fixes are applied only in memory.
 #[derive(Debug)]
 pub struct FixedFile {
     path: String,

@@ -359,7 +359,7 @@ impl PythonEnsemble {
         })
     }
 
-    /// Returns the table of the results folder with this name.
+    /// Returns the table with this name. The tables are those of a results folder.
     fn table(&self, py: Python<'_>, name: String) -> PyResult<PythonTable> {
         self.ask(py, move |inner, finished, _| {
             let manifest = &inner.manifest;

@@ -202,7 +202,7 @@ fn emit(
     Ok(())
 }
 
-/// Writes a JSON document piece by piece, without all of it in memory.
+/// Writes a JSON document piece by piece, so that the whole document is never in memory.
 fn document(programs: Json<'_>, out: &mut dyn Write) -> io::Result<()> {
     let document = Json::object([("format", FORMAT.into()), ("programs", programs)]);
     serde_json::to_writer_pretty(&mut *out, &document)?;

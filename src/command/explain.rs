@@ -55,7 +55,7 @@ fn list(width: usize) -> String {
 }
 
 /// Wraps a text at `width` columns. The first line begins with `first`, and other lines are
-/// indented by its width.
+/// indented by the width of `first`.
 fn wrapped(text: &str, first: &str, width: usize) -> String {
     let indent = first.chars().count();
     let (mut out, mut used) = (first.to_owned(), indent);

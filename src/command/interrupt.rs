@@ -14,8 +14,8 @@ static LISTENS: Mutex<bool> = Mutex::new(false);
 /// Installs the handlers for interrupts, and returns the flag that the first interrupt sets.
 /// Further calls return the same flag.
 ///
-/// The first interrupt stops runs at their next tick and stores finished ones. The second ends the
-/// process at once with the status of [`Exit::Interrupted`].
+/// The first interrupt stops runs at their next tick and stores the finished runs. The second
+/// interrupt ends the process at once with the status of [`Exit::Interrupted`].
 ///
 /// # Errors
 /// If another handler is installed, or the system rejects the handlers.
@@ -29,7 +29,7 @@ pub fn stop_on_interrupt() -> Result<&'static AtomicBool, Failure> {
     Ok(&STOP)
 }
 
-/// Counts an interrupt. Sets the flag at the first one, and ends the process at the second.
+/// Counts an interrupt. Sets the flag at the first interrupt, and ends the process at the second.
 fn interrupted() {
     if STOP.swap(true, Ordering::Relaxed) {
         // End the process without waiting for its threads.

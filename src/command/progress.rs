@@ -22,7 +22,7 @@ pub enum Display {
     Quiet,
 }
 
-/// Decision about when to print the next plain line.
+/// State for deciding when to print the next plain line.
 struct Cadence {
     at: Duration,
     tenth: u32,

@@ -13,8 +13,8 @@ pub struct CheckDocument {
 }
 
 impl CheckDocument {
-    /// Adds the diagnostics and the programs of a file. `value` returns a value for a program, which
-    /// is stored under the additional `key`.
+    /// Adds the diagnostics and the programs of a file. `value` returns an additional value for a
+    /// program. The value is stored under `key`.
     pub fn add(
         &mut self,
         file: &str,

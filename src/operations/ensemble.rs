@@ -87,7 +87,7 @@ pub fn can_record(manifest: &Manifest, record: Option<&Selection>) -> Result<(),
 /// Reports warnings about the scenes of a manifest, each only once.
 ///
 /// `is_checked` states that a check with the same settings has already reported warnings. Then
-/// only programs without stored sources and points of a sweep are examined.
+/// examines only points of a sweep, and programs without stored sources.
 ///
 /// # Errors
 /// If the level of a reported warning is "deny".

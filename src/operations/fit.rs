@@ -25,7 +25,7 @@ use crate::host::Host;
 /// Program of a fit, with its measured times.
 #[derive(Clone, Debug)]
 pub struct FitProgram {
-    /// Program with the scene as in its source.
+    /// Program. Its scene has the parameter values of the source.
     pub program: EnsembleProgram,
     /// Measured times of the program, or the number of runs to predict.
     pub measurement: Measurement,

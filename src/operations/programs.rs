@@ -59,7 +59,7 @@ fn expanded(arguments: &[String]) -> Result<Vec<String>, Failure> {
 /// Checks that an argument is a readable file.
 ///
 /// # Errors
-/// If the file cannot be opened, with the reason.
+/// If the file cannot be opened. The error contains the reason.
 pub fn is_readable(file: &str) -> Result<(), Failure> {
     if let Some(reason) = not_a_file(file) {
         return Err(Failure::usage(reason));

@@ -59,7 +59,7 @@ impl<'a> Recordings<'a> {
     }
 
     /// Returns a failure if a recording could not be written. Otherwise warns about selected runs
-    /// without a recording, which were made by an earlier command.
+    /// that have no recording because an earlier command made them.
     pub fn comment(&self, finished: &Records, host: &dyn Host) -> Option<Failure> {
         let (folder, runs) = self.requested?;
         let broken = self.broken.lock().ok().and_then(|mut broken| broken.take());

@@ -83,7 +83,8 @@ pub struct EnsembleResults<'a> {
     failure: Option<Failed>,
 }
 
-/// Returns the `most` captures of a program with the longest waiting times, in descending order.
+/// Returns the captures with the longest waiting times of a program, in descending order. Returns
+/// at most `most` captures.
 fn longest(program: &EnsembleProgram, waits: WaitsTally, most: usize) -> Vec<CaptureSummary> {
     let mut captures = captures(program, waits);
     if captures.len() > most {

@@ -60,7 +60,7 @@ pub struct MeasuredTrade {
 }
 
 /// Returns the manifest of all programs with all candidate settings. Omits settings that a program
-/// does not support, with a warning.
+/// does not support, and warns about them.
 ///
 /// # Errors
 /// If the scene of a program cannot be set up.

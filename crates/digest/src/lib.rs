@@ -66,7 +66,8 @@ impl Fnv {
         Fnv(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d)
     }
 
-    /// Adds bytes after their length, so that different lists of parts give different hashes.
+    /// Adds the number of bytes, then the bytes. Different lists of parts therefore give different
+    /// hashes.
     fn part(&mut self, bytes: &[u8]) {
         self.bytes(&(bytes.len() as u64).to_le_bytes());
         self.bytes(bytes);

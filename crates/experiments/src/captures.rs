@@ -70,8 +70,8 @@ pub struct Waits {
     /// Mean number of times, per capture, that free blocks enter the reach of the pull. `None`
     /// without captures or motion.
     pub entries: Option<f64>,
-    /// Mean time from the moment when the captured block last enters the reach of the pull to the
-    /// capture \[ticks\].
+    /// Mean time from the captured block's last entry into the reach of the pull to its capture
+    /// \[ticks\].
     pub docking: Option<f64>,
     /// Number of entries into the reach of the pull per tick of waiting. Includes censored waiting
     /// times. `None` without waiting or motion.
@@ -197,8 +197,8 @@ pub struct CaptureSummary {
     /// Mean number of times, per capture, that free blocks enter the reach of the pull. `None`
     /// without captures.
     pub entries: Option<f64>,
-    /// Mean time from the moment when the captured block last enters the reach of the pull to the
-    /// capture \[ticks\].
+    /// Mean time from the captured block's last entry into the reach of the pull to its capture
+    /// \[ticks\].
     pub docking: Option<f64>,
     /// Number of entries into the reach of the pull per tick of waiting, over all waiting times.
     /// `None` without waiting.

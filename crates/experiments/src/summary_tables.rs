@@ -5,7 +5,7 @@ use stochc_results::parquet::setting_column;
 use stochc_results::parquet::{FilledTable, TableDefinition};
 use stochc_results::{EnsembleProgram, Manifest};
 
-/// Text in a summary table for an unknown value.
+/// Condition for a null value in a summary table: the value is unknown.
 const UNKNOWN: &str = "unknown";
 
 /// Row of a summary table: a program with its results.

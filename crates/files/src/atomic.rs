@@ -158,7 +158,7 @@ pub fn replace(path: &Path, content: &[u8], replaces: Replaces) -> io::Result<()
 /// Replaces the `old` text of a user's file by the `new` one. Returns `false` and changes nothing
 /// if the file has changed since it was read.
 ///
-/// The file keeps its owner, mode and other names. A link remains a link.
+/// The file keeps its owner, mode and hard links. A link remains a link.
 ///
 /// # Errors
 ///
@@ -187,7 +187,7 @@ pub fn replace_text(path: &Path, old: &[u8], new: &[u8]) -> io::Result<bool> {
     Ok(true)
 }
 
-/// Overwrites a file in place, so that it keeps its owner and its other names. Keeps a copy of the
+/// Overwrites a file in place, so that it keeps its owner and its hard links. Keeps a copy of the
 /// old text next to the file in the meantime.
 fn write_over(mut target: disk::File, path: &Path, old: &[u8], new: &[u8]) -> io::Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();

@@ -109,7 +109,8 @@ const FIELD: &[u8] = b",\"crc\":\"";
 /// Length of the field `,"crc":"01234567"}`.
 const LENGTH: usize = FIELD.len() + 8 + 2;
 
-/// Appends the field `crc` to a JSON object: the hexadecimal checksum of everything before it.
+/// Appends the field `crc` to a JSON object. The field contains the hexadecimal checksum of all
+/// text before the field.
 ///
 /// # Panics
 ///

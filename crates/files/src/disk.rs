@@ -305,7 +305,7 @@ pub struct FileLock {
 }
 
 impl FileLock {
-    /// Returns whether other processes are kept out. Some file systems have no locks.
+    /// Returns whether the lock keeps other processes out. Some file systems have no locks.
     pub fn is_held(&self) -> bool {
         self.is_held
     }

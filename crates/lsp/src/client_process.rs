@@ -9,7 +9,7 @@ use super::wire::Incoming;
 const PAUSE: Duration = Duration::from_secs(2);
 
 /// Watches the client's process. Ends the session after the process has ended, even if another
-/// process keeps its stream open.
+/// process keeps the client's stream open.
 ///
 /// A process that is absent from the start may be on another machine or in a container, and is
 /// ignored.

@@ -36,7 +36,7 @@ use wire::Incoming;
 const MAX_WAITING: usize = 256;
 
 /// Serves a client over a pair of streams until the client exits. Returns whether the client sent a
-/// shutdown request before.
+/// shutdown request before it exited.
 ///
 /// # Errors
 ///

@@ -296,7 +296,8 @@ impl<W: Write> Server<W> {
         }
     }
 
-    /// Replaces an answer with edits by an error if one of its files has changed on the disk.
+    /// If an answer contains edits and one of its files has changed on the disk, replaces the
+    /// answer by an error.
     ///
     /// The edits would otherwise be applied at positions of the old text.
     fn compared_with_disk(

@@ -21,7 +21,7 @@ use crate::timing::schedule::Schedule;
 pub struct PlanSearch<'a> {
     /// Objective to minimize.
     pub objective: Objective,
-    /// Largest number of schedules to try. The first one is always made.
+    /// Largest number of schedules to try. The first schedule is always made.
     pub rounds: u64,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -113,11 +113,11 @@ fn runs(sites: usize) -> usize {
     (4000 / sites.max(1)).clamp(32, 128)
 }
 
-/// Cost of a cell without a wide access path, which can jam \[ticks\]. Mean waiting times do not
-/// include this.
+/// Cost of a cell without a wide access path \[ticks\]. Blocks can jam there. Mean waiting times do
+/// not include these jams.
 const JAMS: f64 = 20_000.0;
 
-/// Number of disassembly orders tried, in at most a quarter of the rounds.
+/// Number of disassembly orders to try. They take at most a quarter of the rounds.
 const VARIANTS: u64 = 8;
 
 /// Number of consecutive variations of access paths, multiplied by the number of cells. Large
@@ -345,8 +345,8 @@ fn takes_gaps(waits: &RateLaw<'_>, variant: u64) -> bool {
     waits.has_passable_gaps() && variant % 2 == 1
 }
 
-/// Improves a schedule by changing priorities. Returns it with the number of rounds so far. Accepts
-/// slightly worse schedules, with decreasing tolerance.
+/// Improves a schedule by changing priorities. Returns the improved schedule with the number of
+/// rounds so far. Accepts slightly worse schedules, with decreasing tolerance.
 ///
 /// # Source
 ///

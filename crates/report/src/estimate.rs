@@ -73,7 +73,7 @@ pub struct Share {
 }
 
 impl CompletionEstimate {
-    /// Estimates the times of a program from records of its runs by the rate model. `lower_bound`
+    /// Estimates the times of a program from records of its runs in the rate model. `lower_bound`
     /// is the result of [`EnsembleProgram::lower_bound`].
     pub fn from_runs(
         program: &EnsembleProgram,

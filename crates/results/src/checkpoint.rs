@@ -47,8 +47,8 @@ const MIN: Duration = Duration::from_secs(10);
 /// Interval between two checkpoints of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interval {
-    /// Writes a checkpoint this time after the last one. Waits longer if writing takes more than a
-    /// hundredth of this time.
+    /// Writes a checkpoint when this time has passed since the last checkpoint. Waits longer if
+    /// writing takes more than a hundredth of this time.
     ///
     /// The interval is in real time because a kill costs only time. Checkpoints never affect
     /// results.

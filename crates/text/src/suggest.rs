@@ -67,7 +67,7 @@ pub fn nearest<S: AsRef<str>>(
 }
 
 /// Returns whether two words certainly differ too much for a suggestion, by a bound that is fast to
-/// compute. Such a word does not make another suggestion ambiguous either.
+/// compute. A word that is too different also does not make another suggestion ambiguous.
 fn is_far(one: &str, other: &str) -> bool {
     if one.len().abs_diff(other.len()) > 3 {
         return true;

@@ -12,7 +12,8 @@ use crate::operations::programs::verdict;
 /// Applies the safe fixes of a file and prints them as a diff. Returns the exit status if `check`
 /// has nothing more to do.
 ///
-/// Standard input cannot be changed. Its fixed source is printed, and also returned in `text`.
+/// Standard input cannot be changed. The fixed source is printed instead, and also returned in
+/// `text`.
 pub fn run(
     file: &str,
     options: &CheckArguments,

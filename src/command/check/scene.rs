@@ -69,8 +69,8 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
 }
 
 impl<'a> InForce<'a> {
-    /// Adds an assembly that uses the scene. `warnings` are about the heights of its captures.
-    /// `density` is the lowest density of free blocks at these heights.
+    /// Adds an assembly that uses the scene. `warnings` are about the heights of the assembly's
+    /// captures. `density` is the lowest density of free blocks at these heights.
     fn add(
         &mut self,
         assembly: &'a str,

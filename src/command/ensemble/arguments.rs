@@ -22,7 +22,7 @@ pub const MAX_UNTIL: u64 = 10_000;
 /// Default limit on the ticks of a run.
 pub const MAX_TICKS: u64 = 1_000_000;
 
-/// Programs, and how each of their runs is computed.
+/// Options for the programs, and for how each run is computed.
 #[derive(Debug, Args)]
 pub struct ProgramOptions {
     /// Programs to simulate, or folders that contain programs (`*.sa`)

@@ -26,9 +26,9 @@ pub const MIN_RACE: u64 = 8;
 /// Largest number of runs of a plan in a race.
 pub const MAX_RACE: u64 = 100_000;
 
-/// Limit on the distance of a plan from the fastest plan, divided by the half-width of the
-/// confidence interval of this distance. A plan above the limit leaves the race. The limit is above
-/// 1, because plans are compared after each round.
+/// Limit on the difference between a plan's mean time and the fastest plan's mean time. The unit is
+/// the half-width of the difference's confidence interval. A plan above the limit leaves the race.
+/// The limit is above 1, because plans are compared after each round.
 const MAX_BEHIND: f64 = 1.5;
 
 /// Limit on the ticks of a run, as a multiple of its plan's estimated time.
@@ -124,7 +124,7 @@ fn remove_slow(running: &mut Vec<Entrant>) -> Vec<RaceTimes> {
 }
 
 /// Returns the fastest plan. Of several equally fast plans, returns the first. The result receives
-/// the messages of the first plan in the race, which are valid for all plans.
+/// the messages of the first plan in the race. These messages are valid for all plans.
 fn fastest(mut running: Vec<Entrant>, objective: Objective) -> Planned {
     let first = running.remove(0);
     let mut best = first.value(objective);

@@ -12,7 +12,7 @@ pub struct DrawnTimes {
     pub starts: Vec<f64>,
     /// Time of each event \[ticks\]. Infinite if the event has not happened.
     pub ends: Vec<f64>,
-    /// For each event, the event of its phase that it waited for last. [`NO_BLOCK`] if none.
+    /// For each event, the last event of the same phase that it waited for. [`NO_BLOCK`] if none.
     pub last: Vec<u32>,
     /// For each release, whether a face nearby has captured the released block.
     pub is_taken: Vec<bool>,

@@ -173,7 +173,7 @@ impl<'a> MessageTimes<'a> {
         }
     }
 
-    /// Returns the lowest common ancestor of two blocks. It can be one of the two.
+    /// Returns the lowest common ancestor of two blocks. The ancestor can be one of the two blocks.
     fn common(&self, mut a: Block, mut b: Block) -> Block {
         if self.depth(a) < self.depth(b) {
             (a, b) = (b, a);
@@ -244,7 +244,7 @@ impl<'a> MessageTimes<'a> {
     }
 
     /// Returns the path of a notification from the block that notices the first event to the block
-    /// that acts in the second.
+    /// that acts in the second event.
     fn notification(&self, edge: &Edge) -> MessagePath {
         let first = edge.first;
         let actor = self.events.actors[edge.then.0 as usize];

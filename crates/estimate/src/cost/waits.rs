@@ -8,12 +8,13 @@ use super::events::{Events, PhaseEvent, bound};
 use super::occupancy::Occupancy;
 use crate::{HeadStarts, Neighbourhood, Rates, ReleaseNearby, Surroundings, Wait, feature_cells};
 
-/// Limit of the share of free blocks captured at one level. Above it, free blocks count as scarce.
-/// Waiting times assume that half of the blocks of a level are captured.
+/// Limit on the share of free blocks that one level captures. Above this limit, free blocks count
+/// as scarce. Waiting times assume that half of the blocks of a level are captured.
 const FEW: f64 = 0.03;
 
-/// Limit of the share of free blocks captured in a phase outside its critical path. Above it, free
-/// blocks count as scarce. Equal waiting times for all captures are then a poor assumption.
+/// Limit on the share of free blocks that a phase captures outside the critical path. Above this
+/// limit, free blocks count as scarce. Equal waiting times for all captures are then a poor
+/// assumption.
 const MANY: f64 = 0.1;
 
 /// Waiting time of a capture, with its conditions.
@@ -92,7 +93,7 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
     waits
 }
 
-/// Releases of a phase by the cell that they empty.
+/// For each cell, the releases of a phase that empty it.
 type Released = FxHashMap<Cell, SmallVec<[EventId; 1]>>;
 
 fn releases(events: &[PhaseEvent]) -> Released {

@@ -69,13 +69,13 @@ fn parameters(rate: f64, probability: f64, like: Parameters) -> Parameters {
     ])
 }
 
-/// Range of the pull's work divided by the energy of a block, in the validation.
+/// Validated range of the ratio of the pull's work to the energy of a block.
 const WORKS: RangeInclusive<f64> = 1.2..=4.0;
 
-/// Range of the density relative to the default scene, in the validation.
+/// Validated range of the density relative to the default scene.
 const DENSITIES: RangeInclusive<f64> = 0.4..=2.5;
 
-/// Number of layers of the gas that are near the ground in every enclosure.
+/// Number of layers of the density profile that are near the ground in every enclosure.
 const LOW: usize = 12;
 
 impl Rates {

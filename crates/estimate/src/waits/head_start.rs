@@ -128,8 +128,8 @@ impl ReleaseNearby {
     }
 }
 
-/// Returns the squared distance of a cell from an open one, and its distance in front of the face.
-/// Returns `None` on overflow.
+/// Returns the squared distance of the cell `from` from the open cell, and its distance in front of
+/// the face. Returns `None` on overflow.
 pub fn relative(cell: Cell, direction: Face, from: Cell) -> Option<(u32, i32)> {
     let offset = [
         from.x.checked_sub(cell.x)?,

@@ -8,9 +8,10 @@ use crate::waits::inverse::{about_when_summed, bounds};
 
 /// Waiting time of an open face in constant surroundings.
 ///
-/// Blocks that will dock arrive as a Poisson process. Each needs a docking time from an Erlang
-/// distribution with [`STAGES`] stages, and the first to finish is captured. The hazard of a face
-/// open for s ticks is therefore `rate G(s)`, with G the distribution function of the docking time.
+/// Blocks that will dock arrive as a Poisson process. Each of these blocks needs a docking time
+/// from an Erlang distribution with [`STAGES`] stages, and the first block to finish is captured.
+/// The hazard of a face open for s ticks is therefore `rate G(s)`, with G the distribution function
+/// of the docking time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wait {
     /// Rate of arrivals that will dock \[1/tick\].

@@ -44,8 +44,8 @@ pub struct ProgramSummary {
     pub finished: u64,
     /// Number of completed runs.
     pub completed: u64,
-    /// Number of runs that timed out in a phase, a competing event. They never complete, so their
-    /// times are infinite.
+    /// Number of runs that timed out in a phase. A timeout is a competing event. They never
+    /// complete, so their times are infinite.
     pub timed_out: u64,
     /// Number of runs that reached the tick limit, `--max-ticks`. Their times are right-censored.
     pub censored: u64,

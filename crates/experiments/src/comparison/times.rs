@@ -6,8 +6,8 @@ use stochc_results::{JournalError, Records};
 
 /// Returns the completion time of a run in ticks. Returns `None` if the run failed.
 ///
-/// A run that reached its limit of ticks is censored. A run that timed out in a phase never
-/// completes: timeouts stop only slow runs, so other runs do not represent them.
+/// A run that reached its limit of ticks is censored. A run that timed out in a phase counts as a
+/// run that never completes. It is not censored, because timeouts stop only slow runs.
 pub fn completion_time(record: &RunRecord) -> Option<Observation> {
     Some(Observation {
         time: record.ticks as f64,
@@ -28,8 +28,8 @@ pub fn completion_status(outcome: &Outcome) -> Option<Status> {
     }
 }
 
-/// Sorts runs by completion time, the fastest first. A stopped run counts as slower than all
-/// runs that completed before it was stopped.
+/// Sorts runs by completion time, the fastest first. A right-censored run comes after all runs that
+/// completed in the same time or less. Runs that never complete come last.
 pub fn sort_by_time(runs: &mut [(u64, Observation)]) {
     runs.sort_by(|(_, a), (_, b)| {
         let times = a.at_risk_until().total_cmp(&b.at_risk_until());

@@ -18,12 +18,12 @@ const DRAWS: usize = 4_000;
 /// Number of Metropolis steps of each draw at each power of the likelihood.
 const MOVES: usize = 12;
 
-/// Draws from a posterior distribution. Each coordinate is a cumulative probability of the prior of
-/// one parameter.
+/// Smallest width of a box, as a fraction of the prior. Narrower boxes do not allow fitting a
+/// polynomial.
 const MIN: f64 = 0.1;
 
-/// Draws from a posterior distribution. Each coordinate is a probability of the prior of one
-/// parameter.
+/// Draws from a posterior distribution. Each coordinate is a cumulative probability of the prior of
+/// one parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posterior {
     /// Draws. Each is a list of coordinates.

@@ -28,9 +28,9 @@ struct MeanEstimate {
 /// Returns the relative difference of the means of two samples. Returns `None` without times, or if
 /// the second mean is 0.
 ///
-/// The interval follows from the logarithm of the ratio by the delta method. It has the degrees of
-/// freedom of Welch and Satterthwaite. With censoring, both means are restricted to the time range
-/// that both samples cover.
+/// The delta method, applied to the logarithm of the ratio, gives the interval. The degrees of
+/// freedom are those of Welch and Satterthwaite. With censoring, both means are restricted to the
+/// time range that both samples cover.
 pub fn relative(first: &[Observation], second: &[Observation]) -> Option<Relative> {
     let both = comparable(first, second)?;
     let [a, b] = both.values;

@@ -28,8 +28,8 @@ impl Runs {
         self.times.iter().map(|&(_, time)| time).collect()
     }
 
-    /// Returns whether the two programs have runs of the same number, and all of these take the
-    /// same time.
+    /// Returns whether the two programs have runs with the same number, and every two such runs
+    /// take the same time.
     pub(crate) fn are_equal(&self, other: &Runs) -> bool {
         let ours = self.shared(other);
         self.seed == other.seed && !ours.is_empty() && ours == other.shared(self)
@@ -51,8 +51,8 @@ pub(super) struct Comparable {
     /// For each sample, one value per time, in the order of the times.
     pub values: [Vec<f64>; 2],
     /// Additional standard error of each mean. If no run completes before the horizon, all values
-    /// are equal. The only error is then the unknown share of runs that would complete. It is
-    /// bounded by the case that these runs complete at once.
+    /// are equal. The only error is then the unknown share of runs that would complete. The error
+    /// is at most the error in the case that these runs complete at once.
     pub unseen: [f64; 2],
     /// Horizon of the restricted means. `None` if all times are known.
     pub horizon: Option<f64>,
@@ -61,8 +61,8 @@ pub(super) struct Comparable {
 /// Returns values for two samples. Their means are the restricted means of the samples. Returns
 /// `None` if a sample is empty.
 ///
-/// The horizon is the end of the time range that both curves cover. If some runs never complete, it
-/// is at most the last observed time of both samples.
+/// The horizon is the end of the time range that both curves cover. If some runs never complete,
+/// the horizon is at most the last observed time of both samples.
 pub(super) fn comparable(first: &[Observation], second: &[Observation]) -> Option<Comparable> {
     let curves = [KaplanMeier::new(first)?, KaplanMeier::new(second)?];
     let reach = curves.iter().map(KaplanMeier::reach);

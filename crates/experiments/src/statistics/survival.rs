@@ -7,8 +7,8 @@ use super::{Observation, Status};
 ///
 /// S(t) is the product of 1 - d/n over the times up to t. Here d of the n runs under observation
 /// completed at a time. A run censored at the same time counts as under observation. The estimate
-/// assumes that censoring is independent of the speed of a run. This is true for a limit on the
-/// ticks.
+/// assumes that censoring is independent of the speed of a run. A limit on the ticks fulfils this
+/// assumption.
 ///
 /// Runs that never complete ([`Status::Competing`]) are not censored. They count as under
 /// observation forever. Then 1 - S is the cumulative incidence of completion. With the same limit
@@ -186,8 +186,8 @@ impl KaplanMeier {
     }
 
     /// Returns the contribution of each run to the restricted mean, in the order of the
-    /// observations. The plain mean of the contributions is the restricted mean. The observations
-    /// must be the ones that this estimate was made from.
+    /// observations. The plain mean of the contributions is the restricted mean. `observations`
+    /// must be the observations that this estimate was made from.
     ///
     /// Without censoring the contributions are the times. With censoring they are
     /// pseudo-observations from the influence function of the estimate. The sum of their squared
@@ -374,7 +374,8 @@ mod tests {
     }
 
     /// Checks ten runs. Every second run is stopped at 5 because it is slow, and counts as never
-    /// complete. The estimate must not assume that it would continue like the five faster runs.
+    /// complete. The estimate must not assume that a stopped run would continue like the five
+    /// faster runs.
     #[test]
     fn runs_that_never_complete_are_not_censored() {
         let fast = [6.0, 7.0, 8.0, 9.0, 10.0].map(Observation::completed);

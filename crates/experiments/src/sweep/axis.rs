@@ -133,8 +133,8 @@ fn settings(name: &str, values: &str) -> Result<Vec<ChosenSetting>, RangeError> 
     Ok(chosen)
 }
 
-/// Removes the word `log` from the end of the values. Returns the rest, and whether the word was
-/// present.
+/// Removes the word `log` from the end of the values. Returns the remaining text, and whether the
+/// word was present.
 pub(crate) fn logarithmic(values: &str) -> (&str, bool) {
     let values = values.trim();
     match values.strip_suffix("log") {

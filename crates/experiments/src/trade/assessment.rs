@@ -18,7 +18,7 @@ pub struct TradeTally<'a> {
     manifest: &'a Manifest,
     /// Combinations of settings in the sweep, without duplicates.
     settings: Vec<&'a [ChosenSetting]>,
-    /// Programs without the settings of their points, without duplicates.
+    /// Programs, without duplicates. They do not contain the settings of their points.
     programs: Vec<TradedProgram>,
     /// For each combination of settings and each of `programs`, the index in the manifest. `None`
     /// if the program was not run with these settings.
@@ -229,8 +229,8 @@ fn cell(sample: &Sample, reference: Option<&[Observation]>) -> ProgramResult {
     }
 }
 
-/// Marks the Pareto-optimal candidates. The bias of the reference counts as 0, the bias of another
-/// candidate as the bound of its interval.
+/// Marks the Pareto-optimal candidates. The bias of the reference counts as 0. The bias of every
+/// other candidate counts as the bound of its interval.
 fn draw_front(candidates: &mut [CandidateResult], reference: Option<usize>) {
     let bias = |i: usize, candidate: &CandidateResult| {
         if reference == Some(i) {

@@ -6,15 +6,15 @@ use crate::statistics::{Observation, Relative, Status, relative};
 /// Number of last doublings that decide about convergence.
 const STEPS: usize = 2;
 
-/// Largest bias or change that counts as small, including its interval.
+/// Limit on a bias or change that counts as small. Its whole interval must be within the limit.
 pub const CLOSE: f64 = 0.1;
 
 /// Conclusion about whether the reference is close to the limit of small steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Convergence {
-    /// The last doubling caused a small change, including its interval. No change by the previous
-    /// doubling is significant and possibly large.
+    /// The change by the last doubling is small, and its whole interval is within the limit. No
+    /// change by the previous doubling is significant and possibly large.
     Converged,
     /// Undecided: the intervals are too wide, or there are fewer than two doublings.
     Undecided,
@@ -56,8 +56,8 @@ impl Doubling {
         self.censored.iter().any(|&runs| runs > 0)
     }
 
-    /// Returns the largest change of a mean that is compatible with the intervals, over these
-    /// programs. Returns `None` if the intervals exclude nothing.
+    /// Returns the largest change of a mean that the intervals of these programs allow. Returns
+    /// `None` if the intervals exclude nothing.
     pub fn bound(&self, programs: &[usize]) -> Option<f64> {
         let mut bounds = programs.iter().map(|&p| self.changes[p].as_ref()?.bound());
         bounds.try_fold(0.0, |most: f64, bound| Some(most.max(bound?)))

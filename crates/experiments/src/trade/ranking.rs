@@ -51,7 +51,7 @@ impl<'a> Orders<'a> {
         Orders(orders.collect())
     }
 
-    /// Compares the order of each pair of programs with the candidate settings to the order with
+    /// For each pair of programs, compares the order at the candidate settings with the order at
     /// the reference settings.
     ///
     /// Both lists contain the names of the same programs in the ensemble. A name is `None` if the

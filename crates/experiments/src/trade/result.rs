@@ -110,8 +110,8 @@ impl Trade {
         stamped_json(self, manifest)
     }
 
-    /// Returns the number of a program's right-censored runs at the reference, plus the number at
-    /// the previous number of substeps.
+    /// Returns the number of a program's right-censored runs at the last two numbers of substeps.
+    /// The last one is the reference.
     pub(crate) fn reference_runs_at_limit(&self, program: usize) -> usize {
         let own = self.reference_candidate();
         let own = own.map_or(0, |candidate| candidate.programs[program].censored);

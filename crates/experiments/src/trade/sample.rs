@@ -10,7 +10,7 @@ pub(super) struct Sample {
     pub times: Vec<Observation>,
     /// Number of runs whose physics failed.
     pub failed: usize,
-    /// CPU times of the runs that measured it \[s\].
+    /// CPU times of the runs whose CPU time was measured \[s\].
     cpu: Vec<f64>,
     /// Total ticks of the runs with a CPU time.
     ticks: u64,

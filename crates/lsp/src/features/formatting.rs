@@ -9,8 +9,8 @@ use stochc_grammar::{FormatError, format};
 use crate::wire::RequestFailure;
 use crate::workspace::position::LineIndex;
 
-/// Time limit for the exact comparison of the old and the new text. After it, edits may cover more
-/// lines than necessary.
+/// Time limit for the exact comparison of the old and the new text. After this time, edits may
+/// cover more lines than necessary.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Error for programs that cannot be formatted.

@@ -154,8 +154,8 @@ fn stays_the_same(
     Ok(())
 }
 
-/// Returns whether names with the same definition still have the same one, and names with different
-/// definitions still have different ones.
+/// Returns whether any two names have the same definition after the change exactly if they had the
+/// same definition before.
 fn same_structure(old: &Names, new: &Names) -> bool {
     if old.all().len() != new.all().len() {
         return false;

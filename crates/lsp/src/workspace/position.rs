@@ -152,8 +152,8 @@ impl<'t> LineIndex<'t> {
         }
     }
 
-    /// Returns the byte of a position. Positions beyond a line or text map to its end, and
-    /// positions within a character to its first byte.
+    /// Returns the byte of a position. A position beyond the end of its line has the byte of this
+    /// end. A position within a character has the first byte of the character.
     pub fn offset(&self, position: Position) -> usize {
         self.change.old(self.offset_now(position))
     }

@@ -44,7 +44,7 @@ impl LoopNest {
         <[i32; 3]>::from(self.base)[axis]
     }
 
-    /// Writes the loops. `inner` writes their body with the indices of one iteration.
+    /// Writes the loops. `inner` writes the body of the loops with the indices of one iteration.
     pub fn write(&self, out: &mut String, inner: impl FnOnce(&mut String, &Indices<'_>)) {
         let loops = || (0..3).filter_map(|axis| Some((axis, self.loops[axis]?)));
         for (axis, it) in loops() {

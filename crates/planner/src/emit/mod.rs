@@ -39,7 +39,7 @@ pub struct Naming<'a> {
     pub allowed: &'a [(&'a str, String)],
 }
 
-/// Sentence in every planned program that identifies its file.
+/// Sentence that every planned program contains. It identifies the file as planned.
 pub const PLANNED_MARK: &str =
     "A block is called by its cell, and a block of the plate by its place there.";
 
@@ -133,8 +133,8 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
 
 /// Returns the captures of a plan as statements for a later phase of another program.
 ///
-/// `name` returns the other program's name of a block of the plate or the existing structure.
-/// `word` is a name that the other program does not use.
+/// `name` returns the name that a block of the plate or of the existing structure has in the other
+/// program. `word` is a name that the other program does not use.
 pub fn continuation(plan: &BuildPlan, word: &str, name: impl Fn(Cell) -> Option<String>) -> String {
     let words = NameWords {
         block: word,

@@ -73,7 +73,7 @@ pub struct Statement {
 
 /// Returns the captures of a plan as statements that keep the order of each parent's captures.
 ///
-/// `other` returns the name of an existing block that is not named by its place on the plate.
+/// `other` returns the name of an existing block that is not named by its position on the plate.
 pub fn statements(captures: &[Capture], other: impl Fn(Cell) -> Option<String>) -> Vec<Statement> {
     let place: FxHashMap<Cell, usize> = captures
         .iter()

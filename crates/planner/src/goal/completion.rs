@@ -318,8 +318,8 @@ pub(super) fn existing(program: &Program, last: usize) -> Vec<(ExistingBlock, Ro
     blocks.collect()
 }
 
-/// Returns the position of the new captures. In a phase without events they stand before its claim.
-/// Otherwise they get a new phase, which takes over the claim.
+/// Returns the position of the new captures. In a phase without events, the captures stand before
+/// the claim. Otherwise the captures and the claim move to a new phase.
 fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, NotCompleted> {
     let elsewhere = || {
         NotCompleted::Refused(format!(
@@ -387,7 +387,8 @@ fn with_docs(text: &str, statement: usize, mut lines: usize) -> usize {
     start
 }
 
-/// Returns the position after `at` and after a comment on the rest of the line.
+/// Returns the end of the comment that follows `at` on the same line. Returns `at` if there is
+/// none.
 fn after(text: &str, at: usize) -> usize {
     let line = text[at..].split('\n').next().unwrap_or_default();
     // A `///` comment documents the following item and is not skipped.

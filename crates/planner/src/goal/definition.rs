@@ -86,8 +86,8 @@ impl Goal {
     /// Selects a scene of another program and copies its declaration.
     ///
     /// # Errors
-    /// If the program has no such scene, or several and no name is given. The error lists their
-    /// names.
+    /// If the program has no such scene, or if it has several scenes and no name is given. The
+    /// error lists their names.
     pub fn take_scene(&mut self, from: &Checked, name: Option<&str>) -> Result<(), Vec<String>> {
         let scenes = WrittenScenes::new(from);
         let names: Vec<&str> = scenes.names().collect();

@@ -42,11 +42,12 @@ pub enum NoRepair {
         "`{wrong}` does not belong to the shape, and cannot be released with `{name}`: `{dead}` is dead, and no message comes through it"
     )]
     Unreachable {
-        /// The block to release or its ancestor, with a cell outside of the shape.
+        /// Name of the block whose cell is outside of the shape. This is the block to release or
+        /// its ancestor.
         wrong: String,
         /// Block to release.
         name: String,
-        /// The block to release or its ancestor, which is dead.
+        /// Name of the dead block. This is the block to release or its ancestor.
         dead: String,
     },
     /// The structure is complete.

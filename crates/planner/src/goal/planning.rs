@@ -46,7 +46,7 @@ pub enum Unplanned {
 /// Largest number of cells for comparison with the baseline plans.
 const MAX_COMPARED: usize = 1000;
 
-/// Smallest number of diagnostics that may be an incomplete list, because the check has a limit.
+/// A list of at least `MANY` diagnostics may be incomplete, because the check has a limit.
 const MANY: usize = 100;
 
 /// Returns whether a warning is about the scene, which a plan cannot change.

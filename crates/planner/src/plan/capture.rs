@@ -13,8 +13,8 @@ pub struct Capture {
     pub direction: Face,
     /// Mean waiting time \[ticks\].
     pub wait: f64,
-    /// Cells that must be occupied before the face opens, each with the reason. Cells that follow
-    /// from others are omitted.
+    /// Cells that must be occupied before the face opens, each with the reason. Omits cells that
+    /// are always occupied before one of the other cells.
     pub after: Vec<(Cell, Why)>,
     /// Whether no access path two cells wide was found.
     pub is_tight: bool,

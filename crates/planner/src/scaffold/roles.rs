@@ -83,7 +83,7 @@ impl SiteRoles {
     }
 
     /// Returns the only possible direction of a site's first capture. Returns `None` if any block
-    /// with a final parent may capture the site.
+    /// that is attached to its final parent may capture the site.
     pub fn direction(&self, site: u32) -> Option<Face> {
         self.direction[site as usize]
     }

@@ -56,7 +56,7 @@ impl Scaffolding {
 }
 
 impl MastSegment {
-    /// Returns each cell from the mast on, with the direction from the previous cell.
+    /// Returns the cells from the mast outwards, each with the direction from the previous cell.
     pub fn grown(&self) -> impl Iterator<Item = (Cell, Face)> {
         let steps = self.cells.windows(2).map(|two| direction(two[0], two[1]));
         (self.cells.iter().copied()).zip(std::iter::once(self.direction).chain(steps))

@@ -13,7 +13,8 @@ use crate::scaffold::{MastSegment, Scaffolding};
 /// Cost of a new mast \[captures\].
 const NEW: f32 = 1.0;
 
-/// Cost of a mast per diagonal neighbour, because the two masts take turns \[captures\].
+/// Cost of a mast for each other mast that is diagonal to it \[captures\]. The two masts take
+/// turns.
 const ACROSS: f32 = 1.5;
 
 /// Duration of capturing a mast block next to another mast \[captures\].

@@ -4,8 +4,8 @@ use crate::scaffold::SitePart;
 
 impl ScheduleState<'_> {
     /// Returns whether a site may open in the current phase. In the first phase, a site without
-    /// hand-over may open only while temporary blocks are missing. Half of its waiting time must be
-    /// over at `half`, which must not exceed the limit.
+    /// hand-over may open only while temporary blocks are missing. `half` is the time when half of
+    /// its waiting time is over. This time must not exceed the limit.
     pub(super) fn is_its_phase(&self, site: u32, half: f32) -> bool {
         match &self.phase {
             Some(phase) if !phase.is_second && phase.roles.part(site) == SitePart::Own => {

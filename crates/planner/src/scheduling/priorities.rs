@@ -12,7 +12,7 @@ pub struct Priorities {
     /// J. C. Bean, *Genetic algorithms and random keys for sequencing and optimization*, ORSA
     /// Journal on Computing 6 (1994).
     keys: Vec<f32>,
-    /// For each site, the number of cheaper directions to skip when one is selected.
+    /// For each site, the number of cheaper directions to skip when a direction is selected.
     skipped: Vec<u8>,
 }
 
@@ -31,7 +31,7 @@ impl Priorities {
         tail * (0.5 + self.keys[site as usize])
     }
 
-    /// Returns the direction into a site that the priorities select from `choices`, pairs of
+    /// Returns the direction into a site that the priorities select. `choices` contains pairs of
     /// direction and price. Returns `None` if `choices` is empty.
     pub fn chosen<T>(&self, site: u32, choices: impl Iterator<Item = (T, f32)>) -> Option<T> {
         let skipped = usize::from(self.skipped[site as usize]);

@@ -120,7 +120,7 @@ impl CorridorSearch<'_> {
     }
 
     /// Returns the cost of moving the cube from `from` to `low` on the access path of a site. The
-    /// cost counts the blocks that must wait for this.
+    /// cost counts the blocks that must wait for this move.
     fn toll(&self, site: u32, number: usize, low: Cell, from: Option<Cell>) -> u32 {
         let space = &self.disassembly.spaces[number];
         let level = |site: u32| self.disassembly.level[site as usize];

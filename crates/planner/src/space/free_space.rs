@@ -69,7 +69,8 @@ impl FreeSpace {
         FreeSpace { has_gaps, ..self }
     }
 
-    /// Returns positions above the top of a column that have no block above them.
+    /// Returns the positions of the cube that cover the cell above `top` and have no block above
+    /// them.
     fn beside_top(&self, sites: &Sites<'_>, top: Cell) -> Vec<Cell> {
         let size = self.size;
         let lows = (0..size).flat_map(|dy| (0..size).map(move |dx| shifted(top, -dx, -dy, 1)));
@@ -126,7 +127,7 @@ impl FreeSpace {
         (0..count).map(move |i| shifted(low, i % size, i / size % size, i / (size * size)))
     }
 
-    /// Returns the positions of a cube above the ground that cover a cell.
+    /// Returns the positions of the cube that cover a cell. The whole cube is above the ground.
     pub fn around(&self, cell: Cell) -> impl Iterator<Item = Cell> + use<> {
         let lows = self.cells(cell).map(move |high| {
             Cell::new(

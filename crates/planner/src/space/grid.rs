@@ -19,8 +19,8 @@ enum Values<T> {
     Sparse(FxHashMap<Cell, T>),
 }
 
-/// Largest size of a dense grid \[cells\]: the first number, plus the second number per cell of the
-/// structure.
+/// Limit on the size of a dense grid \[cells\]. The limit is the first number, plus the second
+/// number for each cell of the structure.
 const DENSE: (i128, i128) = (1 << 22, 32);
 
 impl<T: Copy + Default> Grid<T> {

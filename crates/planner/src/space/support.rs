@@ -70,7 +70,7 @@ impl Support {
     }
 
     /// Returns whether the neighbours of a site are connected within its window. If the site
-    /// touches the plate, they must be connected to the plate too.
+    /// touches the plate, the neighbours must also be connected to the plate.
     fn is_locally_connected(&self, sites: &Sites<'_>, site: u32) -> bool {
         const ROOT: u32 = 1 << 27;
         let stands = |near| self.stands(near) && !sites.is_inert(near);

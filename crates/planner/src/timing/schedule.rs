@@ -66,8 +66,8 @@ impl Schedule {
         adjacent.filter(move |&other| self.parent(sites, other) == parent)
     }
 
-    /// Returns the position in the opening order of the block that holds a site and is captured in
-    /// the same phase. Returns `None` if the holding block exists before the phase.
+    /// Returns the position of a block in the opening order. This block holds `site` and is
+    /// captured in the same phase. Returns `None` if the holding block exists before the phase.
     pub fn held(&self, sites: &Sites<'_>, site: u32) -> Option<u32> {
         let parent = self.parent(sites, site);
         let same = |other: u32| (other != NONE && self.is_same_phase(site, other)).then_some(other);

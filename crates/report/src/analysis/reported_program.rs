@@ -265,8 +265,8 @@ impl<'a> ReportedProgram<'a> {
         Ok(())
     }
 
-    /// Adds the time from the start of a run to each size of its largest group. Failed runs add
-    /// nothing.
+    /// For each size, adds the time from the start of the run until the run's largest group reached
+    /// this size. Failed runs add nothing.
     fn add_sizes(&mut self, record: &RunRecord) {
         let Some(status) = completion_status(&record.outcome) else {
             return;

@@ -125,8 +125,8 @@ impl Drawing {
         19.0 + LINE * wrapped(label, self.size().0 - 16.0).len() as f64
     }
 
-    /// Returns the horizontal position of a vertical axis that leaves space for the numbers to its
-    /// left.
+    /// Returns the horizontal position of a vertical axis. It leaves space for the numbers to the
+    /// left of the axis.
     pub(crate) fn left_of(scale: &Scale, label: impl Fn(f64) -> String) -> f64 {
         let labels: Vec<String> = scale.ticks(5).into_iter().map(label).collect();
         (widest(labels.iter().map(String::as_str)) + 15.0).max(40.0)

@@ -2,8 +2,9 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// Returns a label for each event of `shown`: its text, followed by its phase if `all` contains its
-/// action twice. `shown` contains the action, the text and the phase of each event.
+/// Returns a label for each event of `shown`: the event's text. The phase of the event follows if
+/// `all` contains its action twice. `shown` contains the action, the text and the phase of each
+/// event.
 pub fn event_labels<'a, A: Eq + Hash>(
     all: impl IntoIterator<Item = A>,
     shown: impl IntoIterator<Item = (A, String, &'a str)>,

@@ -44,9 +44,9 @@ struct Trials {
 /// Forecasts the CPU time of an ensemble from trial runs of half a second.
 ///
 /// Tries the first runs of its programs, or of some programs if there are many. A trial that
-/// exceeds its share of the time is stopped. Then `expected_ticks` returns the length of the run,
-/// if known. All scenes must be valid: see [`EnsembleProgram::try_out`]. Returns `None` if `stop`
-/// is set.
+/// exceeds its share of the time is stopped. For such a run, `expected_ticks` returns the length if
+/// it is known. All scenes must be valid: see [`EnsembleProgram::try_out`]. Returns `None` if
+/// `stop` is set.
 pub fn forecast_cpu_time(
     manifest: &Manifest,
     expected_ticks: impl Fn(&EnsembleProgram) -> Option<f64>,

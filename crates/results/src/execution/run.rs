@@ -102,10 +102,10 @@ pub(crate) fn check_again(
 /// Makes the missing runs of an ensemble, and writes its tables.
 ///
 /// `simulate` receives the index of a program, the number of a run, and a [`RunWatch`] to call once
-/// per tick. It must be a pure function of index and number. Tables then do not depend on threads,
-/// interruptions or their order. A panic in `simulate` fails only its run. `progress` must be
-/// new and of the same manifest. It sets the number of threads. Setting `stop` ends the work at the
-/// next tick.
+/// per tick. It must be a pure function of index and number. The tables then do not depend on
+/// threads or interruptions, or on the order of the runs. A panic in `simulate` fails only its run.
+/// `progress` must be new and of the same manifest. It sets the number of threads. Setting `stop`
+/// ends the work at the next tick.
 ///
 /// # Errors
 ///
@@ -177,8 +177,8 @@ pub(crate) struct RunTracker<'a> {
     pub checkpoints: Option<&'a Checkpoints>,
 }
 
-/// Makes the pending runs and appends each to a journal. Returns the positions of their lines, with
-/// `file` as the index of the journal file.
+/// Makes the pending runs and appends each to a journal. Returns the positions of the lines. `file`
+/// is the index of the journal file.
 pub(crate) fn journaled(
     pending: PendingRuns,
     journal: Journal,
@@ -204,7 +204,7 @@ pub(crate) fn journaled(
     Ok(places.into_inner().expect("no thread has panicked"))
 }
 
-/// Makes runs and stores each at once. The first storage error stops the others.
+/// Makes runs and stores each at once. The first storage error stops the other runs.
 fn new_runs<E: Send>(
     pending: PendingRuns,
     RunTracker {

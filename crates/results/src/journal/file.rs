@@ -80,8 +80,8 @@ pub(crate) struct ShardHeader {
     pub build: String,
 }
 
-/// Journal open for appending. Dropping it without [`Journal::close`] may lose its end in a power
-/// failure.
+/// Journal open for appending. If it is dropped without [`Journal::close`], a power failure may
+/// remove its last lines.
 #[derive(Debug)]
 pub(crate) struct Journal {
     file: Arc<File>,

@@ -88,8 +88,8 @@ impl<'m> ProgramEvents<'m> {
         Ok(times)
     }
 
-    /// Returns the first event with this phase and action, and in this cell if given, that has no
-    /// times yet.
+    /// Returns the first event without times that has this phase and action. If a cell is given,
+    /// the event must be in this cell.
     fn next(
         &self,
         times: &[Option<EventTimes>],

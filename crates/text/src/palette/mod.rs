@@ -59,7 +59,7 @@ impl Rgb {
 /// Smallest distinguishable difference (CIEDE2000).
 pub const MIN: f64 = 10.0;
 
-/// Colours of the phases, in turn. Equal in all themes.
+/// Colours of the phases. After the last colour, the first one follows again. Equal in all themes.
 pub const PHASES: [Rgb; 8] = [
     Rgb(0xfa, 0xcf, 0x2f),
     Rgb(0x33, 0x62, 0x9d),

@@ -17,7 +17,7 @@ impl std::fmt::Display for SlurmError {
 }
 
 impl SlurmError {
-    /// Returns whether Slurm may have accepted the job although its answer was lost.
+    /// Returns whether Slurm may have accepted the job although the answer was lost.
     pub fn is_lost_answer(&self) -> bool {
         const LOST: [&str; 5] = [
             "timed out",

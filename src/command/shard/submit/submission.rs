@@ -65,7 +65,7 @@ impl SubmitArguments {
     }
 }
 
-/// Data of one call of `submit`, which locks the folder while it submits jobs.
+/// Data of one call of `submit`. The call locks the folder while it submits jobs.
 struct Submission<'a> {
     pub(super) options: &'a SubmitArguments,
     pub(super) ensemble: &'a SlurmEnsemble,

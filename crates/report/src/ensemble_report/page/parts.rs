@@ -39,8 +39,9 @@ impl<'a> Parts<'a> {
         detailed(self.subjects)
     }
 
-    /// Returns the statistics of a program's completion time, in the unit of the page. They can be
-    /// compared with other programs. Returns `None` if no run has a time.
+    /// Returns the statistics of a program's completion time, in the unit of the page. The
+    /// statistics of different programs can be compared with each other. Returns `None` if no run
+    /// has a time.
     pub(super) fn time(&self, subject: &ReportedProgram) -> Option<Time> {
         Time::beside(&subject.times_by(self.clock), self.last)
     }
