@@ -246,7 +246,7 @@ fn with_command(mut error: clap::Error) -> clap::Error {
     };
     let word = word.clone();
     let other = OTHER_NAMES.iter().find(|(name, _)| *name == word);
-    let meant = match other {
+    let suggestion = match other {
         Some((_, command)) => (*command).to_owned(),
         None if word.ends_with(".sa") || Path::new(&word).exists() => {
             format!("stochc check {}", shell_file(&word))
@@ -254,7 +254,7 @@ fn with_command(mut error: clap::Error) -> clap::Error {
         None => return error,
     };
     error.remove(ContextKind::SuggestedSubcommand);
-    let tip = StyledStr::from(format!("did you mean `{meant}`?"));
+    let tip = StyledStr::from(format!("did you mean `{suggestion}`?"));
     error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
     error
 }

@@ -397,7 +397,7 @@ pub enum Operator {
 
 impl Operator {
     /// Returns the result of the operation. Returns `None` on overflow or division by zero.
-    pub fn of(self, left: i64, right: i64) -> Option<i64> {
+    pub fn apply(self, left: i64, right: i64) -> Option<i64> {
         match self {
             Operator::Add => left.checked_add(right),
             Operator::Subtract => left.checked_sub(right),

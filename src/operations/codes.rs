@@ -33,9 +33,9 @@ pub fn explain(name: &str) -> Result<&'static str, String> {
 }
 
 fn unknown(name: &str, otherwise: &str) -> String {
-    let meant = Code::nearest(name).map_or_else(
+    let suggestion = Code::nearest(name).map_or_else(
         || otherwise.to_owned(),
-        |meant| format!("did you mean `{meant}`?"),
+        |suggestion| format!("did you mean `{suggestion}`?"),
     );
-    format!("`{name}` is not a code of a warning or error; {meant}")
+    format!("`{name}` is not a code of a warning or error; {suggestion}")
 }

@@ -180,7 +180,7 @@ fn level(program: &EnsembleProgram, code: Code, levels: &LintLevels) -> Level {
         Some(diagnostic) if diagnostic.is_error() => Level::Deny,
         Some(_) => Level::Warn,
         None if allowed.any(|it| it == code) => Level::Allow,
-        None => levels.of(code),
+        None => levels.level(code),
     }
 }
 
@@ -233,14 +233,15 @@ pub fn make(
     let progress = Progress::new(manifest, at_once).within(how.time_limit);
     let recordings = Recordings::new(how.out.zip(how.record), how.record_every, manifest);
     let unrecorded = made_by(manifest);
-    let simulate =
-        |program: usize, number, mut watch: &RunWatch| match recordings.of(program, number) {
-            Some(place) => {
-                let record = place.record(&manifest.programs[program], &mut watch);
-                record.map_err(|_| RunCancelled)
-            }
-            None => unrecorded(program, number, watch),
-        };
+    let simulate = |program: usize, number, mut watch: &RunWatch| match recordings
+        .recording(program, number)
+    {
+        Some(place) => {
+            let record = place.record(&manifest.programs[program], &mut watch);
+            record.map_err(|_| RunCancelled)
+        }
+        None => unrecorded(program, number, watch),
+    };
     let is_all_there = destination.existing() == manifest.total();
     let state = |elapsed| work_progress(manifest, &progress, elapsed);
     let work = || run_all(destination, &progress, stop, simulate);

@@ -48,7 +48,7 @@ impl<'a> Recordings<'a> {
 
     /// Returns the recording of a run, ready to be written. Returns `None` if the run is not
     /// selected.
-    pub fn of(&'a self, program: usize, run: u64) -> Option<RecordingOfRun<'a>> {
+    pub fn recording(&'a self, program: usize, run: u64) -> Option<RecordingOfRun<'a>> {
         let (folder, _) = self.requested.filter(|(_, runs)| runs.contains(run))?;
         Some(RecordingOfRun {
             all: self,

@@ -243,7 +243,7 @@ pub fn end(child: Child) -> (i32, String) {
 }
 
 /// Returns the ids of processes whose arguments and environment match.
-fn processes(is_meant: impl Fn(&[&[u8]], &[&[u8]]) -> bool) -> Vec<String> {
+fn processes(matches: impl Fn(&[&[u8]], &[&[u8]]) -> bool) -> Vec<String> {
     let mut found = Vec::new();
     for entry in fs::read_dir("/proc").unwrap().flatten() {
         let read = |name: &str| fs::read(entry.path().join(name)).unwrap_or_default();
@@ -251,7 +251,7 @@ fn processes(is_meant: impl Fn(&[&[u8]], &[&[u8]]) -> bool) -> Vec<String> {
         let [arguments, environment]: [Vec<&[u8]>; 2] =
             [&arguments, &environment].map(|text| text.split(|byte| *byte == 0).collect());
         let id = entry.file_name().into_string().unwrap();
-        if id.bytes().all(|byte| byte.is_ascii_digit()) && is_meant(&arguments, &environment) {
+        if id.bytes().all(|byte| byte.is_ascii_digit()) && matches(&arguments, &environment) {
             found.push(id);
         }
     }

@@ -106,8 +106,8 @@ fn an_option_without_effect_is_rejected() {
 
 /// Checks suggestions for names of commands in other programs, and for a file without a command.
 #[test]
-fn the_command_that_is_meant_is_suggested() {
-    for (line, meant) in [
+fn a_similar_command_is_suggested() {
+    for (line, suggestion) in [
         ("run tests/fixtures/tower.sa", "stochc simulate"),
         ("init", "stochc new"),
         ("version", "stochc --version"),
@@ -118,7 +118,7 @@ fn the_command_that_is_meant_is_suggested() {
     ] {
         let outcome = stochc(line);
         assert_eq!((outcome.status, outcome.out.as_str()), (2, ""), "{line}");
-        let tip = format!("did you mean `{meant}`?");
+        let tip = format!("did you mean `{suggestion}`?");
         assert!(outcome.err.contains(&tip), "{line}: {}", outcome.err);
     }
 }

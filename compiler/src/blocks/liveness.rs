@@ -4,8 +4,8 @@ use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::table::{RoleId, Trigger};
 
 use crate::diagnostic::{
-    Code, Diagnostic, Fix, Severity, entry, is_full, is_repeated, last_named, meant, named,
-    parameter_hint, removal, report,
+    Code, Diagnostic, Fix, Severity, entry, is_full, is_repeated, last_named, named,
+    parameter_hint, removal, report, suggestion,
 };
 use crate::expand::members::members;
 use crate::plan::{EventId, EventKind, NameKey, PatternInstance, ProgramPlan};
@@ -667,9 +667,10 @@ impl Checker<'_> {
         let known = self.blocks().take(2_000);
         let known = known.map(|key| roles.name_of(key, self.symbols));
         let written = named(self.sources, location, &name);
-        diagnostic = diagnostic.suggest(location, meant(self.diagnostics, &name, known), || {
-            format!("add it to the seed plate, or capture it: `... -> {name}`").to_owned()
-        });
+        diagnostic =
+            diagnostic.suggest(location, suggestion(self.diagnostics, &name, known), || {
+                format!("add it to the seed plate, or capture it: `... -> {name}`").to_owned()
+            });
         // A name with a computed index is written differently.
         diagnostic.fix = diagnostic.fix.zip(written).map(|(mut fix, location)| {
             fix.edits

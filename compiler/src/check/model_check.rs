@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 
 use stochc_control::explore::{
-    Exploration, ExplorationBounds, Faults, Meant, ProgramGoals, Violation,
+    ExpectedEvent, Exploration, ExplorationBounds, Faults, ProgramGoals, Violation,
 };
 use stochc_ir::graph::{Dependency, EventGraph, EventId};
 use stochc_ir::table::Tables;
@@ -69,9 +69,9 @@ fn fault(program: &Program) -> Option<Diagnostic> {
 /// Returns the goals that every run of the tables must reach. They are computed from the dependency
 /// graph, independently of the tables, so that they can check the tables.
 pub fn expected(graph: &EventGraph, tables: &Tables) -> ProgramGoals {
-    let meant = (0..graph.events.len() as u32).map(EventId).map(|id| {
+    let expected_event = (0..graph.events.len() as u32).map(EventId).map(|id| {
         let event = graph.event(id);
-        let mut meant = Meant {
+        let mut expected_event = ExpectedEvent {
             phase: event.phase,
             event: event.action.notification(),
             cell: event.cell,
@@ -82,15 +82,15 @@ pub fn expected(graph: &EventGraph, tables: &Tables) -> ProgramGoals {
             let first = graph.event(edge.first).action.notification();
             match edge.why {
                 Dependency::Face { needed, .. } => {
-                    meant.turn.0 = usize::from(needed);
-                    meant.turn.1.push(first);
+                    expected_event.turn.0 = usize::from(needed);
+                    expected_event.turn.1.push(first);
                 }
-                _ => meant.waits_for.push(first),
+                _ => expected_event.waits_for.push(first),
             }
         }
-        meant
+        expected_event
     });
-    ProgramGoals::meant(tables, meant)
+    ProgramGoals::from_events(tables, expected_event)
 }
 
 /// Returns the shortest sequence of events that violates the goals of the tables. Returns `found`

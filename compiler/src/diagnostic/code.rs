@@ -197,7 +197,7 @@ impl Code {
     pub fn nearest(name: &str) -> Option<&'static str> {
         let known = Code::ALL.iter().map(|code| code.name());
         stochc_text::suggest::nearest(name, known)
-            .and_then(|meant| Code::from_name(&meant.word).map(Code::name))
+            .and_then(|suggestion| Code::from_name(&suggestion.word).map(Code::name))
     }
 
     /// Returns the code with a name. Returns `None` if the name is unknown.

@@ -35,16 +35,16 @@ pub(super) fn count(diagnostics: &[Diagnostic], severity: Severity) -> usize {
 
 /// Largest number of diagnostics with a search for similar names. The search is slow and runs again
 /// for every fix.
-const MAX_MEANT: usize = 200;
+const MAX_SUGGESTIONS: usize = 200;
 
-/// Returns the known word that is closest to an unknown one. Returns `None` after [`MAX_MEANT`]
-/// diagnostics.
-pub(crate) fn meant<S: AsRef<str>>(
+/// Returns the known word that is closest to an unknown one. Returns `None` after
+/// [`MAX_SUGGESTIONS`] diagnostics.
+pub(crate) fn suggestion<S: AsRef<str>>(
     diagnostics: &[Diagnostic],
     unknown: &str,
     known: impl IntoIterator<Item = S>,
 ) -> Option<Suggestion> {
-    let is_asked = diagnostics.len() < MAX_MEANT;
+    let is_asked = diagnostics.len() < MAX_SUGGESTIONS;
     is_asked.then(|| nearest(unknown, known)).flatten()
 }
 

@@ -138,14 +138,14 @@ impl Diagnostic {
     pub(crate) fn suggest(
         mut self,
         location: SourceLocation,
-        meant: Option<Suggestion>,
+        suggestion: Option<Suggestion>,
         otherwise: impl FnOnce() -> String,
     ) -> Diagnostic {
-        let Some(meant) = meant else {
+        let Some(suggestion) = suggestion else {
             return self.help(otherwise());
         };
-        self.fix = Some(Fix::word(location, &meant));
-        self.help(meant.help())
+        self.fix = Some(Fix::word(location, &suggestion));
+        self.help(suggestion.help())
     }
 
     /// Returns whether the diagnostic is a warning that counts as an error.

@@ -26,9 +26,9 @@ impl Fix {
 
     /// Returns a fix that replaces an unknown word by a known one. The fix is safe if only one
     /// known word is similar.
-    pub(crate) fn word(location: SourceLocation, meant: &Suggestion) -> Fix {
-        let title = format!("write `{}`", meant.word);
-        Fix::replace(location, &meant.word, title).unsafe_if(!meant.clear)
+    pub(crate) fn word(location: SourceLocation, suggestion: &Suggestion) -> Fix {
+        let title = format!("write `{}`", suggestion.word);
+        Fix::replace(location, &suggestion.word, title).unsafe_if(!suggestion.clear)
     }
 
     /// Marks the fix as unsafe if `is_uncertain`.

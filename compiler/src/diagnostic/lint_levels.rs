@@ -62,7 +62,7 @@ impl LintLevels {
     }
 
     /// Returns the level of a warning.
-    pub fn of(&self, code: Code) -> Level {
+    pub fn level(&self, code: Code) -> Level {
         let applies = |(of, _): &&(Option<Code>, Level)| of.is_none_or(|of| of == code);
         let last = self.chosen.iter().rev().find(applies);
         last.map_or(Level::Warn, |(_, level)| *level)
@@ -269,7 +269,7 @@ impl FileLevels {
                 diagnostic = diagnostic.label(set.location, text);
                 Level::Deny
             }
-            _ => levels.of(diagnostic.code),
+            _ => levels.level(diagnostic.code),
         };
         match level {
             Level::Allow => allowed.push(Allowed {
@@ -339,11 +339,11 @@ fn code(
     };
     let Some(code) = Code::from_name(word) else {
         let title = format!("`{word}` is not a code of a warning or error");
-        let meant = nearest(word, Code::ALL.iter().map(|code| code.name()));
+        let suggestion = nearest(word, Code::ALL.iter().map(|code| code.name()));
         return Err(Box::new(
             Diagnostic::new(Code::UnknownCode, title)
                 .label(location, "unknown code")
-                .suggest(location, meant, || {
+                .suggest(location, suggestion, || {
                     "run `stochc explain` for a list of all codes".to_owned()
                 }),
         ));

@@ -17,7 +17,7 @@ mod syntax_hints;
 
 pub use change::TextChange;
 pub use code::{Code, Severity};
-pub(crate) use collection::{fold, has_enough_errors, is_full, is_repeated, meant, report};
+pub(crate) use collection::{fold, has_enough_errors, is_full, is_repeated, report, suggestion};
 pub use definition::{Diagnostic, Edit, Fix, Label};
 pub(crate) use fix::{LONG, entry, last_named, named, removal};
 pub use graphical::{Renderer, visible};

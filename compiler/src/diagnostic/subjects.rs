@@ -12,9 +12,9 @@ pub(crate) struct Subjects {
 
 impl Subjects {
     pub(super) fn new(format: &'static str, subjects: &[&str]) -> Subjects {
-        let pieces: Vec<&str> = format.split("{}").collect();
-        debug_assert_eq!(pieces.len(), subjects.len() + 1, "{format}");
-        let is_quoted = |number: usize| pieces[number].ends_with('`');
+        let fragments: Vec<&str> = format.split("{}").collect();
+        debug_assert_eq!(fragments.len(), subjects.len() + 1, "{format}");
+        let is_quoted = |number: usize| fragments[number].ends_with('`');
         let words = subjects.iter().enumerate().map(|(number, subject)| {
             if is_quoted(number) {
                 format!("`{subject}`")
@@ -30,11 +30,11 @@ impl Subjects {
 
     /// Returns the format with the subjects inserted.
     pub(super) fn title(&self) -> String {
-        let mut pieces = self.format.split("{}");
-        let mut title = pieces.next().unwrap_or_default().to_owned();
-        for (word, piece) in self.words.iter().zip(pieces) {
+        let mut fragments = self.format.split("{}");
+        let mut title = fragments.next().unwrap_or_default().to_owned();
+        for (word, fragment) in self.words.iter().zip(fragments) {
             title.push_str(word.trim_matches('`'));
-            title.push_str(piece);
+            title.push_str(fragment);
         }
         title
     }

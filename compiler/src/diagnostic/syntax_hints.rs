@@ -1,7 +1,7 @@
 //! Advice and fixes for the most frequent syntax errors.
 use stochc_grammar::is_unit;
 use stochc_ir::scene::quantity::QuantityKind;
-use stochc_ir::scene::units::unit_meant;
+use stochc_ir::scene::units::suggested_unit;
 use stochc_text::suggest::{Suggestion, nearest};
 
 use super::{Code, Diagnostic, Edit, Fix};
@@ -125,8 +125,8 @@ impl SyntaxHint<'_> {
 
     /// Returns the advice and the fix.
     pub fn advice(&self) -> (Option<String>, Option<Fix>) {
-        if let Some((word, meant)) = self.misspelt() {
-            return (Some(meant.help()), Some(Fix::word(word, &meant)));
+        if let Some((word, suggestion)) = self.misspelt() {
+            return (Some(suggestion.help()), Some(Fix::word(word, &suggestion)));
         }
         let fix = self.fix();
         let after = self.after;
@@ -169,21 +169,22 @@ impl SyntaxHint<'_> {
             let before = self.before().trim_end_matches([' ', '\t']);
             if self.expects("`{`") && before.ends_with(|c: char| c.is_ascii_digit()) {
                 let kinds = [QuantityKind::TIME, QuantityKind::TICKS];
-                return unit_meant(self.found, &kinds).map(|meant| (self.location, meant));
+                return suggested_unit(self.found, &kinds)
+                    .map(|suggestion| (self.location, suggestion));
             }
             let words = self.expected.iter().map(|word| word.trim_matches('`'));
             let words = words.filter(|word| word.starts_with(|c: char| c.is_ascii_lowercase()));
             // Alternatives such as `a block` are not keywords.
-            let meant = nearest(self.found, words.filter(|word| !word.contains(' ')));
-            if let Some(meant) = meant.filter(|_| self.found.len() > 2) {
-                return Some((self.location, meant));
+            let suggestion = nearest(self.found, words.filter(|word| !word.contains(' ')));
+            if let Some(suggestion) = suggestion.filter(|_| self.found.len() > 2) {
+                return Some((self.location, suggestion));
             }
         }
         let word = self.word_behind()?;
         if !self.expects("`->`") || FIRST.contains(&self.after) {
             return None;
         }
-        nearest(self.after, FIRST).map(|meant| (word, meant))
+        nearest(self.after, FIRST).map(|suggestion| (word, suggestion))
     }
 
     /// Returns whether a unit follows a number at the end of the previous line.

@@ -4,7 +4,7 @@ use stochc_grammar::tree::{Argument, Expr, ExprKind, Instance, Name, Pattern, Pl
 use stochc_text::suggest::nearest;
 
 use super::expander::Expander;
-use super::place::face_meant;
+use super::place::suggested_face;
 use super::scope::BoundValue;
 use super::uses::Uses;
 use crate::diagnostic::{Code, Diagnostic, Edit, Fix};
@@ -184,14 +184,14 @@ impl<'a> Expander<'a, '_> {
             }
             (ValueKind::Face, Some((_, word))) => {
                 let word = name(word);
-                let meant = face_meant(word)
+                let suggestion = suggested_face(word)
                     .or_else(|| nearest(word, stochc_ir::Face::ALL.map(|face| face.word())));
-                if meant.is_some() {
+                if suggestion.is_some() {
                     let diagnostic =
                         Diagnostic::about(Code::UnknownName, "`{}` is not a face", &[word])
                             .label(location, "unknown face")
                             .label(used, label)
-                            .suggest(location, meant, String::new);
+                            .suggest(location, suggestion, String::new);
                     self.diagnostics.push(diagnostic);
                     return;
                 }

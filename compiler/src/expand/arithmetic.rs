@@ -54,7 +54,7 @@ impl Expander<'_, '_> {
                     self.diagnostics.push(diagnostic);
                     return None;
                 }
-                self.in_range(operator.of(left, right), expr)
+                self.in_range(operator.apply(left, right), expr)
             }
         }
     }

@@ -187,10 +187,10 @@ impl Expander<'_, '_> {
         let word = self.symbols.word(segment.name.symbol);
         let faces = Face::ALL.map(Face::word);
         let requested = self.symbols.word(next.name.symbol);
-        let meant = face_meant(requested).or_else(|| nearest(requested, faces));
+        let suggestion = suggested_face(requested).or_else(|| nearest(requested, faces));
         let is_block = self.plan.roles.get(&key).is_some()
             || matches!(self.value(segment.name), Some(BoundValue::Block(_)));
-        let is_face = next.index.is_none() && (is_block || meant.is_some());
+        let is_face = next.index.is_none() && (is_block || suggestion.is_some());
         if let (true, Some(value)) = (is_face, self.value(next.name)) {
             self.wrong_kind(next.name, value, ValueKind::Face);
             return None;
@@ -201,7 +201,7 @@ impl Expander<'_, '_> {
                     self.location(next.name.span),
                     format!("unknown face of `{word}`"),
                 )
-                .suggest(self.location(next.name.span), meant, || {
+                .suggest(self.location(next.name.span), suggestion, || {
                     "write up, down, north, south, east or west".to_owned()
                 })
         } else if self.plan.uncertain.contains(&key.word) {
@@ -227,7 +227,7 @@ impl Expander<'_, '_> {
                 None => {
                     let known = roles.instances(scope);
                     let known = known.map(|known| self.symbols.word(known.word));
-                    let known = diagnostic::meant(self.diagnostics, word, known);
+                    let known = diagnostic::suggestion(self.diagnostics, word, known);
                     diagnostic.suggest(self.location(segment.name.span), known, || {
                         format!("name the instance above this statement: `tower(A, 2) as {word}`")
                     })
@@ -352,7 +352,7 @@ impl Expander<'_, '_> {
 
 /// Returns the face that another word for a direction probably means. Returns `None` if it means no
 /// face.
-pub(super) fn face_meant(word: &str) -> Option<Suggestion> {
+pub(super) fn suggested_face(word: &str) -> Option<Suggestion> {
     let (face, clear) = match word {
         "top" | "above" | "upper" => (Face::Up, true),
         "bottom" | "below" | "lower" => (Face::Down, true),

@@ -8,7 +8,7 @@ use stochc_text::counted;
 use super::expander::{Expander, Pass};
 use super::scope::BoundValue;
 use crate::SourceLocation;
-use crate::diagnostic::{Code, Diagnostic, Fix, meant};
+use crate::diagnostic::{Code, Diagnostic, Fix, suggestion};
 use crate::plan::{AfterConstraint, EventId, EventKind, NameKey, PlanEvent};
 
 impl<'a> Expander<'a, '_> {
@@ -260,7 +260,7 @@ impl<'a> Expander<'a, '_> {
                     .label(location, "no pattern has this name")
                     .suggest(
                         location,
-                        meant(self.diagnostics, word, known),
+                        suggestion(self.diagnostics, word, known),
                         || match word {
                             "allow" | "deny" => format!(
                                 "write it without parentheses: `{word} unused-seed \"reason\"`"

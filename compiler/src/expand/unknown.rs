@@ -5,7 +5,7 @@ use stochc_grammar::{Span, Symbol};
 use super::expander::Expander;
 use super::scope::BoundValue;
 use crate::SourceLocation;
-use crate::diagnostic::{Code, Diagnostic, meant, parameter_hint};
+use crate::diagnostic::{Code, Diagnostic, parameter_hint, suggestion};
 use crate::names::ValueKind;
 
 impl Expander<'_, '_> {
@@ -79,7 +79,7 @@ impl Expander<'_, '_> {
             let known = self.scope.words().map(|word| self.symbols.word(word));
             Diagnostic::about(Code::UnknownName, "cannot find number `{}`", &[name])
                 .label(location, "no `let`, counter or parameter has this name")
-                .suggest(location, meant(self.diagnostics, name, known), || {
+                .suggest(location, suggestion(self.diagnostics, name, known), || {
                     format!("declare it: `let {name} = 3`")
                 })
         };

@@ -4,7 +4,7 @@ use stochc_grammar::tree::Name;
 use stochc_grammar::{Symbol, Symbols};
 use stochc_ir::scene::Scene;
 
-use crate::diagnostic::{Code, Diagnostic, meant, report};
+use crate::diagnostic::{Code, Diagnostic, report, suggestion};
 use crate::expand::duplicate;
 use crate::names::{Definition, Names};
 use crate::scene::declared_scenes::{DeclaredScene, scenes_from_trees};
@@ -140,7 +140,7 @@ impl<'a> Scenes<'a> {
         };
         Diagnostic::about(Code::UnknownScene, "cannot find scene `{}`", &[word])
             .label(location, "no scene has this name")
-            .suggest(location, meant(diagnostics, word, known()), || {
+            .suggest(location, suggestion(diagnostics, word, known()), || {
                 if self.read.len() > MAX_LISTED {
                     return "declare it, or use a declared or built-in scene".to_owned();
                 }

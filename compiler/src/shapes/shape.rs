@@ -7,7 +7,7 @@ use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::{Cell, CellBounds};
 
 use crate::diagnostic::layer_picture::layer_picture;
-use crate::diagnostic::{Code, Diagnostic, Severity, is_full, meant, report};
+use crate::diagnostic::{Code, Diagnostic, Severity, is_full, report, suggestion};
 use crate::expand::Shapes;
 use crate::names::Names;
 use crate::plan::ProgramPlan;
@@ -50,7 +50,7 @@ pub fn check(
                 let diagnostic =
                     Diagnostic::about(Code::UnknownName, "cannot find shape `{}`", &[word])
                         .label(location, "no shape has this name")
-                        .suggest(location, meant(diagnostics, word, known), || {
+                        .suggest(location, suggestion(diagnostics, word, known), || {
                             format!("declare it: `shape {word} {{ layer 1 {{ # }} }}`")
                         });
                 report(diagnostics, diagnostic);
@@ -288,7 +288,9 @@ fn constant(expr: &Expr) -> Option<i64> {
         ExprKind::Int(value) => Some(*value),
         ExprKind::Name(_) => None,
         ExprKind::Negate(inner) => constant(inner)?.checked_neg(),
-        ExprKind::Binary(operator, sides) => operator.of(constant(&sides.0)?, constant(&sides.1)?),
+        ExprKind::Binary(operator, sides) => {
+            operator.apply(constant(&sides.0)?, constant(&sides.1)?)
+        }
     }
 }
 

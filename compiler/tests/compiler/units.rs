@@ -49,15 +49,15 @@ fn units_of_the_laboratory_are_read() {
 
 #[test]
 fn other_units_are_converted() {
-    for (written, meant) in [("2 mmHg", "266.64477483 Pa"), ("2 atm", "202650 Pa")] {
+    for (written, suggestion) in [("2 mmHg", "266.64477483 Pa"), ("2 atm", "202650 Pa")] {
         let bond = |head: &str| {
             format!(
                 "bond suction {{ head {head}  supply 0  valve 5 kPa s/L  passage 1 kPa s/L  seal 1cm  anchor centres 5mm }}"
             )
         };
-        assert_eq!(fixed("suction_tank", &bond(written)), bond(meant));
+        assert_eq!(fixed("suction_tank", &bond(written)), bond(suggestion));
     }
-    for (written, meant) in [
+    for (written, suggestion) in [
         (
             "agitation brownian { temperature 20 degC }",
             "agitation brownian { temperature 293.15 K }",
@@ -80,13 +80,13 @@ fn other_units_are_converted() {
             "block cube { side 2 atm  mass 1 kg }",
         ),
     ] {
-        assert_eq!(fixed("magnet_tank", written), meant);
+        assert_eq!(fixed("magnet_tank", written), suggestion);
     }
 }
 
 #[test]
 fn a_unit_on_the_next_line_is_moved_to_its_number() {
-    for (written, meant) in [
+    for (written, suggestion) in [
         ("tick 20\nms", "tick 20 ms\n"),
         ("tick 20 // a comment\n  ms", "tick 20 ms // a comment\n  "),
         (
@@ -98,7 +98,7 @@ fn a_unit_on_the_next_line_is_moved_to_its_number() {
             "bond attract { pull 4 N\n  within 1cm  anchor centres 1mm }",
         ),
     ] {
-        assert_eq!(fixed("hemisphere", written), meant);
+        assert_eq!(fixed("hemisphere", written), suggestion);
     }
 }
 

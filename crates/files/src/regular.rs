@@ -33,15 +33,15 @@ pub fn read_file(path: &Path, budget: ReadBudget) -> io::Result<Vec<u8>> {
 /// Errors of the stream. A stream beyond its limit is also an error.
 pub(crate) fn read_stream(mut stream: impl Read, budget: ReadBudget) -> io::Result<Vec<u8>> {
     /// Number of bytes between two checks. Smaller files are not checked.
-    const PIECE: u64 = 1 << 24;
+    const CHUNK: u64 = 1 << 24;
     let mut bytes = Vec::new();
     loop {
         let before = bytes.len();
-        (&mut stream).take(PIECE).read_to_end(&mut bytes)?;
+        (&mut stream).take(CHUNK).read_to_end(&mut bytes)?;
         if bytes.len() == before {
             return Ok(bytes);
         }
-        if (bytes.len() - before) as u64 == PIECE {
+        if (bytes.len() - before) as u64 == CHUNK {
             budget.accepts(&bytes[before..])?;
         }
         budget.admits(bytes.len() as u64)?;

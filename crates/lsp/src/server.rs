@@ -257,12 +257,12 @@ impl<W: Write> Server<W> {
     }
 
     /// Answers the selected requests with an error and cancels their jobs.
-    fn fail(&mut self, is_meant: impl Fn(&PendingRequest) -> bool, why: &RequestFailure) {
-        let (meant, rest) = std::mem::take(&mut self.requests)
+    fn fail(&mut self, matches: impl Fn(&PendingRequest) -> bool, why: &RequestFailure) {
+        let (matching, rest) = std::mem::take(&mut self.requests)
             .into_iter()
-            .partition(is_meant);
+            .partition(matches);
         self.requests = rest;
-        for request in meant {
+        for request in matching {
             if let Work::Running(job) = request.work {
                 self.jobs.cancel(job);
             }

@@ -40,7 +40,7 @@ pub struct PlanSearch<'a> {
 impl PlanSearch<'_> {
     /// Returns the value for comparing plans: the objective plus the cost of narrow access paths.
     pub(crate) fn value(&self, estimate: &PlanEstimate, disassembly: &Disassembly) -> f64 {
-        estimate.of(self.objective) + JAMS * disassembly.narrow_count() as f64
+        estimate.value(self.objective) + JAMS * disassembly.narrow_count() as f64
     }
 }
 
@@ -231,7 +231,7 @@ impl Searcher<'_> {
     }
 
     fn report(&self, best: &ScheduleCandidate) {
-        let time = best.scheduled.estimate.of(self.search.objective);
+        let time = best.scheduled.estimate.value(self.search.objective);
         (self.search.tried)(self.rounds, time);
     }
 
@@ -359,7 +359,7 @@ pub fn improved(
     search: PlanSearch<'_>,
     rng: &mut ChaCha8Rng,
 ) -> (PrioritizedSchedule, u64) {
-    let value = |of: &PrioritizedSchedule| of.estimate.of(search.objective);
+    let value = |of: &PrioritizedSchedule| of.estimate.value(search.objective);
     let waiting = job.waiting(&best.schedule);
     let mut critical = samples.criticality(&best.schedule, &waiting);
     let mut current = best.clone();

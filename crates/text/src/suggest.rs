@@ -121,27 +121,29 @@ mod tests {
 
     #[test]
     fn suggests_similar_words_only() {
-        let help = |unknown, known: &[&str]| nearest(unknown, known).map(|meant| meant.help());
+        let help =
+            |unknown, known: &[&str]| nearest(unknown, known).map(|suggestion| suggestion.help());
         let known = ["tower", "bridge", "T[2]"];
-        let meant = |word: &str| Some(format!("did you mean `{word}`?"));
-        assert_eq!(help("towr", &known), meant("tower"));
-        assert_eq!(help("T[3]", &known), meant("T[2]"));
+        let suggestion = |word: &str| Some(format!("did you mean `{word}`?"));
+        assert_eq!(help("towr", &known), suggestion("tower"));
+        assert_eq!(help("T[3]", &known), suggestion("T[2]"));
         assert_eq!(help("platform", &known), None);
         assert_eq!(help("M", &["X"]), None);
         assert_eq!(help("Q[1]", &["M[1]"]), None);
         assert_eq!(help("a[1].T", &["a[1].M", "M"]), None);
-        assert_eq!(help("a.t[1]", &["a.T[1]"]), meant("a.T[1]"));
-        assert_eq!(help("m", &["M"]), meant("M"));
-        assert_eq!(help("TOWER", &["tower"]), meant("tower"));
+        assert_eq!(help("a.t[1]", &["a.T[1]"]), suggestion("a.T[1]"));
+        assert_eq!(help("m", &["M"]), suggestion("M"));
+        assert_eq!(help("TOWER", &["tower"]), suggestion("tower"));
         assert_eq!(
             help("reocnfigurate", &["reconfigured"]),
-            meant("reconfigured")
+            suggestion("reconfigured")
         );
     }
 
     #[test]
     fn only_a_typo_of_one_letter_is_clear() {
-        let clear = |unknown, known: &[&str]| nearest(unknown, known).map(|meant| meant.clear);
+        let clear =
+            |unknown, known: &[&str]| nearest(unknown, known).map(|suggestion| suggestion.clear);
         assert_eq!(clear("phaze", &["phase", "shape"]), Some(true));
         assert_eq!(clear("relese", &["release", "scene"]), Some(true));
         assert_eq!(clear("towr", &["tower", "tower"]), Some(true));

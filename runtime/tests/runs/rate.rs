@@ -261,7 +261,7 @@ fn a_block_released_before_a_face_opens_has_often_left() {
         assert_eq!(since > 0, hop > 0);
         let starts = rates.head_starts();
         let nearby = starts
-            .of(bond.cell, Face::Up, bond.cell)
+            .nearby(bond.cell, Face::Up, bond.cell)
             .expect("it is known");
         let expected = (nearby.after(since as f64)).map_or(0.0, |start| start.probability);
         // Sometimes another block docks first, or this block returns later.

@@ -3,7 +3,7 @@ use stochc_grammar::is_unit;
 use stochc_grammar::tree::{Quantity, Term};
 use stochc_ir::scene::quantity::QuantityKind;
 use stochc_ir::scene::schema::{self, SchemaNumber};
-use stochc_ir::scene::units::{Dimension, UNITS, converted, unit_meant};
+use stochc_ir::scene::units::{Dimension, UNITS, converted, suggested_unit};
 
 use stochc_grammar::Span;
 
@@ -204,7 +204,9 @@ impl<'a> SceneReader<'a, '_> {
                     .help(title.clone())
                     .fix(Fix::replace(all, text, title))
             }
-            None => diagnostic.suggest(location, unit_meant(word, &[*kind]), || UNITS.to_owned()),
+            None => diagnostic.suggest(location, suggested_unit(word, &[*kind]), || {
+                UNITS.to_owned()
+            }),
         };
         report(self.diagnostics, diagnostic);
         true

@@ -28,14 +28,15 @@ impl SceneReader<'_, '_> {
                 if !reported {
                     let location = self.location(name.span);
                     let title = format!("`{word}` is not a {noun}");
-                    let mut meant = nearest(word, words(known));
-                    if let Some(meant) = &mut meant {
+                    let mut suggestion = nearest(word, words(known));
+                    if let Some(suggestion) = &mut suggestion {
                         // A word that the scene already has is not suggested as a safe fix.
-                        meant.clear &= named(present, &meant.word, self.symbols).is_none();
+                        suggestion.clear &=
+                            named(present, &suggestion.word, self.symbols).is_none();
                     }
                     let diagnostic = Diagnostic::new(Code::UnknownTerm, title)
                         .label(location, "unknown word")
-                        .suggest(location, meant, || {
+                        .suggest(location, suggestion, || {
                             format!("write one of {}", words(known).join(", "))
                         });
                     report(self.diagnostics, diagnostic);
@@ -97,7 +98,7 @@ impl SceneReader<'_, '_> {
                     .label(location, "cannot stand here")
                     .help(help);
                 let fix = match (nearest(found, known), known) {
-                    (Some(meant), _) => Some(Fix::word(location, &meant)),
+                    (Some(suggestion), _) => Some(Fix::word(location, &suggestion)),
                     (None, [only]) => Some(
                         Fix::replace(location, *only, format!("write `{only}`")).unsafe_if(true),
                     ),

@@ -34,7 +34,7 @@ pub(super) struct PhaseGoal {
 
 /// Capture or release as declared by the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Meant {
+pub struct ExpectedEvent {
     /// Phase of the event.
     pub phase: PhaseId,
     /// The expected event.
@@ -69,7 +69,7 @@ impl ProgramGoals {
                     Condition::Turn(needed) => Some(usize::from(*needed)),
                     _ => None,
                 });
-                events.push(Meant {
+                events.push(ExpectedEvent {
                     phase: duty.phase,
                     event,
                     cell,
@@ -83,7 +83,7 @@ impl ProgramGoals {
                 });
             }
         }
-        ProgramGoals::meant(tables, events)
+        ProgramGoals::from_events(tables, events)
     }
 
     /// Returns the goals of events that were declared independently of the tables. Only the reports
@@ -91,25 +91,28 @@ impl ProgramGoals {
     ///
     /// A phase may both capture and release a role. If the role is occupied at the start of the
     /// phase, the release comes first. Otherwise, the capture comes first.
-    pub fn meant(tables: &Tables, events: impl IntoIterator<Item = Meant>) -> ProgramGoals {
+    pub fn from_events(
+        tables: &Tables,
+        events: impl IntoIterator<Item = ExpectedEvent>,
+    ) -> ProgramGoals {
         let mut phases = vec![PhaseGoal::default(); tables.phases.len()];
         let mut cells: BTreeMap<(PhaseId, RoleId), Cell> = BTreeMap::new();
-        for meant in events {
-            let stage = &mut phases[meant.phase.0 as usize];
-            match meant.event {
+        for expected in events {
+            let stage = &mut phases[expected.phase.0 as usize];
+            match expected.event {
                 Notification::Anchored(child) => {
                     stage.captures.insert(child);
-                    stage.cells.extend(meant.cell);
-                    cells.extend(meant.cell.map(|cell| ((meant.phase, child), cell)));
+                    stage.cells.extend(expected.cell);
+                    cells.extend(expected.cell.map(|cell| ((expected.phase, child), cell)));
                 }
                 Notification::Released(child) => {
                     stage.releases.insert(child);
                 }
             }
-            let needs = stage.needs.entry(meant.event).or_default();
-            needs.extend(meant.waits_for);
-            if meant.turn.0 > 0 {
-                stage.turns.insert(meant.event, meant.turn);
+            let needs = stage.needs.entry(expected.event).or_default();
+            needs.extend(expected.waits_for);
+            if expected.turn.0 > 0 {
+                stage.turns.insert(expected.event, expected.turn);
             }
         }
         for duty in tables.duties() {

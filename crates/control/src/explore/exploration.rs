@@ -42,8 +42,8 @@ pub struct Exploration<'a> {
     /// Tables to run.
     pub tables: &'a Tables,
     /// Goals to check the tables against. [`ProgramGoals::new`] derives them from the tables.
-    /// [`ProgramGoals::meant`] takes an independent declaration, so that the tables themselves are
-    /// checked.
+    /// [`ProgramGoals::from_events`] takes an independent declaration, so that the tables themselves
+    /// are checked.
     pub expected: &'a ProgramGoals,
     /// Limits.
     pub bounds: ExplorationBounds,

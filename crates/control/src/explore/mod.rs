@@ -33,7 +33,7 @@ mod runs;
 mod state;
 mod transition;
 
-pub use expected::{Meant, ProgramGoals};
+pub use expected::{ExpectedEvent, ProgramGoals};
 pub use exploration::{CanReach, Exploration, ExplorationBounds};
 pub use faults::Faults;
 pub use random_walk::{Choose, DrawIndex};

@@ -124,7 +124,7 @@ fn head_starts(
         return found;
     }
     for from in within(cell, NEAR) {
-        let Some(nearby) = of_releases.of(cell, direction, from) else {
+        let Some(nearby) = of_releases.nearby(cell, direction, from) else {
             continue;
         };
         for phase in released {

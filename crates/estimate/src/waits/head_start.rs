@@ -86,7 +86,7 @@ impl<'r> HeadStarts<'r> {
 
     /// Returns the head starts of a block that is released in the cell `from`, at the face open to
     /// `cell` in a direction. Returns `None` if there are none.
-    pub fn of(&self, cell: Cell, direction: Face, from: Cell) -> Option<ReleaseNearby> {
+    pub fn nearby(&self, cell: Cell, direction: Face, from: Cell) -> Option<ReleaseNearby> {
         let (squared_distance, before) = relative(cell, direction, from)?;
         let at = |late: bool| {
             let place = (squared_distance, before, late);
@@ -166,7 +166,7 @@ mod tests {
             };
             *kicks = (kicks.0 * speed, kicks.1 * speed);
             let starts = rates.head_starts();
-            let nearby = starts.of(cell, Face::Up, cell).expect("it is known");
+            let nearby = starts.nearby(cell, Face::Up, cell).expect("it is known");
             let probability = |since: u32| nearby.after(f64::from(since)).map(|it| it.probability);
             assert_eq!(probability(0), Some(nearby.at_once.probability));
             let late = (1..1000).map_while(probability).collect::<Vec<_>>();
@@ -186,9 +186,9 @@ mod tests {
         let rates = &Rates::shipped()[0];
         let (cell, beside) = (Cell::new(0, 0, 5), Cell::new(1, 0, 5));
         let starts = rates.head_starts();
-        let nearby = starts.of(cell, Face::Up, beside).expect("it is known");
+        let nearby = starts.nearby(cell, Face::Up, beside).expect("it is known");
         let at = |since: f64| nearby.after(since).map(|it| it.probability);
         assert!(at(1.0) < at(0.0) && at(10.0) < at(1.0));
-        assert_eq!(starts.of(cell, Face::Up, Cell::new(9, 0, 5)), None);
+        assert_eq!(starts.nearby(cell, Face::Up, Cell::new(9, 0, 5)), None);
     }
 }

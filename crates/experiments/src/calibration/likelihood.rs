@@ -13,8 +13,8 @@ type ParameterMatrix = SMatrix<f64, COUNT, COUNT>;
 const STEPS: usize = 200;
 
 /// Returns the most likely parameters, and their covariance row by row.
-pub(super) fn fit(pieces: &[WaitInterval]) -> ([f64; COUNT], Vec<f64>) {
-    let loss = |at: &Vector| loss(pieces, at);
+pub(super) fn fit(intervals: &[WaitInterval]) -> ([f64; COUNT], Vec<f64>) {
+    let loss = |at: &Vector| loss(intervals, at);
     let mut at = Vector::from(Parameters::TYPICAL.0);
     let (mut value, mut slope) = loss(&at);
     let mut damping = 1e-3;
@@ -61,22 +61,22 @@ fn curvature(loss: impl Fn(&Vector) -> (f64, Vector), at: &Vector) -> ParameterM
 }
 
 /// Returns the negative logarithm of likelihood times prior, up to a constant, and its slope.
-fn loss(pieces: &[WaitInterval], at: &Vector) -> (f64, Vector) {
+fn loss(intervals: &[WaitInterval], at: &Vector) -> (f64, Vector) {
     let parameters = Parameters((*at).into());
     let (mut value, mut slope) = (0.0, Vector::zeros());
-    for piece in pieces {
-        let wait = parameters.wait(&piece.surroundings);
-        let hazard = wait.cumulative_hazard(piece.to) - wait.cumulative_hazard(piece.from);
-        let (to, of_hazard) = wait.docking_slopes(piece.to);
-        let (from, _) = wait.docking_slopes(piece.from);
+    for interval in intervals {
+        let wait = parameters.wait(&interval.surroundings);
+        let hazard = wait.cumulative_hazard(interval.to) - wait.cumulative_hazard(interval.from);
+        let (to, of_hazard) = wait.docking_slopes(interval.to);
+        let (from, _) = wait.docking_slopes(interval.from);
         value += hazard;
         let (mut of_rate, mut of_docking) = (hazard, to - from);
-        if piece.captured {
-            value -= log_hazard(wait, piece.to);
+        if interval.captured {
+            value -= log_hazard(wait, interval.to);
             of_rate -= 1.0;
             of_docking -= of_hazard;
         }
-        add(&mut slope, &piece.surroundings, of_rate, of_docking);
+        add(&mut slope, &interval.surroundings, of_rate, of_docking);
     }
     for i in 0..COUNT {
         let off = (at[i] - Parameters::TYPICAL.0[i]) / Parameters::SPREAD[i];

@@ -116,7 +116,7 @@ pub(super) struct WaitInterval {
 /// All intervals of waiting times that a calibration observes.
 #[derive(Debug)]
 pub(super) struct Observations {
-    pub pieces: Vec<WaitInterval>,
+    pub intervals: Vec<WaitInterval>,
     pub highest: i32,
     pub least_open: f64,
     pub least_free: f64,
@@ -125,7 +125,7 @@ pub(super) struct Observations {
 impl Default for Observations {
     fn default() -> Observations {
         Observations {
-            pieces: Vec::new(),
+            intervals: Vec::new(),
             highest: 0,
             least_open: 1.0,
             least_free: 1.0,
@@ -135,25 +135,31 @@ impl Default for Observations {
 
 impl Observations {
     pub fn captures(&self) -> u64 {
-        self.pieces.iter().filter(|piece| piece.captured).count() as u64
+        self.intervals
+            .iter()
+            .filter(|interval| interval.captured)
+            .count() as u64
     }
 
     /// Returns the intervals, cut at a time limit. Longer waiting times are very probably jams,
     /// which the rate model does not include. The limit is the same for all faces and does not
     /// depend on the capture of a face. The result therefore has no bias.
     pub fn without_jams(&self) -> Vec<WaitInterval> {
-        let mut waits: Vec<f64> = (self.pieces.iter())
-            .filter(|piece| piece.captured)
-            .map(|piece| piece.to)
+        let mut waits: Vec<f64> = (self.intervals.iter())
+            .filter(|interval| interval.captured)
+            .map(|interval| interval.to)
             .collect();
         waits.sort_unstable_by(f64::total_cmp);
         let last = (waits.get(waits.len() / 2)).map_or(f64::INFINITY, |median| median * LONGEST);
-        let watched = self.pieces.iter().filter(|piece| piece.from < last);
+        let watched = self
+            .intervals
+            .iter()
+            .filter(|interval| interval.from < last);
         watched
-            .map(|piece| WaitInterval {
-                to: piece.to.min(last),
-                captured: piece.captured && piece.to <= last,
-                ..*piece
+            .map(|interval| WaitInterval {
+                to: interval.to.min(last),
+                captured: interval.captured && interval.to <= last,
+                ..*interval
             })
             .collect()
     }
@@ -233,7 +239,7 @@ impl Observations {
                 self.least_open = self.least_open.min(surroundings.open);
                 self.least_free = self.least_free.min(surroundings.free);
             }
-            self.pieces.push(WaitInterval {
+            self.intervals.push(WaitInterval {
                 surroundings,
                 from: (from - wait.since) as f64,
                 to: (to - wait.since) as f64,

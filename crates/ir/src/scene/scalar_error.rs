@@ -11,7 +11,7 @@ pub enum ScalarError {
         /// Name of the scene.
         scene: String,
         /// Name that was probably intended.
-        meant: Option<String>,
+        suggestion: Option<String>,
         /// Parameters of the scene.
         has: Vec<&'static str>,
     },
@@ -51,11 +51,14 @@ impl fmt::Display for ScalarError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ScalarError::Unknown {
-                name, meant, scene, ..
+                name,
+                suggestion,
+                scene,
+                ..
             } => {
                 write!(f, "the scene `{scene}` has no number `{name}`")?;
-                match meant {
-                    Some(meant) => write!(f, "; did you mean `{meant}`?"),
+                match suggestion {
+                    Some(suggestion) => write!(f, "; did you mean `{suggestion}`?"),
                     None => Ok(()),
                 }
             }

@@ -57,16 +57,16 @@ pub fn find(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, ScalarEr
     // The last word of a name suffices for suggestions: `friction`.
     let last = |number: &&SchemaNumber| number.name().rsplit('.').next() == Some(name);
     let mut ends = scalars(scene).filter(last);
-    let meant = match (ends.next(), ends.next()) {
+    let suggestion = match (ends.next(), ends.next()) {
         (Some(only), None) => Some(only.name().to_owned()),
-        _ => (nearest(name, has()).map(|meant| meant.word))
+        _ => (nearest(name, has()).map(|suggestion| suggestion.word))
             .or_else(|| first().map(str::to_owned))
-            .or_else(|| anywhere().map(|meant| meant.word)),
+            .or_else(|| anywhere().map(|suggestion| suggestion.word)),
     };
     Err(ScalarError::Unknown {
         name: name.to_owned(),
         scene: scene.name.clone(),
-        meant,
+        suggestion,
         has: has(),
     })
 }

@@ -58,7 +58,7 @@ pub fn write_releases(dismantling: &Dismantling, out: &mut String) {
             format!("1..{height}")
         };
         let after = after.iter().map(|&cell| block(Called::Block, cell));
-        let name = NameWords::OWN.of(Called::Scaffold);
+        let name = NameWords::OWN.name(Called::Scaffold);
         write_release(&format!("{name}[{x}, {y}, {levels}]"), after, out);
     }
 }
@@ -97,7 +97,7 @@ fn write_row(row: &[HandOver], axis: usize, out: &mut String) {
     let indices = |here: String| {
         let mut at = <[i32; 3]>::from(row[0].cell).map(|at| at.to_string());
         at[axis] = here;
-        format!("{}[{}]", NameWords::OWN.of(Called::Block), at.join(", "))
+        format!("{}[{}]", NameWords::OWN.name(Called::Block), at.join(", "))
     };
     let before = if step > 0 { "- 1" } else { "+ 1" };
     // Writing to a string cannot fail.
@@ -111,7 +111,7 @@ fn write_row(row: &[HandOver], axis: usize, out: &mut String) {
 }
 
 fn block(called: Called, Cell { x, y, z }: Cell) -> String {
-    format!("{}[{x}, {y}, {z}]", NameWords::OWN.of(called))
+    format!("{}[{x}, {y}, {z}]", NameWords::OWN.name(called))
 }
 
 fn write_release(what: &str, after: impl IntoIterator<Item = String>, out: &mut String) {

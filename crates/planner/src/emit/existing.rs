@@ -32,13 +32,13 @@ pub fn pre_attached(target: &Target) -> Vec<Capture> {
 /// Returns the name of the pre-attached block in a cell, or `None` if there is none.
 pub fn name_of(target: &Target, cell: Cell) -> Option<String> {
     let Cell { x, y, z } = target.existing_at(cell)?.cell;
-    let word = NameWords::OWN.of(Called::Block);
+    let word = NameWords::OWN.name(Called::Block);
     Some(format!("{word}[{x}, {y}, {z}]"))
 }
 
 /// Writes the phase that releases blocks, after the plate.
 pub fn write_releases(target: &Target, out: &mut String) {
-    let word = NameWords::OWN.of(Called::Block);
+    let word = NameWords::OWN.name(Called::Block);
     let released = target.released().iter();
     let names: Vec<String> = released
         .map(|ExistingBlock { cell, .. }| format!("{word}[{}, {}, {}]", cell.x, cell.y, cell.z))

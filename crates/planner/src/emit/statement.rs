@@ -33,7 +33,7 @@ impl NameWords<'_> {
     };
 
     /// Returns the first word of the names of a kind.
-    pub fn of(&self, called: Called) -> &str {
+    pub fn name(&self, called: Called) -> &str {
         match called {
             Called::Block => self.block,
             Called::Scaffold => self.scaffold,
@@ -246,11 +246,11 @@ impl Statement {
             (Some(name), _) => write!(out, "{name}"),
             (None, Some(_)) => write!(out, "P[{}, {}]", at.x(0), at.y(0)),
             (None, None) => {
-                let name = words.of(self.called[0]);
+                let name = words.name(self.called[0]);
                 write!(out, "{name}[{}, {}, {}]", at.x(-dx), at.y(-dy), at.z(-dz))
             }
         };
-        let name = words.of(self.called[1]);
+        let name = words.name(self.called[1]);
         let mut here = Cell::new(-dx, -dy, -dz);
         for &(direction, length) in &self.rows {
             let [dx, dy, dz] = direction.normal();
@@ -275,7 +275,7 @@ impl Statement {
         let from = |cell: &Cell| Cell::new(cell.x - x, cell.y - y, cell.z - z);
         for (i, (called, first, last)) in self.after.iter().enumerate() {
             let sign = if i == 0 { " after " } else { ", " };
-            let name = words.of(*called);
+            let name = words.name(*called);
             let _ = write!(out, "{sign}{name}{}", at.block(from(first), from(last)));
         }
     }

@@ -104,7 +104,7 @@ impl Goal {
         if let Some(scaffolded) = found.scaffolded
             && let Ok(other) = self.accepted(&target, scaffolded, hardware, &law)
         {
-            let value = |planned: &Planned| planned.plan.estimate.of(search.objective);
+            let value = |planned: &Planned| planned.plan.estimate.value(search.objective);
             let has_narrow = |planned: &Planned| planned.text.contains(Code::TightApproach.name());
             let (without, with) = (value(&best), value(&other));
             let is_used = with < without && has_narrow(&other) <= has_narrow(&best);
@@ -129,7 +129,7 @@ impl Goal {
                 let mut diagnostics = checked.diagnostics.iter();
                 let diagnostic = diagnostics.find(|it| !is_of_scene(it));
                 let diagnostic = diagnostic.map(|it| it.code.name());
-                let is_better = estimate.of(objective) < best.plan.estimate.of(objective);
+                let is_better = estimate.value(objective) < best.plan.estimate.value(objective);
                 if diagnostic.is_none() && is_better {
                     plan.baseline = Some(baseline);
                     plan.rounds = best.plan.rounds;

@@ -119,7 +119,7 @@ pub(crate) fn scaffolded(
         tries: 0,
     };
     let growth = GrowthSchedule::new(sites, &without.schedule, &Scaffolding::default());
-    let samples = trials.samples.of(sites);
+    let samples = trials.samples.for_sites(sites);
     let job = without.job(sites, hardware, waits);
     let estimate = trials.estimated(&job, &samples, &without.schedule);
     let value = trials.how.value(&estimate, &without.disassembly);
@@ -137,7 +137,7 @@ pub(crate) fn scaffolded(
             break;
         };
         let found = trials.exchanged(first, &mut rng);
-        let with = found.estimate.of(how.objective);
+        let with = found.estimate.value(how.objective);
         tried = Some(tried.map_or(with, |least| least.min(with)));
         if found.value < value * (1.0 - WORTH) {
             let other = trials.finished(found, seed);
@@ -149,7 +149,7 @@ pub(crate) fn scaffolded(
     }
     let trial = match tried {
         Some(with) => ScaffoldTrial::Tried {
-            without: estimate.of(how.objective),
+            without: estimate.value(how.objective),
             with,
             is_used: false,
         },
@@ -311,7 +311,7 @@ impl ScaffoldTrials<'_> {
         let job = job.with_roles(&roles);
         let even = Priorities::even(sites.len());
         let schedule = job.any(&even, how.enough).ok()??;
-        let samples = self.samples.of(&sites);
+        let samples = self.samples.for_sites(&sites);
         let estimate = self.estimated(&job, &samples, &schedule);
         Some(ScaffoldCandidate {
             value: how.value(&estimate, &disassembly),
@@ -339,7 +339,7 @@ impl ScaffoldTrials<'_> {
         let roles = SiteRoles::new(&sites, &scaffolding);
         let job = SchedulingJob::new(&sites, &disassembly, &corridors, self.hardware, self.waits);
         let job = job.with_roles(&roles);
-        let samples = self.samples.of(&sites);
+        let samples = self.samples.for_sites(&sites);
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let start = PrioritizedSchedule {
             priorities: Priorities::even(sites.len()),

@@ -70,7 +70,7 @@ impl PlanEstimate {
     }
 
     /// Returns the time that an objective selects.
-    pub fn of(self, objective: Objective) -> f64 {
+    pub fn value(self, objective: Objective) -> f64 {
         match objective {
             Objective::Mean => self.mean,
             Objective::P90 => self.p90,
@@ -115,7 +115,7 @@ impl CellSamples {
     }
 
     /// Returns the samples of some sites.
-    pub fn of(&self, sites: &Sites<'_>) -> Samples {
+    pub fn for_sites(&self, sites: &Sites<'_>) -> Samples {
         let mut known = self.known.borrow_mut();
         let mut waits = Vec::with_capacity(sites.len() * self.runs);
         for site in 0..sites.len() as u32 {

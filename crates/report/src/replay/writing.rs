@@ -89,12 +89,12 @@ pub(super) fn script() -> String {
 /// Copies a stream as base64. Encodes parts with a multiple of three bytes, so that they can be
 /// concatenated.
 fn encode(from: &mut impl Read, out: &mut impl Write) -> io::Result<()> {
-    const PIECE: u64 = 3 << 16;
+    const CHUNK: u64 = 3 << 16;
     loop {
-        let mut piece = Vec::new();
-        from.take(PIECE).read_to_end(&mut piece)?;
-        out.write_all(BASE64.encode(&piece).as_bytes())?;
-        if (piece.len() as u64) < PIECE {
+        let mut chunk = Vec::new();
+        from.take(CHUNK).read_to_end(&mut chunk)?;
+        out.write_all(BASE64.encode(&chunk).as_bytes())?;
+        if (chunk.len() as u64) < CHUNK {
             return Ok(());
         }
     }

@@ -119,8 +119,8 @@ fn figures(trade: &Trade, cell: &ProgramResult, itself: bool, program: usize) ->
     ]
 }
 
-fn mark_if(is_meant: bool, mark: &str) -> &str {
-    if is_meant { mark } else { "" }
+fn mark_if(is_marked: bool, mark: &str) -> &str {
+    if is_marked { mark } else { "" }
 }
 
 /// Returns text about the order of the programs with each setting.

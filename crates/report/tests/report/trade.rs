@@ -185,8 +185,8 @@ fn a_bias_up_to_a_horizon_is_not_a_bound() {
     let trade = trade_within([1005, LIMIT]);
     let text = trade_to_text(&trade, 200, false);
     let of = |name: &str| {
-        let is_meant = |line: &&str| line.contains(&format!("  {name} "));
-        text.lines().find(is_meant).unwrap()
+        let is_row = |line: &&str| line.contains(&format!("  {name} "));
+        text.lines().find(is_row).unwrap()
     };
     let slow = of("rigid 1");
     assert!(slow.contains("≥ 1,005") && !slow.contains("≥ 0"), "{slow}");

@@ -52,11 +52,11 @@ impl Records {
     pub(crate) fn at(mut places: Vec<LineLocation>, files: Vec<File>, most: u64) -> Records {
         /// Size of a read buffer \[bytes\]. A small buffer suffices, because lines of consecutive
         /// runs are usually close together.
-        const PIECE: usize = 1 << 14;
+        const BUFFER: usize = 1 << 14;
         places.sort_unstable();
         places.dedup_by_key(|place| place.key());
         let files = files.into_iter();
-        let files = files.map(|file| BufReader::with_capacity(PIECE, file));
+        let files = files.map(|file| BufReader::with_capacity(BUFFER, file));
         Records(Arc::new(Store::Lines(Lines {
             places,
             files: Mutex::new(files.collect()),

@@ -67,7 +67,7 @@ pub(super) fn engine(
         let ground = ground(parameters.wall, plate);
         engine.insert(
             RigidBodyBuilder::fixed().translation(Vec3::new(0.0, 0.0, -ground.z)),
-            contact.of(ColliderBuilder::cuboid(ground.x, ground.y, ground.z)),
+            contact.apply(ColliderBuilder::cuboid(ground.x, ground.y, ground.z)),
         );
     }
     let handles = blocks.iter().map(|state| {
@@ -82,7 +82,7 @@ pub(super) fn engine(
         match contact {
             Some(contact) => {
                 let cube = ColliderBuilder::cuboid(0.5, 0.5, 0.5).density(1.0);
-                engine.insert(block, contact.of(cube)).0
+                engine.insert(block, contact.apply(cube)).0
             }
             None => {
                 let inertia = Vec3::splat(1.0 / INVERSE_INERTIA as f32);
@@ -123,7 +123,7 @@ fn surface(contact: &ContactParameters) -> Result<Surface, SceneError> {
 }
 
 impl Surface {
-    fn of(self, collider: ColliderBuilder) -> ColliderBuilder {
+    fn apply(self, collider: ColliderBuilder) -> ColliderBuilder {
         collider
             .friction(self.friction)
             .restitution(self.restitution)

@@ -57,7 +57,7 @@ pub(super) struct OpenFaceHazards {
     /// Number of blocks that were free at the start.
     count: u32,
     /// Number of free blocks that the hazards are computed for, at least the current number.
-    meant_for: u32,
+    reference_count: u32,
 }
 
 impl OpenFace {
@@ -119,7 +119,7 @@ impl OpenFaceHazards {
             cells: ChunkedGrid::new(NOWHERE, often),
             opened: 0,
             count,
-            meant_for: count,
+            reference_count: count,
         }
     }
 
@@ -280,7 +280,7 @@ impl OpenFaceHazards {
     /// Returns the number of free blocks that hazards are computed for, as a fraction of those at
     /// the start.
     pub fn part(&self) -> f64 {
-        self.part_of(self.meant_for)
+        self.part_of(self.reference_count)
     }
 
     /// Returns this number of blocks as a fraction of those free at the start.
@@ -291,10 +291,10 @@ impl OpenFaceHazards {
     /// Updates the number of free blocks. Returns whether hazards must be computed for another
     /// number.
     pub fn follow(&mut self, free: u32) -> bool {
-        if free <= self.meant_for && self.meant_for / 2 <= free {
+        if free <= self.reference_count && self.reference_count / 2 <= free {
             return false;
         }
-        self.meant_for = free;
+        self.reference_count = free;
         true
     }
 }

@@ -178,7 +178,7 @@ impl<'r> RateWorld<'r> {
             return;
         };
         let opening = face.opening();
-        let nearby = self.head_starts.of(face.cell, face.direction, from);
+        let nearby = self.head_starts.nearby(face.cell, face.direction, from);
         let Some(start) = nearby.and_then(|nearby| nearby.after(since as f64)) else {
             return;
         };
@@ -199,7 +199,7 @@ impl<'r> RateWorld<'r> {
         let Some(face) = self.hazards.face(slot) else {
             return;
         };
-        let mut wait = self.waits.of(face);
+        let mut wait = self.waits.wait(face);
         wait.rate *= self.waits.of_free(self.hazards.part());
         if let Some(earliest) = self.hazards.update(slot, self.tick, wait) {
             self.queue.note(slot, earliest);

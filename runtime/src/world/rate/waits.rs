@@ -55,7 +55,7 @@ impl<'r> RateModel<'r> {
     }
 
     /// Returns the waiting time of a face.
-    pub fn of(&mut self, face: &OpenFace) -> Wait {
+    pub fn wait(&mut self, face: &OpenFace) -> Wait {
         let near = face.near.within(self.features[face.direction as usize]);
         let layer = face.cell.z.min(self.highest);
         let (rivals, is_cold) = (face.rivals, face.since == 0);

@@ -1,5 +1,5 @@
 //! Parser of a single value, with the syntax of a scene.
-use super::{BASES, Dimension, PREFIXES, UNITS, converted, to_si, unit_meant};
+use super::{BASES, Dimension, PREFIXES, UNITS, converted, suggested_unit, to_si};
 
 /// Number with its unit, such as `4.5 N`.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,8 +53,10 @@ impl<'a> WrittenQuantity<'a> {
         }
         if !word.is_empty() {
             let converted = converted(&[value], word, &[]).map(|text| format!("write `{text}`"));
-            let meant = || unit_meant(word, &[]).map(|meant| meant.help());
-            let help = converted.or_else(meant).unwrap_or_else(|| UNITS.to_owned());
+            let suggestion = || suggested_unit(word, &[]).map(|suggestion| suggestion.help());
+            let help = converted
+                .or_else(suggestion)
+                .unwrap_or_else(|| UNITS.to_owned());
             let unit = word.to_owned();
             return Err(InvalidQuantity::NoUnit { unit, help });
         }

@@ -57,9 +57,9 @@ const FOREIGN: [(&[&str], &str, f64, f64); 11] = [
 /// Returns `None` if the unit is unknown or belongs to none of the `kinds`. Without kinds, all
 /// units are accepted.
 pub fn converted(values: &[f64], word: &str, kinds: &[QuantityKind]) -> Option<String> {
-    let is_meant = |name: &&str| name.eq_ignore_ascii_case(word);
+    let matches = |name: &&str| name.eq_ignore_ascii_case(word);
     let mut foreign = FOREIGN.iter().filter(|(_, unit, ..)| fits(unit, kinds));
-    let (_, unit, factor, zero) = foreign.find(|(names, ..)| names.iter().any(is_meant))?;
+    let (_, unit, factor, zero) = foreign.find(|(names, ..)| names.iter().any(matches))?;
     let numbers = values.iter().map(|value| {
         // Rounds to 12 digits, to remove errors of the conversion.
         let rounded = format!("{:.11e}", value * factor + zero).parse::<f64>();
@@ -71,7 +71,7 @@ pub fn converted(values: &[f64], word: &str, kinds: &[QuantityKind]) -> Option<S
 
 /// Returns the unit of one of the `kinds` that a word probably means. Without kinds, the word alone
 /// must be unambiguous. Returns `None` if no unit is likely.
-pub fn unit_meant(word: &str, kinds: &[QuantityKind]) -> Option<Suggestion> {
+pub fn suggested_unit(word: &str, kinds: &[QuantityKind]) -> Option<Suggestion> {
     let clear = |unit: &str| {
         Some(Suggestion {
             word: unit.to_owned(),
@@ -145,15 +145,17 @@ mod tests {
             QuantityKind::TICKS,
             QuantityKind::VISCOSITY,
         ];
-        let meant = |word| unit_meant(word, &kinds).map(|meant| (meant.word, meant.clear));
+        let suggestion = |word| {
+            suggested_unit(word, &kinds).map(|suggestion| (suggestion.word, suggestion.clear))
+        };
         let clear = |word: &str| Some((word.to_owned(), true));
-        assert_eq!(meant("seconds"), clear("s"));
-        assert_eq!(meant("KG"), clear("kg"));
-        assert_eq!(meant("khz"), clear("kHz"));
-        assert_eq!(meant("tics"), clear("ticks"));
-        assert_eq!(meant("mss"), Some(("ms".to_owned(), false)));
-        assert_eq!(meant("mPas"), clear("mPa s"));
-        assert_eq!(meant("furlong"), None);
+        assert_eq!(suggestion("seconds"), clear("s"));
+        assert_eq!(suggestion("KG"), clear("kg"));
+        assert_eq!(suggestion("khz"), clear("kHz"));
+        assert_eq!(suggestion("tics"), clear("ticks"));
+        assert_eq!(suggestion("mss"), Some(("ms".to_owned(), false)));
+        assert_eq!(suggestion("mPas"), clear("mPa s"));
+        assert_eq!(suggestion("furlong"), None);
     }
 
     /// Returns unit symbols that the grammar does not read, such as laboratory units and
@@ -180,9 +182,11 @@ mod tests {
     fn suggestions_have_the_expected_dimension() {
         let words = words();
         for kind in QuantityKind::ALL {
-            let suggested = words.iter().filter_map(|word| unit_meant(word, &[*kind]));
-            for meant in suggested {
-                let text = format!("1 {}", meant.word);
+            let suggested = words
+                .iter()
+                .filter_map(|word| suggested_unit(word, &[*kind]));
+            for suggestion in suggested {
+                let text = format!("1 {}", suggestion.word);
                 let (_, dimension) = WrittenQuantity::parse(&text).unwrap().to_si();
                 assert_eq!(dimension, kind.dimension, "{text} for {}", kind.noun);
             }
