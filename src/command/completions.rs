@@ -26,8 +26,8 @@ pub fn run(options: &CompletionsArguments, mut command: clap::Command) -> Result
     Ok(Exit::Success)
 }
 
-/// Returns the part of the fish script that completes diagnostic codes. The generator completes
-/// only values of options.
+/// Returns the part of the fish script that completes diagnostic codes. The generator of
+/// `clap_complete` completes only values of options.
 fn codes_for_fish() -> String {
     let codes: Vec<&str> = Code::ALL.iter().map(|code| code.name()).collect();
     let codes = codes.join(" ");

@@ -54,7 +54,7 @@ fn collect(folder: &Path, within: &str, files: &mut Vec<(String, Vec<u8>)>) -> i
     Ok(())
 }
 
-/// 128-bit FNV-1a hash. Short, and sufficient against accidental collisions.
+/// 128-bit FNV-1a hash. Its code is short, and accidental collisions are very unlikely.
 ///
 /// # Source
 ///
@@ -85,7 +85,7 @@ impl Fnv {
 mod tests {
     use super::*;
 
-    /// Compares with test vectors from the authors' table.
+    /// Compares hashes with test vectors from the authors' table.
     #[test]
     fn the_hash_matches_the_published_vectors() {
         for (text, hash) in [

@@ -296,8 +296,8 @@ impl<W: Write> Server<W> {
         }
     }
 
-    /// If an answer contains edits and one of its files has changed on the disk, replaces the
-    /// answer by an error.
+    /// Replaces an answer by an error if it contains edits and one of its files has changed on the
+    /// disk.
     ///
     /// The edits would otherwise be applied at positions of the old text.
     fn compared_with_disk(

@@ -25,11 +25,12 @@ pub struct PlanSearch<'a> {
     pub rounds: u64,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Ends the search for plans without scaffolds, if scaffolds are possible.
+    /// Cancellation that ends the search for plans without scaffolds. Not used if scaffolds are
+    /// impossible.
     pub halfway: Cancellation<'a>,
-    /// Ends the search, with the best plan so far.
+    /// Cancellation that ends the search. The result is the best plan so far.
     pub enough: Cancellation<'a>,
-    /// Cancels planning before the first plan.
+    /// Cancellation of planning before the first plan.
     pub cancellation: Cancellation<'a>,
     /// Whether scaffolds remain in the structure.
     pub keeps_scaffolds: bool,

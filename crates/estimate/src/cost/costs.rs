@@ -10,14 +10,14 @@ pub struct Cost {
     /// The phases, in order.
     pub phases: Vec<PhaseCost>,
     /// Completion time of the program. A sample with a timeout has an infinite time. `None` if
-    /// there are no rates or too few free blocks, or if at least nine tenths of the samples have a
-    /// timeout.
+    /// there are no rates or too few free blocks. Also `None` if at least nine tenths of the
+    /// samples have a timeout.
     pub total: Option<Times>,
     /// Whether rates were given.
     pub has_rates: bool,
-    /// Sampled completion times, in random order. Empty without times.
+    /// Sampled completion times, in random order. Empty if there are no times.
     pub draws: Vec<Draw>,
-    /// Interactions that the times neglect.
+    /// Interaction between captures that the times neglect.
     pub interaction: Interaction,
     /// Reasons why the times are lower bounds. Empty if they are estimates.
     pub lower_bound: LowerBoundReasons,

@@ -53,8 +53,8 @@ impl StepMessages {
 struct HopTime {
     /// Duration without loss \[ticks\].
     whole: f64,
-    /// Probability that a message is lost in a hop. It is then sent again after 2 h + 1 ticks, with
-    /// the duration h of a hop.
+    /// Probability that a message is lost in a hop. A lost message is sent again after 2 h + 1
+    /// ticks, where h is the duration of a hop.
     loss: f64,
 }
 
@@ -97,7 +97,8 @@ pub struct MessageTimes<'a> {
     hop: HopTime,
     /// For each capture, the capturing block. For each release, the releasing block.
     parents: Vec<NamedBlock>,
-    /// For each event, whether a later event of the same branch follows. Only the last one reports.
+    /// For each event, whether a later event of the same branch follows. Only the last event of a
+    /// branch reports.
     is_followed: Vec<bool>,
     /// For each capture, the number of hops from its block to the plate.
     depths: Vec<u32>,
@@ -243,8 +244,8 @@ impl<'a> MessageTimes<'a> {
         }
     }
 
-    /// Returns the path of a notification from the block that notices the first event to the block
-    /// that acts in the second event.
+    /// Returns the path of a notification about the first event of a dependency. It starts at the
+    /// block that notices this event, and ends at the block that acts in the second event.
     fn notification(&self, edge: &Edge) -> MessagePath {
         let first = edge.first;
         let actor = self.events.actors[edge.then.0 as usize];

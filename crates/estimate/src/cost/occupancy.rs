@@ -30,7 +30,7 @@ fn cube(cell: Cell) -> ([i32; 3], u64) {
 }
 
 impl Occupancy {
-    /// Starts a phase with these events in source order.
+    /// Starts a phase. `events` contains the events of the phase in source order.
     pub fn begin(&mut self, events: &[PhaseEvent]) {
         for event in events.iter().filter(|event| !event.is_release()) {
             let intervals = self.intervals.entry(event.cell).or_default();
@@ -52,8 +52,8 @@ impl Occupancy {
         }
     }
 
-    /// Returns whether a cell is occupied while the captures of a level wait. With `with_mates`,
-    /// captures of the same level count as occupied.
+    /// Returns whether a cell is occupied while the captures of a level wait. If `with_mates` is
+    /// set, the cells that the same level captures also count as occupied.
     pub fn is_full(&self, cell: Cell, level: u32, with_mates: bool) -> bool {
         let (cube, bit) = cube(cell);
         if self.cubes.get(&cube).is_none_or(|bits| bits & bit == 0) {

@@ -49,8 +49,8 @@ pub struct Sampled {
     pub phases: Vec<SampledPhase>,
     /// Completion times of the whole program.
     pub draws: Vec<Draw>,
-    /// Whether the faces of two captures in adjacent cells are open at the same time in one of the
-    /// first [`MIN`] samples.
+    /// Whether two captures in adjacent cells wait at the same time. Considers only the first
+    /// [`MIN`] samples.
     pub has_race: bool,
     /// For each event, the share of the total time during which the critical path waits for it.
     pub shares: Vec<f64>,

@@ -48,7 +48,7 @@ fn time<T>(Reverse((bits, ..)): &Scheduled<T>) -> f64 {
     f64::from_bits(*bits)
 }
 
-/// A phase in one sample.
+/// State of a phase in one random sample.
 struct PhaseDraw<'a, 'b> {
     phase: &'b TimedPhase<'a>,
     began: f64,

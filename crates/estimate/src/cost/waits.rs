@@ -25,8 +25,9 @@ pub struct CaptureWait {
     pub wait: Wait,
     /// Share of the initial free blocks that are still free.
     pub free: f64,
-    /// Whether free blocks are scarce: the capture's level captures more than [`FEW`] of them, or
-    /// its phase captures more than [`MANY`] outside the critical path.
+    /// Whether free blocks are scarce. This is the case if the capture's level captures more than
+    /// the share [`FEW`] of them. It is also the case if the phase captures more than [`MANY`]
+    /// outside the critical path.
     pub is_scarce: bool,
     /// Head starts at the open face: the likely captures of blocks that this phase or the previous
     /// one releases nearby.

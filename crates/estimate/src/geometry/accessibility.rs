@@ -74,8 +74,8 @@ fn left_open(direction: Face, around: Neighbourhood) -> f64 {
     1.0 - f64::from(count) / POINTS as f64
 }
 
-/// Returns whether a block in the cell `other` can affect the waiting time of a face that is open
-/// to the cell `open`.
+/// Returns whether a block in the cell `other` can affect the waiting time of a face. The face is
+/// open to the cell `open`.
 pub fn sees(open: Cell, other: Cell) -> bool {
     let near = |a: i32, b: i32| a.abs_diff(b) <= SIGHT.unsigned_abs();
     near(open.x, other.x) && near(open.y, other.y) && near(open.z, other.z)
@@ -128,8 +128,8 @@ fn blockers(direction: Face) -> Blockers {
     found
 }
 
-/// Returns the distance of a point from the cube in a cell, both relative to the centre of the open
-/// cell.
+/// Returns the distance of a point from the cube in a cell. Both are given relative to the centre
+/// of the open cell.
 fn distance(point: [f64; 3], cell: [i32; 3]) -> f64 {
     let outside = |axis: usize| ((point[axis] - f64::from(cell[axis])).abs() - 0.5).max(0.0);
     let squares: f64 = (0..3).map(|axis| outside(axis) * outside(axis)).sum();

@@ -5,14 +5,15 @@ use stochc_ir::{Cell, Face, offsets_within};
 /// Numbers of open faces nearby that compete for the same blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Rivals {
-    /// Number of faces of the same direction whose open cells are next to this face's open cell,
-    /// perpendicular to the normal.
+    /// Number of faces with the same direction whose open cells are next to this face's open cell.
+    /// Only cells perpendicular to the normal count.
     pub beside: u8,
-    /// Number of faces of the same direction whose open cells are diagonal to this face's open
-    /// cell, perpendicular to the normal.
+    /// Number of faces with the same direction whose open cells are diagonal to this face's open
+    /// cell. Only cells perpendicular to the normal count.
     pub across: u8,
-    /// Weighted number of all other faces nearby. A face counts 2 if its open cell touches this
-    /// open cell across a side or an edge, and 1 at a corner. Faces that point away count 0.
+    /// Weighted number of all other faces nearby. A face counts 2 if its open cell shares a side or
+    /// an edge with this open cell. It counts 1 if the cells share only a corner. Faces that point
+    /// away count 0.
     pub around: u8,
 }
 
@@ -23,20 +24,20 @@ pub enum Rivalry {
     Beside,
     /// One of [`Rivals::across`].
     Across,
-    /// One of [`Rivals::around`], across a side or an edge.
+    /// Rival that [`Rivals::around`] counts twice: the open cells share a side or an edge.
     Around,
-    /// One of [`Rivals::around`], at a corner.
+    /// Rival that [`Rivals::around`] counts once: the open cells share only a corner.
     AtCorner,
 }
 
 impl Rivals {
-    /// Adds a face of a kind.
+    /// Adds a competing face of this kind to the numbers.
     pub fn add(&mut self, of: Rivalry) {
         let (number, one) = self.number(of);
         *number += one;
     }
 
-    /// Removes a face of a kind.
+    /// Removes a competing face of this kind from the numbers.
     pub fn remove(&mut self, of: Rivalry) {
         let (number, one) = self.number(of);
         *number -= one;

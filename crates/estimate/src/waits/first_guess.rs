@@ -9,8 +9,8 @@ use crate::geometry::accessibility::RADIUS;
 use crate::waits::law::Parameters;
 use crate::waits::rates::Rates;
 
-/// Errors of estimated mean waiting times relative to calibrated ones (docs/validation/rates.md):
-/// the rms factor and the largest factor, both rounded up.
+/// Errors of estimated mean waiting times relative to calibrated ones: the rms factor and the
+/// largest factor. Both are rounded up (docs/validation/rates.md).
 pub const GUESS_ERROR: (f64, f64) = (1.5, 3.0);
 
 /// Ratio of the pull's work to a block's energy when half of the blocks within reach dock.
@@ -79,14 +79,14 @@ const DENSITIES: RangeInclusive<f64> = 0.4..=2.5;
 const LOW: usize = 12;
 
 impl Rates {
-    /// Returns an uncalibrated estimate from kinetic theory for scenes like the default one:
-    /// magnets that are switched on, random impulses and drag. Returns `None` for other scenes,
-    /// whose error is unknown.
+    /// Returns an uncalibrated estimate from kinetic theory. The scene must be like the default
+    /// one: magnets that are switched on, random impulses and drag. Returns `None` for other
+    /// scenes, because the error of their estimate is unknown.
     ///
-    /// Blocks of density n and mean speed v come within reach at the rate n v A / 4, with A the
-    /// surface of the sphere of reach. They dock with probability 1 / (1 + (x₀ / x)^s), with x the
-    /// pull's work over the energy of a block. The density near the ground and the head starts of
-    /// released blocks are those of the default scene.
+    /// Blocks of density n and mean speed v come within reach at the rate n v A / 4. A is the
+    /// surface of the sphere of reach. They dock with probability 1 / (1 + (x₀ / x)^s). x is the
+    /// pull's work divided by the energy of a block. The density near the ground and the head
+    /// starts of released blocks are those of the default scene.
     pub fn first_guess(scene: &Scene) -> Option<Rates> {
         let Some(Bond::Attract { pull, .. }) = &scene.bond else {
             return None;

@@ -54,8 +54,8 @@ pub struct HeadStarts<'r> {
     leaves: f64,
 }
 
-/// Head starts of a block at one open face: one for a face that is already open, and one for a face
-/// that opens soon.
+/// Two head starts of a block at one face. One is for a face that is already open, the other for a
+/// face that opens soon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReleaseNearby {
     /// Head start if the face is open when the block is released.
@@ -71,9 +71,9 @@ const LEAVES: f64 = 25.0;
 impl<'r> HeadStarts<'r> {
     /// Returns the head starts of a scene with these calibrated values.
     ///
-    /// Random impulses with rms j move a block from rest by j t^(3/2) / √3 in t ticks. If this
-    /// distance equals the radius of the sphere of reach after T ticks, the block counts as any
-    /// other after 2 T ticks. This was validated in the default scene and two others
+    /// Random impulses with rms j move a block from rest by j t^(3/2) / √3 in t ticks. T is the
+    /// time when this distance equals the radius of the sphere of reach. After 2 T ticks, the block
+    /// counts as any other free block. This was validated in the default scene and two others
     /// (docs/validation/rates.md).
     pub(crate) fn in_scene(scene: &Scene, known: &'r [HeadStart]) -> HeadStarts<'r> {
         let kick = kick(scene);

@@ -27,8 +27,8 @@ pub struct Surroundings {
     /// Whether the nearest block or ground is two cells away from the capturing block. Only
     /// directions perpendicular to the face's normal count.
     pub near_parent: bool,
-    /// Whether the open cell is a gap: a block is opposite to the face, and no block is next to the
-    /// cell.
+    /// Whether the open cell is a gap. In a gap, a block is opposite to the face, and no block is
+    /// next to the cell.
     pub ahead: bool,
     /// Open faces nearby.
     pub rivals: Rivals,
@@ -148,8 +148,9 @@ impl Parameters {
     /// Prior standard deviations between scenes.
     ///
     /// Rate and docking time vary with the scene. The effects of geometry vary little. The effect
-    /// of adjacent faces depends on how easily blocks are captured: two pulls capture more than one
-    /// if captures are difficult. In gaps, blocks jam in some scenes and settle faster in others.
+    /// of adjacent faces depends on the difficulty of captures. If captures are difficult, two
+    /// pulls capture more blocks than one pull. In gaps, blocks jam in some scenes and settle
+    /// faster in others.
     pub const SPREAD: [f64; Parameters::COUNT] = [
         5.0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 1.0, 0.5, 0.5, 3.0, 0.3, 1.0, 5.0, 0.3, 0.3, 0.3, 0.3,
         0.5,

@@ -15,7 +15,7 @@ pub enum LowerBoundReason {
     /// The structure is larger than all structures of the calibration.
     ///
     /// In physical simulations, solid shapes of 66 to 121 blocks take 11 to 24 % longer than in the
-    /// rate model (docs/validation/rates.md).
+    /// rate model. See docs/validation/rates.md.
     LargeStructure,
 }
 

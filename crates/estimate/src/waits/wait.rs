@@ -9,9 +9,9 @@ use crate::waits::inverse::{about_when_summed, bounds};
 /// Waiting time of an open face in constant surroundings.
 ///
 /// Blocks that will dock arrive as a Poisson process. Each of these blocks needs a docking time
-/// from an Erlang distribution with [`STAGES`] stages, and the first block to finish is captured.
-/// The hazard of a face open for s ticks is therefore `rate G(s)`, with G the distribution function
-/// of the docking time.
+/// from an Erlang distribution with [`STAGES`] stages. The first block to finish is captured. The
+/// hazard of a face that has been open for s ticks is therefore `rate G(s)`. G is the distribution
+/// function of the docking time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wait {
     /// Rate of arrivals that will dock \[1/tick\].
@@ -56,8 +56,8 @@ impl Wait {
         ]
     }
 
-    /// Returns the derivatives of the cumulative hazard and of the logarithmic hazard with respect
-    /// to the logarithm of the docking time.
+    /// Returns two derivatives with respect to the logarithm of the docking time: of the cumulative
+    /// hazard, and of the logarithmic hazard.
     pub fn docking_slopes(self, ticks: f64) -> (f64, f64) {
         let time = ticks / self.docking;
         let x = f64::from(STAGES) * time;

@@ -11,8 +11,8 @@ pub(super) const NEAR: u32 = 8;
 /// Number of ticks after which a release has no effect.
 pub(super) const LATELY: u64 = 150;
 
-/// Largest time that a face is observed, as a multiple of the median waiting time. One exponential
-/// waiting time in 65,536 is longer.
+/// Largest time that a face is observed, as a multiple of the median waiting time. If waiting times
+/// are exponential, only one in 65,536 is longer.
 const LONGEST: f64 = 16.0;
 
 /// Events of a run in order of time.

@@ -6,9 +6,9 @@ use super::simulated::Simulated;
 /// Statistics of a sample of times, with their covariance.
 ///
 /// Without a horizon, the statistics are the logarithms of mean and standard deviation. With a
-/// horizon, they are three means over all runs: the time as a fraction of the horizon, the square
-/// of this fraction, and the fraction of incomplete runs. A mean is unbiased for any number of
-/// runs, even if nearly all are censored.
+/// horizon, they are three means over all runs. The first is of the time as a fraction of the
+/// horizon, the second of the square of this fraction. The third is the fraction of incomplete
+/// runs. A mean is unbiased for any number of runs, even if nearly all are censored.
 pub struct TimeStatistics {
     /// Values of the two or three statistics.
     pub values: DVector<f64>,

@@ -41,8 +41,8 @@ pub struct Difference {
     pub p_holm: f64,
     /// Sample with the significantly longer times.
     pub longer: Longer,
-    /// Number of runs of each program that detects a difference of 5 % of the mean with a
-    /// probability of 80 %. `None` if the mean is 0.
+    /// Number of runs of each program for detecting a difference of 5 % of the mean. It is detected
+    /// with a probability of 80 %. `None` if the mean is 0.
     pub runs_for_5_percent: Option<u64>,
 }
 
@@ -77,7 +77,7 @@ pub enum Longer {
 
 /// Compares two samples. Returns `None` for too few runs, or if all times are equal.
 ///
-/// If both samples have the same seed, runs with the same number are paired, and runs without a
+/// If both samples have the same seed, runs with the same number are paired. Then runs without a
 /// partner are ignored.
 pub fn compare(first: &Runs, second: &Runs) -> Option<Difference> {
     let is_paired = first.seed == second.seed;

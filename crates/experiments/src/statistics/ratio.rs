@@ -119,7 +119,7 @@ mod tests {
     }
 
     /// Checks a sample of four runs that do not complete before 300. In the other sample, one run
-    /// in twenty does. This is not a significant difference.
+    /// in twenty completes before 300. This is not a significant difference.
     #[test]
     fn uninformative_runs_have_a_wide_interval() {
         let mut reference = vec![Observation::competing(300.0); 95];

@@ -153,7 +153,7 @@ mod tests {
     }
 
     proptest! {
-        /// Compares with changes of a plain string.
+        /// Compares changes of a document with the same changes of a plain string.
         #[test]
         fn changes_agree_with_a_plain_text(
             start in "[ab\u{b5}\u{1f600}\u{2028}\n\r]{0,30}",

@@ -36,7 +36,7 @@ pub fn name_of(target: &Target, cell: Cell) -> Option<String> {
     Some(format!("{word}[{x}, {y}, {z}]"))
 }
 
-/// Writes the phase that releases blocks, after the plate.
+/// Writes the phase that releases existing blocks. It follows the plate in the source.
 pub fn write_releases(target: &Target, out: &mut String) {
     let word = NameWords::OWN.name(Called::Block);
     let released = target.released().iter();

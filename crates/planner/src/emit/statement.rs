@@ -190,9 +190,9 @@ fn rows_of(mut cells: Vec<Cell>) -> Vec<(Cell, Cell)> {
     )
 }
 
-/// Content of a statement, relative to its base cell. Parts in order: whether a seed captures
-/// first, name of the first parent if it is not in the plan, kinds of names, straight sections,
-/// predecessors.
+/// Content of a statement, relative to its base cell. Its parts are: whether a seed captures first,
+/// the name of a first parent outside of the plan, the kinds of names, the straight sections, and
+/// the predecessors.
 pub type StatementSignature<'a> = (
     bool,
     Option<&'a str>,

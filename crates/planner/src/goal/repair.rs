@@ -13,8 +13,8 @@ use super::no_goal::NoGoal;
 use super::scenes::WrittenScenes;
 
 impl Goal {
-    /// Returns the final shape of a program as a goal: the shape with this name, the one claimed
-    /// last, or the cells of its captures.
+    /// Returns the final shape of a program as a goal. This is the shape with this name, the shape
+    /// claimed last, or the cells of all captures.
     ///
     /// # Errors
     /// If there is no such shape.

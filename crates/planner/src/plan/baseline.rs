@@ -44,7 +44,7 @@ impl Baseline {
     }
 
     /// Returns a spanning tree from the plate, parents first. Each entry is a site, the direction
-    /// from its parent, and its stage: a layer, or the number of steps from the plate.
+    /// from its parent, and its stage. A stage is a layer, or a number of steps from the plate.
     fn tree(self, sites: &Sites<'_>) -> Vec<(u32, Face, u32)> {
         let height = |site: u32| sites.cell(site).z as u32;
         let stage = |before: u32, site: u32| match self {

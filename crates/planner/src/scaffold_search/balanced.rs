@@ -101,8 +101,8 @@ impl GrowthSchedule {
         }
     }
 
-    /// Returns the scaffolds with an additional segment at a random cell of `near`, or of the
-    /// target if `near` is empty. Returns `None` if none was found.
+    /// Returns the scaffolds with an additional segment at a random cell of `near`. If `near` is
+    /// empty, uses a cell of the target. Returns `None` if none was found.
     pub fn extended(
         &self,
         target: &Target,

@@ -49,7 +49,7 @@ const MIN: u64 = 8;
 /// Required relative improvement of the estimate.
 const WORTH: f64 = 0.005;
 
-/// Smallest limit of chain lengths for masts.
+/// Smallest limit to try. Cells with at most this number of captures from the plate need no mast.
 const MIN_LIMIT: usize = 2;
 
 /// Number of tries of one search. Further tries are made with other seeds.

@@ -28,8 +28,8 @@ pub struct SchedulingJob<'a> {
     pub waits: &'a RateLaw<'a>,
     /// Parts that sites belong to. `None` without scaffolds.
     pub roles: Option<&'a SiteRoles>,
-    /// For each site, the time from its opening to the end of the longest chain of sites that
-    /// depend on it \[ticks\]. Uses mean waiting times.
+    /// For each site, the time from its opening to the end of a chain of sites \[ticks\]. This is
+    /// the longest chain of sites that depend on it. Uses mean waiting times.
     pub(super) tail: Vec<f32>,
 }
 

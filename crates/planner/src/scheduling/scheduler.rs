@@ -59,8 +59,8 @@ impl SchedulingJob<'_> {
         Ok(self.within(priorities, last, cancellation)?.or(Some(first)))
     }
 
-    /// Returns a schedule. A site that the hand-over does not need opens in the first phase only if
-    /// half of its waiting time is over by `limit`.
+    /// Returns a schedule. The hand-over does not need every site. Such a site opens in the first
+    /// phase only if half of its waiting time is over by `limit`.
     fn within(
         &self,
         priorities: &Priorities,

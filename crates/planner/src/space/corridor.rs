@@ -25,9 +25,9 @@ pub struct Corridors {
     pub along: Vec<Option<Face>>,
 }
 
-/// Costs of an access path: per step, per waiting block near the cell, per other waiting block, and
-/// per capture of delay. Nearby blocks cost less, because their faces would not be open at the same
-/// time anyway.
+/// Costs of an access path. Their order: per step, per waiting block near the cell, per other
+/// waiting block, per capture of delay. Nearby blocks cost less, because their faces would not be
+/// open at the same time anyway.
 const COSTS: [u32; 4] = [1, 2, 6, 4];
 
 impl Corridors {

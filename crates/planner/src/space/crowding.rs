@@ -17,8 +17,8 @@ pub struct Crowding<'a> {
     pub sites: &'a Sites<'a>,
     /// Whether faces always attract. No face can then wait for another one.
     pub attracts_always: bool,
-    /// Whether blocks are known to pass between two faces across a corner, if no third face of the
-    /// square is open.
+    /// Whether blocks are known to pass between two faces across a corner. No third face of the
+    /// square may be open.
     pub has_passable_corners: bool,
 }
 

@@ -10,8 +10,8 @@ use crate::ensemble_report::narrative::{NarrativeContext, item};
 /// Largest number of steps. Longer tours are reduced to the longest segments.
 const MAX: usize = 200;
 
-/// Returns `[{ from, to, cell, html }]`: the ticks of each wait on the critical path, its cell, and
-/// its description as in a report.
+/// Returns `[{ from, to, cell, html }]`: the waits on the critical path. Each has its ticks, its
+/// cell, and its description as in a report.
 pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
     let events = Events::new(program);
     let run = FinishedRun::from_record(&events, record);

@@ -367,7 +367,7 @@ fn put<T: DataType, V>(
 }
 
 /// Writes lists in the encoding of Parquet. Each value has a definition level (0: empty list, 1:
-/// value) and a repetition level (0: starts a new row, 1: continues the row).
+/// value). It also has a repetition level (0: starts a new row, 1: continues the row).
 fn put_lists<T: DataType, V>(
     (_, writer): To,
     lists: Vec<Vec<V>>,

@@ -114,8 +114,8 @@ impl Tick {
         format!(" ({})", self.seconds(ticks))
     }
 
-    /// Converts ticks and an optional half-width to text in seconds that follows a number of ticks:
-    /// ` (158 ± 21 s)`.
+    /// Converts ticks and an optional half-width to text in seconds. The text follows a number of
+    /// ticks: ` (158 ± 21 s)`.
     pub fn beside_interval(self, ticks: f64, half_width: Option<f64>) -> String {
         format!(" ({})", self.interval(ticks, half_width))
     }

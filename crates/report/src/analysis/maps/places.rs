@@ -232,8 +232,8 @@ impl MapPlaces {
         Cell::new(x, y, z)
     }
 
-    /// Counts the position of the queried block, relative to the cell that captures it later.
-    /// Ignores a position that was recorded too late after the queried tick.
+    /// Counts the position of the queried block, relative to the cell of its later capture. Ignores
+    /// a position that was recorded too late after the queried tick.
     fn look(&self, places: &Places, queries: &PlaceQuery, before: &mut [Counts<SlicePlace>; 3]) {
         // Positions are recorded at intervals, so this position can be late.
         let late = places.tick() - queries.tick;

@@ -45,7 +45,7 @@ pub(super) struct PlaceQuery {
     /// Index in [`AGES`] of the time before the capture.
     pub age: usize,
     pub body: u32,
-    /// Cell that captures the block later.
+    /// Cell of the later capture of the block.
     pub cell: Cell,
 }
 
