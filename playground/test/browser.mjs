@@ -91,7 +91,37 @@ await test('many runs by rates have a curve and a table', async () => {
   await page.waitForFunction(() => document.getElementById('cancel').hidden);
   assert.match(await page.textContent('#results'), /200 of 200 runs complete/);
   assert.ok(await page.$('#results svg .curve'));
+  // The last statistics arrive after the last run.
+  await page.waitForFunction(() => /^share of 200 of 200/.test(document.querySelector('#results svg').getAttribute('aria-label')));
+  assert.ok(await page.$('#results svg .band'));
+  assert.match(await page.textContent('#results table'), /mean[\d,]+ ± [\d,]+/);
+  const shares = (await page.locator('#bottleneck td').allTextContents()).map(Number.parseFloat);
+  assert.ok(shares[0] > 10 && shares.reduce((a, b) => a + b) <= 101, shares.join());
+  await page.click('#bottleneck button');
   await picture('runs');
+});
+
+await test('memory stays flat over 100 runs', async () => {
+  await page.selectOption('#runs', '50');
+  const used = async () => {
+    const session = await context.newCDPSession(page);
+    await session.send('HeapProfiler.collectGarbage');
+    const { usedSize } = await session.send('Runtime.getHeapUsage');
+    await session.detach();
+    return { megabytes: usedSize / 2 ** 20, workers: page.workers().length };
+  };
+  const fifty = async () => {
+    await page.click('#start');
+    await page.waitForFunction(() => document.body.dataset.runs === '50' && document.getElementById('cancel').hidden, null, { timeout: 60000 });
+    await page.waitForFunction(() => /^share of 50 of 50/.test(document.querySelector('#results svg').getAttribute('aria-label')));
+  };
+  await fifty();
+  const before = await used();
+  await fifty();
+  await fifty();
+  const after = await used();
+  assert.ok(after.megabytes < before.megabytes + 5, `${before.megabytes} MiB, then ${after.megabytes} MiB`);
+  assert.ok(after.workers <= before.workers, `${before.workers} workers, then ${after.workers}`);
 });
 
 await test('runs stop at once', async () => {

@@ -4,6 +4,7 @@
 //! The reply is JSON in the memory that [`output`] returns. `playground/web/src/engine.js` makes
 //! these calls.
 mod check;
+mod ensemble;
 mod examples;
 mod host;
 mod plan;

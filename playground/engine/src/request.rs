@@ -2,10 +2,12 @@
 use serde::Deserialize;
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::Code;
+use stochc_ir::record::RunRecord;
 use stochc_runtime::Model;
 use stochc_text::palette;
 
 use crate::check;
+use crate::ensemble;
 use crate::examples::EXAMPLES;
 use crate::plan::{self, Drawing};
 use crate::run::{self, RunRequest};
@@ -33,6 +35,12 @@ enum Request {
         #[serde(flatten)]
         run: RunRequest,
         runs: u64,
+    },
+    /// Requests the statistics of finished runs.
+    Summarize {
+        text: String,
+        program: usize,
+        records: Vec<RunRecord>,
     },
     /// Requests the record of one run. The host receives its frames during the run.
     Watch {
@@ -65,6 +73,11 @@ fn reply(request: Request) -> Result<Value, String> {
         Request::ReadDrawing { drawing } => plan::read(drawing),
         Request::Plan { drawing } => plan::plan(drawing),
         Request::Simulate { run, runs } => run::simulate(&run, runs),
+        Request::Summarize {
+            text,
+            program,
+            records,
+        } => ensemble::summarize(&text, program, &records),
         Request::Watch { run } => run::watch(&run),
     }
 }

@@ -34,16 +34,21 @@ pub struct RunRequest {
     max_ticks: Option<u64>,
 }
 
+/// Compiles a program of a text.
+pub fn executable(text: &str, program: usize) -> Result<Executable, String> {
+    let mut checked = checked(text);
+    if checked.has_errors() || program >= checked.programs.len() {
+        return Err("The program has errors.".to_owned());
+    }
+    let program: Program = checked.programs.swap_remove(program);
+    program
+        .into_executable()
+        .ok_or_else(|| "The program has errors.".to_owned())
+}
+
 impl RunRequest {
     fn executable(&self) -> Result<Executable, String> {
-        let mut checked = checked(&self.text);
-        if checked.has_errors() || self.program >= checked.programs.len() {
-            return Err("The program has errors.".to_owned());
-        }
-        let program: Program = checked.programs.swap_remove(self.program);
-        program
-            .into_executable()
-            .ok_or_else(|| "The program has errors.".to_owned())
+        executable(&self.text, self.program)
     }
 
     /// Returns the settings that the command uses for the same `--model`.

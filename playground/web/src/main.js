@@ -4,7 +4,7 @@ import engineUrl from '../../target/stochc_playground.wasm?url';
 import pictures from 'virtual:pictures';
 import { Editor, units } from './editor.js';
 import { Engine, load, Stopped } from './engine.js';
-import { csv, curve, Ensemble, quantile, standalone, times, waits } from './ensemble.js';
+import { csv, curve, Ensemble, standalone } from './ensemble.js';
 import { LESSONS } from './lessons.js';
 import { markdown } from './markdown.js';
 import { planner } from './plan.js';
@@ -483,34 +483,40 @@ function drawEnsemble(about) {
     drawing = false;
     const { ensemble } = state;
     if (!ensemble) return;
-    const { records, runs, isRunning, request } = ensemble;
+    const { records, runs, isRunning, request, summary } = ensemble;
     element('cancel').hidden = !isRunning;
     const { tick } = about.scene;
-    const result = times(records);
-    const { completed, total } = result;
+    const total = records.length;
+    const completed = records.filter(({ outcome }) => outcome.kind === 'completed').length;
+    const { times, shares } = summary;
     const parts = [node('progress', { max: runs, value: total, ariaLabel: 'runs' })];
     if (!total) parts.push(node('p', { className: 'hint' }, 'The first runs begin …'));
     else {
       const figure = node('div');
-      figure.innerHTML = curve(result, tick, runs);
-      const cells = value => [node('td', { className: 'number' }, number(value)), node('td', { className: 'number' }, duration(value * tick))];
-      const row = (name, value) => node('tr', {}, node('th', { scope: 'row' }, name), ...cells(value));
-      const mean = completed.reduce((sum, ticks) => sum + ticks, 0) / completed.length;
-      parts.push(node('h3', {}, `${completed.length} of ${total} runs complete${isRunning ? `, ${runs - total} to come` : total < runs ? ', stopped' : ''}`), figure);
-      if (completed.length) {
-        parts.push(node('table', {}, node('thead', {}, node('tr', {}, node('th', {}, 'completion time'), node('th', { className: 'number' }, 'ticks'), node('th', { className: 'number' }, 'robots’ time'))),
-          node('tbody', {}, row('mean', mean), row('median', quantile(completed, 0.5)), row('10 % of the runs by', quantile(completed, 0.1)), row('90 % of the runs by', quantile(completed, 0.9)))));
+      figure.innerHTML = curve(summary, tick, runs);
+      const cell = text => node('td', { className: 'number' }, text);
+      const within = (value, half, show) => show(value) + (half === null ? '' : ` ± ${show(half)}`);
+      const row = (name, value, half) => value !== null && node('tr', {}, node('th', { scope: 'row' }, name), cell(within(value, half, number)), cell(within(value * tick, half && half * tick, duration)));
+      parts.push(node('h3', {}, `${completed} of ${total} runs complete${isRunning ? `, ${runs - total} to come` : total < runs ? ', stopped' : ''}`), figure);
+      if (times) {
+        const rows = [row('mean', times.mean, times.half_width), row('median', times.median, times.median_half_width), row('10 % of the runs by', times.p10, times.p10_half_width), row('90 % of the runs by', times.p90, times.p90_half_width)];
+        parts.push(node('table', {}, node('thead', {}, node('tr', {}, node('th', {}, 'completion time'), node('th', { className: 'number' }, 'ticks'), node('th', { className: 'number' }, 'robots’ time'))), node('tbody', {}, ...rows.filter(Boolean))),
+          node('p', { className: 'hint' }, '± is half the width of the 95 % confidence interval. The band of the curve shows these intervals.'));
       }
-      const slow = waits(records, about.tables.blocks).slice(0, 5);
-      if (slow.length) {
-        parts.push(node('h3', {}, 'Longest mean waits'), node('table', {}, node('tbody', {}, ...slow.map(({ text, wait, role }) => node('tr', {}, node('th', { scope: 'row' }, node('button', { className: 'link', onclick: () => revealRole(role) }, text)), ...cells(wait))))));
+      if (shares.length) {
+        parts.push(node('h3', {}, 'Bottleneck'), node('p', { className: 'hint' }, 'Share of the completion time during which the critical path waits for an event.'), node('table', { id: 'bottleneck' }, node('tbody', {}, ...shares.map(({ event, share }) => node('tr', {}, node('th', { scope: 'row' }, node('button', { className: 'link', onclick: () => revealText(event) }, event)), cell(`${Math.round(100 * share)} %`))))));
       }
-      parts.push(node('p', { className: 'hint' }, `Model ${request.model}, seed ${request.seed}: the same runs as `, node('code', {}, `stochc simulate --model ${request.model} --seed ${request.seed} --runs ${runs}`), '. '), node('button', { onclick: () => download(csv(records, tick), `${about.program}.csv`, 'text/csv') }, 'Download CSV'), ' ', node('button', { onclick: () => download(standalone(curve(result, tick, runs)), `${about.program}.svg`, 'image/svg+xml') }, 'Download SVG'));
+      parts.push(node('p', { className: 'hint' }, `Model ${request.model}, seed ${request.seed}: the same runs as `, node('code', {}, `stochc simulate --model ${request.model} --seed ${request.seed} --runs ${runs}`), '. '), node('button', { onclick: () => download(csv(records, tick), `${about.program}.csv`, 'text/csv') }, 'Download CSV'), ' ', node('button', { onclick: () => download(standalone(curve(summary, tick, runs)), `${about.program}.svg`, 'image/svg+xml') }, 'Download SVG'));
     }
     element('results').replaceChildren(...parts);
     document.body.dataset.runs = String(total);
     judge();
   });
+}
+
+function revealText(text) {
+  const event = state.good?.program.structure.events.find(event => event.text === text);
+  if (event) reveal(event.id);
 }
 
 function revealRole(role) {
