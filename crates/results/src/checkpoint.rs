@@ -487,8 +487,8 @@ pub(crate) fn health(path: &Path) -> Vec<FileIntegrity> {
     }
 }
 
-/// Reads the first line of a file and checks the checksum of the rest. Returns the reason if it is
-/// invalid.
+/// Reads the first line of a file and checks the checksum of the rest. Returns the reason if the
+/// file is invalid.
 fn read(file: &File) -> io::Result<Result<(CheckpointHeader, [u64; 2]), &'static str>> {
     let corrupted = Ok(Err("is damaged"));
     let bytes = file.metadata()?.len();

@@ -21,8 +21,8 @@ pub struct Surroundings {
     /// Whether no block is next to the open cell, but a block is across one of the cell's edges.
     /// Only directions perpendicular to the face's normal count.
     pub corner: bool,
-    /// Whether no block is next to the capturing block, but a block is across one of its edges.
-    /// Both directions are perpendicular to the face's normal.
+    /// Whether no block is next to the capturing block, but a block is across one of the capturing
+    /// block's edges. Only directions perpendicular to the face's normal count.
     pub corner_parent: bool,
     /// Whether the nearest block or ground is two cells away from the capturing block. Only
     /// directions perpendicular to the face's normal count.
@@ -195,8 +195,8 @@ impl Parameters {
         )
     }
 
-    /// Returns the factor of all rates for a fraction `part` of free blocks. The factor never
-    /// decreases with the fraction.
+    /// Returns the factor of all rates for a fraction `part` of free blocks. A larger fraction
+    /// never gives a smaller factor.
     pub fn of_free(&self, part: f64) -> f64 {
         let part = part.max(0.0);
         match self.0[DEPLETION] {
@@ -219,10 +219,11 @@ impl Parameters {
     }
 }
 
-/// Index of the exponent of the free blocks.
+/// Index of the parameter `depletion`. It belongs to the fraction of free blocks.
 const DEPLETION: usize = 12;
 
-/// Smallest fraction of free blocks for `depletion`.
+/// Lower limit of the fraction of free blocks in the power law. Smaller fractions count as this
+/// fraction.
 const MIN_FREE: f64 = 1e-3;
 
 /// Term that is added to the open fraction, so that a face in a pit still captures sometimes.

@@ -184,7 +184,7 @@ struct ProgramTally {
     blocks: Mean,
     unplanned: Mean,
     is_any_unplanned: bool,
-    /// Number and time of each run \[ticks\].
+    /// Number of each run, and its time \[ticks\].
     times: Vec<(u64, Observation)>,
     phase_times: Vec<TimeSample>,
 }

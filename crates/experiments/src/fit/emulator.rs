@@ -114,8 +114,8 @@ impl Emulator {
     /// Returns the logarithm of the likelihood of statistics of `n` runs at a point, up to a
     /// constant.
     ///
-    /// Uses the variance averaged over the points of the design. With local variances, data that no
-    /// point explains would seem most likely where the emulator is least certain.
+    /// Uses the variance averaged over the points of the design. If each point had its own
+    /// variance, data that no point explains would seem most likely at the least certain points.
     pub(crate) fn log_likelihood(&self, measured: Vec<f64>, n: f64) -> impl Fn(&[f64]) -> f64 {
         let errors: Vec<f64> = self.variances(self.mean_leverage).collect();
         let errors = DMatrix::from_diagonal(&DVector::from_vec(errors));

@@ -28,8 +28,8 @@ impl Runs {
         self.times.iter().map(|&(_, time)| time).collect()
     }
 
-    /// Returns whether the two programs have runs with the same number, and every two such runs
-    /// take the same time.
+    /// Returns whether the two programs have runs with the same number, and the two runs of each
+    /// such pair take the same time.
     pub(crate) fn are_equal(&self, other: &Runs) -> bool {
         let ours = self.shared(other);
         self.seed == other.seed && !ours.is_empty() && ours == other.shared(self)

@@ -154,8 +154,8 @@ fn stays_the_same(
     Ok(())
 }
 
-/// Returns whether any two names have the same definition after the change exactly if they had the
-/// same definition before.
+/// Returns whether a renaming keeps the structure of the names. Two names must have a common
+/// definition afterwards if and only if they had one before.
 fn same_structure(old: &Names, new: &Names) -> bool {
     if old.all().len() != new.all().len() {
         return false;

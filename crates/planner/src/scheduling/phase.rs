@@ -5,7 +5,8 @@ use crate::scaffold::{SitePart, SiteRoles};
 #[derive(Clone)]
 pub struct SchedulePhase<'a> {
     pub roles: &'a SiteRoles,
-    /// Latest time for opening sites that the hand-over does not need \[ticks\].
+    /// Time limit for sites that the hand-over does not need \[ticks\]. Such a site may open if
+    /// half of its waiting time is over by then.
     pub(super) limit: f32,
     /// Number of temporary sites not yet present.
     pub missing: usize,

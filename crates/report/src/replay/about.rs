@@ -9,9 +9,9 @@ use super::program_text::{EventLocation, program_text};
 /// Returns the JSON data of a replay page: `{ program, file, seed, model, stochc, scene, radius,
 /// lift, tables, graph, text, tour, guided }`. `scene` is the scene as in the manifest. `radius` is
 /// the radius of the enclosure \[block lengths\], or null without an enclosure. `lift` is the
-/// height of its centre. `tables` and `graph` are as in `compile --format json`. `text` is the
-/// source, split at the `statements`. `tour` is the [`tour`](super::tour()) of the run. `guided`
-/// states whether the page begins with the tour.
+/// height of the enclosure's centre. `tables` and `graph` are as in `compile --format json`. `text`
+/// is the source, split at the `statements`. `tour` is the [`tour`](super::tour()) of the run.
+/// `guided` states whether the page begins with the tour.
 pub fn about(
     manifest: &Manifest,
     program: &EnsembleProgram,

@@ -185,7 +185,8 @@ pub fn repair(path: &Path, further: Further) -> Result<(), FolderError> {
     folder.write_tables(folder.existing())
 }
 
-/// Reads the manifest, ignoring its checksum. The inner error explains why it is unreadable.
+/// Reads the manifest, ignoring its checksum. The inner error explains why the manifest is
+/// unreadable.
 fn manifest(path: &Path) -> std::io::Result<Result<Manifest, ManifestError>> {
     let bytes = read_file(&path.join(MANIFEST), budget::MANIFEST)?;
     Ok(parsed(&bytes))
