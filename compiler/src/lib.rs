@@ -1,7 +1,7 @@
 //! Compiles syntax trees to dependency graphs, proofs and event tables, without IO, clock or
 //! randomness.
 //!
-//! [`check`] runs the stages. It loads and parses files, and expands each assembly ([`plan`]). It
+//! [`check`] runs the stages. It loads and parses files, and expands each assembly ([`expanded`]). It
 //! checks names, computes cells, and orders events ([`graph`], [`order`]). It proves that free
 //! blocks can reach every cell (`reach`), and compares shapes and scene with the structure. A
 //! program without errors is lowered to event tables ([`stochc_ir::table`]). Each stage reports its
@@ -23,8 +23,8 @@ mod dependencies;
 pub mod diagnostic;
 pub mod emit;
 mod expand;
+pub mod expanded;
 pub mod names;
-pub mod plan;
 mod reach;
 pub mod scene;
 mod shapes;

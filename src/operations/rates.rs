@@ -66,7 +66,7 @@ pub struct UnusedRates<'a> {
 }
 
 impl<'a> UnusedRates<'a> {
-    /// Creates a list of all files of rates. [`UnusedRates::not_of`] then removes the used files.
+    /// Creates a list of all files of rates. [`UnusedRates::remove_used`] then removes the used files.
     pub fn new(files: &'a [PathBuf], rates: &'a [Rates]) -> UnusedRates<'a> {
         let files = files.iter().map(PathBuf::as_path);
         UnusedRates {
@@ -75,7 +75,7 @@ impl<'a> UnusedRates<'a> {
     }
 
     /// Removes the files with rates for one of the `scenes`.
-    pub fn not_of<'b>(&mut self, scenes: impl Iterator<Item = &'b Scene> + Clone) {
+    pub fn remove_used<'b>(&mut self, scenes: impl Iterator<Item = &'b Scene> + Clone) {
         let is_about = |rates: &Rates| scenes.clone().any(|scene| rates.are_of(scene));
         self.of.retain(|(_, rates)| !is_about(rates));
     }
@@ -102,7 +102,7 @@ pub fn read_rates_for<'a>(
 ) -> Result<Vec<Rates>, Failure> {
     let rates = read_rate_files(files)?;
     let mut unused = UnusedRates::new(files, &rates);
-    unused.not_of(scenes);
+    unused.remove_used(scenes);
     unused.notes().for_each(|note| host.warn(&note));
     Ok(rates)
 }

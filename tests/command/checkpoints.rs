@@ -160,8 +160,8 @@ fn shards_resume() {
     let checkpoints = checkpoints.expect("unfinished runs have waits");
     cut.drain(checkpoints..checkpoints + 2);
     cut.splice(0..1, ["shard", "new", "--shards", "2"]);
-    let said_of = run_command(&mut command(&cut));
-    assert_eq!(said_of.status, 0, "{}", said_of.err);
+    let outcome = run_command(&mut command(&cut));
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
     for shard in ["0", "1"] {
         let shard = [
             "shard",

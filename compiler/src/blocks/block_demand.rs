@@ -7,7 +7,7 @@ use stochc_grammar::{Cancellation, Cancelled};
 use crate::dependencies::face_turns::has_choice;
 use crate::dependencies::graph::DependencyGraph;
 use crate::dependencies::order::Order;
-use crate::plan::{EventId, EventKind, PlanPhase, ProgramPlan};
+use crate::expanded::{EventId, EventKind, ExpandedPhase, ExpandedProgram};
 use crate::shapes::layout::Layout;
 
 /// Largest number of edges to follow in the search for an event that needs too many blocks.
@@ -25,7 +25,7 @@ const SEARCHED: usize = 5_000_000;
 ///
 /// [`Cancelled`] if the check was cancelled.
 pub fn first_beyond(
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     layout: &Layout,
     certain: &DependencyGraph,
     order: &Order,
@@ -36,7 +36,7 @@ pub fn first_beyond(
     let sizes = layout.sizes.iter().map(|&size| size as usize);
     let begins: Vec<usize> = std::iter::once(0).chain(sizes).collect();
     // Most scenes have more free blocks than all captures together need.
-    let is_enough = |(phase, before): (&PlanPhase, &usize)| before + phase.events.len() <= free;
+    let is_enough = |(phase, before): (&ExpandedPhase, &usize)| before + phase.events.len() <= free;
     if plan.phases.iter().zip(&begins).all(is_enough) {
         return Ok(None);
     }
@@ -75,11 +75,11 @@ pub fn first_beyond(
 /// compares that number. A phase with releases is also returned if the program has a choice of
 /// faces, or if the search reaches its limit.
 pub fn scarce_phase<'a>(
-    plan: &'a ProgramPlan,
+    plan: &'a ExpandedProgram,
     layout: &Layout,
     graph: &DependencyGraph,
     free: u32,
-) -> Option<&'a PlanPhase> {
+) -> Option<&'a ExpandedPhase> {
     let free = free as usize;
     let mut search = Search {
         plan,
@@ -104,7 +104,7 @@ pub fn scarce_phase<'a>(
 }
 
 struct Search<'a> {
-    plan: &'a ProgramPlan,
+    plan: &'a ExpandedProgram,
     graph: &'a DependencyGraph,
     left: usize,
     cancellation: Cancellation<'a>,

@@ -8,12 +8,12 @@ use crate::blocks::block_demand::first_beyond;
 use crate::dependencies::graph::DependencyGraph;
 use crate::dependencies::order::Order;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::plan::{EventKind, ProgramPlan};
+use crate::expanded::{EventKind, ExpandedProgram};
 use crate::shapes::layout::Layout;
 
 /// Checks that the blocks of an aggregate can bond to each other, and that the scene has enough of
 /// them.
-pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
+pub fn check_aggregate(plan: &ExpandedProgram, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
     if !BondKind::from_scene(scene).is_passive() {
         let (state, what) = match &scene.bond {
             Some(bond) => (
@@ -62,7 +62,7 @@ pub fn check_aggregate(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<
 
 /// Checks that the free blocks have enough space at the start. Models without physics do not need
 /// this.
-pub fn check_room(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
+pub fn check_room(plan: &ExpandedProgram, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
     let Err(error) = scene.has_room(&plan.plate) else {
         return;
     };
@@ -92,7 +92,7 @@ pub fn check_room(plan: &ProgramPlan, scene: &Scene, diagnostics: &mut Vec<Diagn
 ///
 /// Returns [`Cancelled`] if the check was cancelled.
 pub fn check(
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     layout: &Layout,
     order: Option<(&Order, &DependencyGraph)>,
     scene: &Scene,
@@ -149,13 +149,13 @@ fn are(size: u32) -> String {
 
 /// Checks that the scene can bond blocks, and that its enclosure contains the structure.
 fn check_terms(
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     layout: &Layout,
     scene: &Scene,
     diagnostics: &mut Vec<Diagnostic>,
 ) {
     let captures =
-        |event: &&crate::plan::PlanEvent| matches!(event.kind, EventKind::Capture { .. });
+        |event: &&crate::expanded::ExpandedEvent| matches!(event.kind, EventKind::Capture { .. });
     if let (None, Some(first)) = (&scene.bond, plan.events.iter().find(captures)) {
         let title = format!("scene `{}` has no `bond`", scene.name);
         diagnostics.push(
@@ -210,7 +210,7 @@ fn distinct(one: f64, other: f64) -> (String, String) {
 }
 
 /// Checks that the plate lies within the enclosure. Returns a diagnostic if it does not.
-fn plate_outside(plan: &ProgramPlan, enclosure: &Enclosure, side: f64) -> Option<Diagnostic> {
+fn plate_outside(plan: &ExpandedProgram, enclosure: &Enclosure, side: f64) -> Option<Diagnostic> {
     let (width, depth) = (plan.plate.width, plan.plate.depth);
     let corner = f64::from(width).hypot(f64::from(depth)) / 2.0 * side;
     let radius = enclosure.radius();

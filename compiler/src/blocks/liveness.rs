@@ -8,7 +8,7 @@ use crate::diagnostic::{
     parameter_hint, removal, report, suggestion,
 };
 use crate::expand::members::members;
-use crate::plan::{EventId, EventKind, NameKey, PatternInstance, ProgramPlan};
+use crate::expanded::{EventId, EventKind, ExpandedProgram, NameKey, PatternInstance};
 use crate::{SourceLocation, Sources};
 
 /// Dependencies of all events through the names of blocks, and the events that each `after` waits
@@ -67,7 +67,7 @@ impl Holder {
 
 impl Liveness {
     /// Returns the acting block: the capturing block, or the released block.
-    pub fn actor(&self, plan: &ProgramPlan, id: EventId) -> Holder {
+    pub fn actor(&self, plan: &ExpandedProgram, id: EventId) -> Holder {
         Holder {
             role: plan.actor(id),
             since: self.contexts[id.0 as usize].anchored_by,
@@ -102,7 +102,7 @@ enum BlockOrigin {
 ///
 /// Returns [`Cancelled`] if the check was cancelled.
 pub fn check(
-    plan: &mut ProgramPlan,
+    plan: &mut ExpandedProgram,
     sources: &Sources,
     symbols: &Symbols,
     uncertain: &FxHashSet<Symbol>,
@@ -141,7 +141,7 @@ enum Earlier {
 }
 
 struct Checker<'a> {
-    plan: &'a mut ProgramPlan,
+    plan: &'a mut ExpandedProgram,
     states: Vec<RoleLiveness>,
     /// Whether each seed is used.
     used: Vec<bool>,

@@ -8,7 +8,7 @@ use stochc_text::listed;
 
 use crate::dependencies::order::Order;
 use crate::diagnostic::{Code, Diagnostic, report};
-use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::expanded::{EventId, EventKind, ExpandedProgram};
 use crate::shapes::layout::Layout;
 
 /// Largest number of faces that a message names.
@@ -24,7 +24,7 @@ const NAMED: usize = 3;
 ///
 /// Returns [`Cancelled`] if the check was cancelled.
 pub fn check(
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     layout: &Layout,
     order: &Order,
     symbols: &Symbols,
@@ -56,7 +56,7 @@ pub fn check(
 }
 
 /// For each phase, returns its last capture in this order. `None` for phases without captures.
-fn last_captures(plan: &ProgramPlan, order: &Order) -> Vec<Option<EventId>> {
+fn last_captures(plan: &ExpandedProgram, order: &Order) -> Vec<Option<EventId>> {
     let mut place = vec![usize::MAX; plan.events.len()];
     for (i, id) in order.events.iter().enumerate() {
         place[id.0 as usize] = i;
@@ -71,7 +71,7 @@ fn last_captures(plan: &ProgramPlan, order: &Order) -> Vec<Option<EventId>> {
 }
 
 struct UnplannedBondAnalysis<'a> {
-    plan: &'a ProgramPlan,
+    plan: &'a ExpandedProgram,
     layout: &'a Layout,
     last: &'a [Option<EventId>],
 }
@@ -252,7 +252,7 @@ struct StructureModules {
 
 impl StructureModules {
     /// Returns the structure of the named seeds. Other blocks of the plate attract nothing.
-    fn from_seeds(plan: &ProgramPlan) -> StructureModules {
+    fn from_seeds(plan: &ExpandedProgram) -> StructureModules {
         let mut structure = StructureModules {
             blocks: FxHashMap::default(),
             exposed: 0,

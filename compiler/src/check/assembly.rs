@@ -17,7 +17,7 @@ use crate::dependencies::{face_turns, graph, order};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::emit::lower;
 use crate::expand::{Declarations, ExpansionBounds, Shapes, expand};
-use crate::plan::ProgramPlan;
+use crate::expanded::ExpandedProgram;
 use crate::scene::scene_check;
 use crate::shapes::layout::Layout;
 use crate::shapes::{layout, shape};
@@ -48,7 +48,7 @@ pub enum Stage {
 
 /// An expanded program whose blocks have cells and whose events are ordered.
 struct OrderedProgram {
-    plan: ProgramPlan,
+    plan: ExpandedProgram,
     liveness: Liveness,
     layout: Layout,
     graph: DependencyGraph,
@@ -333,7 +333,7 @@ fn is_passive(scene: Option<&Scene>) -> bool {
 
 /// Checks an aggregate. Most stages do not apply.
 pub(super) fn compile_aggregate(
-    mut plan: ProgramPlan,
+    mut plan: ExpandedProgram,
     scene: Option<Scene>,
     wrong: bool,
     symbols: &Symbols,

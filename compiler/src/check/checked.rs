@@ -10,7 +10,7 @@ use crate::dependencies::graph::DependencyGraph;
 use crate::dependencies::order::Order;
 use crate::diagnostic::Diagnostic;
 use crate::diagnostic::lint_levels::Allowed;
-use crate::plan::ProgramPlan;
+use crate::expanded::ExpandedProgram;
 use crate::shapes::layout::Layout;
 use crate::sources::load::Module;
 use crate::{FileId, Sources};
@@ -38,7 +38,7 @@ pub struct Checked {
 #[derive(Debug)]
 pub struct Program {
     /// The expanded program.
-    pub plan: ProgramPlan,
+    pub plan: ExpandedProgram,
     /// Scene of the program. `None` if the scene has errors.
     pub scene: Option<Scene>,
     /// Cells of all blocks.

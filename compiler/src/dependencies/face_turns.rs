@@ -13,7 +13,7 @@ use petgraph::visit::EdgeRef;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::dependencies::graph::{DependencyGraph, LocatedDependency};
-use crate::plan::EventId;
+use crate::expanded::EventId;
 
 /// Returns whether an event can happen once the events in `has` have happened.
 pub fn is_ready(graph: &DependencyGraph, event: EventId, has: impl Fn(EventId) -> bool) -> bool {

@@ -6,7 +6,7 @@ use stochc_grammar::{Cancellation, Cancelled};
 
 use crate::SourceLocation;
 use crate::blocks::liveness::Liveness;
-use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::expanded::{EventId, EventKind, ExpandedProgram};
 use crate::shapes::layout::Layout;
 
 /// Events and their dependencies.
@@ -65,7 +65,7 @@ pub(crate) fn anchored_by(graph: &DependencyGraph, id: EventId) -> Option<EventI
 ///
 /// Returns [`Cancelled`] if the check was cancelled.
 pub fn build(
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     liveness: &Liveness,
     layout: &Layout,
     faces: u8,
@@ -113,7 +113,7 @@ pub fn build(
 /// Returns the dependencies of captures that wait for a free face. Such a capture waits until fewer
 /// than `faces` earlier captures by the same block are pending.
 fn face_turns(
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     faces: u8,
     cancellation: Cancellation<'_>,
 ) -> Result<Vec<(EventId, EventId, LocatedDependency)>, Cancelled> {

@@ -12,7 +12,7 @@ use crate::Sources;
 use crate::dependencies::face_turns;
 use crate::dependencies::graph::{DependencyGraph, LocatedDependency};
 use crate::diagnostic::{Code, Diagnostic, Fix, entry};
-use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::expanded::{EventId, EventKind, ExpandedProgram};
 
 /// A possible order of all events, and the longest chains.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -29,7 +29,7 @@ pub struct Order {
 
 impl Order {
     /// Returns the events of each phase. Every event comes after all events that it waits for.
-    pub(crate) fn by_phase(&self, plan: &ProgramPlan) -> Vec<Vec<EventId>> {
+    pub(crate) fn by_phase(&self, plan: &ExpandedProgram) -> Vec<Vec<EventId>> {
         let mut events = vec![Vec::new(); plan.phases.len()];
         for &id in &self.events {
             if let Some(phase) = plan.phase_of(id) {
@@ -40,13 +40,13 @@ impl Order {
     }
 
     /// Returns the number of captures in a chain.
-    pub fn length(plan: &ProgramPlan, chain: &[EventId]) -> usize {
+    pub fn length(plan: &ExpandedProgram, chain: &[EventId]) -> usize {
         chain.iter().filter(|id| is_capture(plan, **id)).count()
     }
 
     /// Returns the phase with the longest chain, and the chain. Returns `None` for a program
     /// without phases.
-    pub fn longest(&self, plan: &ProgramPlan) -> Option<(usize, &[EventId])> {
+    pub fn longest(&self, plan: &ExpandedProgram) -> Option<(usize, &[EventId])> {
         (self.chains.iter().enumerate())
             .max_by_key(|(number, chain)| (Order::length(plan, chain), std::cmp::Reverse(*number)))
             .map(|(number, chain)| (number, chain.as_slice()))
@@ -62,7 +62,7 @@ const MAX_CYCLES: usize = 10;
 ///
 /// Returns [`Cancelled`] if the check was cancelled.
 pub fn sort(
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     graph: &DependencyGraph,
     symbols: &Symbols,
     sources: &Sources,
@@ -139,13 +139,13 @@ pub(crate) fn needed<'a>(
     edges.filter(|edge| !unneeded.contains(&edge.id()))
 }
 
-fn is_capture(plan: &ProgramPlan, id: EventId) -> bool {
+fn is_capture(plan: &ExpandedProgram, id: EventId) -> bool {
     matches!(plan.event(id).kind, EventKind::Capture { .. })
 }
 
 fn longest_chain(
     events: std::ops::Range<u32>,
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     best: &[(u32, u32)],
 ) -> Vec<EventId> {
     let last = events
@@ -163,7 +163,7 @@ fn longest_chain(
 
 /// Reports the cycles in `rest`, the graph of the events that can never happen.
 fn report_cycles(
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     rest: &DependencyGraph,
     symbols: &Symbols,
     sources: &Sources,
@@ -216,7 +216,7 @@ fn shortest_cycle(
 }
 
 fn describe(
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     graph: &DependencyGraph,
     cycle: &[(NodeIndex, NodeIndex, LocatedDependency)],
     symbols: &Symbols,
@@ -315,7 +315,7 @@ fn describe(
 }
 
 /// Returns whether a single chain makes all captures from `first` to `last`.
-fn is_chain(plan: &ProgramPlan, first: EventId, last: EventId) -> bool {
+fn is_chain(plan: &ExpandedProgram, first: EventId, last: EventId) -> bool {
     let follows = |id: u32| {
         let (one, next) = (plan.event(EventId(id)), plan.event(EventId(id + 1)));
         let (one, next) = (one.location, next.location);

@@ -1,7 +1,7 @@
 //! Advice to pass an argument to a pattern.
 use super::LONG;
 use crate::Sources;
-use crate::plan::PatternInstance;
+use crate::expanded::PatternInstance;
 
 /// Returns the advice to pass `argument` to a pattern as a new parameter `name`.
 pub(crate) fn parameter_hint(

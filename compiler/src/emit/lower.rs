@@ -10,7 +10,7 @@ use stochc_ir::table::{
 
 use crate::blocks::liveness::{Holder, Liveness};
 use crate::dependencies::graph::{DependencyGraph, LocatedDependency};
-use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::expanded::{EventId, EventKind, ExpandedProgram};
 use crate::shapes::layout::Layout;
 
 /// Lowers a program without errors.
@@ -19,7 +19,7 @@ use crate::shapes::layout::Layout;
 ///
 /// Returns [`Cancelled`] if the check was cancelled.
 pub fn lower(
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     liveness: &Liveness,
     layout: &Layout,
     graph: &DependencyGraph,
@@ -48,7 +48,7 @@ pub fn lower(
 }
 
 /// Returns, for each event, whether its block acts later in the same phase.
-fn busy(plan: &ProgramPlan, graph: &DependencyGraph) -> Vec<bool> {
+fn busy(plan: &ExpandedProgram, graph: &DependencyGraph) -> Vec<bool> {
     let mut busy = vec![false; plan.events.len()];
     for edge in graph.raw_edges() {
         if edge.weight == LocatedDependency::Anchored {
@@ -70,7 +70,7 @@ struct UnassignedRule {
 }
 
 struct Lowering<'a> {
-    plan: &'a ProgramPlan,
+    plan: &'a ExpandedProgram,
     liveness: &'a Liveness,
     layout: &'a Layout,
     graph: &'a DependencyGraph,

@@ -9,7 +9,7 @@ use stochc_ir::structure::{BuiltBlock, BuiltPhase, BuiltStructure};
 use stochc_ir::{Cell, CellBounds, Json};
 use stochc_text::counted;
 
-use crate::plan::ProgramPlan;
+use crate::expanded::ExpandedProgram;
 use crate::shapes::layout::Layout;
 use crate::shapes::placed_blocks::{PlacedBlock, placed_blocks};
 use crate::shapes::shape::MAX_CELLS;
@@ -22,11 +22,11 @@ fn find(blocks: &[PlacedBlock], cell: Cell) -> Option<&PlacedBlock> {
 
 /// Returns the structure after each phase in the syntax of a `shape`. Only rows and columns with
 /// blocks are included.
-pub fn structure_text(plan: &ProgramPlan, layout: &Layout) -> impl Display {
+pub fn structure_text(plan: &ExpandedProgram, layout: &Layout) -> impl Display {
     Text(move |out: &mut Formatter<'_>| write_layers(out, plan, layout))
 }
 
-fn write_layers(out: &mut Formatter<'_>, plan: &ProgramPlan, layout: &Layout) -> fmt::Result {
+fn write_layers(out: &mut Formatter<'_>, plan: &ExpandedProgram, layout: &Layout) -> fmt::Result {
     if plan.aggregate.is_some() {
         return writeln!(out, "// aggregate {}: it grows at random", plan.name);
     }
@@ -72,7 +72,7 @@ fn write_layers(out: &mut Formatter<'_>, plan: &ProgramPlan, layout: &Layout) ->
 /// Returns the structure as JSON: `{ assembly, phases: [{ name, blocks: [{ name, cell, captured_in
 /// }] }] }`.
 pub fn structure_json<'a>(
-    plan: &'a ProgramPlan,
+    plan: &'a ExpandedProgram,
     layout: &'a Layout,
     symbols: &'a Symbols,
 ) -> Json<'a> {
@@ -108,7 +108,7 @@ const MAX_BLOCKS: usize = 20_000;
 
 /// Returns the structures to draw. Returns `None` if there are too many blocks for a picture.
 pub fn built_structure(
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     layout: &Layout,
     symbols: &Symbols,
 ) -> Option<BuiltStructure> {

@@ -4,7 +4,7 @@ use stochc_grammar::tree::Aggregate;
 
 use super::expander::Expander;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::plan::PlanPhase;
+use crate::expanded::ExpandedPhase;
 
 /// Largest size of an aggregate \[blocks\].
 const MAX_SIZE: i64 = 10_000;
@@ -31,7 +31,7 @@ impl Expander<'_, '_> {
         };
         self.plan.aggregate = Some(size);
         self.plan.phases = (2..=size)
-            .map(|size| PlanPhase {
+            .map(|size| ExpandedPhase {
                 name: size.to_string(),
                 location,
                 timeout,

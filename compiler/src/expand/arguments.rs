@@ -8,8 +8,8 @@ use super::place::suggested_face;
 use super::scope::BoundValue;
 use super::uses::Uses;
 use crate::diagnostic::{Code, Diagnostic, Edit, Fix};
+use crate::expanded::{NameKey, PatternInstance};
 use crate::names::ValueKind;
-use crate::plan::{NameKey, PatternInstance};
 use crate::{FileId, SourceLocation};
 
 /// An argument whose kind differs from the required kind.

@@ -11,10 +11,11 @@ use super::probe::Probe;
 use super::scope::{BoundValue, Scope};
 use super::uses;
 use crate::diagnostic::{Code, Diagnostic, Fix, LONG, has_enough_errors, removal, report};
-use crate::names::{Definition, Names};
-use crate::plan::{
-    AfterConstraint, EventId, NameKey, PlanEvent, PlanPhase, ProgramPlan, Roles, Timeout,
+use crate::expanded::{
+    AfterConstraint, EventId, ExpandedEvent, ExpandedPhase, ExpandedProgram, NameKey, Roles,
+    Timeout,
 };
+use crate::names::{Definition, Names};
 use crate::{FileId, SourceLocation, Sources};
 
 /// Declarations of the files.
@@ -72,7 +73,7 @@ pub(super) enum Seeding {
 }
 
 pub(super) struct Expander<'a, 'f> {
-    pub(super) plan: ProgramPlan,
+    pub(super) plan: ExpandedProgram,
     pub(super) declared: DeclaredItems<'a>,
     /// Definitions of all names.
     pub(super) names: &'a Names,
@@ -127,7 +128,7 @@ impl<'a, 'f> Expander<'a, 'f> {
         probe: &'f mut Probe,
     ) -> Expander<'a, 'f> {
         let mut expander = Expander {
-            plan: ProgramPlan {
+            plan: ExpandedProgram {
                 name: symbols.word(name.symbol).to_owned(),
                 location: SourceLocation {
                     file,
@@ -389,7 +390,7 @@ impl<'a> Expander<'a, '_> {
         }
         let timeout = self.timeout(phase.timeout.as_ref());
         let start = self.grown.events as u32;
-        self.push_phase(PlanPhase {
+        self.push_phase(ExpandedPhase {
             name,
             location,
             timeout,
@@ -438,7 +439,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    pub(super) fn push_event(&mut self, event: PlanEvent) -> EventId {
+    pub(super) fn push_event(&mut self, event: ExpandedEvent) -> EventId {
         let id = EventId(self.grown.events as u32);
         self.grown.events += 1;
         if self.pass == Pass::Writing {
@@ -454,7 +455,7 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    pub(super) fn push_phase(&mut self, phase: PlanPhase) {
+    pub(super) fn push_phase(&mut self, phase: ExpandedPhase) {
         self.grown.phases += 1;
         if self.pass == Pass::Writing {
             self.plan.phases.push(phase);

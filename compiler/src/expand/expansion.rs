@@ -7,11 +7,11 @@ use super::expander::{Declarations, Expander, Pass};
 use super::limits::{ExpansionBounds, Limits, UNCOUNTED};
 use super::probe::Probe;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::plan::ProgramPlan;
+use crate::expanded::ExpandedProgram;
 use crate::{FileId, Sources};
 
 /// An expanded program, and the shapes that its phases can claim.
-pub type Expanded<'a> = (ProgramPlan, Shapes<'a>);
+pub type Expanded<'a> = (ExpandedProgram, Shapes<'a>);
 
 /// Expands a program.
 ///
@@ -94,7 +94,7 @@ pub(crate) fn expand_aggregate(
     sources: &Sources,
     symbols: &mut Symbols,
     diagnostics: &mut Vec<Diagnostic>,
-) -> ProgramPlan {
+) -> ExpandedProgram {
     let bounds = ExpansionBounds {
         limits: Limits::default(),
         cancellation: Cancellation::NEVER,

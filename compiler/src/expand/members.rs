@@ -2,7 +2,7 @@
 use stochc_grammar::Symbols;
 use stochc_text::listed;
 
-use crate::plan::{NameKey, Roles};
+use crate::expanded::{NameKey, Roles};
 
 /// Largest number of names that are listed. Ranges count once.
 const MAX: usize = 4;

@@ -7,8 +7,8 @@ use super::expander::{Expander, Pass};
 use super::scope::BoundValue;
 use crate::diagnostic::{self, Code, Diagnostic, Fix};
 use crate::expand::members::members;
+use crate::expanded::NameKey;
 use crate::names::ValueKind;
-use crate::plan::NameKey;
 
 /// The blocks and the face that a text names.
 pub struct ResolvedPlace {

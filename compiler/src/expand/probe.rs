@@ -3,7 +3,7 @@ use stochc_grammar::Span;
 use stochc_grammar::tree::Segment;
 
 use crate::FileId;
-use crate::plan::NameKey;
+use crate::expanded::NameKey;
 
 /// A source location, and the blocks that it names.
 #[derive(Debug, Default)]

@@ -5,8 +5,8 @@ use stochc_grammar::Symbol;
 use stochc_ir::Face;
 
 use crate::SourceLocation;
+use crate::expanded::NameKey;
 use crate::names::{Definition, ValueKind};
-use crate::plan::NameKey;
 
 /// Value of a word that does not name a block directly.
 #[derive(Clone, Copy, Debug, PartialEq)]

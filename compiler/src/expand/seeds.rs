@@ -8,7 +8,7 @@ use super::duplicate;
 use super::expander::{Expander, Pass, Seeding};
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::plan::{PlanPhase, PlanSeed};
+use crate::expanded::{ExpandedPhase, ExpandedSeed};
 
 /// Returns whether the statements contain captures, that is, pre-attached blocks. The parser bounds
 /// the depth of loops.
@@ -87,7 +87,7 @@ impl<'a> Expander<'a, '_> {
         if start == end {
             return;
         }
-        self.push_phase(PlanPhase {
+        self.push_phase(ExpandedPhase {
             name: PRE_ATTACHED.to_owned(),
             location,
             timeout: None,
@@ -166,7 +166,7 @@ impl<'a> Expander<'a, '_> {
         // A misplaced statement may come first. It has been reported.
         if role.0 as usize == self.plan.seeds.len() {
             let statement = item.docs.0.is_none().then(|| self.location(item.span));
-            self.plan.seeds.push(PlanSeed {
+            self.plan.seeds.push(ExpandedSeed {
                 role,
                 cell,
                 location,

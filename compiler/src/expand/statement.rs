@@ -9,7 +9,7 @@ use super::expander::{Expander, Pass};
 use super::scope::BoundValue;
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic, Fix, suggestion};
-use crate::plan::{AfterConstraint, EventId, EventKind, NameKey, PlanEvent};
+use crate::expanded::{AfterConstraint, EventId, EventKind, ExpandedEvent, NameKey};
 
 impl<'a> Expander<'a, '_> {
     /// Expands the captures of a chain in order.
@@ -165,7 +165,7 @@ impl<'a> Expander<'a, '_> {
     }
 
     fn capture(&mut self, parent: RoleId, face: Face, role: RoleId, location: SourceLocation) {
-        self.push_event(PlanEvent {
+        self.push_event(ExpandedEvent {
             kind: EventKind::Capture { parent, face },
             role,
             location,
@@ -210,7 +210,7 @@ impl<'a> Expander<'a, '_> {
             };
             for key in blocks.keys.iter() {
                 let role = self.role(key);
-                let event = self.push_event(PlanEvent {
+                let event = self.push_event(ExpandedEvent {
                     kind: EventKind::Release,
                     role,
                     location,

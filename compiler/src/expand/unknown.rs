@@ -87,7 +87,7 @@ impl Expander<'_, '_> {
     }
 
     /// Returns the instance that is being expanded. Returns `None` outside of all instances.
-    pub(super) fn grown(&self) -> Option<crate::plan::PatternInstance> {
+    pub(super) fn grown(&self) -> Option<crate::expanded::PatternInstance> {
         let number = (self.scope.instance as usize).checked_sub(1)?;
         self.plan.grown.get(number).copied()
     }

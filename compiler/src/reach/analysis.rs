@@ -13,7 +13,7 @@ use super::proposal::{Proposal, ReportedError};
 use crate::dependencies::face_turns;
 use crate::dependencies::graph::DependencyGraph;
 use crate::diagnostic::{Code, Diagnostic, report};
-use crate::plan::{EventId, EventKind};
+use crate::expanded::{EventId, EventKind};
 
 /// Number of cells that the search may visit per event, in addition to the limit.
 const STEPS_PER_EVENT: u64 = 10;

@@ -14,8 +14,8 @@ use super::graph_paths::before;
 use super::moving_cube::MovingCube;
 use super::path_search::SearchOutcome;
 use crate::dependencies::graph::LocatedDependency;
-use crate::plan::EventId;
-use crate::plan::EventKind;
+use crate::expanded::EventId;
+use crate::expanded::EventKind;
 use stochc_ir::Cell;
 
 /// A capture whose block must enter through a one-block gap.

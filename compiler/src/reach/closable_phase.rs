@@ -6,7 +6,7 @@ use rustc_hash::FxHashSet;
 use super::descendants::DescendantIndex;
 use super::reachable::Dismantled;
 use crate::dependencies::graph::DependencyGraph;
-use crate::plan::EventId;
+use crate::expanded::EventId;
 
 /// A phase with captures whose cells can be closed.
 pub struct ClosablePhase<'a> {

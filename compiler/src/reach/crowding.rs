@@ -6,7 +6,7 @@ use stochc_ir::Cell;
 use super::analysis::ReachAnalysis;
 use super::descendants::DescendantIndex;
 use crate::diagnostic::{Code, Diagnostic, report};
-use crate::plan::EventId;
+use crate::expanded::EventId;
 
 /// Largest number of captures of a phase in the message.
 const MAX_SHOWN: usize = 5;

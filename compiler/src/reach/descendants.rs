@@ -9,7 +9,7 @@ use petgraph::visit::EdgeRef;
 
 use super::effort::SearchEffort;
 use crate::dependencies::graph::DependencyGraph;
-use crate::plan::EventId;
+use crate::expanded::EventId;
 
 /// Index of descendants among the events of one phase.
 pub struct DescendantIndex {

@@ -13,7 +13,7 @@ use super::picture;
 use super::proposal::Proposal;
 use super::sealed::BlockedCapture;
 use crate::diagnostic::{Code, Diagnostic, Fix, report};
-use crate::plan::EventId;
+use crate::expanded::EventId;
 use stochc_ir::Cell;
 
 /// Largest number of blocks around a cell that are labelled.

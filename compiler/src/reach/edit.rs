@@ -5,8 +5,8 @@ use stochc_ir::table::RoleId;
 
 use super::ValidProgram;
 use crate::diagnostic::Edit;
-use crate::plan::EventId;
-use crate::plan::{EventKind, NameKey};
+use crate::expanded::EventId;
+use crate::expanded::{EventKind, NameKey};
 use crate::{FileId, SourceLocation};
 
 /// An arrow of a chain. In a range, loop or pattern, one arrow makes many captures.

@@ -5,7 +5,7 @@ use petgraph::visit::EdgeRef as _;
 use rustc_hash::FxHashSet;
 
 use crate::dependencies::graph::DependencyGraph;
-use crate::plan::EventId;
+use crate::expanded::EventId;
 
 /// Returns the events that an event waits for.
 pub(super) fn before(graph: &DependencyGraph, id: EventId) -> impl Iterator<Item = EventId> {

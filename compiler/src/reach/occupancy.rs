@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_ir::Cell;
 
-use crate::plan::EventId;
+use crate::expanded::EventId;
 
 /// Function that returns whether a capture has happened.
 pub type Has<'a> = &'a dyn Fn(EventId) -> bool;

@@ -15,7 +15,7 @@ use stochc_ir::{Cell, Face};
 use super::effort::SearchEffort;
 use super::known_paths::KnownPaths;
 use super::moving_cube::MovingCube;
-use crate::plan::EventId;
+use crate::expanded::EventId;
 
 /// Result of a search.
 pub enum SearchOutcome {

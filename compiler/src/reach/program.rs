@@ -7,7 +7,7 @@ use crate::blocks::liveness::Liveness;
 use crate::dependencies::graph::DependencyGraph;
 use crate::dependencies::order::Order;
 use crate::expand::Patterns;
-use crate::plan::ProgramPlan;
+use crate::expanded::ExpandedProgram;
 use crate::shapes::layout::Layout;
 use crate::{FileId, Sources};
 
@@ -15,7 +15,7 @@ use crate::{FileId, Sources};
 #[derive(Clone, Copy)]
 pub struct ValidProgram<'a> {
     /// Expanded program.
-    pub plan: &'a ProgramPlan,
+    pub plan: &'a ExpandedProgram,
     /// Captures and releases that each event depends on through names of blocks.
     pub liveness: &'a Liveness,
     /// Cells of all blocks.

@@ -9,7 +9,7 @@ use super::occupancy::Has;
 use super::path_search::SearchOutcome;
 use crate::dependencies::face_turns::is_ready;
 use crate::dependencies::graph::DependencyGraph;
-use crate::plan::EventId;
+use crate::expanded::EventId;
 
 /// Order for removing the blocks of a phase, the reverse of an order for building them.
 ///

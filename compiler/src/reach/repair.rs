@@ -11,7 +11,7 @@ use super::moving_cube::MovingCube;
 use super::path_search::SearchOutcome;
 use super::reachable::Dismantled;
 use crate::SourceLocation;
-use crate::plan::EventId;
+use crate::expanded::EventId;
 use stochc_ir::Cell;
 
 /// Largest number of cells in the search for a path out of one pocket.

@@ -7,7 +7,7 @@ use super::graph_paths::after;
 use super::moving_cube::MovingCube;
 use super::path_search::SearchOutcome;
 use crate::dependencies::face_turns::is_ready;
-use crate::plan::EventId;
+use crate::expanded::EventId;
 use stochc_ir::Cell;
 
 /// A capture that may wait forever because its cell is closed.

@@ -6,7 +6,7 @@ use super::proposal::{Proposal, ReportedError};
 use crate::SourceLocation;
 use crate::check::trial::OF_AN_EVENT;
 use crate::diagnostic::{Code, Fix};
-use crate::plan::EventId;
+use crate::expanded::EventId;
 
 /// A statement that must wait.
 #[derive(Clone)]

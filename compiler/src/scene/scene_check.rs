@@ -6,7 +6,7 @@ use stochc_ir::scene::warnings::{SceneWarning, SceneWarningKind, Stepping, scene
 
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic, report};
-use crate::plan::{EventKind, ProgramPlan};
+use crate::expanded::{EventKind, ExpandedProgram};
 use crate::shapes::layout::Layout;
 
 impl From<SceneWarningKind> for Code {
@@ -59,7 +59,7 @@ fn diagnostic(scene: &Scene, warnings: &[SceneWarning], location: SourceLocation
 
 /// Returns the lowest and the highest layer of a program's captures. Returns `None` without
 /// captures.
-pub fn layers(plan: &ProgramPlan, layout: &Layout) -> Option<RangeInclusive<i32>> {
+pub fn layers(plan: &ExpandedProgram, layout: &Layout) -> Option<RangeInclusive<i32>> {
     let phases = plan.phases.iter().filter(|phase| !phase.pre_attached);
     let events = phases.flat_map(|phase| plan.events_of(phase));
     let captures = events.filter(|&id| matches!(plan.event(id).kind, EventKind::Capture { .. }));

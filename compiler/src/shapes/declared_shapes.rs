@@ -1,8 +1,8 @@
 //! Declared shapes of the files of a program.
 use stochc_grammar::tree::{Item, ItemKind, Shape};
 
+use crate::expanded::ExpandedProgram;
 use crate::names::{NameKind, Names};
-use crate::plan::ProgramPlan;
 use crate::{Checked, FileId, SourceLocation};
 
 /// Declared shapes of all files, including shapes inside assemblies.
@@ -59,7 +59,7 @@ impl<'a> DeclaredShapes<'a> {
     }
 
     /// Returns the shape that a word names in a program. Returns `None` if the word names no shape.
-    pub fn seen_from(&self, program: &ProgramPlan, word: &str) -> Option<&DeclaredShape<'a>> {
+    pub fn seen_from(&self, program: &ExpandedProgram, word: &str) -> Option<&DeclaredShape<'a>> {
         let word = self.checked.symbols.get(word)?;
         let seen = (self.names).seen_from(program.location, NameKind::Shape, word)?;
         self.shapes.iter().find(|it| {

@@ -6,7 +6,7 @@ use stochc_ir::{Cell, Face};
 
 use crate::blocks::liveness::{Holder, Liveness};
 use crate::diagnostic::{Code, Diagnostic, Fix, named, report, row_hint};
-use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::expanded::{EventId, EventKind, ExpandedProgram};
 use crate::{SourceLocation, Sources};
 
 /// Cells and bonds of a program's blocks.
@@ -52,7 +52,7 @@ struct AnchoredPosition {
 ///
 /// Returns [`Cancelled`] if the check was cancelled.
 pub fn lay_out(
-    plan: &mut ProgramPlan,
+    plan: &mut ExpandedProgram,
     liveness: &Liveness,
     symbols: &Symbols,
     sources: &Sources,
@@ -107,7 +107,7 @@ pub fn lay_out(
 }
 
 struct LayoutBuilder<'a> {
-    plan: &'a mut ProgramPlan,
+    plan: &'a mut ExpandedProgram,
     liveness: &'a Liveness,
     symbols: &'a Symbols,
     sources: &'a Sources,

@@ -2,7 +2,7 @@
 use stochc_ir::Cell;
 use stochc_ir::table::RoleId;
 
-use crate::plan::{EventId, EventKind, ProgramPlan};
+use crate::expanded::{EventId, EventKind, ExpandedProgram};
 use crate::shapes::layout::Layout;
 
 /// A block of the structure, above the plate.
@@ -20,7 +20,7 @@ pub struct PlacedBlock {
 
 /// Returns the blocks above the plate at the end of each phase, sorted by cell.
 pub fn placed_blocks<'a>(
-    plan: &'a ProgramPlan,
+    plan: &'a ExpandedProgram,
     layout: &'a Layout,
 ) -> impl Iterator<Item = Vec<PlacedBlock>> + use<'a> {
     // Phase of the capture of each attached block.

@@ -9,8 +9,8 @@ use stochc_ir::{Cell, CellBounds};
 use crate::diagnostic::layer_picture::layer_picture;
 use crate::diagnostic::{Code, Diagnostic, Severity, is_full, report, suggestion};
 use crate::expand::Shapes;
+use crate::expanded::ExpandedProgram;
 use crate::names::Names;
-use crate::plan::ProgramPlan;
 use crate::shapes::layout::Layout;
 use crate::{FileId, SourceLocation};
 
@@ -27,7 +27,7 @@ const MAX_COMPARED: usize = 20_000_000;
 ///
 /// Returns [`Cancelled`] if the check was cancelled.
 pub fn check(
-    plan: &ProgramPlan,
+    plan: &ExpandedProgram,
     layout: &Layout,
     shapes: &Shapes<'_>,
     names: &Names,

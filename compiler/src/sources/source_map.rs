@@ -7,8 +7,8 @@ use stochc_ir::table::RoleId;
 use crate::check::program::declarations;
 use crate::dependencies::graph::anchored_by;
 use crate::expand::{ExpansionBounds, Limits, Probe, expand_probed};
+use crate::expanded::{EventId, EventKind};
 use crate::names::{Keep, Names};
-use crate::plan::{EventId, EventKind};
 use crate::{Checked, FileId, Program};
 
 /// Blocks of one assembly.

@@ -155,7 +155,7 @@ fn sentences_of_the_reference_hold() {
         let program = &checked.programs[0];
         let events = 0..program.plan.events.len() as u32;
         let events = events.map(|id| {
-            let id = stochc_compiler::plan::EventId(id);
+            let id = stochc_compiler::expanded::EventId(id);
             program.plan.describe(id, &checked.symbols)
         });
         (events.collect::<Vec<_>>(), checked.allowed.len())

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
+use stochc_compiler::expanded::EventKind;
 use stochc_compiler::names::{Definition, NameKind, Names};
-use stochc_compiler::plan::EventKind;
 use stochc_compiler::source_map::blocks_at;
 use stochc_compiler::{Cancellation, Checked, Limits, LintLevels, check_observed};
 

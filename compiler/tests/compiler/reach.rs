@@ -6,8 +6,8 @@ use petgraph::Direction::Incoming;
 use petgraph::graph::NodeIndex;
 use proptest::prelude::*;
 use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, TextChange};
+use stochc_compiler::expanded::{EventId, EventKind, ExpandedEvent};
 use stochc_compiler::face_turns::is_ready;
-use stochc_compiler::plan::{EventId, EventKind, PlanEvent};
 use stochc_compiler::{Checked, FileId, Limits, Program};
 use stochc_ir::{Cell, Face};
 
@@ -716,7 +716,7 @@ fn checked_plain(text: &str) -> BTreeSet<u32> {
 fn diagnostic_named(checked: &Checked, diagnostic: &Diagnostic) -> u32 {
     let plan = &checked.programs[0].plan;
     let name = diagnostic.title.split('`').nth(1).unwrap();
-    let is_it = |event: &PlanEvent| plan.roles.name(event.role, &checked.symbols) == name;
+    let is_it = |event: &ExpandedEvent| plan.roles.name(event.role, &checked.symbols) == name;
     plan.events.iter().position(is_it).unwrap() as u32
 }
 
@@ -781,7 +781,7 @@ fn written_out(checked: &Checked, added: &BTreeMap<String, String>) -> String {
                 .collect();
             if let Some(name) = added.get(&plan.describe(id, &checked.symbols)) {
                 let is_it =
-                    |event: &&PlanEvent| plan.roles.name(event.role, &checked.symbols) == *name;
+                    |event: &&ExpandedEvent| plan.roles.name(event.role, &checked.symbols) == *name;
                 waits.push(format!(
                     "N{}",
                     plan.events.iter().find(is_it).unwrap().role.0

@@ -1,7 +1,7 @@
 //! Checks of programs, with the data of the preview.
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::{diagnostics_json, program_json};
-use stochc_compiler::plan::EventKind;
+use stochc_compiler::expanded::EventKind;
 use stochc_compiler::{Checked, LintLevels, MAX_ESTIMATED, Program, check_texts};
 use stochc_estimate::Rates;
 use stochc_ir::emit::{graph_json, table_json};

@@ -100,7 +100,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
             .programs
             .iter()
             .filter_map(|program| program.scene.as_ref());
-        unused.not_of(of_programs);
+        unused.remove_used(of_programs);
         if options.physics {
             for scene in scenes(file, &checked) {
                 match options.format() {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde_json::{Value, json};
 use stochc_compiler::FileId;
-use stochc_compiler::plan::{EventId, EventKind};
+use stochc_compiler::expanded::{EventId, EventKind};
 use stochc_ir::Face;
 use stochc_text::number;
 

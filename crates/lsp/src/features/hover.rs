@@ -1,9 +1,9 @@
 //! Hover texts in Markdown.
 use std::fmt::Write as _;
 
+use stochc_compiler::expanded::{EventId, EventKind, ExpandedPhase};
 use stochc_compiler::names::{NameKind, Occurrence};
 use stochc_compiler::order::Order;
-use stochc_compiler::plan::{EventId, EventKind, PlanPhase};
 use stochc_compiler::source_map::{Ancestry, Located, blocks_at};
 use stochc_compiler::{Cancellation, Cancelled, FileId, Limits, Program, SourceLocation};
 use stochc_estimate::{Cost, GUESS_ERROR, LowerBoundReasons, Rates};
@@ -173,7 +173,7 @@ fn phase_name(program: &Program, event: EventId) -> &str {
     phase_of(program, event).map_or("?", |phase| &phase.name)
 }
 
-fn phase_of(program: &Program, event: EventId) -> Option<&PlanPhase> {
+fn phase_of(program: &Program, event: EventId) -> Option<&ExpandedPhase> {
     let number = program.plan.phase_of(event)?;
     program.plan.phases.get(number)
 }
@@ -254,7 +254,7 @@ fn phases(analysis: &Analysis, location: SourceLocation) -> String {
     text
 }
 
-fn measure(program: &Program, number: usize, phase: &PlanPhase) -> String {
+fn measure(program: &Program, number: usize, phase: &ExpandedPhase) -> String {
     let events = program.plan.events_of(phase);
     let is_capture =
         |id: &EventId| matches!(program.plan.event(*id).kind, EventKind::Capture { .. });

@@ -1,7 +1,7 @@
 //! Code lenses above programs: the critical path, and a command that simulates the file.
 use serde_json::{Value, json};
+use stochc_compiler::expanded::EventKind;
 use stochc_compiler::order::Order;
-use stochc_compiler::plan::EventKind;
 use stochc_compiler::{FileId, Program};
 use stochc_estimate::Cost;
 use stochc_grammar::tree::ItemKind;

@@ -173,14 +173,14 @@ fn codes(checked: &Checked) -> Vec<Code> {
         .diagnostics
         .iter()
         .map(|diagnostic| diagnostic.code)
-        .filter(|code| !says_of_names(*code))
+        .filter(|code| !concerns_names(*code))
         .collect();
     codes.sort_unstable();
     codes
 }
 
 /// Returns whether a diagnostic depends on a leading `_` of a name, or reports an unused `allow`.
-fn says_of_names(code: Code) -> bool {
+fn concerns_names(code: Code) -> bool {
     matches!(
         code,
         Code::UnusedLet

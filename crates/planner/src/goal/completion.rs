@@ -6,8 +6,8 @@ use std::ops::Range;
 use crate::plan::build_plan::plan;
 use crate::{ExistingBlock, Hardware, PlanSearch, RateLaw, Target, TargetError, continuation};
 use stochc_compiler::diagnostic::Code;
+use stochc_compiler::expanded::EventKind;
 use stochc_compiler::placed_blocks::placed_blocks;
-use stochc_compiler::plan::EventKind;
 use stochc_compiler::{
     Checked, DeclaredShapes, FileId, LintLevels, Program, SourceLocation, shape_cells,
 };

@@ -2,7 +2,7 @@
 use std::sync::OnceLock;
 
 use stochc_compiler::diagnostic::Diagnostic;
-use stochc_compiler::plan::{PlanSeed, ProgramPlan};
+use stochc_compiler::expanded::{ExpandedProgram, ExpandedSeed};
 use stochc_compiler::scene::DEFAULT;
 use stochc_compiler::{Checked, DeclaredShape, DeclaredShapes, Program, shape_cells};
 use stochc_grammar::tree::{Item, Tree};
@@ -23,7 +23,7 @@ impl Goal {
     /// If there is no such shape.
     pub fn from_program(checked: &Checked, name: Option<&str>) -> Result<Goal, NoGoal> {
         let symbols = &checked.symbols;
-        let claims = |plan: &ProgramPlan| -> Vec<&str> {
+        let claims = |plan: &ExpandedProgram| -> Vec<&str> {
             let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
             let names = claims.map(|&(name, _)| symbols.word(name));
             // The declared names live as long as the file.
@@ -137,7 +137,7 @@ pub(super) fn scene_of(program: &Program) -> Option<String> {
 }
 
 /// Returns the positions of the plate's named blocks. Returns `None` if none has a name.
-pub(super) fn seats(plan: &ProgramPlan) -> Option<Vec<(i32, i32)>> {
-    let place = |seed: &PlanSeed| (seed.cell.x, seed.cell.y);
+pub(super) fn seats(plan: &ExpandedProgram) -> Option<Vec<(i32, i32)>> {
+    let place = |seed: &ExpandedSeed| (seed.cell.x, seed.cell.y);
     (!plan.seeds.is_empty()).then(|| plan.seeds.iter().map(place).collect())
 }

@@ -2,7 +2,7 @@
 use std::collections::HashMap;
 
 use stochc_compiler::Checked;
-use stochc_compiler::plan::EventId;
+use stochc_compiler::expanded::EventId;
 use stochc_estimate::{Rates, Times};
 use stochc_ir::Cell;
 

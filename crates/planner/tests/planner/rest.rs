@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use proptest::prelude::*;
 use stochc_compiler::Checked;
 use stochc_compiler::check_text;
-use stochc_compiler::plan::EventId;
+use stochc_compiler::expanded::EventId;
 use stochc_estimate::Rates;
 use stochc_ir::Cell;
 use stochc_ir::Executable;
@@ -75,7 +75,7 @@ const JAM: f64 = 15_000.0;
 
 /// Checks that the estimate of a plan equals `check --cost` for the phase of the plan. `None`
 /// compares the whole program.
-fn has_the_times_of(planned: &Planned, whole: &Checked, phase: Option<&str>) {
+fn assert_times(planned: &Planned, whole: &Checked, phase: Option<&str>) {
     let program = &whole.programs[0];
     let rates = Rates::known_or_guessed(&[], program.scene.as_ref().unwrap());
     let cost = program.estimate(rates.as_deref()).unwrap();
@@ -140,7 +140,7 @@ assembly a in few {
     ] {
         let planned = completed(text).unwrap();
         let whole = check_text("whole.sa", &planned.text);
-        has_the_times_of(&planned, &whole, Some(phase));
+        assert_times(&planned, &whole, Some(phase));
         assert_eq!(planned.plan.estimate.is_first_guess, text == one);
     }
 }
@@ -427,7 +427,7 @@ proptest! {
             Ok(planned) => {
                 let whole = check_text("rest.sa", &planned.text);
                 prop_assert!(whole.diagnostics.is_empty(), "{:?}\n{}", whole.diagnostics, planned.text);
-                has_the_times_of(&planned, &whole, None);
+                assert_times(&planned, &whole, None);
                 let record = ran(&self::executable(whole), Model::Shuffle, None);
                 prop_assert_eq!(record.outcome, Outcome::Completed);
                 prop_assert_eq!(record.blocks_used as usize, shape.len());
@@ -459,7 +459,7 @@ proptest! {
         let planned = completed(&text).map_err(|error| TestCaseError::fail(format!("{error:?}\n{text}")))?;
         let whole = check_text("whole.sa", &planned.text);
         prop_assert!(!whole.has_errors(), "{:?}\n{}", whole.diagnostics, planned.text);
-        has_the_times_of(&planned, &whole, Some("grow"));
+        assert_times(&planned, &whole, Some("grow"));
         let record = ran(&self::executable(whole), Model::Shuffle, None);
         prop_assert_eq!(record.outcome, Outcome::Completed);
         prop_assert_eq!(record.blocks_used as usize, shape.len());

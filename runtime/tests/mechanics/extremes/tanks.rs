@@ -171,7 +171,7 @@ fn cases() -> Vec<(&'static str, (Ground, Scene))> {
     ]
 }
 
-fn fate_of<W: SpatialWorld>(ground: Ground, scene: &Scene) -> Fate {
+fn simulated_fate<W: SpatialWorld>(ground: Ground, scene: &Scene) -> Fate {
     let size = match ground {
         Ground::Bare => 0,
         Ground::Plate => 3,
@@ -191,8 +191,8 @@ pub fn table(page: &mut String) -> Vec<String> {
     page.push_str(HEAD);
     let mut unsound = Vec::new();
     for (name, (ground, scene)) in cases() {
-        let rigid = fate_of::<RigidWorld>(ground, &scene);
-        let rapier = fate_of::<RapierWorld>(ground, &scene);
+        let rigid = simulated_fate::<RigidWorld>(ground, &scene);
+        let rapier = simulated_fate::<RapierWorld>(ground, &scene);
         writeln!(page, "| {name} | {rigid} | {rapier} |").unwrap();
         if let Fate::Invalid(what) = &rigid {
             unsound.push(format!("{name}: {what}"));

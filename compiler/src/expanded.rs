@@ -13,7 +13,7 @@ use crate::expand::units::to_si;
 
 /// A program with loops and patterns expanded.
 #[derive(Clone, Debug)]
-pub struct ProgramPlan {
+pub struct ExpandedProgram {
     /// Name of the program.
     pub name: String,
     /// Location of the name.
@@ -21,13 +21,13 @@ pub struct ProgramPlan {
     /// Seed plate.
     pub plate: Plate,
     /// Seeds in source order.
-    pub seeds: Vec<PlanSeed>,
+    pub seeds: Vec<ExpandedSeed>,
     /// Names of all blocks.
     pub roles: Roles,
     /// Phases in order.
-    pub phases: Vec<PlanPhase>,
+    pub phases: Vec<ExpandedPhase>,
     /// Captures and releases in source order, phase by phase.
-    pub events: Vec<PlanEvent>,
+    pub events: Vec<ExpandedEvent>,
     /// Dependencies that `after` declares, sorted by the waiting event.
     pub afters: Vec<AfterConstraint>,
     /// Number of blocks in a complete aggregate. `None` for an assembly. An aggregate has no plate,
@@ -41,10 +41,10 @@ pub struct ProgramPlan {
     pub uncertain: FxHashSet<Symbol>,
 }
 
-impl ProgramPlan {
+impl ExpandedProgram {
     /// Returns the phase of an event. Returns `None` for an event outside of every phase.
     pub fn phase_of(&self, event: EventId) -> Option<usize> {
-        let ended = |phase: &PlanPhase| phase.events.end <= event.0;
+        let ended = |phase: &ExpandedPhase| phase.events.end <= event.0;
         let number = self.phases.partition_point(ended);
         let phase = self.phases.get(number)?;
         phase.events.contains(&event.0).then_some(number)
@@ -77,7 +77,7 @@ pub struct PatternInstance {
 
 /// A named block of the plate.
 #[derive(Clone, Copy, Debug)]
-pub struct PlanSeed {
+pub struct ExpandedSeed {
     /// Role of the seed.
     pub role: RoleId,
     /// Cell of the seed, with z = 0.
@@ -91,14 +91,14 @@ pub struct PlanSeed {
 
 /// A phase with loops and patterns expanded.
 #[derive(Clone, Debug)]
-pub struct PlanPhase {
+pub struct ExpandedPhase {
     /// Name of the phase.
     pub name: String,
     /// Location of the name.
     pub location: SourceLocation,
     /// Time limit of the phase. `None` without a limit.
     pub timeout: Option<Timeout>,
-    /// Range of the phase's events in [`ProgramPlan::events`].
+    /// Range of the phase's events in [`ExpandedProgram::events`].
     pub events: std::ops::Range<u32>,
     /// Whether the blocks of the phase are pre-attached. Only the first phase can have pre-attached
     /// blocks.
@@ -157,7 +157,7 @@ impl Timeout {
 
 /// A capture or a release.
 #[derive(Clone, Copy, Debug)]
-pub struct PlanEvent {
+pub struct ExpandedEvent {
     /// Kind of the event.
     pub kind: EventKind,
     /// Captured or released block.
@@ -332,7 +332,7 @@ impl Roles {
     }
 }
 
-impl PlanEvent {
+impl ExpandedEvent {
     /// Returns an event without its source location.
     pub fn action(&self) -> EventAction {
         let child = self.role;
@@ -347,7 +347,7 @@ impl PlanEvent {
     }
 }
 
-impl ProgramPlan {
+impl ExpandedProgram {
     /// Removes the expanded events and phases. The plate remains.
     pub(crate) fn clear(&mut self) {
         self.seeds = Vec::new();
@@ -358,7 +358,7 @@ impl ProgramPlan {
     }
 
     /// Returns an event.
-    pub fn event(&self, id: EventId) -> &PlanEvent {
+    pub fn event(&self, id: EventId) -> &ExpandedEvent {
         &self.events[id.0 as usize]
     }
 
@@ -372,7 +372,7 @@ impl ProgramPlan {
     }
 
     /// Returns the events of a phase.
-    pub fn events_of(&self, phase: &PlanPhase) -> impl Iterator<Item = EventId> + use<> {
+    pub fn events_of(&self, phase: &ExpandedPhase) -> impl Iterator<Item = EventId> + use<> {
         phase.events.clone().map(EventId)
     }
 
