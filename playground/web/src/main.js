@@ -64,11 +64,11 @@ function node(tag, attributes = {}, ...children) {
 
 const number = value => Math.round(value).toLocaleString('en');
 
-/** Returns seconds as text. */
-function duration(seconds) {
-  if (seconds < 100) return `${Number(seconds.toPrecision(3))} s`;
-  if (seconds < 6000) return `${Number((seconds / 60).toPrecision(3))} min`;
-  return `${Number((seconds / 3600).toPrecision(3))} h`;
+/** Returns seconds as text, with the half-width of their interval if it is known. */
+function duration(seconds, half = null) {
+  const [unit, length] = seconds < 100 ? ['s', 1] : seconds < 6000 ? ['min', 60] : ['h', 3600];
+  const digits = (value, count) => Number((value / length).toPrecision(count));
+  return `${digits(seconds, 3)}${half === null ? '' : ` ± ${digits(half, 2)}`} ${unit}`;
 }
 
 let hiding;
@@ -495,8 +495,7 @@ function drawEnsemble(about) {
       const figure = node('div');
       figure.innerHTML = curve(summary, tick, runs);
       const cell = text => node('td', { className: 'number' }, text);
-      const within = (value, half, show) => show(value) + (half === null ? '' : ` ± ${show(half)}`);
-      const row = (name, value, half) => value !== null && node('tr', {}, node('th', { scope: 'row' }, name), cell(within(value, half, number)), cell(within(value * tick, half && half * tick, duration)));
+      const row = (name, value, half) => value !== null && node('tr', {}, node('th', { scope: 'row' }, name), cell(number(value) + (half === null ? '' : ` ± ${number(half)}`)), cell(duration(value * tick, half && half * tick)));
       parts.push(node('h3', {}, `${completed} of ${total} runs complete${isRunning ? `, ${runs - total} to come` : total < runs ? ', stopped' : ''}`), figure);
       if (times) {
         const rows = [row('mean', times.mean, times.half_width), row('median', times.median, times.median_half_width), row('10 % of the runs by', times.p10, times.p10_half_width), row('90 % of the runs by', times.p90, times.p90_half_width)];
