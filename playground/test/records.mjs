@@ -14,21 +14,10 @@ const call = await engine(`${root}/playground/target/stochc_playground.wasm`);
 const away = mkdtempSync(join(tmpdir(), 'playground-'));
 let [records, failures] = [0, 0];
 
-/** Tested programs by model: magnets in air, oil and water, suction, free groups, and scenes of their own. */
-const CASES = [
-  ['rigid', 'gate.sa', 1],
-  ['rigid', 'five_tower_reconfigured.sa', 1],
-  ['rigid', 'experiment_1.sa', 1],
-  ['rigid', 'experiment_2.sa', 1],
-  ['rigid', 'experiment_3.sa', 1],
-  ['rigid', 'suction_growth.sa', 1],
-  ['rigid', 'microns.sa', 1],
-  ['rigid', 'lab/bowl.sa', 1],
-  ['rate', 'gate.sa', 20],
-  ['rate', 'five_tower_reconfigured.sa', 20],
-  ['rate', 'planned/serpentine.sa', 5],
-  ['shuffle', 'closed_platform.sa', 20],
-];
+/** Model, program and number of runs of each test. */
+const CASES = readFileSync(`${root}/tests/identical-runs.txt`, 'utf8').split('\n')
+  .filter(line => line && !line.startsWith('#'))
+  .map(line => line.split(' '));
 
 /** Limit on a run [ticks]. Some programs can jam. */
 const MAX_TICKS = 5000;
@@ -36,7 +25,7 @@ const MAX_TICKS = 5000;
 for (const [model, file, runs] of CASES) {
   const path = `${root}/examples/${file}`;
   const out = join(away, `${model}-${file.replaceAll('/', '-')}`);
-  const { status } = spawnSync(command, ['simulate', path, '--model', model, '--runs', String(runs), '--seed', '7', '--max-ticks', String(MAX_TICKS), '--out', out, '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
+  const { status } = spawnSync(command, ['simulate', path, '--model', model, '--runs', runs, '--seed', '7', '--max-ticks', String(MAX_TICKS), '--out', out, '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
   // Exit status 3: some runs did not complete.
   if (status !== 0 && status !== 3) throw new Error(`${command} ends with status ${status}`);
   const lines = readFileSync(join(out, 'journal.jsonl'), 'utf8').trim().split('\n').map(line => JSON.parse(line));
@@ -45,7 +34,7 @@ for (const [model, file, runs] of CASES) {
   const programs = call({ call: 'check', text }).programs.length;
   for (let program = 0; program < programs; program++) {
     const request = { text, program, model, seed: 7, max_ticks: MAX_TICKS };
-    const made = call({ call: 'simulate', ...request, first: 0, runs }).records;
+    const made = call({ call: 'simulate', ...request, first: 0, runs: Number(runs) }).records;
     for (const record of made) {
       records++;
       const other = native.find(line => line.program === program && line.record.run === record.run)?.record;
