@@ -1,8 +1,8 @@
 //! Checks that the scene has enough blocks and space.
 use stochc_grammar::{Cancellation, Cancelled};
 use stochc_ir::scene::room::NoRoom;
-use stochc_ir::scene::{BondKind, Enclosure, Scene};
-use stochc_text::counted;
+use stochc_ir::scene::{BondKind, Enclosure, Extent, Scene};
+use stochc_text::{counted, series};
 
 use crate::blocks::block_demand::first_beyond;
 use crate::dependencies::graph::DependencyGraph;
@@ -68,10 +68,15 @@ pub fn check_room(plan: &ExpandedProgram, scene: &Scene, diagnostics: &mut Vec<D
     };
     let help = match error {
         NoRoom::DoesNotFit { .. } => {
-            "write fewer `free` blocks, or a larger `radius` of the enclosure"
+            let lengths = scene.enclosure.iter().flat_map(Enclosure::lengths);
+            let names: Vec<String> = lengths.map(|(name, _)| format!("`{name}`")).collect();
+            let names = series(&names, "or");
+            format!("write fewer `free` blocks, or a larger {names} of the enclosure")
         }
-        NoRoom::OnRing { .. } => "write fewer `free` blocks, or another radius of the circle",
-        NoRoom::NoEnclosure { .. } => "add an `enclosure` to the scene",
+        NoRoom::OnRing { .. } => {
+            "write fewer `free` blocks, or another radius of the circle".to_owned()
+        }
+        NoRoom::NoEnclosure { .. } => "add an `enclosure` to the scene".to_owned(),
     };
     diagnostics.push(
         Diagnostic::new(Code::TooManyBlocks, error.to_string())
@@ -172,7 +177,6 @@ fn check_terms(
         diagnostics.push(diagnostic);
         return;
     }
-    let radius = enclosure.radius();
     let outside = plan
         .events
         .iter()
@@ -180,23 +184,35 @@ fn check_terms(
         .find_map(|(event, cell)| {
             let cell = (*cell)
                 .filter(|_| event.valid && matches!(event.kind, EventKind::Capture { .. }))?;
-            let distance = enclosure.distance_to(cell, &plan.plate, side);
-            (distance > radius).then_some((event, cell, distance))
+            let mut extents = enclosure.extents(cell, &plan.plate, side).into_iter();
+            let extent = extents.find(Extent::is_outside)?;
+            Some((event, cell, extent))
         });
-    if let Some((event, cell, distance)) = outside {
-        let (reached, limit) = distinct(distance, radius);
+    if let Some((event, cell, extent)) = outside {
+        let (reached, limit) = distinct(extent.reached, extent.limit);
+        let Extent {
+            dimension,
+            origin,
+            limited_by,
+            ..
+        } = extent;
         diagnostics.push(
             Diagnostic::new(
                 Code::OutsideEnclosure,
-                format!("`{}` leaves the enclosure of scene `{}`", plan.name, scene.name),
+                format!(
+                    "`{}` leaves the enclosure of scene `{}`",
+                    plan.name, scene.name
+                ),
             )
             .label(
                 event.location,
                 format!(
-                    "the block at {cell} reaches {reached} m from the centre, the radius is {limit} m"
+                    "the block at {cell} reaches {reached} m {origin}, {limited_by} is {limit} m"
                 ),
             )
-            .help("write a larger `radius` in the scene, or build a smaller structure"),
+            .help(format!(
+                "write a larger `{dimension}` in the scene, or build a smaller structure"
+            )),
         );
     }
 }
@@ -212,16 +228,20 @@ fn distinct(one: f64, other: f64) -> (String, String) {
 /// Checks that the plate lies within the enclosure. Returns a diagnostic if it does not.
 fn plate_outside(plan: &ExpandedProgram, enclosure: &Enclosure, side: f64) -> Option<Diagnostic> {
     let (width, depth) = (plan.plate.width, plan.plate.depth);
-    let corner = f64::from(width).hypot(f64::from(depth)) / 2.0 * side;
-    let radius = enclosure.radius();
-    (corner > radius).then(|| {
-        let title = format!("the plate of `{}` is larger than the enclosure", plan.name);
-        let (corner, radius) = distinct(corner, radius);
-        let label = format!(
-            "the corners of the {width} x {depth} plate are {corner} m from the centre, the radius is {radius} m"
-        );
-        Diagnostic::new(Code::OutsideEnclosure, title)
-            .label(plan.location, label)
-            .help("write a larger `radius` in the scene, or a smaller plate")
-    })
+    let extents = enclosure.plate_extents(f64::from(width), f64::from(depth), side);
+    let extent = extents.into_iter().find(Extent::is_outside)?;
+    let (reached, limit) = distinct(extent.reached, extent.limit);
+    let Extent {
+        dimension,
+        origin,
+        limited_by,
+        ..
+    } = extent;
+    let title = format!("the plate of `{}` is larger than the enclosure", plan.name);
+    let label = format!(
+        "the corners of the {width} x {depth} plate are {reached} m {origin}, {limited_by} is {limit} m"
+    );
+    let help = format!("write a larger `{dimension}` in the scene, or a smaller plate");
+    let diagnostic = Diagnostic::new(Code::OutsideEnclosure, title);
+    Some(diagnostic.label(plan.location, label).help(help))
 }

@@ -145,6 +145,72 @@ fn a_plate_must_lie_inside_the_enclosure() {
     }
 }
 
+/// Checks the limits of boxes and cylinders in every dimension, at blocks of 20 cm.
+#[test]
+fn a_structure_must_lie_inside_a_box_or_a_cylinder() {
+    let found = |enclosure: &str, plate: &str, path: &str| {
+        let checked = checked(&format!(
+            "scene w from hemisphere {{ free 9 uniform enclosure {enclosure} }}
+            assembly a in w {{ seed plate {plate} {{ M at (0, 0) }} phase p {{ M.up ->> T[1..{path} }} }}",
+        ));
+        let found = with_code(&checked, Code::OutsideEnclosure);
+        let labels = found
+            .iter()
+            .map(|it| format!("{}; {}", it.labels[0].text, it.help.as_deref().unwrap()));
+        labels.collect::<Vec<_>>()
+    };
+    let flat = "box { length 1.4m  width 1m  height 1.2m  wall 25 N/m }";
+    let tube = "cylinder { radius 1m  height 1.2m  wall 25 N/m }";
+    for fits in ["1 x 1", "7 x 5"] {
+        assert_eq!(found(flat, fits, "6]"), [""; 0]);
+    }
+    assert_eq!(found(tube, "7 x 7", "6]"), [""; 0]);
+    let smaller = "or build a smaller structure";
+    let high = format!(
+        "the block at (0, 0, 7) reaches 1.40 m above the floor, the height is 1.20 m; \
+         write a larger `height` in the scene, {smaller}"
+    );
+    for enclosure in [flat, tube] {
+        assert_eq!(found(enclosure, "1 x 1", "7]"), [high.clone()]);
+    }
+    let low = "cylinder { radius 1m  height 19cm  wall 25 N/m }";
+    assert_eq!(
+        found(low, "1 x 1", "1]"),
+        [format!(
+            "the block at (0, 0, 1) reaches 0.20 m above the floor, the height is 0.19 m; \
+             write a larger `height` in the scene, {smaller}"
+        )]
+    );
+    assert_eq!(
+        found(flat, "1 x 1", "2].north ->> U[1..3]"),
+        [format!(
+            "the block at (0, 3, 2) reaches 0.70 m from the middle, half of the width is 0.50 m; \
+             write a larger `width` in the scene, {smaller}"
+        )]
+    );
+    assert_eq!(
+        found(tube, "1 x 1", "2].north ->> U[1..5]"),
+        [format!(
+            "the block at (0, 5, 2) reaches 1.10 m from the axis, the radius is 1.00 m; \
+             write a larger `radius` in the scene, {smaller}"
+        )]
+    );
+    assert_eq!(
+        found(flat, "8 x 5", "2]"),
+        [
+            "the corners of the 8 x 5 plate are 0.80 m from the middle, half of the length is 0.70 m; \
+             write a larger `length` in the scene, or a smaller plate"
+        ]
+    );
+    assert_eq!(
+        found(tube, "8 x 8", "2]"),
+        [
+            "the corners of the 8 x 8 plate are 1.13 m from the axis, the radius is 1.00 m; \
+             write a larger `radius` in the scene, or a smaller plate"
+        ]
+    );
+}
+
 /// Checks claims of docs/reference/language.md about empty ranges, `allow`, patterns, shapes and
 /// free blocks.
 #[test]

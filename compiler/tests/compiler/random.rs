@@ -320,6 +320,19 @@ pub fn declare_with(reuse: Reuse, choices: Vec<u32>, faces: u8) -> Declared {
 }
 
 impl Declared {
+    /// Returns the same program in one of the enclosures. All are large enough for every program.
+    #[allow(dead_code, reason = "not all test programs have enclosures")]
+    pub fn in_enclosure(mut self, number: u64) -> Declared {
+        let enclosure = [
+            "",
+            "enclosure box { length 21m  width 20m  height 19m  wall 250 N/m }",
+            "enclosure cylinder { radius 15m  height 19m  wall 250 N/m }",
+        ][number as usize % 3];
+        let head = "scene many from hemisphere {";
+        self.text = self.text.replacen(head, &format!("{head} {enclosure}"), 1);
+        self
+    }
+
     /// Returns the event tables.
     ///
     /// # Panics

@@ -4,7 +4,7 @@ use stochc_compiler::diagnostic::{diagnostics_json, program_json};
 use stochc_compiler::expanded::EventKind;
 use stochc_compiler::{Checked, LintLevels, MAX_ESTIMATED, Program, check_texts};
 use stochc_estimate::Rates;
-use stochc_ir::emit::{graph_json, table_json};
+use stochc_ir::emit::{graph_json, shell_json, table_json};
 
 use crate::examples::EXAMPLES;
 
@@ -80,15 +80,12 @@ fn structure(checked: &Checked, program: &Program) -> Value {
         })
     });
     let events: Vec<Value> = events.collect();
-    let side = scene.block.side;
-    let enclosure = scene.enclosure.as_ref();
     json!({
         "events": events,
         "about": {
             "program": plan.name,
             "scene": scene,
-            "radius": enclosure.map(|enclosure| enclosure.radius() / side),
-            "lift": enclosure.map_or(0.0, |it| it.centre_height(&tables.plate, side) / side),
+            "shell": shell_json(scene, &tables.plate),
             "tables": table_json(tables),
             "graph": graph_json(&program.event_graph(), tables),
         },

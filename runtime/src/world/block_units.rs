@@ -6,7 +6,7 @@ use stochc_ir::scene::groups::BlockUnits;
 use stochc_ir::scene::schema::SchemaNumber;
 use stochc_ir::scene::schema::numbers::*;
 use stochc_ir::scene::{
-    Agitation, Anchor, BOLTZMANN, Bond, ContactLaw, Enclosure, Flow, Fluid, Reach, Scene,
+    Agitation, Anchor, BOLTZMANN, Bond, ContactLaw, Enclosure, Flow, Fluid, Interior, Reach, Scene,
     takes_local_steps,
 };
 use stochc_ir::table::Plate;
@@ -22,7 +22,7 @@ impl WorldParameters {
     pub fn new(scene: &Scene, plate: &Plate) -> Result<WorldParameters, SceneError> {
         let units = Units::from_scene(scene)?;
         let wall = made(&scene.enclosure, |enclosure| {
-            units.wall_of_enclosure(enclosure, plate)
+            units.wall_of_enclosure(enclosure, plate, scene.contact.is_some())
         })?;
         let (mut kicks, mut thermal) = (None, None);
         match &scene.agitation {
@@ -90,15 +90,32 @@ impl Units {
         })
     }
 
-    fn wall_of_enclosure(self, enclosure: &Enclosure, plate: &Plate) -> SceneResult<Wall> {
-        let (Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) = *enclosure;
+    fn wall_of_enclosure(
+        self,
+        enclosure: &Enclosure,
+        plate: &Plate,
+        has_solid_ground: bool,
+    ) -> SceneResult<Wall> {
+        let interior = enclosure.interior(plate, self.of);
+        match interior {
+            Interior::Ball { radius, height } => {
+                checked(&ENCLOSURE_RADIUS, radius)?;
+                derived("the height of the enclosure", height)?;
+            }
+            Interior::Box { half, high, .. } => {
+                checked(&ENCLOSURE_LENGTH, half[0])?;
+                checked(&ENCLOSURE_WIDTH, half[1])?;
+                checked(&ENCLOSURE_HEIGHT, high)?;
+            }
+            Interior::Cylinder { radius, high, .. } => {
+                checked(&ENCLOSURE_RADIUS, radius)?;
+                checked(&ENCLOSURE_HEIGHT, high)?;
+            }
+        }
         Ok(Wall {
-            radius: self.number(&ENCLOSURE_RADIUS, enclosure.reach(self.of.side))?,
-            height: derived(
-                "the height of the enclosure",
-                self.of.length(enclosure.centre_height(plate, self.of.side)),
-            )?,
-            stiffness: self.number(&ENCLOSURE_WALL, wall)?,
+            interior,
+            has_solid_ground,
+            stiffness: self.number(&ENCLOSURE_WALL, enclosure.wall())?,
         })
     }
 
@@ -150,13 +167,25 @@ impl Units {
                 let Some(wall) = wall else {
                     return Err(SceneError::NoWall);
                 };
-                let height = wall.interior().halfway();
-                let up = height - wall.height;
+                let height = wall.interior.halfway();
+                let round = [f64::INFINITY; 2];
+                let (distance, walls) = match wall.interior {
+                    Interior::Ball {
+                        radius,
+                        height: centre,
+                    } => {
+                        let up = height - centre;
+                        ((radius * radius - up * up).sqrt() + 0.5, round)
+                    }
+                    Interior::Cylinder { radius, .. } => (radius + 0.5, round),
+                    Interior::Box { half, .. } => (f64::INFINITY, half.map(|half| half + 0.5)),
+                };
                 MeanFlow::Jets {
                     count: jets.count,
                     speed: derived("the speed of a jet", self.of.speed(jets.speed()))?,
                     diameter: self.number(&JETS_NOZZLE, jets.nozzle)?,
-                    distance: (wall.radius * wall.radius - up * up).sqrt() + 0.5,
+                    distance,
+                    walls,
                     height,
                 }
             }

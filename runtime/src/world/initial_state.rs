@@ -1,7 +1,7 @@
 //! Initial state of the free blocks, at tick 0.
 use nalgebra::Vector3;
-use stochc_ir::scene::room::{Interior, MARGIN, MIN_SPACING, NoRoom};
-use stochc_ir::scene::{Arrangement, Scene};
+use stochc_ir::scene::room::{MIN_SPACING, NoRoom};
+use stochc_ir::scene::{Arrangement, Interior, Scene};
 use stochc_ir::table::Plate;
 
 use super::parameters::WorldParameters;
@@ -17,7 +17,7 @@ pub(super) fn blocks(scene: &Scene, plate: &Plate) -> Result<Vec<BodyState>, Sce
     let Some(wall) = parameters.wall else {
         return Err(NoRoom::NoEnclosure { count }.into());
     };
-    let (inside, arrangement) = (wall.interior(), scene.free.arrangement);
+    let (inside, arrangement) = (wall.interior, scene.free.arrangement);
     inside.has_room(count, arrangement, scene.block.side)?;
     Ok(match arrangement {
         Arrangement::Uniform => uniform(inside, count),
@@ -43,7 +43,7 @@ fn uniform(inside: Interior, count: u32) -> Vec<BodyState> {
     let fits_all = |spacing| inside.lattice(spacing).take(count).count() == count;
     // The number of sites is not quite monotonic in the spacing. Bisection finds one of several
     // nearly equal solutions, and always the same one.
-    let (mut fits, mut fails) = (MIN_SPACING, 2.0 * (inside.radius - MARGIN) + 2.0);
+    let (mut fits, mut fails) = (MIN_SPACING, inside.largest_spacing());
     for _ in 0..60 {
         let middle = 0.5 * (fits + fails);
         if fits_all(middle) {

@@ -2,8 +2,7 @@
 use super::real::Real;
 use crate::settings::{Model, Settings};
 use nalgebra::Vector3;
-use stochc_ir::scene::room::Interior;
-use stochc_ir::scene::{ContactLaw, Measure};
+use stochc_ir::scene::{ContactLaw, Interior, Measure};
 
 /// Physical terms of a scene. `None` is a term that the scene does not have.
 #[derive(Clone, Debug)]
@@ -26,25 +25,15 @@ pub(crate) struct WorldParameters {
     pub bond: Option<Magnet>,
 }
 
-/// Elastic shell about a point above the centre of the plate.
+/// Elastic walls around the centre of the plate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wall {
-    /// Distance from the shell's centre outside which blocks are pushed back \[block lengths\].
-    pub radius: f64,
-    /// Height of the shell's centre \[block lengths\].
-    pub height: f64,
+    /// Region outside which blocks are pushed back.
+    pub interior: Interior,
+    /// Whether blocks collide with the ground, so that it needs no elastic wall.
+    pub has_solid_ground: bool,
     /// Acceleration per depth \[1 / tick^2\].
     pub stiffness: f64,
-}
-
-impl Wall {
-    /// Returns the interior of the shell.
-    pub fn interior(&self) -> Interior {
-        Interior {
-            radius: self.radius,
-            height: self.height,
-        }
-    }
 }
 
 /// Resistance of a fluid to a moving block.
@@ -76,8 +65,11 @@ pub(crate) enum MeanFlow {
         speed: f64,
         /// Diameter of the outlet \[block lengths\].
         diameter: f64,
-        /// Distance of the outlets from the centre \[block lengths\].
+        /// Distance of the outlets from the axis \[block lengths\]. Infinite in a box.
         distance: f64,
+        /// Distances of the outlets' walls in the east and the north \[block lengths\]. Infinite
+        /// if the walls are round.
+        walls: [f64; 2],
         /// Height of the plane \[block lengths\].
         height: f64,
     },

@@ -14,6 +14,7 @@ mod collisions;
 mod compliance;
 mod conservation;
 mod contact_order;
+mod enclosures;
 mod extremes;
 mod fluid;
 mod free_pairs;

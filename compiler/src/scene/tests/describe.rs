@@ -199,7 +199,24 @@ fn any_scene() -> impl Strategy<Value = Scene> {
     let block =
         (size(), size(), 1u8..=5).prop_map(|(side, mass, faces)| Block { side, mass, faces });
     let enclosure =
-        (size(), size()).prop_map(|(radius, wall)| Enclosure::Hemisphere { radius, wall });
+        (size(), size(), size(), size(), 0..4).prop_map(|(length, width, height, wall, kind)| {
+            let radius = length;
+            match kind {
+                0 => Enclosure::Hemisphere { radius, wall },
+                1 => Enclosure::Sphere { radius, wall },
+                2 => Enclosure::Box {
+                    length,
+                    width,
+                    height,
+                    wall,
+                },
+                _ => Enclosure::Cylinder {
+                    radius,
+                    height,
+                    wall,
+                },
+            }
+        });
     let kicks = (prop_oneof![Just(0.0), size()], size()).prop_map(|(a, b)| Agitation::Kicks {
         speed: (a.min(b), a.max(b)),
     });

@@ -14,7 +14,7 @@ use crate::scene::{BUILT_IN, built_in, read};
 use crate::{FileId, Sources};
 
 /// Scenes that together use every term of the model. New terms must be added here.
-const FULL: [&str; 4] = [
+const FULL: [&str; 6] = [
     "scene soft {
         tick 20ms
         block cube { side 20cm  mass 1kg  faces 2 }
@@ -55,6 +55,18 @@ const FULL: [&str; 4] = [
         enclosure hemisphere { radius 200um  wall 1 nN/m }
         fluid { viscosity 1 mPa s }
         agitation brownian { temperature 293 K }
+    }",
+    "scene square {
+        tick 1 s
+        block cube { side 1cm  mass 1g  faces 1 }
+        free 50 uniform
+        enclosure box { length 40cm  width 30cm  height 20cm  wall 1 N/m }
+    }",
+    "scene round {
+        tick 1 s
+        block cube { side 1cm  mass 1g  faces 1 }
+        free 50 uniform
+        enclosure cylinder { radius 15cm  height 20cm  wall 1 N/m }
     }",
 ];
 

@@ -2,6 +2,7 @@
 mod graph_dot;
 mod graph_json;
 mod graph_text;
+mod shell_json;
 mod table_json;
 mod table_text;
 
@@ -10,6 +11,7 @@ use std::fmt::{self, Display, Formatter};
 pub use graph_dot::graph_dot;
 pub use graph_json::graph_json;
 pub use graph_text::{chain_text, graph_text};
+pub use shell_json::shell_json;
 pub use table_json::table_json;
 pub use table_text::{duties_text, table_text};
 

@@ -4,6 +4,7 @@
 //! runtime must not compute it, not even as zero.
 mod bond;
 pub mod describe;
+mod enclosure;
 pub mod groups;
 mod medium;
 pub mod quantity;
@@ -19,7 +20,8 @@ pub mod warnings;
 mod world;
 
 pub use bond::{Anchor, Bond, BondKind, Magnets, Measure, Pump, Reach};
+pub use enclosure::{Enclosure, Extent, Interior};
 pub use medium::{Agitation, BOLTZMANN, Drag, Flow, Fluid, Jets, Stir, Strength, Turbulence};
 pub use substeps::{InvalidSubsteps, Substeps, takes_local_steps};
 pub use validation::InvalidScene;
-pub use world::{Arrangement, Block, Contact, ContactLaw, Enclosure, Free, Messages, Scene};
+pub use world::{Arrangement, Block, Contact, ContactLaw, Free, Messages, Scene};

@@ -3,7 +3,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use std::fmt;
 
 use super::groups::BlockUnits;
-use super::{Arrangement, Scene};
+use super::{Arrangement, Interior, Scene};
 use crate::table::plate::Plate;
 
 /// Smallest distance of a centre from the ground and from the shell \[block lengths\].
@@ -53,38 +53,105 @@ impl fmt::Display for NoRoom {
     }
 }
 
-/// Region available to the centres of free blocks, above the centre of the plate.
-#[derive(Clone, Copy, Debug)]
-pub struct Interior {
-    /// Radius of the region \[block lengths\]. The shell exerts no force on block centres inside.
-    pub radius: f64,
-    /// Height of the region's centre above the ground \[block lengths\].
-    pub height: f64,
+/// Distance of a centre from a wall that acts on the inscribed spheres of blocks, beyond half a
+/// block length \[block lengths\]. The distance from the wall is then [`MARGIN`].
+const GAP: f64 = MARGIN - 0.5;
+
+/// Sites of a lattice along one axis.
+#[derive(Clone, Copy)]
+struct Row {
+    first: i64,
+    end: i64,
+    /// Position of site 0, divided by the spacing.
+    offset: f64,
+    spacing: f64,
 }
 
-impl Interior {
-    /// Returns the height of rings and jets \[block lengths\]: the centre of a sphere, or half the
-    /// height of a hemisphere.
-    pub fn halfway(&self) -> f64 {
-        if self.height > 0.0 {
-            self.height
-        } else {
-            self.radius / 2.0
+impl Row {
+    /// Returns the sites between `first` and `end`, half a spacing away from 0.
+    fn around_zero(first: i64, end: i64, spacing: f64) -> Row {
+        let offset = 0.5;
+        Row {
+            first,
+            end,
+            offset,
+            spacing,
         }
     }
 
+    /// Returns sites that fill a length evenly, at least `spacing` apart, with 0 in the middle.
+    fn filling(length: f64, spacing: f64) -> Row {
+        let gaps = (length / spacing).min(1e9).floor();
+        let offset = -gaps / 2.0;
+        Row {
+            first: 0,
+            end: if length < 0.0 { 0 } else { gaps as i64 + 1 },
+            offset,
+            spacing: if gaps > 0.0 { length / gaps } else { 0.0 },
+        }
+    }
+
+    fn at(self, site: i64) -> f64 {
+        (site as f64 + self.offset) * self.spacing
+    }
+
+    fn sites(self) -> impl Iterator<Item = i64> {
+        self.first..self.end
+    }
+}
+
+impl Interior {
     /// Returns the lattice sites in the region \[block lengths\], in the order of z, y, x. The
-    /// lattice is cubic with this spacing, and symmetric about the vertical axis.
+    /// lattice is symmetric about the vertical axis. In a ball it is cubic with this spacing. In a
+    /// box or a cylinder, sites have at least this spacing, and fill the height evenly.
     pub fn lattice(&self, spacing: f64) -> impl Iterator<Item = [f64; 3]> + use<> {
-        let Interior { radius, height } = *self;
-        let (radius, low) = (radius - MARGIN, MARGIN - height);
-        let reach = (radius / spacing) as i64 + 1;
-        let least = if low < 0.0 { -reach } else { 0 };
-        let rows = (least..=reach).flat_map(move |k| (-reach..reach).map(move |j| (j, k)));
-        rows.flat_map(move |(j, k)| (-reach..reach).map(move |i| [i, j, k]))
-            .map(move |site| site.map(|n| (n as f64 + 0.5) * spacing))
-            .filter(move |[x, y, z]| *z >= low && (x * x + y * y + z * z).sqrt() <= radius)
-            .map(move |[x, y, z]| [x, y, z + height])
+        let around = |radius: f64| {
+            let reach = (radius / spacing) as i64 + 1;
+            (reach, Row::around_zero(-reach, reach, spacing))
+        };
+        // Sites are relative to the middle of the region.
+        let (rows, radius, lowest, middle) = match *self {
+            Interior::Ball { radius, height } => {
+                let (radius, low) = (radius - MARGIN, MARGIN - height);
+                let (reach, row) = around(radius);
+                let least = if low < 0.0 { -reach } else { 0 };
+                let up = Row::around_zero(least, reach + 1, spacing);
+                ([row, row, up], [radius, radius], low, height)
+            }
+            Interior::Box { half, low, high } => {
+                let [x, y] = half.map(|half| Row::filling(2.0 * (half - GAP), spacing));
+                let up = Row::filling(high - low - 2.0 * GAP, spacing);
+                let none = f64::INFINITY;
+                ([x, y, up], [none, none], -none, (low + high) / 2.0)
+            }
+            Interior::Cylinder { radius, low, high } => {
+                let (_, row) = around(radius - GAP);
+                let up = Row::filling(high - low - 2.0 * GAP, spacing);
+                let (none, radius) = (f64::INFINITY, radius - GAP);
+                ([row, row, up], [none, radius], -none, (low + high) / 2.0)
+            }
+        };
+        let [x, y, z] = rows;
+        let lines = z.sites().flat_map(move |k| y.sites().map(move |j| (j, k)));
+        lines
+            .flat_map(move |(j, k)| x.sites().map(move |i| [x.at(i), y.at(j), z.at(k)]))
+            .filter(move |[_, _, z]| *z >= lowest)
+            .filter(move |[x, y, z]| (x * x + y * y + z * z).sqrt() <= radius[0])
+            .filter(move |[x, y, _]| (x * x + y * y).sqrt() <= radius[1])
+            .map(move |[x, y, z]| [x, y, z + middle])
+    }
+
+    /// Returns an upper bound of the spacing of lattices with more than one site \[block lengths\].
+    pub fn largest_spacing(&self) -> f64 {
+        match *self {
+            Interior::Ball { radius, .. } => 2.0 * (radius - MARGIN) + 2.0,
+            Interior::Box { half, low, high } => {
+                2.0 * half[0].max(half[1]).max(high - low).max(MIN_SPACING)
+            }
+            Interior::Cylinder { radius, low, high } => {
+                2.0 * radius.max(high - low).max(MIN_SPACING)
+            }
+        }
     }
 
     /// Checks whether blocks fit in this arrangement. `side` is the block length \[m\].
@@ -108,7 +175,9 @@ impl Interior {
                 let (radius, height) = (radius / side, self.halfway());
                 let apart = 2.0 * radius * (TAU / f64::from(count) / 2.0).sin();
                 let touches = count > 1 && apart < MIN_SPACING * SQRT_2;
-                let is_outside = radius.hypot(height - self.height) > self.radius;
+                let is_outside = [[radius, 0.0, height], [0.0, radius, height]]
+                    .into_iter()
+                    .any(|place| self.distance(place) > 0.0);
                 if touches || is_outside || height < MARGIN {
                     Err(NoRoom::OnRing { count })
                 } else {
@@ -118,12 +187,23 @@ impl Interior {
         }
     }
 
-    /// Returns whether all blocks fit in a box within the hemisphere. If they do, the sites need
-    /// not be counted. Their number might exceed the memory.
+    /// Returns whether all blocks fit in a box within the region. If they do, the sites need not be
+    /// counted. Their number might exceed the memory.
     fn is_roomy(&self, count: u32) -> bool {
-        let radius = self.radius - MARGIN;
         let along = |length: f64| (length / MIN_SPACING - 1.0).max(0.0);
-        along(radius).powi(2) * along(radius / 2.0 - MARGIN) > f64::from(count)
+        let sites = match *self {
+            Interior::Ball { radius, .. } => {
+                let radius = radius - MARGIN;
+                along(radius).powi(2) * along(radius / 2.0 - MARGIN)
+            }
+            // Every site is in a box.
+            Interior::Box { .. } => 0.0,
+            Interior::Cylinder { radius, low, high } => {
+                let layers = Row::filling(high - low - 2.0 * GAP, MIN_SPACING);
+                along(SQRT_2 * (radius - GAP)).powi(2) * layers.end as f64
+            }
+        };
+        sites > f64::from(count)
     }
 }
 
@@ -141,11 +221,108 @@ impl Scene {
         let Some(enclosure) = &self.enclosure else {
             return Err(NoRoom::NoEnclosure { count });
         };
-        let (side, units) = (self.block.side, BlockUnits::from_scene(self));
-        let interior = Interior {
-            radius: units.length(enclosure.reach(side)),
-            height: units.length(enclosure.centre_height(plate, side)),
+        let units = BlockUnits::from_scene(self);
+        let interior = enclosure.interior(plate, units);
+        interior.has_room(count, self.free.arrangement, units.side)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lattices_keep_their_distance_from_each_other_and_from_walls() {
+        let half = [6.0, 4.5];
+        for (interior, gap) in [
+            (
+                Interior::Ball {
+                    radius: 6.0,
+                    height: 5.0,
+                },
+                MARGIN,
+            ),
+            (
+                Interior::Box {
+                    half,
+                    low: 0.5,
+                    high: 7.0,
+                },
+                GAP,
+            ),
+            (
+                Interior::Box {
+                    half,
+                    low: 0.5,
+                    high: 1.6,
+                },
+                GAP,
+            ),
+            (
+                Interior::Cylinder {
+                    radius: 5.0,
+                    low: 0.5,
+                    high: 9.0,
+                },
+                GAP,
+            ),
+            (
+                Interior::Cylinder {
+                    radius: 5.0,
+                    low: 0.5,
+                    high: 1.6,
+                },
+                GAP,
+            ),
+        ] {
+            for spacing in [1.1, 1.3, 2.0] {
+                let sites: Vec<_> = interior.lattice(spacing).collect();
+                assert!(sites.len() > 3, "{interior:?} {spacing}");
+                for (i, one) in sites.iter().enumerate() {
+                    assert!(interior.distance(*one) < 1e-9 - gap, "{interior:?} {one:?}");
+                    for other in &sites[..i] {
+                        let apart = [0, 1, 2].map(|axis| one[axis] - other[axis]);
+                        let apart = apart.iter().map(|it| it * it).sum::<f64>().sqrt();
+                        assert!(apart > spacing - 1e-9, "{interior:?} {spacing}: {apart}");
+                    }
+                }
+                for axis in [0, 1] {
+                    let sum = sites.iter().map(|site| site[axis]).sum::<f64>();
+                    assert!(sum.abs() < 1e-9, "{interior:?}: {sum}");
+                }
+            }
+        }
+    }
+
+    /// Checks that rooms of every size are filled without counting all of their sites.
+    #[test]
+    fn small_and_large_rooms_are_filled() {
+        let rooms = |size: f64, high: f64| {
+            [
+                Interior::Box {
+                    half: [size; 2],
+                    low: 0.5,
+                    high,
+                },
+                Interior::Cylinder {
+                    radius: size,
+                    low: 0.5,
+                    high,
+                },
+            ]
         };
-        interior.has_room(count, self.free.arrangement, side)
+        for size in [2.0, 3.0, 50.0, 1e9, 1e30] {
+            for high in [1.5, 4.0, 1e9, 1e30] {
+                for interior in rooms(size, high) {
+                    let room = interior.has_room(1, Arrangement::Uniform, 1.0);
+                    assert_eq!(room, Ok(()), "{interior:?}");
+                }
+            }
+        }
+        for interior in rooms(0.4, 4.0).into_iter().chain(rooms(4.0, 1.4)) {
+            let room = interior.has_room(1, Arrangement::Uniform, 1.0);
+            let none = NoRoom::DoesNotFit { count: 1, fits: 0 };
+            assert_eq!(room, Err(none), "{interior:?}");
+        }
     }
 }

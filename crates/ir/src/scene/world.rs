@@ -2,9 +2,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::bond::Bond;
+use super::enclosure::Enclosure;
 use super::medium::{Agitation, Drag, Flow, Fluid};
-use crate::Cell;
-use crate::table::plate::Plate;
 
 /// World of free blocks around a seed plate, or without one.
 ///
@@ -118,68 +117,6 @@ pub enum Arrangement {
         /// Radius of the circle through the blocks' centres \[m\].
         radius: f64,
     },
-}
-
-/// Enclosure of the free blocks.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Enclosure {
-    /// Hemisphere on the ground: a flat solid floor at z = 0, and an elastic shell.
-    Hemisphere {
-        /// Radius of the shell \[m\].
-        radius: f64,
-        /// Inward force on the centre of a block outside the shell, per depth \[N/m\].
-        wall: f64,
-    },
-    /// Sphere, cut off by the ground so that the cut circumscribes the plate. Without a plate it
-    /// touches the ground. See [`Enclosure::centre_height`].
-    Sphere {
-        /// Radius of the shell \[m\].
-        radius: f64,
-        /// Inward force on a block whose inscribed sphere extends beyond the shell, per depth
-        /// \[N/m\].
-        wall: f64,
-    },
-}
-
-impl Enclosure {
-    /// Returns the radius of the shell \[m\].
-    pub fn radius(&self) -> f64 {
-        let (Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) = *self;
-        radius
-    }
-
-    /// Returns the radius of the region where the shell exerts no force on a block's centre \[m\].
-    pub fn reach(&self, side: f64) -> f64 {
-        match *self {
-            Enclosure::Hemisphere { radius, .. } => radius,
-            Enclosure::Sphere { radius, .. } => radius - side / 2.0,
-        }
-    }
-
-    /// Returns the height of the shell's centre above the ground \[m\], for a plate of blocks of
-    /// this length \[m\].
-    pub fn centre_height(&self, plate: &Plate, side: f64) -> f64 {
-        match *self {
-            Enclosure::Hemisphere { .. } => 0.0,
-            Enclosure::Sphere { radius, .. } => {
-                let corner = f64::from(plate.width).hypot(f64::from(plate.depth)) / 2.0 * side;
-                (radius * radius - corner * corner).max(0.0).sqrt()
-            }
-        }
-    }
-
-    /// Returns the distance from the shell's centre to the farthest point of a block in `cell`
-    /// \[m\], for blocks of this length \[m\].
-    pub fn distance_to(&self, cell: Cell, plate: &Plate, side: f64) -> f64 {
-        let middle = self.centre_height(plate, side) / side;
-        let centre = |edge: u32| (f64::from(edge) - 1.0) / 2.0;
-        let x = (f64::from(cell.x) - centre(plate.width)).abs() + 0.5;
-        let y = (f64::from(cell.y) - centre(plate.depth)).abs() + 0.5;
-        let (top, bottom) = (f64::from(cell.z), f64::from(cell.z) - 1.0);
-        let z = (top - middle).abs().max((bottom - middle).abs());
-        (x * x + y * y + z * z).sqrt() * side
-    }
 }
 
 /// Contacts of blocks with each other, the structure and the ground.

@@ -19,8 +19,8 @@ pub struct LargerScene {
     pub base_free: u32,
     /// Number of free blocks of the derived scene.
     pub free: u32,
-    /// Radius of the enclosure \[m\]. `None` without an enclosure.
-    pub radius: Option<f64>,
+    /// Names and lengths of the enclosure \[m\]. Empty without an enclosure.
+    pub lengths: Vec<(&'static str, f64)>,
     /// Density of free blocks relative to the base scene.
     pub density: f64,
 }
@@ -38,8 +38,8 @@ impl Goal {
         let mut scene = base.clone();
         scene.free.count = free;
         scale(&mut scene, cube_root(f64::from(free) / count(&base)));
-        if let Some(radius) = self.radius_needed(&scene) {
-            scale(&mut scene, radius);
+        if let Some(factor) = self.factor_needed(&scene) {
+            scale(&mut scene, factor);
         }
         self.derive(&base, scene).map(Some)
     }
@@ -64,7 +64,7 @@ impl Goal {
         }
         let mut scene = base.clone();
         scale(&mut scene, factor);
-        factor *= self.radius_needed(&scene).unwrap_or(1.0);
+        factor *= self.factor_needed(&scene).unwrap_or(1.0);
         if factor == 1.0 {
             return Ok(None);
         }
@@ -88,12 +88,13 @@ impl Goal {
         let mut names = std::iter::once(plain.clone()).chain(others);
         let name = names.find(|name| !is_taken(name)).unwrap_or(plain);
         scene.name.clone_from(&name);
-        let radius = |scene: &Scene| scene.enclosure.as_ref().map(Enclosure::radius);
-        let grown = radius(&scene).zip(radius(base));
-        let grown = grown.map_or(1.0, |(radius, base)| (radius / base).powi(3));
+        let volume = |scene: &Scene| scene.enclosure.as_ref().map(Enclosure::volume);
+        let grown = volume(&scene).zip(volume(base));
+        let grown = grown.map_or(1.0, |(volume, base)| volume / base);
+        let enclosure = scene.enclosure.as_ref();
         let larger = LargerScene {
             density: count(&scene) / count(base) / grown,
-            radius: radius(&scene),
+            lengths: enclosure.map(Enclosure::lengths).unwrap_or_default(),
             base: from,
             base_free: base.free.count,
             free: scene.free.count,
@@ -105,17 +106,16 @@ impl Goal {
         Ok(larger)
     }
 
-    /// Returns the factor that enlarges the radius so that the shape fits with a margin of a tenth.
-    /// Returns `None` if the shape already fits.
-    fn radius_needed(&self, scene: &Scene) -> Option<f64> {
+    /// Returns the factor that enlarges the enclosure so that the shape fits with a margin of a
+    /// tenth. Returns `None` if the shape already fits.
+    fn factor_needed(&self, scene: &Scene) -> Option<f64> {
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
         let first = scene.enclosure.as_ref()?.radius();
         let mut scene = scene.clone();
-        // If no radius is large enough, the check of the program reports it.
+        // If no size is large enough, the check of the program reports it.
         for _ in 0..100 {
             let (enclosure, side) = (scene.enclosure.as_ref()?, scene.block.side);
-            let farthest = farthest(enclosure, &self.cells, &plate, side);
-            let factor = farthest / enclosure.radius();
+            let factor = part_reached(enclosure, &self.cells, &plate, side);
             if factor <= 1.0 {
                 let radius = enclosure.radius();
                 return Some(radius / first).filter(|factor| *factor > 1.0);
@@ -126,12 +126,13 @@ impl Goal {
     }
 }
 
-/// Returns the distance from the centre of the enclosure to the farthest point of the shape \[m\].
-fn farthest(enclosure: &Enclosure, cells: &[Cell], plate: &Plate, side: f64) -> f64 {
-    let distances = cells
+/// Returns the largest distance that the shape reaches, divided by the limit of the enclosure.
+fn part_reached(enclosure: &Enclosure, cells: &[Cell], plate: &Plate, side: f64) -> f64 {
+    let parts = cells
         .iter()
-        .map(|cell| enclosure.distance_to(*cell, plate, side));
-    distances.fold(0.0, f64::max)
+        .flat_map(|cell| enclosure.extents(*cell, plate, side))
+        .map(|extent| extent.reached / extent.limit);
+    parts.fold(0.0, f64::max)
 }
 
 /// Returns the number of free blocks of a scene. Returns 1 instead of 0, because the result is a
@@ -150,10 +151,9 @@ fn scale(scene: &mut Scene, factor: f64) {
     if factor == 1.0 {
         return;
     }
-    if let Some(Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) =
-        &mut scene.enclosure
-    {
-        *radius = rounded_up(*radius * factor);
+    let lengths = scene.enclosure.iter_mut().flat_map(Enclosure::lengths_mut);
+    for (_, length) in lengths {
+        *length = rounded_up(*length * factor);
     }
     if let Arrangement::Ring { radius } = &mut scene.free.arrangement {
         *radius = rounded_up(*radius * factor);
@@ -186,7 +186,7 @@ fn declaration(larger: &LargerScene, scene: &Scene) -> String {
 impl LargerScene {
     /// Returns a phrase that compares the density with the density of the base scene.
     fn density_in_words(&self) -> String {
-        match self.radius {
+        match self.lengths.first() {
             None => String::new(),
             Some(_) if (0.98..1.02).contains(&self.density) => {
                 " and room for them at the same density".to_owned()
@@ -202,12 +202,15 @@ impl LargerScene {
             base,
             base_free,
             free,
-            radius,
+            lengths,
             ..
         } = self;
-        let radius = radius.map_or(String::new(), |radius| format!(", radius {radius} m"));
+        let lengths = lengths.iter();
+        let lengths: String = lengths
+            .map(|(name, length)| format!(", {name} {length} m"))
+            .collect();
         format!(
-            "planned in `{name}`: `{base}` with {free} free blocks instead of {base_free}{}{radius}",
+            "planned in `{name}`: `{base}` with {free} free blocks instead of {base_free}{}{lengths}",
             self.density_in_words()
         )
     }

@@ -1,15 +1,14 @@
 //! Data of a replay page, apart from the recording.
 use serde_json::{Value, json};
-use stochc_ir::emit::{graph_json, table_json};
+use stochc_ir::emit::{graph_json, shell_json, table_json};
 use stochc_results::{EnsembleProgram, Manifest};
 use stochc_text::visible;
 
 use super::program_text::{EventLocation, program_text};
 
-/// Returns the JSON data of a replay page: `{ program, file, seed, model, stochc, scene, radius,
-/// lift, tables, graph, text, tour, guided }`. `scene` is the scene as in the manifest. `radius` is
-/// the radius of the enclosure \[block lengths\], or null without an enclosure. `lift` is the
-/// height of the enclosure's centre. `tables` and `graph` are as in `compile --format json`. `text`
+/// Returns the JSON data of a replay page: `{ program, file, seed, model, stochc, scene, shell,
+/// tables, graph, text, tour, guided }`. `scene` is the scene as in the manifest. `shell` is the
+/// enclosure as in [`shell_json`]. `tables` and `graph` are as in `compile --format json`. `text`
 /// is the source, split at the `statements`. `tour` is the [`tour`](super::tour()) of the run.
 /// `guided` states whether the page begins with the tour.
 pub fn about(
@@ -21,10 +20,7 @@ pub fn about(
 ) -> Value {
     let tables = program.tables();
     let scene = json!(program.scene);
-    let side = program.scene.block.side;
-    let enclosure = program.scene.enclosure.as_ref();
-    let radius = enclosure.map(|enclosure| enclosure.radius() / side);
-    let lift = enclosure.map_or(0.0, |it| it.centre_height(&tables.plate, side) / side);
+    let shell = shell_json(&program.scene, &tables.plate);
     let file = program.sources.first().map_or("", |source| &source.path);
     let settings = manifest.settings_of(program);
     let substeps = settings.steps_in(&program.scene).in_words();
@@ -35,8 +31,7 @@ pub fn about(
         "model": format!("{}, {substeps}", settings.model.name()),
         "stochc": manifest.stochc,
         "scene": scene,
-        "radius": radius,
-        "lift": lift,
+        "shell": shell,
         "tables": table_json(tables),
         "graph": graph_json(&program.compiled.graph, tables),
         "text": program_text(&program.sources, statements),

@@ -26,6 +26,7 @@ const SCRIPT: &[&str] = &[
     include_str!("page/theme.js"),
     include_str!("page/camera.js"),
     include_str!("page/shapes.js"),
+    include_str!("page/shell.js"),
     include_str!("page/shaders.js"),
     include_str!("page/painter.js"),
     include_str!("page/sheet.js"),

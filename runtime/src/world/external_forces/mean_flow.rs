@@ -37,12 +37,14 @@ pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut LocalFlow) 
             speed,
             diameter,
             distance,
+            walls,
             height,
         } => {
             for jet in 0..count {
                 let angle = TAU * f64::from(jet) / f64::from(count);
                 let (sin, cos) = libm::sincos(angle);
                 let out = Vector3::new(cos, sin, 0.0);
+                let distance = distance.min(walls[0] / cos.abs()).min(walls[1] / sin.abs());
                 let from = out * distance + Vector3::z() * height;
                 let displacement = place - from;
                 let along = -displacement.dot(&out);
@@ -124,6 +126,7 @@ mod tests {
             speed: 0.5,
             diameter: 0.2,
             distance: 6.0,
+            walls: [f64::INFINITY; 2],
             height: 3.0,
         };
         // Momentum flow through a plane across the jet, as a sum over rings about the jet's axis.

@@ -143,8 +143,8 @@ pub(super) fn ground_reach(radius: f64) -> f64 {
 /// plate.
 fn ground(wall: Option<Wall>, plate: &Plate) -> Vector3<f32> {
     match wall {
-        Some(Wall { radius, height, .. }) => {
-            let half = ground_reach(radius + height) as f32 + 1.0;
+        Some(wall) => {
+            let half = ground_reach(wall.interior.reach()) as f32 + 1.0;
             Vector3::new(half, half, GROUND / 2.0)
         }
         None => Vector3::new(plate.width as f32 / 2.0, plate.depth as f32 / 2.0, 0.5),

@@ -55,7 +55,7 @@ impl Integrator for Rapier {
         let substeps = settings.substeps.max(1);
         let limits = MotionLimits::new(substeps, parameters.contact.is_some());
         let limits = match (&parameters.contact, parameters.wall) {
-            (Some(_), Some(wall)) => limits.within(ground_reach(wall.radius + wall.height)),
+            (Some(_), Some(wall)) => limits.within(ground_reach(wall.interior.reach())),
             _ => limits,
         };
         let left = |rate: f64| libm::exp(-rate / f64::from(substeps)) as f32;

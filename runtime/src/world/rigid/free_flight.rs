@@ -6,7 +6,7 @@ use crate::counter_rng::{StepDraws, WORDS};
 use crate::world::blocks::Blocks;
 use crate::world::motion_limits::MotionLimits;
 use crate::world::parameters::{self, Kicks};
-use crate::world::wall_force::WallForce;
+use crate::world::wall_force::{WallForce, WallShape};
 
 /// Number of SIMD groups between two checks of speeds and distances.
 const CHECKED: usize = 8;
@@ -50,15 +50,48 @@ impl<R: Lane> FreeFlight<R> {
             step.fill(bodies.groups().len() * LANES, draws);
             Kick::new(kicks)
         });
-        match (kicks.is_some(), self.wall.is_some(), self.drag.is_some()) {
-            (true, true, true) => self.pass::<true, true, true>(bodies, draws, kicks),
-            (true, true, false) => self.pass::<true, true, false>(bodies, draws, kicks),
-            (true, false, true) => self.pass::<true, false, true>(bodies, draws, kicks),
-            (true, false, false) => self.pass::<true, false, false>(bodies, draws, kicks),
-            (false, true, true) => self.pass::<false, true, true>(bodies, draws, kicks),
-            (false, true, false) => self.pass::<false, true, false>(bodies, draws, kicks),
-            (false, false, true) => self.pass::<false, false, true>(bodies, draws, kicks),
-            (false, false, false) => self.pass::<false, false, false>(bodies, draws, kicks),
+        match (kicks.is_some(), self.drag.is_some()) {
+            (true, true) => self.inside::<true, true>(bodies, draws, kicks),
+            (true, false) => self.inside::<true, false>(bodies, draws, kicks),
+            (false, true) => self.inside::<false, true>(bodies, draws, kicks),
+            (false, false) => self.inside::<false, false>(bodies, draws, kicks),
+        }
+    }
+
+    /// Processes all blocks with the walls of the scene.
+    fn inside<const KICKS: bool, const DRAG: bool>(
+        &self,
+        bodies: &mut Bodies<R>,
+        draws: &[u8],
+        kicks: Option<Kick<R>>,
+    ) -> bool {
+        let Some(WallForce { shape, stiffness }) = self.wall else {
+            return self.pass::<KICKS, DRAG, _>(bodies, draws, kicks, NoWall);
+        };
+        match shape {
+            WallShape::Ball { radius, height } => {
+                let wall = Ball {
+                    radius,
+                    height,
+                    stiffness,
+                };
+                self.pass::<KICKS, DRAG, _>(bodies, draws, kicks, wall)
+            }
+            WallShape::Box { half, low, high } => {
+                let wall = Planes {
+                    limits: [(-half[0], half[0]), (-half[1], half[1]), (low, high)],
+                    stiffness,
+                };
+                self.pass::<KICKS, DRAG, _>(bodies, draws, kicks, wall)
+            }
+            WallShape::Cylinder { radius, low, high } => {
+                let wall = Tube {
+                    radius,
+                    limits: (low, high),
+                    stiffness,
+                };
+                self.pass::<KICKS, DRAG, _>(bodies, draws, kicks, wall)
+            }
         }
     }
 
@@ -81,18 +114,14 @@ impl<R: Lane> FreeFlight<R> {
     }
 
     /// Processes all blocks in one pass. Absent terms are compiled out.
-    fn pass<const KICKS: bool, const WALL: bool, const DRAG: bool>(
+    fn pass<const KICKS: bool, const DRAG: bool, W: WideWall<R>>(
         &self,
         bodies: &mut Bodies<R>,
         draws: &[u8],
         kicks: Option<Kick<R>>,
+        wall: W,
     ) -> bool {
         let kick = kicks.unwrap_or(Kick::none());
-        let wall = self.wall.unwrap_or(WallForce {
-            radius: R::zero(),
-            height: R::zero(),
-            stiffness: R::zero(),
-        });
         let [long, short] = self.drag.unwrap_or([R::one(); 2]).map(R::Wide::splat);
         let longer = R::Wide::splat(self.short * R::from_double(1.5));
         // Squares of speeds and distances relative to their limits. They are below one in valid
@@ -115,10 +144,10 @@ impl<R: Lane> FreeFlight<R> {
                 let mut v = group.velocity.each_ref().map(load);
                 let mobility = load(&group.mobility);
                 let dt = load(&group.step);
-                if WALL {
-                    let way = [x[0], x[1], x[2] - R::Wide::splat(wall.height)];
+                if W::IS_WALL {
                     let span = (dt + load(&group.last)) * half;
-                    let by = wall_factor(&wall, &way) * span * mobility;
+                    let (way, pull) = wall.pull(&x);
+                    let by = pull * span * mobility;
                     for axis in 0..3 {
                         v[axis] -= way[axis] * by;
                     }
@@ -152,16 +181,93 @@ impl<R: Lane> FreeFlight<R> {
     }
 }
 
-/// Returns the inward velocity change by the shell, divided by the distance from its centre. SIMD
-/// form of [`WallForce::push`].
+/// SIMD form of [`WallForce::pull`].
+trait WideWall<R: Lane>: Copy {
+    /// Whether there is a wall.
+    const IS_WALL: bool = true;
+
+    /// Returns vectors along the outward normals, and the inward accelerations per length of these
+    /// vectors.
+    fn pull(self, x: &[R::Wide; 3]) -> ([R::Wide; 3], R::Wide);
+}
+
+#[derive(Clone, Copy)]
+struct NoWall;
+
+impl<R: Lane> WideWall<R> for NoWall {
+    const IS_WALL: bool = false;
+
+    #[inline(always)]
+    fn pull(self, x: &[R::Wide; 3]) -> ([R::Wide; 3], R::Wide) {
+        (*x, R::Wide::splat(R::zero()))
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Ball<R> {
+    radius: R,
+    height: R,
+    stiffness: R,
+}
+
+impl<R: Lane> WideWall<R> for Ball<R> {
+    #[inline(always)]
+    fn pull(self, x: &[R::Wide; 3]) -> ([R::Wide; 3], R::Wide) {
+        let way = [x[0], x[1], x[2] - R::Wide::splat(self.height)];
+        let distance = square(way).sqrt();
+        let zero = R::Wide::splat(R::zero());
+        let depth = (distance - R::Wide::splat(self.radius)).maximum(zero);
+        // Avoids a division by 0 at the centre, where the depth is 0 as well.
+        let tiny = R::Wide::splat(R::from_double(1e-30));
+        let pull = R::Wide::splat(self.stiffness) * depth / distance.maximum(tiny);
+        (way, pull)
+    }
+}
+
+/// Walls of a box.
+#[derive(Clone, Copy)]
+struct Planes<R> {
+    /// Lower and upper limit of each coordinate.
+    limits: [(R, R); 3],
+    stiffness: R,
+}
+
+impl<R: Lane> WideWall<R> for Planes<R> {
+    #[inline(always)]
+    fn pull(self, x: &[R::Wide; 3]) -> ([R::Wide; 3], R::Wide) {
+        let beyond = [0, 1, 2].map(|axis| outside::<R>(x[axis], self.limits[axis]));
+        (beyond, R::Wide::splat(self.stiffness))
+    }
+}
+
+/// Walls of a cylinder.
+#[derive(Clone, Copy)]
+struct Tube<R> {
+    radius: R,
+    /// Lower and upper limit of the height.
+    limits: (R, R),
+    stiffness: R,
+}
+
+impl<R: Lane> WideWall<R> for Tube<R> {
+    #[inline(always)]
+    fn pull(self, x: &[R::Wide; 3]) -> ([R::Wide; 3], R::Wide) {
+        let across = (x[0] * x[0] + x[1] * x[1]).sqrt();
+        let zero = R::Wide::splat(R::zero());
+        let tiny = R::Wide::splat(R::from_double(1e-30));
+        let depth = (across - R::Wide::splat(self.radius)).maximum(zero);
+        let part = depth / across.maximum(tiny);
+        let beyond = [x[0] * part, x[1] * part, outside::<R>(x[2], self.limits)];
+        (beyond, R::Wide::splat(self.stiffness))
+    }
+}
+
+/// Returns how far coordinates are above the upper limit, or below the lower one as negative
+/// numbers.
 #[inline(always)]
-fn wall_factor<R: Lane>(wall: &WallForce<R>, x: &[R::Wide; 3]) -> R::Wide {
-    let distance = square(*x).sqrt();
+fn outside<R: Lane>(x: R::Wide, (low, high): (R, R)) -> R::Wide {
     let zero = R::Wide::splat(R::zero());
-    let depth = (distance - R::Wide::splat(wall.radius)).maximum(zero);
-    // Avoids a division by 0 at the centre, where the depth is 0 as well.
-    let tiny = R::Wide::splat(R::from_double(1e-30));
-    R::Wide::splat(wall.stiffness) * depth / distance.maximum(tiny)
+    (x - R::Wide::splat(high)).maximum(zero) - (R::Wide::splat(low) - x).maximum(zero)
 }
 
 /// Random impulses of speed `low + span u`, with u uniform in (0, 1), in isotropic directions.

@@ -72,7 +72,7 @@ impl<R: Lane> Integrator for Kernel<R> {
         let neighbours = (contacts.is_some() || parameters.bond.is_some()).then(|| {
             let farthest = blocks.iter().map(|b| b.position.amax()).fold(0.0, f64::max);
             let (span, floor) = match parameters.wall {
-                Some(wall) => (wall.radius + wall.height, Some(0.0)),
+                Some(wall) => (wall.interior.reach(), Some(0.0)),
                 None => (farthest, None),
             };
             NeighbourList::new(blocks.len(), span + 2.0, floor)

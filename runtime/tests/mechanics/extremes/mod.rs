@@ -9,6 +9,7 @@ use std::fmt::Write as _;
 
 use crate::scenes::{PLATE, contact, hemisphere, paper};
 use nalgebra::Vector3;
+use stochc_ir::scene::groups::BlockUnits;
 use stochc_ir::scene::{Agitation, Bond, Contact, ContactLaw, Enclosure, Scene};
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
@@ -127,10 +128,8 @@ fn fate<W: SpatialWorld>(
     let Some(enclosure) = &scene.enclosure else {
         panic!("an enclosure");
     };
-    let (Enclosure::Hemisphere { radius, wall } | Enclosure::Sphere { radius, wall }) = *enclosure;
-    let middle = enclosure.centre_height(plate, scene.block.side) / scene.block.side;
-    let radius = radius / scene.block.side;
-    let swing = (wall * scene.tick * scene.tick / scene.block.mass).sqrt();
+    let interior = enclosure.interior(plate, BlockUnits::from_scene(scene));
+    let swing = (enclosure.wall() * scene.tick * scene.tick / scene.block.mass).sqrt();
     let mut dockings = Vec::new();
     let (mut fastest, mut sum, mut samples) = (0.0f64, 0.0, 0.0);
     for tick in 0..ticks {
@@ -147,8 +146,8 @@ fn fate<W: SpatialWorld>(
                 samples += 1.0;
             }
             let lowest = state.position.z;
-            let from = state.position - Vector3::z() * middle;
-            let out = from.norm() - radius - 1.0 - fastest * (1.0 + 1.0 / swing);
+            let distance = interior.distance(state.position.into());
+            let out = distance - 1.0 - fastest * (1.0 + 1.0 / swing);
             let unit = (state.orientation.coords.norm() - 1.0).abs();
             let deepest = match scene.contact.as_ref().map(|contact| &contact.law) {
                 None => f64::INFINITY,
@@ -262,6 +261,28 @@ fn packed(count: u32, share: f64) -> Scene {
     })
 }
 
+fn boxed([length, width, height]: [f64; 3], count: u32) -> Scene {
+    with(|scene| {
+        scene.free.count = count;
+        scene.enclosure = Some(Enclosure::Box {
+            length,
+            width,
+            height,
+            wall: 25.0,
+        });
+    })
+}
+
+fn cylinder(radius: f64, height: f64) -> Scene {
+    with(|scene| {
+        scene.enclosure = Some(Enclosure::Cylinder {
+            radius,
+            height,
+            wall: 25.0,
+        });
+    })
+}
+
 /// Returns all extreme scenes with a description and a number of ticks.
 fn cases() -> Vec<(&'static str, Scene, u64)> {
     let t = 600;
@@ -335,6 +356,24 @@ fn cases() -> Vec<(&'static str, Scene, u64)> {
             }),
             t,
         ),
+        ("box of 1 m, 10 blocks", boxed([1.0, 1.0, 1.0], 10), t),
+        (
+            "box of 60 x 60 x 30 cm, 1 block",
+            boxed([0.6, 0.6, 0.3], 1),
+            t,
+        ),
+        ("box of 1 km, 60 blocks", boxed([1e3, 1e3, 1e3], 60), t),
+        ("box of 1e30 m, 60 blocks", boxed([1e30, 1e30, 1e30], 60), t),
+        (
+            "box of 100 m x 1 m x 41 cm, 60 blocks",
+            boxed([100.0, 1.0, 0.41], 60),
+            t,
+        ),
+        ("box as wide as a block", boxed([2.0, 0.2, 2.0], 1), t),
+        ("cylinder of 2.4 m, 60 blocks", cylinder(2.4, 2.4), t),
+        ("disc of 5 m, 41 cm high, 60 blocks", cylinder(5.0, 0.41), t),
+        ("cylinder of 1 km, 60 blocks", cylinder(1e3, 1e3), t),
+        ("cylinder of 30 cm, 60 blocks", cylinder(0.3, 2.0), t),
         (
             "kicks of 1e-40 m/s",
             with(|s| {

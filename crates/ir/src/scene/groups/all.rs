@@ -68,15 +68,13 @@ pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessNumber> {
     }
     fluid(scene, v, &mut out);
     bond(scene, push, energetic, &mut out);
-    if let Some(Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) =
-        &scene.enclosure
-    {
+    if let Some(wall) = scene.enclosure.as_ref().map(Enclosure::wall) {
         let symbols = ["k τ² / m, shell", "φ k τ² / m, shell"];
         let beyond = "the shell throws blocks back with another energy";
         out.push(push.spring(
             symbols,
             "stiffness of the shell",
-            units.stiffness(*wall),
+            units.stiffness(wall),
             beyond,
         ));
     }
@@ -356,14 +354,19 @@ fn settling(scene: &Scene, out: &mut Vec<DimensionlessNumber>) {
         meaning,
         units.length(settling.height),
     ));
-    if let Some(Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. }) =
-        &scene.enclosure
-    {
-        let meaning = "the same over the enclosure's radius";
+    if let Some(enclosure) = &scene.enclosure {
+        let (symbol, meaning, length) = match *enclosure {
+            Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. } => {
+                ("h / R", "the same over the enclosure's radius", radius)
+            }
+            Enclosure::Box { height, .. } | Enclosure::Cylinder { height, .. } => {
+                ("h / H", "the same over the enclosure's height", height)
+            }
+        };
         out.push(DimensionlessNumber::new(
-            "h / R",
+            symbol,
             meaning,
-            settling.height / radius,
+            settling.height / length,
         ));
     }
     let meaning = "mean height of all blocks above their resting place, in block lengths";

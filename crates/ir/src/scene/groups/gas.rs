@@ -3,8 +3,9 @@
 //! Assumes uniform density, Maxwell's speed distribution and random orientations. In block units.
 use std::f64::consts::PI;
 
-use super::super::{Enclosure, Scene};
+use super::super::{Enclosure, Interior, Scene};
 use super::BlockUnits;
+use crate::table::plate::Plate;
 
 /// Mean surface area of the excluded volume of two cubes with random orientations \[block
 /// lengths^2\].
@@ -13,6 +14,8 @@ use super::BlockUnits;
 /// edges of the same cube contribute 6. Each of the nine other pairs contributes the mean of a
 /// sine, π/4.
 const MEETING_SURFACE: f64 = 12.0 + 4.5 * PI;
+
+const NO_PLATE: Plate = Plate { width: 0, depth: 0 };
 
 /// Gas of a scene's free blocks, before any capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,14 +35,26 @@ impl Gas {
         if scene.free.count == 0 {
             return None;
         }
-        let radius = BlockUnits::from_scene(scene).length(enclosure.reach(scene.block.side));
-        let ball = 4.0 / 3.0 * PI * radius.powi(3);
-        let (volume, floor) = match enclosure {
-            Enclosure::Hemisphere { .. } => (ball / 2.0, 1.5 / radius),
-            Enclosure::Sphere { .. } => (ball, 0.0),
+        let units = BlockUnits::from_scene(scene);
+        // The height of a ball above the plate does not matter.
+        let (volume, floor) = match enclosure.interior(&NO_PLATE, units) {
+            Interior::Ball { radius, .. } if radius > 0.0 => {
+                let ball = 4.0 / 3.0 * PI * radius.powi(3);
+                match enclosure {
+                    Enclosure::Hemisphere { .. } => (ball / 2.0, 1.5 / radius),
+                    _ => (ball, 0.0),
+                }
+            }
+            Interior::Box { half, low, high } => {
+                (4.0 * half[0] * half[1] * (high - low), 1.0 / (high - low))
+            }
+            Interior::Cylinder { radius, low, high } => {
+                (PI * radius * radius * (high - low), 1.0 / (high - low))
+            }
+            Interior::Ball { .. } => return None,
         };
         let density = f64::from(scene.free.count) / volume;
-        (radius > 0.0).then_some(Gas { density, floor })
+        (volume > 0.0 && floor >= 0.0).then_some(Gas { density, floor })
     }
 
     /// Returns the mean free path between blocks \[block lengths\]: 1 / (√2 n S / 4). The

@@ -77,14 +77,24 @@ impl Settling {
         if !self.is_floating && layer <= 1 {
             return Some(1.0);
         }
-        let reach = enclosure.reach(side);
-        let middle = match enclosure {
-            Enclosure::Hemisphere { .. } => 0.0,
-            Enclosure::Sphere { radius, .. } => *radius,
-        };
-        let top = middle + reach;
         let middle_of_layer = (f64::from(layer) - 0.5) * side;
-        let area = |height: f64| (reach * reach - (height - middle).powi(2)).max(0.0);
+        let half = side / 2.0;
+        // Height of the highest centre, and the area of a horizontal section, up to a factor.
+        let (top, ball) = match *enclosure {
+            Enclosure::Hemisphere { radius, .. } => (0.0 + radius, Some((radius, 0.0))),
+            Enclosure::Sphere { radius, .. } => {
+                let reach = radius - half;
+                (radius + reach, Some((reach, radius)))
+            }
+            Enclosure::Box { height, .. } | Enclosure::Cylinder { height, .. } => {
+                (height - half, None)
+            }
+        };
+        let area = |height: f64| {
+            ball.map_or(1.0, |(reach, middle)| {
+                (reach * reach - (height - middle).powi(2)).max(0.0)
+            })
+        };
         // Distances from the resting place: the roof, or half a block above the floor.
         let away = if self.is_floating {
             top - middle_of_layer

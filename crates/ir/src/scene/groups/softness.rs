@@ -76,11 +76,9 @@ pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessNumber>) {
         };
         spring.add(&CONTACT, CONTACT.remedy, moving(radius), out);
     }
-    if let Some(Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. }) =
-        &scene.enclosure
-    {
+    if let Some(wall) = scene.enclosure.as_ref().map(Enclosure::wall) {
         let spring = Spring {
-            stiffness: units.stiffness(*wall),
+            stiffness: units.stiffness(wall),
             damping: 0.0,
             load: load(2.0 * radius, !lies_on_floor),
         };

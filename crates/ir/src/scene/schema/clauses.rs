@@ -139,21 +139,34 @@ pub static CLAUSES: [SchemaEntry; 12] = [
         ] },
     ])
     .absent(Example("free 300 uniform")),
-    SchemaEntry::new("enclosure", &[
-        SchemaPart::OneOf { noun: "enclosure", of: &[
-            SchemaEntry::new("hemisphere", &[])
-                .means("a hemisphere on a solid floor, around the centre of the plate")
-                .is(|s| matches!(s.enclosure, Some(Enclosure::Hemisphere { .. })))
-                .make(|s| s.enclosure = Some(Enclosure::Hemisphere { radius: UNSPECIFIED, wall: UNSPECIFIED }))
-                .equations(&[&HEMISPHERE]),
-            SchemaEntry::new("sphere", &[])
-                .means("a sphere, cut off by the floor so that the plate just fits into the cut; without a plate, \
-                        the sphere touches the floor")
-                .is(|s| matches!(s.enclosure, Some(Enclosure::Sphere { .. })))
-                .make(|s| s.enclosure = Some(Enclosure::Sphere { radius: UNSPECIFIED, wall: UNSPECIFIED }))
-                .equations(&[&SPHERE]),
-        ] },
-        SchemaPart::Fields(&[field!(ENCLOSURE_RADIUS), field!(ENCLOSURE_WALL)], FieldGroup::Free),
+    kinds!("enclosure" [
+        braces!("hemisphere" [field!(ENCLOSURE_RADIUS), field!(ENCLOSURE_WALL)])
+            .means("a hemisphere on a solid floor, around the centre of the plate")
+            .is(|s| matches!(s.enclosure, Some(Enclosure::Hemisphere { .. })))
+            .make(|s| s.enclosure = Some(Enclosure::Hemisphere { radius: UNSPECIFIED, wall: UNSPECIFIED }))
+            .equations(&[&HEMISPHERE]),
+        braces!("sphere" [field!(ENCLOSURE_RADIUS), field!(ENCLOSURE_WALL)])
+            .means("a sphere, cut off by the floor so that the plate just fits into the cut; without a plate, \
+                    the sphere touches the floor")
+            .is(|s| matches!(s.enclosure, Some(Enclosure::Sphere { .. })))
+            .make(|s| s.enclosure = Some(Enclosure::Sphere { radius: UNSPECIFIED, wall: UNSPECIFIED }))
+            .equations(&[&SPHERE]),
+        braces!("box" [field!(ENCLOSURE_LENGTH), field!(ENCLOSURE_WIDTH), field!(ENCLOSURE_HEIGHT), field!(ENCLOSURE_WALL)])
+            .means("a box with a lid on a solid floor; the centre of the plate is in the middle of the floor")
+            .is(|s| matches!(s.enclosure, Some(Enclosure::Box { .. })))
+            .make(|s| {
+                let [length, width, height, wall] = [UNSPECIFIED; 4];
+                s.enclosure = Some(Enclosure::Box { length, width, height, wall });
+            })
+            .equations(&[&BOX]),
+        braces!("cylinder" [field!(ENCLOSURE_RADIUS), field!(ENCLOSURE_HEIGHT), field!(ENCLOSURE_WALL)])
+            .means("a standing cylinder with a lid on a solid floor, around the centre of the plate; a flat one is a disc")
+            .is(|s| matches!(s.enclosure, Some(Enclosure::Cylinder { .. })))
+            .make(|s| {
+                let [radius, height, wall] = [UNSPECIFIED; 3];
+                s.enclosure = Some(Enclosure::Cylinder { radius, height, wall });
+            })
+            .equations(&[&CYLINDER]),
     ])
     .absent(Example("enclosure hemisphere { radius 5m  wall 25 N/m }")),
     field!(GRAVITY)

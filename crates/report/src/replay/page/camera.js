@@ -15,9 +15,10 @@ class Camera {
     this.middle = [0, 0, high / 2];
     this.reach = 8 + 2.2 * Math.max(wide, high);
     // Without a plate, no structure grows, so the camera shows the shell.
-    if (!width && about.radius) {
-      this.middle = [0, 0, about.lift];
-      this.reach = 2.8 * about.radius;
+    const shell = enclosure(about.shell);
+    if (!width && shell) {
+      this.middle = [0, 0, shell.middle];
+      this.reach = 2.8 * Math.max(shell.reach, shell.middle);
     }
     this.reset();
   }

@@ -21,21 +21,19 @@ class Overview {
     // Setting the size to the same value would clear the canvas.
     if (canvas.width !== wide) canvas.width = canvas.height = wide;
     // Without a shell, show the initial extent of the blocks.
-    this.reach ??= scene.radius || places.reduce((most, place, i) => (i % 7 < 2 ? Math.max(most, Math.abs(place)) : most), 4);
+    this.reach ??= scene.shell?.reach ?? places.reduce((most, place, i) => (i % 7 < 2 ? Math.max(most, Math.abs(place)) : most), 4);
     const half = size / 2;
     const unit = (half - 12) / this.reach;
     pen.setTransform(scale, 0, 0, scale, scale * half, scale * half);
     pen.clearRect(-half, -half, size, size);
     const spot = ([x, y], wide) => pen.fillRect(unit * x - wide / 2, -unit * y - wide / 2, wide, wide);
-    const disc = (x, y, radius) => {
-      pen.beginPath();
-      pen.arc(x, y, radius, 0, 2 * Math.PI);
-      pen.fill();
-    };
     pen.strokeStyle = look.shell;
     pen.fillStyle = look.ground;
     pen.globalAlpha = 0.85;
-    disc(0, 0, unit * this.reach);
+    pen.beginPath();
+    if (scene.shell) scene.shell.trace(pen, unit);
+    else pen.arc(0, 0, unit * this.reach, 0, 2 * Math.PI);
+    pen.fill();
     pen.globalAlpha = 1;
     pen.stroke();
     for (let i = 0; i < free.length; i += Math.ceil(free.length / DOTS)) {
@@ -57,7 +55,9 @@ class Overview {
     pen.lineTo(x * inside, -y * inside);
     pen.stroke();
     pen.globalAlpha = 1;
-    disc(x * inside, -y * inside, 3.5);
+    pen.beginPath();
+    pen.arc(x * inside, -y * inside, 3.5, 0, 2 * Math.PI);
+    pen.fill();
     pen.font = '600 11px system-ui, sans-serif';
     pen.textAlign = 'center';
     pen.fillText('N', 0, -half + 10);

@@ -17,8 +17,7 @@ class Scene {
     for (let x = 0; x < width; x++) for (let y = 0; y < depth; y++) if (!seeded.has([x, y, 0].join())) this.plain.push([x, y, 0]);
     this.places = new Float64Array(7 * recording.bodies);
     this.numbers = new Float32Array(CUBE * (recording.bodies + width * depth));
-    this.radius = about.radius;
-    this.lift = about.lift;
+    this.shell = enclosure(about.shell);
     this.cloud = new Cloud(recording.bodies);
     this.list = new Uint32Array(recording.bodies);
     /** Display of free blocks: 0 is faint, 1 is solid, 2 is hidden. */
@@ -53,7 +52,7 @@ class Scene {
     const [px, py, pz, x, y, z, w] = this.places.subarray(7 * body, 7 * body + 7);
     // Vertical distance from the block's centre to its farthest point.
     const reach = Math.abs(x * z - w * y) + Math.abs(y * z + w * x) + Math.abs(0.5 - x * x - y * y);
-    return this.radius ? { sunk: reach - pz, out: Math.hypot(px, py, pz - this.lift) - this.radius } : { sunk: -1, out: -1 };
+    return this.shell ? { sunk: reach - pz, out: this.shell.distance([px, py, pz]) } : { sunk: -1, out: -1 };
   }
 
   /** Returns descriptions of how far a block is in the floor or outside the shell, and why. */
@@ -114,13 +113,13 @@ class Scene {
     const sight = new Sight(view, eye, painter.canvas.height / (2 * painter.small * Math.tan(camera.angle / 2)));
     this.shown = this.cloud.sort(this.free.filter(body => sight.has(this.places, 7 * body, this.clouds === 0)), this.places, eye);
     const style = { mark: look.mark, pulled: look.lit, edge: look.edge };
-    if (this.radius && camera.eye[2] > 0) {
-      painter.drawSketch(() => ground(Math.sqrt(this.radius ** 2 - this.lift ** 2), [...rgb(look.ground), 1]), { opaque: true, name: 'ground', of: themeName() });
+    if (this.shell && camera.eye[2] > 0) {
+      painter.drawSketch(() => this.shell.ground([...rgb(look.ground), 1]), { opaque: true, name: 'ground', of: themeName() });
     }
     painter.drawCubes(this.numbers, ...this.fillSolid(sight), { opaque: true, ...style });
     this.drawFaces(look);
-    if (this.radius) {
-      const lines = () => wires(this.radius, this.lift, [...rgb(look.rings), 1], [...rgb(look.shell), 0.45]);
+    if (this.shell) {
+      const lines = () => this.shell.wires([...rgb(look.rings), 1], [...rgb(look.shell), 0.45]);
       painter.drawSketch(lines, { lines: true, name: 'wires', of: themeName() });
     }
     this.drawTarget(look);

@@ -73,8 +73,8 @@ class Sketch {
   }
 }
 
-/** Returns the ground inside the shell, as triangles. */
-function ground(radius, colour) {
+/** Returns a disc on the ground, as triangles. */
+function disc(radius, colour) {
   const sketch = new Sketch();
   const at = i => [radius * Math.cos((Math.PI * i) / 64), radius * Math.sin((Math.PI * i) / 64), -0.02];
   // Without a graphics processor, few wide triangles are faster than many narrow ones. Each joins
@@ -85,29 +85,5 @@ function ground(radius, colour) {
     if (middle - from > 1) for (const [first, last] of [[from, middle], [middle, to]]) fill(first, last);
   };
   for (const half of [0, 64]) fill(half, half + 64);
-  return sketch;
-}
-
-/**
- * Returns the lines of the shell, and of rings on the ground every five block lengths. `lift` is the height of the
- * shell's centre.
- */
-function wires(radius, lift, rings, shell) {
-  const sketch = new Sketch();
-  // Angle below the shell's centre where the shell meets the ground.
-  const low = Math.asin(lift / radius);
-  for (let r = 5; r < radius * Math.cos(low); r += 5) sketch.ring(r, 0, rings);
-  for (let part = Math.ceil((-8 * low) / Math.PI); part < 4; part++) {
-    const angle = (part * Math.PI) / 8;
-    sketch.ring(radius * Math.cos(angle), lift + radius * Math.sin(angle), shell);
-  }
-  for (let i = 0; i < 12; i++) {
-    const [x, y] = [Math.cos((Math.PI * i) / 6), Math.sin((Math.PI * i) / 6)];
-    const at = j => {
-      const angle = -low + ((Math.PI / 2 + low) * j) / 24;
-      return [radius * x * Math.cos(angle), radius * y * Math.cos(angle), lift + radius * Math.sin(angle)];
-    };
-    for (let j = 0; j < 24; j++) sketch.line(at(j), at(j + 1), shell);
-  }
   return sketch;
 }
