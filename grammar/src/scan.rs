@@ -55,11 +55,8 @@ fn first(text: &str) -> (PartKind, usize) {
         return (PartKind::String { is_closed }, length);
     }
     let is_end = |at: &usize| text[*at..].starts_with('"') || text[*at..].starts_with("//");
-    let ends = text.match_indices(['"', '/']).map(|(at, _)| at);
-    (
-        PartKind::Code,
-        ends.filter(is_end).next().unwrap_or(text.len()),
-    )
+    let mut ends = text.match_indices(['"', '/']).map(|(at, _)| at);
+    (PartKind::Code, ends.find(is_end).unwrap_or(text.len()))
 }
 
 #[cfg(test)]

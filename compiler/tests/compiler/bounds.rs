@@ -171,7 +171,7 @@ fn a_structure_must_lie_inside_a_box_or_a_cylinder() {
          write a larger `height` in the scene, {smaller}"
     );
     for enclosure in [flat, tube] {
-        assert_eq!(found(enclosure, "1 x 1", "7]"), [high.clone()]);
+        assert_eq!(found(enclosure, "1 x 1", "7]"), [&high[..]]);
     }
     let low = "cylinder { radius 1m  height 19cm  wall 25 N/m }";
     assert_eq!(

@@ -129,27 +129,8 @@ fn add_times<'a>(table: &mut TableDefinition<'a, SummaryRow<'a>>, unit: &'static
         .null(UNKNOWN);
 }
 
-/// Returns a table with a row for each point of a sweep and a column for each axis.
-pub(crate) fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
-    fn time(point: &SweepPoint, of: impl Fn(&Time) -> Option<f64>) -> Option<f64> {
-        point.time.as_ref().and_then(of)
-    }
-    let unit = sweep.unit;
-    let mut table = TableDefinition::<&'a SweepPoint>::new("sweep", "a point of the sweep");
-    let program = "name of the program, without its values";
-    table.text("program", program, |row| row.program.as_str());
-    for (place, axis) in sweep.axes.iter().enumerate() {
-        let get = move |row: &&SweepPoint| row.values.get(place).map(|value| value.value);
-        let column = table.real(axis.label(), "a number of the scene", get);
-        column.unit(axis.unit.clone()).null(UNKNOWN);
-    }
-    for of in &sweep.settings {
-        let get = move |row: &&'a SweepPoint| {
-            let mut chosen = row.chosen.iter();
-            chosen.find(|it| it.name() == of).map(|it| it.value())
-        };
-        table.text(of.clone(), "a setting", get).null(UNKNOWN);
-    }
+/// Adds the columns of the numbers of runs by outcome, and of the share that completed.
+fn add_outcomes(table: &mut TableDefinition<&SweepPoint>) {
     table.integer("runs", "runs requested", |row| row.runs);
     table.integer("completed", "runs that completed", |row| {
         row.completed as u64
@@ -184,6 +165,30 @@ pub(crate) fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
             |row| row.share_interval.map(|interval| interval.1),
         )
         .null(UNKNOWN);
+}
+
+/// Returns a table with a row for each point of a sweep and a column for each axis.
+pub(crate) fn sweep_table<'a>(sweep: &'a Sweep) -> FilledTable<'a> {
+    fn time(point: &SweepPoint, of: impl Fn(&Time) -> Option<f64>) -> Option<f64> {
+        point.time.as_ref().and_then(of)
+    }
+    let unit = sweep.unit;
+    let mut table = TableDefinition::<&'a SweepPoint>::new("sweep", "a point of the sweep");
+    let program = "name of the program, without its values";
+    table.text("program", program, |row| row.program.as_str());
+    for (place, axis) in sweep.axes.iter().enumerate() {
+        let get = move |row: &&SweepPoint| row.values.get(place).map(|value| value.value);
+        let column = table.real(axis.label(), "a number of the scene", get);
+        column.unit(axis.unit.clone()).null(UNKNOWN);
+    }
+    for of in &sweep.settings {
+        let get = move |row: &&'a SweepPoint| {
+            let mut chosen = row.chosen.iter();
+            chosen.find(|it| it.name() == of).map(|it| it.value())
+        };
+        table.text(of.clone(), "a setting", get).null(UNKNOWN);
+    }
+    add_outcomes(&mut table);
     table.text("unit", "unit of the times", move |_| unit);
     table
         .real("mean", "mean completion time", |row| {

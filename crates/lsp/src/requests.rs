@@ -356,6 +356,13 @@ impl Query {
                     }),
                 }
             }
+            _ => return Query::parse_edit(method, raw),
+        })
+    }
+
+    /// Parses a request for edits of a document.
+    fn parse_edit(method: &str, raw: Value) -> Result<Query, RequestFailure> {
+        Ok(match method {
             "textDocument/formatting" => {
                 let it: DocumentFormattingParams = params(raw)?;
                 Query::new(&it.text_document.uri.0, Needs::Text, |context| {

@@ -22,6 +22,9 @@ use crate::workspace::position::Encoding;
 use crate::workspace::programs::{Knowledge, Programs};
 use crate::workspace::uri;
 
+/// Analyses that a request needs, and whether they belong to the current text.
+type NeededPrograms = (Vec<Arc<Analysis>>, Age);
+
 /// Idle time before a changed text is checked in the background.
 const PAUSE: Duration = Duration::from_millis(120);
 
@@ -350,11 +353,7 @@ impl<W: Write> Server<W> {
     ///
     /// Returns `None` if a check must run first. The check starts as soon as another job is
     /// allowed.
-    fn needed(
-        &mut self,
-        path: &str,
-        needs: Needs,
-    ) -> Option<Result<(Vec<Arc<Analysis>>, Age), ()>> {
+    fn needed(&mut self, path: &str, needs: Needs) -> Option<Result<NeededPrograms, ()>> {
         let paths: Vec<String> = match needs {
             Needs::Text => Vec::new(),
             Needs::Own | Needs::Recent => vec![path.to_owned()],

@@ -122,7 +122,7 @@ impl Enclosure {
 
     /// Returns the height of the shell's centre above the ground \[m\], for a plate of blocks of
     /// this length \[m\]. 0 for a hemisphere, a box and a cylinder.
-    pub fn centre_height(&self, plate: &Plate, side: f64) -> f64 {
+    pub(crate) fn centre_height(&self, plate: &Plate, side: f64) -> f64 {
         match *self {
             Enclosure::Sphere { radius, .. } => {
                 let corner = f64::from(plate.width).hypot(f64::from(plate.depth)) / 2.0 * side;
@@ -349,7 +349,10 @@ impl Interior {
     /// sphere.
     pub fn halfway(&self) -> f64 {
         match *self {
-            Interior::Ball { radius, height } if height == 0.0 => radius / 2.0,
+            Interior::Ball {
+                radius,
+                height: 0.0,
+            } => radius / 2.0,
             Interior::Ball { height, .. } => height,
             Interior::Box { high, .. } | Interior::Cylinder { high, .. } => (high + 0.5) / 2.0,
         }
