@@ -31,7 +31,7 @@ density of blocks is the original one. One face in the centre of the plate is ma
 
 - *refused*: stochc rejects the scene before the first tick, with the reason.
 - *failed*: the run stops at a tick, with the block and the reason. Other runs of an ensemble continue.
-- *stable*: all numbers are finite, and quaternions have the length 1 within 1e-5. No block is farther outside of the floor or the shell
+- *stable*: all numbers are finite, and quaternions have the length 1 within 1e-5. No block is farther outside of the floor or the wall
   than their springs allow. The number is the root mean square (rms) speed in block lengths per tick.
 
 `STOCHC_WRITE_DOCS=1 cargo test --workspace --test mechanics extremes` writes this page and compares it.
@@ -44,7 +44,7 @@ const TAIL: &str = "
 - A block that is released below another one does not move. Neither does a block halfway between two magnets.
 - stochc detects a number that is not finite in the step of its appearance.
 - A long test computes 10^8 block-steps without agitation, with elastic and frictionless contacts. No block escapes, and quaternions keep
-  their length. The energy of 100 blocks grows by collisions with the shell: to 1.37 times the initial energy with one step per tick (10^6
+  their length. The energy of 100 blocks grows by collisions with the wall: to 1.37 times the initial energy with one step per tick (10^6
   ticks), and to 1.015 times with four steps (250,000 ticks). Collisions between blocks add no energy: 12 cubes between mirrors lose half a
   percent in 10^6 ticks. The command is `cargo test --release --workspace --test mechanics extremes -- --ignored`.
 
