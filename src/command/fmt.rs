@@ -59,8 +59,8 @@ fn one(file: &str, check: bool) -> Result<Exit, Failure> {
         }
         (None, Err(_)) => {
             return Err(Failure::usage(format!(
-                "the layout of `{file}` would change its meaning, so it was left as it is; \
-                 this is a mistake of stochc: please report it with the file"
+                "the layout of `{file}` would change its meaning, so it was left as it is. \
+                 This is a mistake of stochc; please report it with the file"
             )));
         }
     };

@@ -133,9 +133,9 @@ equations! {
     SPHERE "an elastic ball, cut off by the floor z = 0 where the plate just fills the cut; felt by the ball in a block"
         Some("y = x - c; beyond R, m v' = -k (|y| + a / 2 - R) y / |y|"); [N(&ENCLOSURE_RADIUS), N(&ENCLOSURE_WALL)];
     BOX "an elastic box on the floor z = 0, felt by the ball in a block; without a contact, the floor is elastic too"
-        Some("beyond |x| = L / 2, |y| = W / 2 or z = H by d, at a distance of a / 2, m v' = -k d"); [N(&ENCLOSURE_LENGTH), N(&ENCLOSURE_WIDTH), N(&ENCLOSURE_HEIGHT), N(&ENCLOSURE_WALL)];
+        Some("d = |x| + a / 2 - L / 2, likewise y and z; m v' = -k d"); [N(&ENCLOSURE_LENGTH), N(&ENCLOSURE_WIDTH), N(&ENCLOSURE_HEIGHT), N(&ENCLOSURE_WALL)];
     CYLINDER "an elastic cylinder on the floor z = 0, felt by the ball in a block; without a contact, the floor is elastic too"
-        Some("s² = x² + y²; beyond s = R or z = H by d, at a distance of a / 2, m v' = -k d"); [N(&ENCLOSURE_RADIUS), N(&ENCLOSURE_HEIGHT), N(&ENCLOSURE_WALL)];
+        Some("d = √(x² + y²) + a / 2 - R, likewise z; m v' = -k d"); [N(&ENCLOSURE_RADIUS), N(&ENCLOSURE_HEIGHT), N(&ENCLOSURE_WALL)];
     WEIGHT "pulls every free block down"
         Some("v' = -g z"); [N(&GRAVITY)] if |s| density(s).is_none();
     BUOYANCY "pulls every free block down, and its fluid bears it up"
