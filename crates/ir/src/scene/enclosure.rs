@@ -19,7 +19,7 @@ pub enum Enclosure {
         wall: f64,
     },
     /// Sphere, cut off by the ground so that the cut circumscribes the plate. Without a plate it
-    /// touches the ground. See [`Enclosure::centre_height`].
+    /// touches the ground.
     Sphere {
         /// Radius of the shell \[m\].
         radius: f64,
