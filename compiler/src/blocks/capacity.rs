@@ -189,13 +189,7 @@ fn check_terms(
             Some((event, cell, extent))
         });
     if let Some((event, cell, extent)) = outside {
-        let (reached, limit) = distinct(extent.reached, extent.limit);
-        let Extent {
-            dimension,
-            origin,
-            limited_by,
-            ..
-        } = extent;
+        let dimension = extent.dimension;
         diagnostics.push(
             Diagnostic::new(
                 Code::OutsideEnclosure,
@@ -206,15 +200,22 @@ fn check_terms(
             )
             .label(
                 event.location,
-                format!(
-                    "the block at {cell} reaches {reached} m {origin}, {limited_by} is {limit} m"
-                ),
+                format!("the block at {cell} reaches {}", compared(&extent)),
             )
             .help(format!(
                 "write a larger `{dimension}` in the scene, or build a smaller structure"
             )),
         );
     }
+}
+
+/// Returns how far a structure reaches and how far it may reach, as the end of a sentence.
+fn compared(extent: &Extent) -> String {
+    let (reached, limit) = distinct(extent.reached, extent.limit);
+    let Extent {
+        origin, limited_by, ..
+    } = extent;
+    format!("{reached} m {origin}, {limited_by} is {limit} m")
 }
 
 /// Returns two numbers with enough digits to distinguish them.
@@ -230,16 +231,11 @@ fn plate_outside(plan: &ExpandedProgram, enclosure: &Enclosure, side: f64) -> Op
     let (width, depth) = (plan.plate.width, plan.plate.depth);
     let extents = enclosure.plate_extents(f64::from(width), f64::from(depth), side);
     let extent = extents.into_iter().find(Extent::is_outside)?;
-    let (reached, limit) = distinct(extent.reached, extent.limit);
-    let Extent {
-        dimension,
-        origin,
-        limited_by,
-        ..
-    } = extent;
+    let dimension = extent.dimension;
     let title = format!("the plate of `{}` is larger than the enclosure", plan.name);
     let label = format!(
-        "the corners of the {width} x {depth} plate are {reached} m {origin}, {limited_by} is {limit} m"
+        "the corners of the {width} x {depth} plate are {}",
+        compared(&extent)
     );
     let help = format!("write a larger `{dimension}` in the scene, or a smaller plate");
     let diagnostic = Diagnostic::new(Code::OutsideEnclosure, title);

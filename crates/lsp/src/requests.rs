@@ -427,8 +427,8 @@ fn references(
     let found = places.iter().filter_map(|place| {
         let (analysis, name) =
             (all.iter()).find_map(|analysis| Some((analysis, named_at(analysis, place)?)))?;
-        let trigger = with_declaration || !name.declares;
-        trigger.then(|| analysis.location(name.location, &context.documents))
+        let is_included = with_declaration || !name.declares;
+        is_included.then(|| analysis.location(name.location, &context.documents))
     });
     value(found.collect::<Vec<Location>>())
 }

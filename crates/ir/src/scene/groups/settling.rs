@@ -81,7 +81,7 @@ impl Settling {
         let half = side / 2.0;
         // Height of the highest centre, and the area of a horizontal section, up to a factor.
         let (top, ball) = match *enclosure {
-            Enclosure::Hemisphere { radius, .. } => (0.0 + radius, Some((radius, 0.0))),
+            Enclosure::Hemisphere { radius, .. } => (radius, Some((radius, 0.0))),
             Enclosure::Sphere { radius, .. } => {
                 let reach = radius - half;
                 (radius + reach, Some((reach, radius)))
