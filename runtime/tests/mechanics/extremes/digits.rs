@@ -126,11 +126,11 @@ pub fn tables(page: &mut String) -> Vec<String> {
         "
 ## Rounding errors
 
-If blocks move very little per step, rounding errors could stop them. The test simulates 400 cubes of 10 um in water at 293 K without
-collisions, for 2,000 ticks. The distance is from the plate, in block lengths. The table lists the diffusion coefficient divided by its
-value from Einstein's relation. The uncertainty of this ratio is 4 %. `rigid` adds the rounding error of a position in the next step.
+If blocks move very little per step, rounding errors can stop them. The test simulates 400 cubes of 10 um in water at 293 K for 2,000
+ticks, without collisions. The table lists their diffusion coefficient divided by the coefficient of Einstein's relation. The uncertainty is
+4 %. **With `rapier`, blocks far from the plate hardly diffuse.**
 
-| tick, distance | `rigid` | `rigid`, double precision | `rapier` |
+| tick, distance from the plate [block lengths] | `rigid` | `rigid`, double precision | `rapier` |
 |---|--:|--:|--:|
 ",
     );
@@ -149,9 +149,8 @@ value from Einstein's relation. The uncertainty of this ratio is 4 %. `rigid` ad
     }
     page.push_str(
         "
-The second table lists the same ratio for rotation, six block lengths from the plate. Rounding errors of orientations are not added later.
-In single precision, rotation begins to stop below 3e-7 radians per step, and in Rapier below 3e-6. `check --physics` and `simulate` warn of
-such scenes. Use `--precision double` for them.
+The next table lists the same ratio for rotation, six block lengths from the plate. **Rotation is too slow** if a block turns by less than
+3e-7 radians per step (`rigid`, single precision) or 3e-6 radians (`rapier`). stochc warns of such scenes. Use `--precision double` for them.
 
 | tick, turn per step [rad] | `rigid` | `rigid`, double precision | `rapier` |
 |---|--:|--:|--:|
