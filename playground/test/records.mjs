@@ -14,18 +14,15 @@ const call = await engine(`${root}/playground/target/stochc_playground.wasm`);
 const away = mkdtempSync(join(tmpdir(), 'playground-'));
 let [records, failures] = [0, 0];
 
-/** Model, program and number of runs of each test. */
+/** Model, program, number of runs, seed and time limit of each test. */
 const CASES = readFileSync(`${root}/tests/identical-runs.txt`, 'utf8').split('\n')
   .filter(line => line && !line.startsWith('#'))
   .map(line => line.split(' '));
 
-/** Limit on a run [ticks]. Some programs can jam. */
-const MAX_TICKS = 5000;
-
-for (const [model, file, runs] of CASES) {
+for (const [model, file, runs, seed, maxTicks] of CASES) {
   const path = `${root}/examples/${file}`;
   const out = join(away, `${model}-${file.replaceAll('/', '-')}`);
-  const { status } = spawnSync(command, ['simulate', path, '--model', model, '--runs', runs, '--seed', '7', '--max-ticks', String(MAX_TICKS), '--out', out, '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
+  const { status } = spawnSync(command, ['simulate', path, '--model', model, '--runs', runs, '--seed', seed, '--max-ticks', maxTicks, '--out', out, '--quiet'], { stdio: ['ignore', 'ignore', 'inherit'] });
   // Exit status 3: some runs did not complete.
   if (status !== 0 && status !== 3) throw new Error(`${command} ends with status ${status}`);
   const lines = readFileSync(join(out, 'journal.jsonl'), 'utf8').trim().split('\n').map(line => JSON.parse(line));
@@ -33,7 +30,7 @@ for (const [model, file, runs] of CASES) {
   const text = readFileSync(path, 'utf8');
   const programs = call({ call: 'check', text }).programs.length;
   for (let program = 0; program < programs; program++) {
-    const request = { text, program, model, seed: 7, max_ticks: MAX_TICKS };
+    const request = { text, program, model, seed: Number(seed), max_ticks: Number(maxTicks) };
     const made = call({ call: 'simulate', ...request, first: 0, runs: Number(runs) }).records;
     for (const record of made) {
       records++;
