@@ -13,7 +13,6 @@ struct Growth {
     phase_ticks: Vec<u64>,
     /// First tick of the current phase.
     began: u64,
-    /// The size of the largest group so far.
     largest: u32,
     /// Events of the phases that have begun since the last call of the observer.
     events: Vec<ObservedEvent>,

@@ -103,7 +103,6 @@ pub fn observe(
     }
 }
 
-/// Seed of an ensemble and number of a run.
 #[derive(Clone, Copy)]
 struct RunKey {
     seed: u64,

@@ -58,7 +58,6 @@ impl<'t> Controller<'t> {
         self.recorder.log = Log::recording();
     }
 
-    /// Returns the events since the last call.
     pub(crate) fn take_log(&mut self) -> Vec<ObservedEvent> {
         self.recorder.log.take()
     }
@@ -215,7 +214,6 @@ impl<'t> Controller<'t> {
         waiting
     }
 
-    /// Returns the record of a run that has ended in this world.
     pub(crate) fn into_record(self, run: u64, outcome: Outcome, world: &impl World) -> RunRecord {
         let waiting = self.waiting(world);
         let bonds = self.recorder.bonds;

@@ -44,7 +44,6 @@ struct Transfer {
     number: u32,
 }
 
-/// Random loss on contacts.
 #[derive(Debug)]
 struct Loss {
     /// Probability of loss of each transfer and of each acknowledgement.

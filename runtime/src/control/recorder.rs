@@ -38,7 +38,6 @@ stochc_ir::state! {
 }
 
 impl RunRecorder {
-    /// Returns an empty recorder with capacity for the events of these tables.
     pub fn new(network: Network, tables: &Tables) -> RunRecorder {
         let releases = tables.releases();
         RunRecorder {

@@ -13,9 +13,9 @@ const LANES: usize = 4;
 /// Number of words in one block of a ChaCha keystream.
 const BLOCK: usize = 16;
 
-/// Draws of one stream, with the same values as [`Draws`](super::Draws). Contains only blocks of
-/// words 0 to 3 of each step. Fastest if steps are read in ascending order, or if only block 0 is
-/// read.
+/// Random numbers of one stream, computed for several steps at once, with the same values as
+/// [`Draws`](super::Draws). Contains only blocks of words 0 to 3 of each step. Fastest if steps are
+/// read in ascending order, or if only block 0 is read.
 #[derive(Clone, Debug)]
 pub struct DrawsAhead {
     key: [u32; 8],
@@ -68,7 +68,6 @@ impl<const COUNT: usize> Ahead<COUNT> {
         (lane < LANES as u64).then_some(lane as usize)
     }
 
-    /// Returns the words of a step from index `first`.
     #[inline]
     fn words(&mut self, key: &[u32; 8], step: u64, first: usize) -> [u32; WORDS as usize] {
         let lane = self.lane(step).unwrap_or_else(|| {

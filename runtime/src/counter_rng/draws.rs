@@ -29,7 +29,7 @@ pub enum Stream {
     Resample = 7,
 }
 
-/// Draws of one stream of one run.
+/// Random numbers of one stream in one run.
 #[derive(Clone, Debug)]
 pub struct Draws {
     pub(super) keystream: ChaCha8Rng,
@@ -54,7 +54,6 @@ impl Draws {
     }
 }
 
-/// Returns the key of a stream of a run.
 pub(super) fn key(seed: u64, run: u64, stream: Stream) -> [u8; 32] {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());

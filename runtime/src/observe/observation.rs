@@ -14,24 +14,21 @@ use crate::world::{FreeBond, SpatialWorld};
 pub(crate) struct Log(Option<Vec<ObservedEvent>>);
 
 impl Log {
-    /// Returns an empty log that records events.
     pub fn recording() -> Log {
         Log(Some(Vec::new()))
     }
 
-    /// Returns whether events are recorded.
     pub fn is_recording(&self) -> bool {
         self.0.is_some()
     }
 
-    /// Records an event.
+    /// Records an event if this log records events.
     pub fn note(&mut self, event: impl FnOnce() -> ObservedEvent) {
         if let Some(events) = &mut self.0 {
             events.push(event());
         }
     }
 
-    /// Returns and removes all recorded events.
     pub fn take(&mut self) -> Vec<ObservedEvent> {
         self.0.as_mut().map(std::mem::take).unwrap_or_default()
     }
@@ -43,7 +40,6 @@ pub(crate) trait StepObserver<W>: State {
     fn observe(&mut self, world: &W, log: Vec<ObservedEvent>);
 }
 
-/// Observer that does nothing.
 impl<W> StepObserver<W> for () {
     fn observe(&mut self, _world: &W, _log: Vec<ObservedEvent>) {}
 }

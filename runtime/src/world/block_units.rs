@@ -78,7 +78,7 @@ impl Units {
         Ok(Units { of })
     }
 
-    /// Returns a scene parameter in block units.
+    /// Converts the value of a scene parameter to block units.
     fn number(self, number: &SchemaNumber, value: f64) -> SceneResult<f64> {
         checked(number, (number.kind.in_block_units)(self.of, value))
     }

@@ -29,7 +29,6 @@ impl BodyState {
     }
 }
 
-/// Position and rotation of a block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose {
     pub position: Vector3<f64>,

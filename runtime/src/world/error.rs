@@ -19,7 +19,7 @@ pub enum SceneError {
     TooStiff {
         /// Description of the spring.
         what: &'static str,
-        /// Number of substeps that resolves the motion.
+        /// Smallest sufficient number of substeps per tick.
         substeps: u64,
     },
     /// The scene has not been calibrated.

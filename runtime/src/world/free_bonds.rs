@@ -10,7 +10,6 @@ use super::external_forces::Response;
 use super::groups::{BlockGroups, lost};
 use super::parameters::{Attraction, Magnet, Passive};
 
-/// Bonds between free blocks.
 #[derive(Debug)]
 pub(crate) struct FreeBonds {
     magnet: Magnet,

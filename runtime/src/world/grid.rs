@@ -56,7 +56,6 @@ pub(super) struct ChunkedGrid<T> {
     default: T,
 }
 
-/// A cube of cells.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct CellChunk {
     /// Index of the chunk's first cell, or [`ABSENT`].
@@ -76,7 +75,6 @@ struct Window {
 /// Index of absent chunks.
 const ABSENT: u32 = u32::MAX;
 
-/// An absent chunk.
 const NO_CHUNK: CellChunk = CellChunk {
     start: ABSENT,
     marks: 0,
@@ -160,7 +158,6 @@ impl Window {
         (x * depth + y) * height + z
     }
 
-    /// Returns the positions of the window's chunks.
     fn keys(&self) -> impl Iterator<Item = ChunkKey> {
         let [width, depth, height] = self.sides;
         let [x, y, z] = self.first;
@@ -192,7 +189,6 @@ impl<T: Copy> ChunkedGrid<T> {
         }
     }
 
-    /// Returns the chunk at a position.
     #[inline(always)]
     fn find(&self, key: ChunkKey) -> CellChunk {
         match self.window.number(key) {

@@ -25,11 +25,9 @@ pub(super) struct LatticeStructure {
     pub seats: Vec<AnchoredBlock>,
     /// Grid with a mark in every occupied cell.
     grid: ChunkedGrid<CellContent>,
-    /// Free blocks, by number.
     pub free: RankedSet,
 }
 
-/// Change of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FaceChange {
     /// The face can now capture.
@@ -38,7 +36,6 @@ pub(super) enum FaceChange {
     Closed(usize),
 }
 
-/// Changes of faces, in order.
 pub(super) type Changes = SmallVec<[FaceChange; 4]>;
 
 /// Anchored block. Faces are in its own frame, one bit each.
@@ -49,11 +46,9 @@ pub(super) struct AnchoredBlock {
     /// Faces that are on and hold no block. Such a face is open only if the cell in front of it is
     /// also empty.
     pub on: u8,
-    /// Faces that hold a block.
     pub holding: u8,
 }
 
-/// Content of a cell.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct CellContent {
     /// Seat of the block in the cell.
@@ -82,12 +77,10 @@ pub(super) fn site(number: usize) -> (usize, Face) {
     (number / faces, Face::ALL[number % faces])
 }
 
-/// Returns the bit of a face.
 pub(super) fn bit(face: Face) -> u8 {
     1 << face as u8
 }
 
-/// Returns the faces of a bit set.
 #[inline]
 pub(super) fn faces(mut bits: u8) -> impl Iterator<Item = Face> {
     std::iter::from_fn(move || {
@@ -135,7 +128,6 @@ impl LatticeStructure {
         }
     }
 
-    /// Returns the seat of an anchored block.
     #[inline]
     pub fn seat(&self, body: Body) -> Option<usize> {
         match body {
@@ -147,7 +139,6 @@ impl LatticeStructure {
         }
     }
 
-    /// Returns the block on a seat.
     #[inline]
     pub fn body(&self, seat: usize) -> Body {
         match self.seeds.get(seat) {

@@ -36,7 +36,6 @@ pub(crate) struct Wall {
     pub stiffness: f64,
 }
 
-/// Resistance of a fluid to a moving block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Resistance {
     /// Rate of the viscous drag on velocity \[1 / tick\] and on spin. 0 without viscosity.
@@ -48,7 +47,6 @@ pub(crate) struct Resistance {
     pub displaced: f64,
 }
 
-/// Mean flow of a fluid.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum MeanFlow {
     /// Vortex about the vertical axis.
@@ -118,7 +116,6 @@ pub(crate) struct Magnet {
     pub square_of_step: f64,
 }
 
-/// Attraction of a block within reach of a face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Attraction {
     /// A face pulls while it is on.

@@ -39,12 +39,10 @@ impl From<RankedSet> for Vec<u64> {
 }
 
 impl RankedSet {
-    /// Returns the empty set of `n` numbers.
     pub fn empty(n: usize) -> RankedSet {
         vec![0; n.div_ceil(64)].into()
     }
 
-    /// Returns the set of all `n` numbers.
     pub fn full(n: usize) -> RankedSet {
         let mut words = vec![u64::MAX; n.div_ceil(64)];
         if let Some(last) = words.last_mut().filter(|_| !n.is_multiple_of(64)) {
@@ -53,17 +51,14 @@ impl RankedSet {
         words.into()
     }
 
-    /// Returns the number of members.
     pub fn len(&self) -> u32 {
         self.len
     }
 
-    /// Returns whether a number is a member.
     pub fn contains(&self, number: usize) -> bool {
         self.words[number / 64] >> (number % 64) & 1 == 1
     }
 
-    /// Adds a number.
     pub fn insert(&mut self, number: usize) {
         if !self.contains(number) {
             self.len += 1;
@@ -71,7 +66,6 @@ impl RankedSet {
         }
     }
 
-    /// Removes a number.
     pub fn remove(&mut self, number: usize) {
         if self.contains(number) {
             self.len -= 1;

@@ -9,7 +9,6 @@ pub(crate) trait Real: RealField + Copy + Default + Serialize + DeserializeOwned
     fn from_double(value: f64) -> Self;
     /// Converts an integer: exactly in double precision, within 2^-24 in single precision.
     fn from_integer(value: i32) -> Self;
-    /// Converts to double precision.
     fn double(self) -> f64;
     /// Rounds a number from 0 to 2^22 to the nearest integer. Uses one addition instead of a
     /// general conversion.

@@ -82,7 +82,6 @@ pub(crate) trait Integrator: Sized + State {
     /// enter the field of a magnetized face, in ascending order.
     fn begin_long_step(&mut self, _blocks: &mut Self::Blocks, _in_field: &[u32]) {}
 
-    /// Returns the blocks that take short steps in this long step.
     fn short_steps(&self) -> &[u32] {
         &[]
     }
@@ -148,10 +147,9 @@ pub(crate) struct Stepper<I: Integrator> {
     integrator: I,
     kicks: Option<(Kicks, Draws)>,
     faces: Option<Faces<I::Real>>,
-    /// External forces. `None` if there are none.
     external_forces: Option<ExternalForces>,
     response: Response,
-    /// Bonds between free blocks. `None` if they do not bond.
+    /// `None` if free blocks do not bond.
     free_bonds: Option<FreeBonds>,
     /// Buffer of free blocks.
     free: Vec<u32>,
@@ -164,7 +162,6 @@ pub(crate) struct Stepper<I: Integrator> {
     /// Whether a face has no list of nearby blocks yet.
     blind: bool,
     cells: CellCentres,
-    /// Whether blocks rotate.
     turns: bool,
 }
 
@@ -348,7 +345,6 @@ impl<I: Integrator> Stepper<I> {
         Ok(())
     }
 
-    /// Performs captures.
     fn capture(&mut self, substep: u32, dockings: &mut Vec<Docking>) {
         if self.ratio == 1 {
             self.refresh();

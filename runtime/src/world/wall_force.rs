@@ -9,7 +9,7 @@ use super::real::Real;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WallForce<R> {
     pub shape: WallShape<R>,
-    /// Acceleration per depth.
+    /// Acceleration per depth \[1 / tick^2\].
     pub stiffness: R,
 }
 

@@ -28,7 +28,6 @@ pub(crate) struct Faces<R: Real> {
     /// Faces that always attract, but have a block in front that they do not hold. They keep their
     /// entry counts, because the block may leave.
     covered: Vec<Active<R>>,
-    /// Faces that hold a block.
     holds: BTreeMap<BlockFace, u32>,
     /// Blocks within reach of open faces, by face and number.
     candidates: Vec<DockingCandidate<R>>,
@@ -43,7 +42,6 @@ pub(crate) struct Faces<R: Real> {
     pressures: Option<Pressures>,
 }
 
-/// Block released by a face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReleasedBlock<R: Real> {
     pub body: u32,
@@ -96,7 +94,6 @@ stochc_ir::state! {
 }
 
 impl<R: Real> Active<R> {
-    /// Returns the face of a block at `centre` with orientation `parent`.
     fn new(site: BlockFace, centre: Vector3<R>, parent: Orientation) -> Active<R> {
         let face = parent.to_structure(site.face);
         Active {
@@ -235,7 +232,6 @@ impl<R: Real> Faces<R> {
         Some((held, docking))
     }
 
-    /// Records that a face holds a block.
     fn hold(&mut self, site: BlockFace, held: &Anchored<R>) {
         self.holds.insert(site, held.body);
         self.change();
@@ -275,7 +271,6 @@ impl<R: Real> Faces<R> {
         self.rejected.push(body);
     }
 
-    /// Returns the faces that draw fluid.
     pub fn sinks(&mut self) -> Vec<Sink> {
         let Attraction::Suction(suction) = self.magnet.law else {
             return Vec::new();
@@ -339,7 +334,6 @@ impl<R: Real> Faces<R> {
         self.active.len()
     }
 
-    /// Returns the centre of an open face.
     pub fn centre(&self, active: usize) -> Vector3<R> {
         self.active[active].target.centre
     }

@@ -20,11 +20,9 @@ const FACE_YIELDS: f64 = 1.0 + 0.25 * INVERSE_INERTIA;
 /// about the normal, at a distance of 1/sqrt(2) block lengths.
 const CORNERS_YIELD: f64 = 4.0 * 0.5 * INVERSE_INERTIA;
 
-/// Magnetized face in space.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(crate) struct AttractingFace<R: Real> {
-    /// Centre of the face.
     pub centre: Vector3<R>,
     /// Outward normal.
     pub normal: Vector3<R>,
@@ -32,14 +30,13 @@ pub(crate) struct AttractingFace<R: Real> {
     corners: [Vector3<R>; 4],
 }
 
-/// Face of a free block that is nearest to a magnetized face.
+/// Face of a block, as seen from an attracting face.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(crate) struct Near<R: Real> {
     pub face: Face,
-    /// Centre of the face.
     pub centre: Vector3<R>,
-    /// Distance between the centres of the two faces.
+    /// Distance between the centres of the two faces \[block lengths\].
     pub distance: R,
 }
 

@@ -18,7 +18,6 @@ pub(super) struct Pressures {
     chambers: BTreeMap<u32, f64>,
 }
 
-/// Connections of a chamber.
 #[derive(Clone, Debug, Default)]
 struct Chamber {
     open: u32,
@@ -26,7 +25,6 @@ struct Chamber {
 }
 
 impl Pressures {
-    /// Returns the pressures of a structure with these open faces and joints.
     pub fn new(
         suction: &Suction,
         open: impl Iterator<Item = BlockFace>,

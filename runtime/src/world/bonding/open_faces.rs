@@ -9,7 +9,6 @@ use stochc_ir::Face;
 use crate::world::real::{Real, normal};
 use crate::world::{BlockFace, Body};
 
-/// Blocks with their positions.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(super) struct PlacedBlocks<R: Real>(BTreeMap<Body, (Vector3<R>, Orientation)>);

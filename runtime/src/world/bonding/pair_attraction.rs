@@ -21,7 +21,6 @@ pub(crate) struct FacePair {
     pub face: Face,
     /// Face of the second block.
     pub other: Face,
-    /// Face of the first block.
     target: AttractingFace<f64>,
     /// Face of the second block, as seen from the first.
     near: Near<f64>,

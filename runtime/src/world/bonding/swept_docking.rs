@@ -9,9 +9,7 @@ use crate::world::real::Real;
 /// Path of a block's face past a magnetized face: start and end of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FaceSweep<R: Real> {
-    /// Centre of the face.
     pub centre: [Vector3<R>; 2],
-    /// Outward normal.
     pub normal: [Vector3<R>; 2],
     /// Corners of the face, if the docking window needs them.
     pub corners: Option<[[Vector3<R>; 4]; 2]>,

@@ -10,7 +10,8 @@ use crate::world::unit_cube::INVERSE_INERTIA;
 /// Random velocity changes by Brownian motion in one step.
 #[derive(Debug)]
 pub(super) struct Brownian {
-    /// Rms change of each velocity component and of each spin component.
+    /// Rms change per step of each velocity component \[block lengths / tick\] and of each spin
+    /// component \[rad / tick\].
     rms: (f64, f64),
     step: u64,
     draws: Draws,

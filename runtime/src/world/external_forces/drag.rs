@@ -20,7 +20,6 @@ impl Response {
     };
 }
 
-/// Effect of drag over a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StepDrag {
     linear: Decay,
@@ -82,7 +81,7 @@ impl StepDrag {
         }
     }
 
-    /// Slows a motion relative to a fluid.
+    /// Slows a motion relative to a fluid with this `velocity` and `spin`.
     pub fn slow(&self, motion: &mut Motion, velocity: Vector3<f64>, spin: Vector3<f64>) {
         let relative = motion.velocity - velocity;
         motion.velocity = velocity + relative * self.linear.left(relative.norm(), self.dt);

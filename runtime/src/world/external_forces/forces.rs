@@ -12,7 +12,6 @@ use crate::world::parameters::{MeanFlow, WorldParameters};
 /// Face that draws fluid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sink {
-    /// Centre of the face.
     pub centre: Vector3<f64>,
     /// Outward normal.
     pub normal: Vector3<f64>,
@@ -20,7 +19,6 @@ pub(crate) struct Sink {
     pub flow: f64,
 }
 
-/// External forces of a scene.
 #[derive(Debug)]
 pub(crate) struct ExternalForces {
     acceleration: Option<Vector3<f64>>,

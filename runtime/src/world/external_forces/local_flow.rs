@@ -1,7 +1,6 @@
 //! Flow of the fluid at a position.
 use nalgebra::Vector3;
 
-/// Motion of the fluid at a position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LocalFlow {
     pub(super) velocity: Vector3<f64>,

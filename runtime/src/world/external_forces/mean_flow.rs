@@ -15,7 +15,6 @@ const CORE: f64 = 6.2;
 /// Half-width of a round turbulent jet, divided by the distance from its origin along its axis.
 const SPREAD: f64 = 0.094;
 
-/// Adds the mean flow at a position to `wind`.
 pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut LocalFlow) {
     match *stream {
         MeanFlow::Vortex { radius, rate } => {

@@ -25,7 +25,6 @@ pub(super) struct TurbulenceField {
     waves: Vec<Wave>,
     /// Fraction of an amplitude that remains after a tick.
     left: f64,
-    /// Rms of an amplitude.
     rms: f64,
     vertical: f64,
     draws: Draws,
@@ -76,7 +75,6 @@ impl TurbulenceField {
         field
     }
 
-    /// Advances the field to a tick.
     pub fn advance(&mut self, tick: u64) {
         self.stir(tick, self.left, (1.0 - self.left * self.left).sqrt());
     }

@@ -12,7 +12,6 @@ use crate::world::FreeBond;
 use crate::world::blocks::{Blocks, Motion, Pose};
 use crate::world::external_forces::Response;
 
-/// All groups of free blocks.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct BlockGroups {
     /// Key of the group of each block.
@@ -32,7 +31,6 @@ impl BlockGroups {
         all
     }
 
-    /// Returns the bonded pairs.
     #[cfg(feature = "rapier")]
     pub fn bonds(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
         self.groups
@@ -96,7 +94,6 @@ impl BlockGroups {
         })
     }
 
-    /// Returns whether a face of a block is bonded to another free block.
     pub fn is_bonded(&self, id: u32, face: Face) -> bool {
         let group = self.of.get(&id).and_then(|key| self.groups.get(key));
         group.is_some_and(|group| {

@@ -12,7 +12,6 @@ pub(super) struct BlockGroup {
     /// Members in ascending order.
     pub(super) members: Vec<GroupMember>,
     pub(super) bonds: Vec<(u32, u32)>,
-    /// Rotation of the group's frame.
     pub(super) rotation: UnitQuaternion<f64>,
 }
 

@@ -95,7 +95,6 @@ pub(super) fn engine(
     Ok((engine, handles))
 }
 
-/// Contact properties of the engine's bodies.
 #[derive(Clone, Copy, Debug)]
 struct Surface {
     restitution: f32,

@@ -6,23 +6,19 @@ use serde::{Deserialize, Serialize};
 
 use super::open_face_hazards::Slot;
 
-/// A scheduled capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ScheduledCapture {
     /// Capture of any free block by the face in this slot.
     OfAny(Slot),
-    /// Capture of a block that was released nearby.
     HeadStart(ScheduledHeadStart),
 }
 
 /// Scheduled capture of a block that was released near an open face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(super) struct ScheduledHeadStart {
-    /// Slot of the face.
     pub slot: Slot,
     /// Value of [`OpenFace::opening`] when the capture was scheduled.
     pub opening: u64,
-    /// Number of the block.
     pub block: u32,
 }
 
@@ -99,13 +95,11 @@ impl EventQueue {
         }
     }
 
-    /// Adds a capture by a head start.
     pub fn note_head_start(&mut self, time: f64, start: ScheduledHeadStart) {
         let moment = moment(time, self.next_number(), start.slot);
         self.head_starts.push(Reverse((moment, start)));
     }
 
-    /// Returns the earliest event and its time.
     pub fn first(&self) -> Option<(f64, ScheduledCapture)> {
         let first = self.sorted.first().copied().unwrap_or(NONE);
         match self.head_starts.peek() {

@@ -14,7 +14,6 @@ pub(super) type Slot = u32;
 /// Slot number that stands for no face.
 const NOWHERE: Slot = Slot::MAX;
 
-/// An open face with its hazard.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct OpenFace {
     /// Index among all faces.
@@ -43,7 +42,6 @@ pub(super) struct OpenFace {
     next: Slot,
 }
 
-/// All open faces.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct OpenFaceHazards {
     faces: Vec<OpenFace>,
@@ -85,12 +83,10 @@ impl OpenFace {
         }
     }
 
-    /// Returns the sequence number of the face's opening.
     pub fn opening(&self) -> u64 {
         self.opening
     }
 
-    /// Returns the upper bound of the capture time.
     pub fn latest(&self) -> f64 {
         self.latest
     }

@@ -7,7 +7,6 @@ use stochc_ir::Face;
 
 use super::open_face_hazards::OpenFace;
 
-/// Capacity of the cache.
 const MAX_CACHED: usize = 1 << 16;
 
 /// Rate model for the number of blocks that were free at the start. Stores known waiting times.
@@ -49,12 +48,11 @@ impl<'r> RateModel<'r> {
         }
     }
 
-    /// Returns the factor that scales all rates if this fraction of the blocks is free.
+    /// Returns the factor that scales all rates if the fraction `part` of the blocks is free.
     pub fn of_free(&self, part: f64) -> f64 {
         self.rates.parameters.of_free(part)
     }
 
-    /// Returns the waiting time of a face.
     pub fn wait(&mut self, face: &OpenFace) -> Wait {
         let near = face.near.within(self.features[face.direction as usize]);
         let layer = face.cell.z.min(self.highest);

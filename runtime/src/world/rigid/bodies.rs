@@ -29,7 +29,6 @@ pub(crate) struct Bodies<R: Lane> {
     shown_at: u64,
     /// Orientation in the structure. `None` if the block is free.
     anchored: Vec<Option<Orientation>>,
-    /// Number of anchored blocks.
     anchored_count: usize,
     /// Number of completed short steps.
     pub now: u64,
@@ -37,7 +36,6 @@ pub(crate) struct Bodies<R: Lane> {
     pub dt: R,
 }
 
-/// Rotation and spin of a block.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Attitude<R: Lane> {
@@ -157,7 +155,6 @@ impl<R: Lane> Bodies<R> {
         scatter(&mut group.rounded, lane, Vector3::zeros());
     }
 
-    /// Displaces a block.
     pub fn shift(&mut self, id: u32, displacement: Vector3<R>) {
         let (group, lane) = place(id);
         let MotionGroup {
@@ -199,7 +196,6 @@ impl<R: Lane> Bodies<R> {
         squares.fold(R::zero(), R::max).sqrt()
     }
 
-    /// Returns the number of anchored blocks.
     pub fn count_anchored(&self) -> usize {
         self.anchored_count
     }

@@ -168,7 +168,6 @@ impl<R: Lane> CellList<R> {
         }
     }
 
-    /// Finds the cell of each block.
     fn look_up_cells(&mut self, bodies: &Bodies<R>) {
         let [row, slab] = self
             .stride
@@ -206,7 +205,6 @@ impl<R: Lane> CellList<R> {
         cell.round_small() as usize
     }
 
-    /// Returns the number of a cell.
     #[inline(always)]
     fn cell(&self, [x, y, z]: [usize; 3]) -> usize {
         let [row, slab] = self.stride;
@@ -312,8 +310,8 @@ impl<R: Lane> CellList<R> {
         pairs.dedup();
     }
 
-    /// Adds the pairs of a block with blocks in a range of the sorted list. May also add pairs with
-    /// a few blocks after the range.
+    /// Adds the pairs of the block `seeker` with the blocks in the range `stretch` of the sorted
+    /// list. May also add pairs with a few blocks after the range.
     #[inline(always)]
     fn meet(&self, seeker: &Seeker<R>, stretch: [u32; 2], pairs: &mut Vec<(u32, u32)>) {
         let [mut from, to] = stretch.map(|at| at as usize);

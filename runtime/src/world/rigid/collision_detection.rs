@@ -17,7 +17,6 @@ use crate::world::free_bonds::FreeBonds;
 use crate::world::parameters::ContactParameters;
 use crate::world::real::Real;
 
-/// Collision shapes of blocks and ground.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CollisionShape<R: Real> {
     spheres: bool,
@@ -103,7 +102,6 @@ impl<R: Lane> CollisionShape<R> {
     }
 }
 
-/// Returns a block as a cuboid.
 fn cube<R: Lane>(bodies: &Bodies<R>, id: u32) -> Cuboid<'_, R> {
     Cuboid::cube(bodies.position(id), bodies.axes(id))
 }

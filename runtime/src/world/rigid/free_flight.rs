@@ -11,7 +11,6 @@ use crate::world::wall_force::{WallForce, WallShape};
 /// Number of SIMD groups between two checks of speeds and distances.
 const CHECKED: usize = 8;
 
-/// Terms that act on all blocks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FreeFlight<R: Lane> {
     pub wall: Option<WallForce<R>>,
@@ -183,7 +182,6 @@ impl<R: Lane> FreeFlight<R> {
 
 /// SIMD form of [`WallForce::pull`].
 trait WideWall<R: Lane>: Copy {
-    /// Whether there is a wall.
     const IS_WALL: bool = true;
 
     /// Returns vectors along the outward normals, and the inward accelerations per length of these

@@ -11,7 +11,6 @@ use crate::world::real::Real;
 /// One number per block of a group.
 type Lanes<R> = [R; LANES];
 
-/// Motions of a group of blocks.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 #[repr(align(64))]

@@ -6,15 +6,15 @@ use wide::{f32x4, f32x8, f64x4, f64x8};
 
 use crate::world::real::Real;
 
-/// Width of vectors for sequential data.
+/// Number of lanes of vectors for sequential data.
 pub(super) const LANES: usize = 8;
 
-/// Width of vectors for gathered data. Some lanes may be unused.
+/// Number of lanes of vectors for gathered data. Some lanes may be unused.
 pub(super) const ABREAST: usize = 4;
 
 /// Scalar with SIMD vectors.
 pub(crate) trait Lane: Real {
-    /// Vector of eight.
+    /// Vector of [`LANES`] numbers.
     type Wide: Wide<Self, LANES>;
     /// Vector of four numbers, or a vector in space and a zero.
     type Quad: Quad<Self>;
@@ -35,19 +35,14 @@ pub(crate) trait Wide<R, const N: usize>:
     + SubAssign
     + MulAssign
 {
-    /// Loads a vector from memory.
     fn load(lanes: &[R; N]) -> Self;
-    /// Stores a vector to memory.
     fn store(self) -> [R; N];
-    /// Returns the same number in all lanes.
     fn splat(value: R) -> Self;
-    /// Returns the square roots.
     fn sqrt(self) -> Self;
     /// Returns the larger number in each lane if neither is NaN.
     fn maximum(self, other: Self) -> Self;
     /// Returns the smaller number in each lane if neither is NaN.
     fn minimum(self, other: Self) -> Self;
-    /// Returns the absolute values.
     fn abs(self) -> Self;
     /// Returns a mask of the lanes that are greater than in `other`. NaN is not greater than any
     /// number.
@@ -60,13 +55,9 @@ pub(crate) trait Wide<R, const N: usize>:
 
 /// Vector in space as one SIMD vector.
 pub(crate) trait Quad<R>: Wide<R, ABREAST> + Default {
-    /// Packs a vector.
     fn pack(vector: Vector3<R>) -> Self;
-    /// Unpacks a vector.
     fn unpack(self) -> Vector3<R>;
-    /// Multiplies every component by the same number.
     fn scaled(self, by: R) -> Self;
-    /// Returns the sum of the components.
     fn sum(self) -> R;
 }
 
@@ -80,7 +71,6 @@ pub(super) fn cross<W: Copy + Mul<Output = W> + Sub<Output = W>>(a: [W; 3], b: [
     ]
 }
 
-/// Returns the sum of the components.
 #[inline(always)]
 pub(super) fn sum<W: Add<Output = W>>([x, y, z]: [W; 3]) -> W {
     x + y + z

@@ -1,14 +1,11 @@
 //! Groups of bonded free blocks.
 use serde::{Deserialize, Serialize};
 
-/// Disjoint sets of blocks.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct DisjointSets {
     /// Parent of each block: another block of its set, or itself for the root.
     towards: Vec<u32>,
-    /// Size of the set of each root.
     sizes: Vec<u32>,
-    /// Size of the largest set.
     largest: u32,
 }
 
@@ -22,7 +19,6 @@ impl DisjointSets {
         }
     }
 
-    /// Returns the size of the largest set.
     pub fn largest(&self) -> u32 {
         self.largest
     }

@@ -185,7 +185,6 @@ impl ShuffleWorld {
     }
 }
 
-/// Updates the set of open faces.
 #[inline]
 fn note(open: &mut RankedSet, change: FaceChange) {
     match change {

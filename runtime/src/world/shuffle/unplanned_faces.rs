@@ -22,7 +22,6 @@ struct Exposed {
 }
 
 impl ExposedFaces {
-    /// Returns the number of faces.
     pub fn len(&self) -> u32 {
         self.runs.iter().map(|(faces, _)| faces).sum()
     }

@@ -14,7 +14,6 @@ pub struct Cuboid<'a, R: Real> {
 }
 
 impl<R: Real> Cuboid<'_, R> {
-    /// Returns a block as a cuboid.
     pub fn cube(centre: Vector3<R>, axes: &Rotation3<R>) -> Cuboid<'_, R> {
         Cuboid {
             centre,

@@ -14,7 +14,6 @@ pub(super) use box_box::boxes;
 pub(super) use cuboid::Cuboid;
 pub(super) use ground::{ball_on_ground, cube_on_ground, face_on_ground};
 
-/// Contact points between two bodies.
 #[derive(Clone, Debug)]
 pub(super) struct Manifold<R: Real> {
     /// Direction of the first body's shortest path out of the second body.

@@ -24,7 +24,6 @@ pub(super) enum Direction {
     Edges { own: usize, other: usize },
 }
 
-/// Overlap of two boxes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LeastOverlap<R> {
     pub direction: Direction,
@@ -37,12 +36,10 @@ type LaneMatrix<R> = [LaneVector<R>; 3];
 
 /// One box of each of several pairs.
 struct Boxes<R: Lane> {
-    /// Axes of the boxes in the world.
     axes: LaneMatrix<R>,
     half: LaneVector<R>,
 }
 
-/// State of the search.
 struct SeparatingAxisSearch<R: Lane> {
     /// Mask of the pairs that no axis separates so far.
     meet: R::Quad,

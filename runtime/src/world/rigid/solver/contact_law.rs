@@ -60,7 +60,6 @@ impl<R: Real> Law<R> {
         }
     }
 
-    /// Returns the coefficient of restitution of rigid contacts.
     pub fn restitution(&self) -> Option<R> {
         match self.kind {
             LawKind::Rigid { restitution } => Some(restitution),

@@ -18,16 +18,14 @@ pub(super) struct TouchingBodies<R: Real> {
     pub points: Range<usize>,
 }
 
-/// One point of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContactPoint<R: Real> {
-    /// Depth of the overlap.
+    /// Depth of the overlap \[block lengths\].
     pub depth: R,
-    /// Vectors from the centres of the two bodies.
+    /// Vectors from the centres of the two bodies to the point.
     pub arms: [Vector3<R>; 2],
 }
 
-/// Contacts of a substep, and their points.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContactList<R: Real> {
     pub list: Vec<TouchingBodies<R>>,
@@ -72,7 +70,6 @@ impl<R: Real> ContactList<R> {
         });
     }
 
-    /// Returns the points of a contact.
     pub fn points_of(&self, touch: &TouchingBodies<R>) -> &[ContactPoint<R>] {
         &self.points[touch.points.clone()]
     }

@@ -41,7 +41,6 @@ impl<R: Lane> Solver<R> {
         }
     }
 
-    /// Removes all contacts.
     pub fn clear(&mut self) {
         self.moving.clear();
         self.touches.clear();
@@ -109,7 +108,6 @@ impl<R: Lane> Solver<R> {
         }
     }
 
-    /// Finds the impulses of all contacts.
     fn find_impulses(&mut self) {
         let (law, rounds) = (&self.law, self.iterations);
         let (touches, moving) = (&self.touches, &mut self.moving);

@@ -30,7 +30,8 @@ struct Batch<R: Lane, const N: usize> {
     shifts: [BatchBody<R>; N],
     /// Unit vectors along the normal and across it.
     frame: [BatchVector<R>; 3],
-    /// Softness: velocity reduction per impulse.
+    /// Softness of a compliant contact: reduction of the target velocity per unit impulse. 0 for
+    /// rigid contacts.
     softness: R::Quad,
     spots: Vec<BatchPoint<R, N>>,
 }
@@ -53,7 +54,8 @@ struct BatchPoint<R: Lane, const N: usize> {
     /// Mask of the contacts that have this point.
     real: R::Quad,
     depth: R::Quad,
-    /// Target velocity along the normal, set by restitution or by a spring.
+    /// Target velocity along the normal \[block lengths / tick\], set by restitution or by a
+    /// spring.
     target: R::Quad,
     /// Displacement per tick that corrects the overlap.
     recovery: R::Quad,
@@ -125,7 +127,6 @@ impl<R: Lane, const N: usize> ParallelContacts<R, N> {
 }
 
 impl<R: Lane, const N: usize> Batch<R, N> {
-    /// Returns an empty batch.
     fn new() -> Batch<R, N> {
         let nothing = BatchBody {
             velocity: [all::<R>(0.0); 3],
@@ -467,7 +468,6 @@ fn yields<R: Lane, const N: usize>(
     }))
 }
 
-/// Applies an impulse to both bodies.
 #[inline(always)]
 fn push<R: Lane, const N: usize>(
     impulse: R::Quad,

@@ -32,14 +32,15 @@ struct SequentialContact {
     content: bool,
 }
 
-/// Constraint at one point of a contact.
 #[derive(Clone, Copy, Debug)]
 struct PointConstraint<R: Lane> {
-    /// Depth of the overlap.
+    /// Depth of the overlap \[block lengths\].
     depth: R,
-    /// Target velocity along the normal, set by restitution or by a spring.
+    /// Target velocity along the normal \[block lengths / tick\], set by restitution or by a
+    /// spring.
     target: R,
-    /// Softness of a compliant contact: velocity reduction per impulse.
+    /// Softness of a compliant contact: reduction of the target velocity per unit impulse. 0 for
+    /// rigid contacts.
     softness: R,
     /// Displacement per tick that corrects the overlap.
     recovery: R,
@@ -371,7 +372,6 @@ impl<R: Lane> ConstraintRow<R> {
         (change / self.mass).abs()
     }
 
-    /// Applies an impulse to both bodies.
     #[inline(always)]
     fn push(&self, impulse: R, a: &mut SolverBody<R>, b: &mut SolverBody<R>) {
         a.velocity += self.direction.scaled(impulse * a.inverse_mass);

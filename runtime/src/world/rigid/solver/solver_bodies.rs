@@ -4,7 +4,6 @@ use nalgebra::Vector3;
 use crate::world::rigid::simd::{Lane, Quad};
 use crate::world::unit_cube::INVERSE_INERTIA;
 
-/// Motion and inverse inertia of a body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SolverBody<R: Lane> {
     pub velocity: R::Quad,
@@ -22,9 +21,7 @@ pub(super) const NO_BLOCK: u32 = u32::MAX;
 /// All bodies, [`GROUND`] first. The arrays are in the same order.
 #[derive(Clone, Debug)]
 pub(super) struct SolverBodies<R: Lane> {
-    /// Block number of each body.
     blocks: Vec<u32>,
-    /// Number of contacts of each body.
     contacts: Vec<u32>,
     pub motions: Vec<SolverBody<R>>,
     /// Motions before any impulse.
@@ -39,7 +36,6 @@ pub(super) struct SolverBodies<R: Lane> {
     inverse_inertia: R,
 }
 
-/// Effect of contacts on a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SolverBodyChange<R: Lane> {
     /// Change of the body's velocity.
@@ -148,7 +144,6 @@ impl<R: Lane> SolverBodies<R> {
         self.before.clone_from(&self.motions);
     }
 
-    /// Returns the change of each block.
     pub fn changes(&self) -> impl Iterator<Item = (u32, SolverBodyChange<R>)> + '_ {
         let places = self.blocks.iter().enumerate().skip(1);
         places.map(|(place, &id)| {
