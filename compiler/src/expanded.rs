@@ -134,7 +134,6 @@ impl Timeout {
         }
     }
 
-    /// Returns whether a quantity is in ticks.
     pub(crate) fn is_in_ticks(quantity: &Quantity) -> bool {
         to_si(quantity).1 == Dimension::TICKS
     }
@@ -209,7 +208,6 @@ pub struct NameKey {
 }
 
 impl NameKey {
-    /// Largest number of indices of a name.
     pub(crate) const MAX_INDICES: usize = 3;
 
     /// Returns the same name in another scope.

@@ -11,13 +11,14 @@ use crate::expand::members::members;
 use crate::expanded::{EventId, EventKind, ExpandedProgram, NameKey, PatternInstance};
 use crate::{SourceLocation, Sources};
 
-/// Dependencies of all events through the names of blocks, and the events that each `after` waits
-/// for.
+/// Result of the check of block names: the earlier events that each event and each `after` depend
+/// on.
 #[derive(Clone, Debug)]
 pub struct Liveness {
     /// For each event, the events that it depends on through the names of its blocks.
     pub contexts: Vec<EventContext>,
-    /// Event that each `after` waits for. `None` if it happened in an earlier phase.
+    /// For each `after` of the program, the event that it waits for. `None` if that event belongs
+    /// to an earlier phase.
     pub subjects: Vec<Option<EventId>>,
 }
 
@@ -31,7 +32,7 @@ pub struct EventContext {
     pub freed_by: Option<EventId>,
 }
 
-/// A block in one phase.
+/// A block that has a name in one phase.
 ///
 /// A name may have two holders in a phase: the block at the start, and a block captured after the
 /// release of the first. The two blocks observe different events.
@@ -75,7 +76,6 @@ impl Liveness {
     }
 }
 
-/// State of a name.
 #[derive(Clone, Copy, Default)]
 struct RoleLiveness {
     /// Origin of the block that has the name. `None` if no block has it.
@@ -427,7 +427,6 @@ impl Checker<'_> {
         !is_full(self.diagnostics, Severity::Error)
     }
 
-    /// Rejects a capture under a name that a block already has.
     fn captured_twice(&mut self, id: EventId, earlier: Earlier) {
         if !self.reject(id) {
             return;
@@ -492,7 +491,6 @@ impl Checker<'_> {
             .find(is_unused)
     }
 
-    /// Rejects a second release of a block.
     fn released_twice(&mut self, id: EventId, first: EventId) {
         if !self.reject(id) {
             return;
@@ -509,7 +507,6 @@ impl Checker<'_> {
         report(self.diagnostics, diagnostic);
     }
 
-    /// Rejects the release of a seed.
     fn released_seed(&mut self, id: EventId, role: RoleId) {
         if !self.reject(id) {
             return;

@@ -225,7 +225,6 @@ impl UnplannedBondAnalysis<'_> {
     }
 }
 
-/// Returns the side of a block in words.
 fn side(face: Face) -> String {
     match face {
         Face::Up => "on top".to_owned(),
@@ -234,7 +233,6 @@ fn side(face: Face) -> String {
     }
 }
 
-/// Returns a direction in words.
 fn towards(face: Face) -> String {
     match face {
         Face::Up => "upwards".to_owned(),

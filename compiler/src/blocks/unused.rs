@@ -11,7 +11,6 @@ use crate::scene::DEFAULT;
 use crate::sources::load::Module;
 use crate::{FileId, SourceLocation, Sources};
 
-/// A declaration of the program's file.
 struct Declared<'a> {
     item: &'a Item,
     name: Name,

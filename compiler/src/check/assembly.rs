@@ -88,7 +88,6 @@ impl OrderedProgram {
     }
 }
 
-/// Diagnostics of the stages of an assembly.
 #[derive(Default)]
 struct StageDiagnostics {
     /// Diagnostics of expansion and names.
@@ -99,7 +98,6 @@ struct StageDiagnostics {
     cut_short: bool,
 }
 
-/// An assembly and the inputs of its check.
 pub(super) struct AssemblyInput<'a> {
     pub declarations: &'a Declarations<'a>,
     pub file: FileId,
@@ -112,7 +110,6 @@ pub(super) struct AssemblyInput<'a> {
     pub trial: Option<&'a reach::Trial<'a>>,
     /// Model and time steps for the check of scenes. `None` if runs have no physics.
     pub stepping: Option<Stepping>,
-    /// Location of the scene's name.
     pub scene_location: SourceLocation,
     /// Words in those parts of the files that the parser could not read.
     pub uncertain: &'a FxHashSet<Symbol>,

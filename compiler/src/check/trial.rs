@@ -183,8 +183,8 @@ struct DiagnosticSpans<'a>(FxHashMap<Kind<'a>, Vec<(usize, usize)>>);
 type Kind<'a> = (Code, Option<&'a str>);
 
 impl<'a> DiagnosticSpans<'a> {
-    /// Returns whether a location overlaps with a location of the same code and file in the other
-    /// set.
+    /// Returns whether a location of this set overlaps with a location of `others` that has the
+    /// same code and file.
     fn meet(&self, others: &DiagnosticSpans<'_>) -> bool {
         self.0.iter().any(|(key, places)| {
             let others = others.0.get(key).map_or(&[][..], Vec::as_slice);

@@ -15,7 +15,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::dependencies::graph::{DependencyGraph, LocatedDependency};
 use crate::expanded::EventId;
 
-/// Returns whether an event can happen once the events in `has` have happened.
+/// Returns whether `event` can happen next. `has` returns whether an event has already happened.
 pub fn is_ready(graph: &DependencyGraph, event: EventId, has: impl Fn(EventId) -> bool) -> bool {
     let (mut met, mut needed) = (0, 0);
     for edge in graph.edges_directed(NodeIndex::new(event.0 as usize), Incoming) {

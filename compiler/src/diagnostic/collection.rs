@@ -27,7 +27,6 @@ fn too_many(severity: Severity) -> Code {
     }
 }
 
-/// Returns the number of diagnostics of a severity.
 pub(super) fn count(diagnostics: &[Diagnostic], severity: Severity) -> usize {
     let codes = diagnostics.iter().map(|diagnostic| diagnostic.code);
     codes.filter(|code| code.severity() == severity).count()

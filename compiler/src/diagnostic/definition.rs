@@ -126,7 +126,6 @@ impl Diagnostic {
         self
     }
 
-    /// Sets the fix if there is one.
     #[must_use]
     pub(crate) fn fix_if(mut self, fix: Option<Fix>) -> Diagnostic {
         self.fix = fix;

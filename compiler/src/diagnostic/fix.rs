@@ -31,7 +31,6 @@ impl Fix {
         Fix::replace(location, &suggestion.word, title).unsafe_if(!suggestion.clear)
     }
 
-    /// Marks the fix as unsafe if `is_uncertain`.
     #[must_use]
     pub(crate) fn unsafe_if(mut self, is_uncertain: bool) -> Fix {
         self.safe &= !is_uncertain;

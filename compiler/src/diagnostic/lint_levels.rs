@@ -98,7 +98,6 @@ struct Set {
     whole: SourceLocation,
     /// Whether a statement without effect is reported.
     reported: bool,
-    /// Whether the statement has documentation.
     documented: bool,
     used: bool,
 }

@@ -38,7 +38,6 @@ impl Diagnostic {
         true
     }
 
-    /// Adds further programs with this diagnostic.
     fn add_programs(&mut self, programs: &[usize]) {
         self.programs.extend(programs);
         self.programs.sort_unstable();

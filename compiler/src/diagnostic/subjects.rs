@@ -28,7 +28,6 @@ impl Subjects {
         }
     }
 
-    /// Returns the format with the subjects inserted.
     pub(super) fn title(&self) -> String {
         let mut fragments = self.format.split("{}");
         let mut title = fragments.next().unwrap_or_default().to_owned();

@@ -231,7 +231,6 @@ fn missing_reason(location: SourceLocation, text: &str) -> Diagnostic {
         .help(format!("write `{verdict} {code} \"it marks the corner\"`"))
 }
 
-/// Returns the error of a number that cannot be stored.
 fn number_too_large(location: SourceLocation, number: &str) -> Diagnostic {
     /// Integers with fewer digits are compared with the 64-bit limit in the message. Longer
     /// integers are compared with the limit of floating-point numbers.

@@ -9,7 +9,6 @@ use crate::{SourceLocation, Span};
 
 /// An unexpected word with its context.
 pub struct SyntaxHint<'a> {
-    /// Location of the word.
     pub location: SourceLocation,
     /// The word, shortened.
     pub found: &'a str,
@@ -123,7 +122,6 @@ impl SyntaxHint<'_> {
         Some(diagnostic)
     }
 
-    /// Returns the advice and the fix.
     pub fn advice(&self) -> (Option<String>, Option<Fix>) {
         if let Some((word, suggestion)) = self.misspelt() {
             return (Some(suggestion.help()), Some(Fix::word(word, &suggestion)));

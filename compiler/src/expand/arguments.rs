@@ -62,7 +62,6 @@ impl<'a> Expander<'a, '_> {
         values
     }
 
-    /// Records the pattern and the location of an instance.
     pub(super) fn note_instance(
         &mut self,
         scope: u32,
@@ -145,7 +144,6 @@ impl<'a> Expander<'a, '_> {
         BoundValue::Block(key)
     }
 
-    /// Reports an argument of the wrong kind.
     fn misfit(
         &mut self,
         instance: &'a Instance,
@@ -293,7 +291,6 @@ fn right_order(
     order.collect()
 }
 
-/// Returns the source range of an argument.
 fn span_of(argument: &Argument) -> Span {
     match argument {
         Argument::Place(place) => place.span,

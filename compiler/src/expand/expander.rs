@@ -20,11 +20,9 @@ use crate::{FileId, SourceLocation, Sources};
 
 /// Declarations of the files.
 pub struct Declarations<'a> {
-    /// Declared patterns and shapes.
     pub declared: DeclaredItems<'a>,
     /// `let` declarations with their files, in source order.
     pub lets: Vec<(FileId, &'a Item)>,
-    /// Definitions of all names.
     pub names: &'a Names,
 }
 
@@ -37,7 +35,6 @@ pub(super) enum Pass {
     Counting,
 }
 
-/// Size of the expanded program so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ExpansionSize {
     pub(super) seeds: usize,
@@ -66,16 +63,15 @@ impl ExpansionSize {
 /// numbers.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Seeding {
-    /// Expands seeds.
+    /// First pass: expands the seeds.
     Seats,
-    /// Expands pre-attached blocks.
+    /// Second pass: expands the pre-attached blocks.
     Captures,
 }
 
 pub(super) struct Expander<'a, 'f> {
     pub(super) plan: ExpandedProgram,
     pub(super) declared: DeclaredItems<'a>,
-    /// Definitions of all names.
     pub(super) names: &'a Names,
     pub(super) scope: Scope,
     /// Uses of the parameters of patterns.
@@ -85,7 +81,6 @@ pub(super) struct Expander<'a, 'f> {
     /// Blocks of statements around the current statement, in the assembly and in the pattern. The
     /// outermost comes first.
     pub(super) blocks: Vec<&'a [Item]>,
-    /// File of the current statement.
     pub(super) file: FileId,
     /// Patterns that are being expanded, the innermost last.
     pub(super) instances: Vec<(Symbol, SourceLocation)>,
@@ -108,7 +103,6 @@ pub(super) struct Expander<'a, 'f> {
     pub(super) plate: Option<SourceLocation>,
     phase_sites: FxHashMap<String, SourceLocation>,
     pub(super) in_phase: bool,
-    /// Current pass through the seed plate.
     pub(super) seeding: Option<Seeding>,
     pub(super) sources: &'f Sources,
     pub(super) symbols: &'f mut Symbols,
@@ -117,7 +111,6 @@ pub(super) struct Expander<'a, 'f> {
 }
 
 impl<'a, 'f> Expander<'a, 'f> {
-    /// Creates an expander for the declarations of the files.
     pub(super) fn new(
         declarations: &Declarations<'a>,
         (file, name): (FileId, Name),

@@ -51,9 +51,7 @@ impl Default for Limits {
 /// Limits and cancellation of an expansion.
 #[derive(Clone, Copy, Debug)]
 pub struct ExpansionBounds<'c> {
-    /// Limits of the program.
     pub limits: Limits,
-    /// Cancellation of the expansion.
     pub cancellation: Cancellation<'c>,
 }
 

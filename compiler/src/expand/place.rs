@@ -12,11 +12,9 @@ use crate::names::ValueKind;
 
 /// The blocks and the face that a text names.
 pub struct ResolvedPlace {
-    /// Names of the blocks.
     pub keys: Keys,
     /// Whether one of the indices is a range.
     pub ranged: bool,
-    /// Face after the name.
     pub face: Option<Face>,
 }
 
@@ -31,7 +29,6 @@ pub struct Keys {
 }
 
 impl Keys {
-    /// Returns a single name.
     fn one(key: NameKey) -> Keys {
         Keys {
             key,

@@ -11,7 +11,6 @@ use crate::names::{Definition, ValueKind};
 /// Value of a word that does not name a block directly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BoundValue {
-    /// A whole number.
     Number(i64),
     /// A block, as an argument.
     Block(NameKey),
@@ -35,7 +34,6 @@ impl BoundValue {
 
 #[derive(Clone, Copy, Debug)]
 struct Binding {
-    /// Definition of the word.
     definition: Option<Definition>,
     value: BoundValue,
     location: SourceLocation,

@@ -35,7 +35,6 @@ fn larger_plate((x, y): (i64, i64), (width, depth): (u32, u32)) -> String {
 const MAX_EDGE: i64 = Plate::LONGEST as i64;
 
 impl<'a> Expander<'a, '_> {
-    /// Expands the plate with its seeds.
     pub fn seed_plate(&mut self, seed: &'a stochc_grammar::tree::Seed, span: Span) {
         // A plate inside a phase has been reported.
         if self.in_phase {

@@ -200,7 +200,6 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// Expands releases.
     pub fn release(&mut self, release: &'a Release) {
         for place in &release.places {
             let location = self.location(place.span);
@@ -224,7 +223,6 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// Expands a loop.
     pub fn repeat(&mut self, block: &'a For) {
         let first = self.evaluate(&block.range.0);
         let last = self.evaluate(&block.range.1);
@@ -245,7 +243,6 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// Expands an instance of a pattern.
     pub fn instance(&mut self, instance: &'a Instance, span: Span) {
         let location = self.location(instance.pattern.span);
         let name = instance.pattern.symbol;

@@ -2,7 +2,6 @@
 use stochc_grammar::tree::Quantity;
 use stochc_ir::scene::units::{self, Dimension};
 
-/// Returns a value in SI units, with its dimension.
 pub fn to_si(quantity: &Quantity) -> (f64, Dimension) {
     let factors = quantity.unit.iter();
     let factors = factors.map(|factor| (factor.symbol.as_str(), factor.power));

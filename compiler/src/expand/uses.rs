@@ -33,7 +33,6 @@ impl Uses {
     }
 }
 
-/// Uses of the parameters of each pattern.
 #[derive(Debug, Default)]
 pub struct KnownUses(FxHashMap<(FileId, u32), Rc<[Uses]>>);
 

@@ -5,11 +5,9 @@ use stochc_grammar::Symbol;
 use super::{Definition, NameKind};
 use crate::{FileId, SourceLocation};
 
-/// A declared pattern or shape.
 #[derive(Clone, Copy, Debug)]
 pub struct DeclaredName {
     pub definition: Definition,
-    /// Location of its declaration.
     pub location: SourceLocation,
 }
 

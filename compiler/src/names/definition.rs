@@ -1,7 +1,6 @@
 //! Definitions and uses of names.
 use crate::SourceLocation;
 
-/// A use of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Use {
     /// Used as a value of this kind, at this location.
@@ -13,16 +12,12 @@ pub(crate) enum Use {
 /// Kind of an argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ValueKind {
-    /// A block.
     Block,
-    /// A whole number.
     Number,
-    /// A face.
     Face,
 }
 
 impl ValueKind {
-    /// All kinds of values.
     pub const ALL: [ValueKind; 3] = [ValueKind::Block, ValueKind::Number, ValueKind::Face];
 
     /// Returns the words that messages use.
@@ -38,7 +33,6 @@ impl ValueKind {
 /// Selection of the names to record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Keep {
-    /// All names.
     All,
     /// All names except names of blocks, instances and phases. There can be millions of those.
     Declarations,

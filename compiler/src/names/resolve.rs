@@ -68,7 +68,6 @@ enum EnclosingScope {
     Pattern,
 }
 
-/// Numbers that an assembly declares.
 #[derive(Default)]
 struct OwnNumbers {
     numbers: FxHashMap<Symbol, Vec<Definition>>,

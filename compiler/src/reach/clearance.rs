@@ -20,7 +20,6 @@ use stochc_ir::Cell;
 
 /// A capture whose block must enter through a one-block gap.
 pub struct NarrowCapture {
-    /// The capture.
     pub capture: EventId,
     /// Number of narrow cells of the path with the fewest narrow cells. `None` if they are too many
     /// to count.
@@ -32,7 +31,6 @@ pub struct NarrowCapture {
 
 /// Captures of a phase whose blocks must enter through a one-block gap.
 pub struct NarrowCaptures {
-    /// Number of captures that enter through a gap.
     pub count: usize,
     /// The tightest captures, the worst one first.
     pub worst: Vec<NarrowCapture>,

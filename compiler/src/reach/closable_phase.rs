@@ -12,7 +12,6 @@ use crate::expanded::EventId;
 pub struct ClosablePhase<'a> {
     /// Events of the phase in topological order.
     pub events: &'a [EventId],
-    /// Descendants of each event.
     pub descendants: &'a DescendantIndex,
     /// Captures that cannot happen in any order.
     pub never: FxHashSet<EventId>,

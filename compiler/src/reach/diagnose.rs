@@ -25,7 +25,6 @@ const MAX_EVENTS: usize = 12;
 /// captures.
 const MAX_DESCRIBED: usize = 100;
 
-/// Outcome of a capture whose cell can be closed.
 enum SealedOutcome {
     /// The capture cannot happen in any order, for this reason.
     Never(UnreachableCause),
@@ -263,7 +262,6 @@ impl ReachAnalysis<'_> {
         (text, None)
     }
 
-    /// Returns the outcome of a capture whose walls can close its cell.
     fn outcome(&mut self, phase: &ClosablePhase, id: EventId, walls: &[EventId]) -> SealedOutcome {
         let ClosablePhase {
             events,
@@ -326,7 +324,6 @@ impl ReachAnalysis<'_> {
         walls
     }
 
-    /// Returns a list of events as text.
     fn describe_order(&self, events: impl IntoIterator<Item = EventId>) -> String {
         let names: Vec<String> = (events.into_iter())
             .map(|id| self.subject.plan.describe(id, self.subject.symbols))

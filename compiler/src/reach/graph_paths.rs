@@ -7,12 +7,12 @@ use rustc_hash::FxHashSet;
 use crate::dependencies::graph::DependencyGraph;
 use crate::expanded::EventId;
 
-/// Returns the events that an event waits for.
+/// Returns the events that the event `id` waits for directly.
 pub(super) fn before(graph: &DependencyGraph, id: EventId) -> impl Iterator<Item = EventId> {
     (graph.edges_directed(NodeIndex::new(id.0 as usize), Incoming)).map(|edge| graph[edge.source()])
 }
 
-/// Returns the events that wait for an event.
+/// Returns the events that wait directly for the event `id`.
 pub(super) fn after(graph: &DependencyGraph, id: EventId) -> impl Iterator<Item = EventId> {
     (graph.edges_directed(NodeIndex::new(id.0 as usize), Outgoing)).map(|edge| graph[edge.target()])
 }

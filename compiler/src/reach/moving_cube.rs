@@ -7,7 +7,6 @@ use super::occupancy::{Has, OccupiedCells};
 pub struct MovingCube<'a> {
     /// Occupied cells, sorted.
     pub occupancy: &'a OccupiedCells,
-    /// Whether a capture has happened.
     pub has: Has<'a>,
     /// Edge of the cube in cells: 1 or 2.
     pub size: i32,

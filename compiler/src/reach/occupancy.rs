@@ -25,7 +25,6 @@ pub struct OccupiedCells {
 }
 
 impl OccupiedCells {
-    /// Creates an empty structure with space for `count` blocks.
     pub fn with_capacity(count: usize) -> OccupiedCells {
         OccupiedCells {
             cells: FxHashMap::with_capacity_and_hasher(count, Default::default()),

@@ -17,7 +17,6 @@ use super::known_paths::KnownPaths;
 use super::moving_cube::MovingCube;
 use crate::expanded::EventId;
 
-/// Result of a search.
 pub enum SearchOutcome {
     /// There is a path.
     Out,
@@ -28,9 +27,9 @@ pub enum SearchOutcome {
 }
 
 impl MovingCube<'_> {
-    /// Searches for a path from one of these free positions. Nearest positions come first, so that
-    /// recorded paths are short. `is_out` returns whether the cell of an event is known to have a
-    /// path.
+    /// Searches for a path of the cube from one of the free positions `starts` to the open sky. The
+    /// search is breadth-first, so that recorded paths are short. `is_out` returns whether the cell
+    /// of an event is known to have a path.
     pub fn find_path(
         &self,
         starts: impl IntoIterator<Item = Cell>,

@@ -14,11 +14,9 @@ use crate::{FileId, Sources};
 /// A program without errors of the earlier stages.
 #[derive(Clone, Copy)]
 pub struct ValidProgram<'a> {
-    /// Expanded program.
     pub plan: &'a ExpandedProgram,
-    /// Captures and releases that each event depends on through names of blocks.
+    /// Earlier events that each event depends on because it uses the name of a block.
     pub liveness: &'a Liveness,
-    /// Cells of all blocks.
     pub layout: &'a Layout,
     /// Dependency graph, including choices.
     pub graph: &'a DependencyGraph,
@@ -26,21 +24,15 @@ pub struct ValidProgram<'a> {
     pub certain: &'a DependencyGraph,
     /// A possible order of the events.
     pub order: &'a Order,
-    /// Syntax tree of the assembly.
     pub assembly: &'a Assembly,
-    /// Patterns of all files.
     pub patterns: &'a Patterns<'a>,
-    /// File of the assembly.
     pub file: FileId,
     /// Function that checks the files with one change. `None` inside such a check, because it needs
     /// only the titles of diagnostics.
     pub trial: Option<&'a Trial<'a>>,
     /// Whether blocks are known to [pass gaps](stochc_estimate::Rates::passes_gaps) in the scene.
     pub has_passable_gaps: bool,
-    /// Sources of the files.
     pub sources: &'a Sources,
-    /// Words of the files.
     pub symbols: &'a Symbols,
-    /// Cancellation of the check.
     pub cancellation: Cancellation<'a>,
 }

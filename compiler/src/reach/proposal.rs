@@ -13,6 +13,5 @@ pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<ReportedError>> + 'a;
 pub struct Proposal {
     /// Statements as written, each with the name that it must wait for.
     pub waits: Vec<(String, String)>,
-    /// The fix to try.
     pub fix: Fix,
 }

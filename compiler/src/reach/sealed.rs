@@ -12,7 +12,6 @@ use stochc_ir::Cell;
 
 /// A capture that may wait forever because its cell is closed.
 pub struct BlockedCapture {
-    /// The capture whose cell is closed.
     pub capture: EventId,
     /// Whether the search proved that the worst order leaves no path. If `false`, the search
     /// reached its limit first. In the worst order, everything that does not depend on the capture

@@ -12,7 +12,6 @@ use crate::expanded::EventId;
 #[derive(Clone)]
 struct DelayedStatement<'a> {
     statement: CaptureStatement<'a>,
-    /// Location of the statement.
     location: SourceLocation,
     /// Name of the block that it must wait for.
     name: String,

@@ -23,7 +23,6 @@ pub struct DeclaredScene<'a> {
 }
 
 impl DeclaredScene<'_> {
-    /// Returns the location of the scene's name.
     pub(crate) fn location(&self) -> SourceLocation {
         SourceLocation {
             file: self.file,

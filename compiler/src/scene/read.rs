@@ -285,7 +285,7 @@ impl<'a> SceneReader<'a, '_> {
         while self.terms.next_if(|term| !is(term, &CLAUSES)).is_some() {}
     }
 
-    /// Reports missing fields of a clause.
+    /// Returns the error for missing fields of a clause.
     fn without(&self, clause: Name, fields: &[&str]) -> Diagnostic {
         let (word, list) = (self.word_of(clause), quoted(fields));
         let (noun, are) = match fields.len() {

@@ -30,7 +30,6 @@ pub struct Layout {
 /// Bond of a block to its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Attachment {
-    /// Role of the parent.
     pub parent: RoleId,
     /// Face of the parent, in the frame of the structure.
     pub face: Face,
@@ -38,7 +37,6 @@ pub struct Attachment {
     pub capture: EventId,
 }
 
-/// Cell and parent of an attached block.
 #[derive(Clone, Copy)]
 struct AnchoredPosition {
     cell: Cell,
@@ -114,7 +112,8 @@ struct LayoutBuilder<'a> {
     cancellation: Cancellation<'a>,
     diagnostics: &'a mut Vec<Diagnostic>,
     layout: Layout,
-    /// Cell and parent of the blocks that are attached when the phase starts.
+    /// For each role, the cell and the parent of its block if the block is attached when the phase
+    /// starts.
     seats: Vec<Option<AnchoredPosition>>,
     /// Block in each cell when the phase starts.
     taken: FxHashMap<Cell, RoleId>,

@@ -79,7 +79,6 @@ pub fn check(
     Ok(())
 }
 
-/// State of the comparison of an assembly with its claimed shapes.
 #[derive(Default)]
 struct Comparison {
     built: BuiltCells,
@@ -94,7 +93,6 @@ struct Comparison {
     compared: usize,
 }
 
-/// Cells of a shape.
 struct ClaimedShape {
     /// Sorted cells, each once.
     cells: Vec<Cell>,

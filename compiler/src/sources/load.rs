@@ -25,7 +25,6 @@ pub struct Loaded {
     /// Modules in import order: imported files come before the files that import them. The
     /// program's own file is the last.
     pub modules: Vec<Module>,
-    /// Words of all files.
     pub symbols: Symbols,
     /// Words in those parts of the files that the parser could not read.
     pub uncertain: rustc_hash::FxHashSet<Symbol>,

@@ -163,7 +163,6 @@ impl SourceFile {
         (start, end)
     }
 
-    /// Returns the number of lines.
     pub(crate) fn line_count(&self) -> usize {
         self.lines.len()
     }

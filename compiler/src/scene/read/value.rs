@@ -142,7 +142,8 @@ impl<'a> SceneReader<'a, '_> {
         None
     }
 
-    /// Reports a unit on the line after its number. The grammar does not read it as a unit.
+    /// Reports a unit on the line after its number, which the grammar does not read as a unit.
+    /// Returns whether there is one.
     fn unit_on_next_line(&mut self, quantities: &[&Quantity], number: &SchemaNumber) -> bool {
         let mut units: Vec<&str> = Vec::new();
         let mut place: Option<Span> = None;
@@ -179,7 +180,7 @@ impl<'a> SceneReader<'a, '_> {
         true
     }
 
-    /// Reports an unknown word after a number.
+    /// Reports an unknown word after a number. Returns whether there is one.
     fn unknown_unit(&mut self, quantities: &[&Quantity], number: &SchemaNumber) -> bool {
         let kind = &number.kind;
         let (Some(first), Some(last)) = (quantities.first(), quantities.last()) else {

@@ -131,7 +131,6 @@ impl SceneReader<'_, '_> {
         None
     }
 
-    /// Returns whether a word is the beginning of a clause.
     fn begins_clause(&self, name: Name) -> bool {
         let word = self.word_of(name);
         CLAUSES.iter().any(|clause| clause.word == word)
