@@ -29,7 +29,6 @@ pub trait State {
     }
 }
 
-/// Empty state.
 impl State for () {
     fn save(&self, _to: &mut StateWriter<'_>) -> Result<(), StateError> {
         Ok(())

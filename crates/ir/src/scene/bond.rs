@@ -59,7 +59,6 @@ impl Bond {
         }
     }
 
-    /// Returns a mutable reference to the condition of a capture.
     pub(super) const fn anchor_mut(&mut self) -> &mut Anchor {
         match self {
             Bond::Attract { anchor, .. }

@@ -54,7 +54,7 @@ pub struct AbsentTerm {
     pub meaning: &'static str,
 }
 
-/// Returns the terms of a scene, in the order of the reference.
+/// Returns the terms of a scene, in the order of the language reference.
 pub fn terms(scene: &Scene) -> Vec<DescribedTerm> {
     let clauses = CLAUSES.iter().filter(|clause| clause.is_in(scene));
     let term = |clause: &SchemaEntry| {

@@ -109,8 +109,8 @@ impl Enclosure {
         }
     }
 
-    /// Returns the largest horizontal distance that every direction from the centre has inside the
-    /// enclosure \[m\].
+    /// Returns the radius of the largest horizontal circle around the axis inside the enclosure
+    /// \[m\].
     pub fn radius(&self) -> f64 {
         match *self {
             Enclosure::Hemisphere { radius, .. }
@@ -120,8 +120,8 @@ impl Enclosure {
         }
     }
 
-    /// Returns the height of the shell's centre above the ground \[m\], for a plate of blocks of
-    /// this length \[m\]. 0 for a hemisphere, a box and a cylinder.
+    /// Returns the height of the shell's centre above the ground \[m\], for a plate of blocks with
+    /// the length `side` \[m\]. 0 for a hemisphere, a box and a cylinder.
     pub(crate) fn centre_height(&self, plate: &Plate, side: f64) -> f64 {
         match *self {
             Enclosure::Sphere { radius, .. } => {
@@ -162,8 +162,8 @@ impl Enclosure {
         }
     }
 
-    /// Returns how far a block in `cell` reaches in each dimension, for blocks of this length
-    /// \[m\].
+    /// Returns how far a block in `cell` reaches in each dimension, for blocks with the length
+    /// `side` \[m\].
     pub fn extents(&self, cell: Cell, plate: &Plate, side: f64) -> Vec<Extent> {
         let centre = |edge: u32| (f64::from(edge) - 1.0) / 2.0;
         let x = (f64::from(cell.x) - centre(plate.width)).abs() + 0.5;
@@ -187,7 +187,7 @@ impl Enclosure {
     }
 
     /// Returns how far a rectangle around the centre of the plate reaches, of `width` by `depth`
-    /// blocks of this length \[m\].
+    /// blocks with the length `side` \[m\].
     pub fn plate_extents(&self, width: f64, depth: f64, side: f64) -> Vec<Extent> {
         let from_middle = |dimension, limited_by, blocks: f64, limit: f64| Extent {
             dimension,

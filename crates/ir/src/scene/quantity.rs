@@ -85,7 +85,6 @@ const CHOSEN: usize = 8;
 const ROUNDING: f64 = 1e-15;
 
 impl QuantityKind {
-    /// Returns the units for values of this kind.
     pub(super) fn units(&self) -> impl Iterator<Item = &'static str> + Clone + use<> {
         self.preferred.iter().copied().chain([self.si])
     }

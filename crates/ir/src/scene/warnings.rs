@@ -94,8 +94,8 @@ pub fn scene_warnings(
     found
 }
 
-/// Returns the fewest steps per tick that resolve these dimensionless numbers, but at least
-/// `taken`. Ignores dimensionless numbers that cannot be resolved.
+/// Increases the steps per tick `taken` until the numbers in `exceeded` are within their limits,
+/// and returns the result. Ignores numbers that exceed their limits with every allowed time step.
 ///
 /// A long step contains an integer number of the short steps near open faces.
 fn resolving<'a>(
@@ -250,7 +250,6 @@ fn out_of_range(group: &DimensionlessNumber, expected: ExpectedRange) -> SceneWa
     }
 }
 
-/// Formats a number with two digits.
 fn two_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
     short(rounded)

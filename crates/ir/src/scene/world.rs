@@ -96,7 +96,7 @@ pub struct Block {
     pub faces: u8,
 }
 
-/// Free blocks at the start, at rest.
+/// Number and arrangement of the free blocks at the start. They start at rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Free {
     /// Number of free blocks.

@@ -22,8 +22,8 @@ pub enum Trigger {
     Anchored,
 }
 
-/// Condition of a rule, in addition to the start of its duty. The block itself observes whether it
-/// is met.
+/// Condition of a rule, in addition to the start of its duty. A block checks its conditions with
+/// its own observations only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {

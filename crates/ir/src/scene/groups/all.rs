@@ -132,7 +132,6 @@ const MAX_SINKING: f64 = 1.6;
 /// Conversion of a force to a displacement in one step.
 #[derive(Clone, Copy)]
 struct Push {
-    /// Steps that are taken.
     steps: Substeps,
     /// Fraction of a velocity that viscous drag removes per tick.
     pub(super) drag: f64,

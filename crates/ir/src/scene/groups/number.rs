@@ -13,7 +13,7 @@ pub struct DimensionlessNumber {
     pub meaning: &'static str,
     /// Value with one step per tick.
     pub value: f64,
-    /// Limit that the time step must resolve, if there is one.
+    /// Largest value that the time step resolves. `None` if the time step does not limit the value.
     pub limit: Option<ResolutionLimit>,
     /// Expected range of the number, at any time step. `None` without such a range.
     pub expected: Option<ExpectedRange>,
@@ -38,7 +38,8 @@ pub enum AdvisedRange {
 pub struct ResolutionLimit {
     /// Approximate limit of [`DimensionlessNumber::value`] with the steps that are taken.
     pub most: f64,
-    /// Smallest number of substeps within the limit. `None` if there is none.
+    /// Smallest number of substeps per tick for a value within the limit. `None` if there is no
+    /// such number.
     pub substeps: Option<u32>,
     /// Consequence of exceeding the limit, as part of a sentence.
     pub beyond: &'static str,
@@ -59,7 +60,7 @@ pub struct ExpectedRange {
 }
 
 impl DimensionlessNumber {
-    /// Returns whether this number of steps per tick is too small.
+    /// Returns whether the value exceeds its limit with `substeps` steps per tick.
     pub fn is_exceeded(&self, substeps: u32) -> bool {
         let needed = |limit: ResolutionLimit| limit.substeps;
         (self.limit).is_some_and(|limit| needed(limit).is_none_or(|needed| substeps < needed))
@@ -74,8 +75,8 @@ impl DimensionlessNumber {
         }
     }
 
-    /// Returns the smallest number of substeps within the limit. `None` without limit, or if there
-    /// is no such number.
+    /// Returns the smallest number of substeps per tick for a value within the limit. Returns
+    /// `None` if there is no limit or no such number.
     pub fn substeps(&self) -> Option<u32> {
         self.limit?.substeps
     }

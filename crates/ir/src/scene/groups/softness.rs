@@ -8,7 +8,7 @@ use super::{BlockUnits, DimensionlessNumber, ExpectedRange, settling, speed};
 struct Spring {
     stiffness: f64,
     damping: f64,
-    /// Steady force that presses a block into the spring.
+    /// Steady force that presses a block into the spring \[block lengths / tick^2\].
     load: f64,
 }
 
@@ -53,7 +53,8 @@ const FLOORLESS: &str = "give the scene a `contact`, without which there is no f
 const MAX_STEADY: f64 = 0.5;
 const MAX_MOVING: f64 = 1.0;
 
-/// Adds the dimensionless numbers for penetration depths by forces and speeds.
+/// Adds the penetration depths of blocks into contacts and shell, by steady forces and by moving
+/// blocks \[block lengths\].
 pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessNumber>) {
     let units = BlockUnits::from_scene(scene);
     let down = settling::down(scene);
@@ -93,7 +94,8 @@ pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessNumber>) {
 }
 
 impl Spring {
-    /// Adds the dimensionless numbers of a spring under forces and motion.
+    /// Adds the penetration depths of a block that presses on the spring, and of a block that hits
+    /// it with the speed `moving` \[block lengths\].
     fn add(
         self,
         words: &Words,

@@ -209,7 +209,7 @@ impl SchemaEntry {
         })
     }
 
-    /// Returns all keywords that may follow, in the order of the reference.
+    /// Returns all keywords that may follow, in the order of the language reference.
     pub fn words(&self) -> impl Iterator<Item = &'static SchemaEntry> {
         self.parts.iter().flat_map(|part| match part {
             SchemaPart::OneOf { of, .. } => of,

@@ -3,7 +3,7 @@ use super::clauses::CLAUSES;
 use super::entry::{SchemaEntry, SchemaPart};
 use super::number::SchemaNumber;
 
-/// Returns all parameters of an entry, in the order of the reference.
+/// Returns all parameters of an entry, in the order of the language reference.
 pub fn numbers(entry: &SchemaEntry) -> Vec<&'static SchemaNumber> {
     let mut out: Vec<&'static SchemaNumber> = Vec::new();
     for part in entry.parts {

@@ -61,7 +61,6 @@ impl SchemaEntry {
         self.inner_rows(depth, out);
     }
 
-    /// Adds the rows of nested entries.
     fn inner_rows(&self, depth: usize, out: &mut String) {
         for part in self.parts {
             match part {
