@@ -27,10 +27,8 @@ use crate::folder::{CHECKPOINTS, DAMAGED};
 use crate::integrity::{FileIntegrity, Integrity};
 use stochc_text::{duration, visible};
 
-/// Version of the format of checkpoint files.
 const VERSION: u32 = 1;
 
-/// Suffix of the file name of a checkpoint.
 const SUFFIX: &str = ".state";
 /// Exclusive upper limit on the length of the first line \[bytes\].
 const MAX: u64 = 1 << 12;

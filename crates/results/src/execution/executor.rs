@@ -40,7 +40,6 @@ pub(crate) fn execute<J>(
     });
 }
 
-/// Prefix of the failure reason of a run that panicked.
 const PANICKED: &str = "panicked: ";
 
 /// Returns whether a run failed because it panicked.

@@ -3,7 +3,6 @@ use std::ops::Range;
 
 use crate::{Manifest, Records};
 
-/// Run that must still be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PendingRun {
     pub program: usize,
@@ -16,7 +15,7 @@ pub(crate) struct PendingRuns<'a> {
     jobs: Range<u64>,
     /// Finished runs, which are skipped.
     existing: Option<&'a Records>,
-    /// Number of these runs.
+    /// Number of runs that must still be made.
     pub left: u64,
 }
 

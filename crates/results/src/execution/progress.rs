@@ -25,13 +25,11 @@ pub struct Progress {
     total: u64,
     /// Start of the first run, and the time limit for starting runs. `None` without a limit.
     limit: Option<(Instant, Duration)>,
-    /// Whether the CPU time of each run is measured.
     pub(crate) measures_cpu: bool,
     workers: Vec<Worker>,
     totals: Mutex<Totals>,
 }
 
-/// Progress of one worker.
 struct Worker {
     program: AtomicUsize,
     phase: AtomicU32,
@@ -116,7 +114,6 @@ impl RunWatch<'_> {
         checkpoints.is_some_and(RunCheckpoints::begins_anew)
     }
 
-    /// Returns whether the run was resumed from a checkpoint.
     pub(crate) fn is_continued(&self) -> bool {
         self.is_continued.get()
     }
@@ -210,7 +207,6 @@ impl Progress {
         self.share_of_time() >= 1.0
     }
 
-    /// Returns the number of threads.
     pub(crate) fn threads(&self) -> usize {
         self.workers.len()
     }

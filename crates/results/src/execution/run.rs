@@ -170,7 +170,6 @@ impl Results {
     }
 }
 
-/// Progress and checkpoints of runs.
 #[derive(Clone, Copy)]
 pub(crate) struct RunTracker<'a> {
     pub progress: &'a Progress,

@@ -11,7 +11,6 @@ use stochc_files::{open, read_file};
 
 use crate::folder::CHECKSUMS_FILE;
 
-/// Checksums of files.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct FolderChecksums {
     files: Vec<FileChecksum>,

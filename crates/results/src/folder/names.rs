@@ -8,9 +8,7 @@ pub(crate) const JOURNAL: &str = "journal.jsonl";
 pub(crate) const CHECKSUMS_FILE: &str = "checksums.json";
 /// Split of an ensemble into shards.
 pub(crate) const SHARDS_FILE: &str = "shards.json";
-/// Subfolder for the shards.
 pub(crate) const SHARDS: &str = "shards";
-/// Subfolder for recordings.
 pub(crate) const RECORDINGS: &str = "recordings";
 /// Subfolder for checkpoints.
 pub const CHECKPOINTS: &str = "checkpoints";

@@ -4,13 +4,10 @@ use std::path::Path;
 
 use stochc_files::atomic::remove_own;
 
-/// Name of the folder for Slurm.
 pub(crate) const SLURM: &str = "slurm";
 /// Lock file of the process that submits.
 pub(crate) const LOCK: &str = ".lock";
-/// Name of the script of job arrays.
 pub(crate) const SHARDS_SCRIPT: &str = "shards.sh";
-/// Name of the script of merge jobs.
 pub(crate) const MERGE_SCRIPT: &str = "merge.sh";
 
 /// Removes the folder for Slurm of the ensemble at `path`, if there is one.

@@ -57,7 +57,6 @@ impl JournalHeader {
         }
     }
 
-    /// Returns the first line of a shard.
     pub fn for_shard(identity: &str, shard: ShardHeader) -> JournalHeader {
         JournalHeader {
             shard: Some(shard),
@@ -72,11 +71,9 @@ impl JournalHeader {
 pub(crate) struct ShardHeader {
     /// Number of the shard, from 0.
     pub number: u64,
-    /// Number of all shards.
     pub shards: u64,
     /// Number of runs of each program in all shards.
     pub runs: u64,
-    /// Build that made the shard.
     pub build: String,
 }
 
@@ -93,7 +90,6 @@ pub(crate) struct Journal {
     syncer: JoinHandle<io::Result<()>>,
 }
 
-/// Content of a journal.
 #[derive(Debug, Default)]
 pub(crate) struct StoredJournal {
     /// Valid runs of the journal.
@@ -239,7 +235,6 @@ pub(crate) fn first_line(file: &mut impl BufRead) -> io::Result<Vec<u8>> {
     Ok(line)
 }
 
-/// Reason why a line of a journal is invalid.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum InvalidLine {
     #[error("is damaged")]

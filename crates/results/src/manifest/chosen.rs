@@ -16,7 +16,6 @@ const NAMES: [&str; 5] = [
 /// Value of the setting `without` that leaves out no term.
 const NOTHING: &str = "none";
 
-/// Largest number of solver iterations per step.
 const MAX_ITERATIONS: u32 = 1000;
 
 /// Error of choosing a setting.

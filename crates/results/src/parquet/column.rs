@@ -228,7 +228,6 @@ impl<W: Write + Send> TableFile<W> {
         Ok(())
     }
 
-    /// Returns whether the file has no rows yet.
     pub fn is_empty(&self) -> bool {
         self.0.flushed_row_groups().is_empty()
     }

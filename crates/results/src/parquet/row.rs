@@ -116,7 +116,6 @@ pub(super) fn add_ticks<'a, T: 'a>(
         .unit("s");
 }
 
-/// Returns the name of a run's outcome.
 pub(super) fn outcome(outcome: &Outcome) -> &'static str {
     match outcome {
         Outcome::Completed => "completed",

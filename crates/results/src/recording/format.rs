@@ -152,7 +152,6 @@ pub(super) fn write_section(out: &mut impl Write, tag: [u8; 4], payload: &[u8]) 
     write_sealed(out, &[&tag, &length.to_le_bytes(), payload])
 }
 
-/// Tag and content of a section.
 pub(super) type Section = ([u8; 4], Vec<u8>);
 
 /// Reads the next section, of at most `most` bytes. Returns `None` if the file ends before the end

@@ -88,8 +88,8 @@ impl<'m> ProgramEvents<'m> {
         Ok(times)
     }
 
-    /// Returns the first event without times that has this phase and action. If a cell is given,
-    /// the event must be in this cell.
+    /// Returns the index of the first event of this phase and action that has no entry in `times`
+    /// yet. If `cell` is given, the event must be in this cell.
     fn next(
         &self,
         times: &[Option<EventTimes>],
@@ -109,7 +109,7 @@ impl<'m> ProgramEvents<'m> {
         found.ok_or("its program has no such event")
     }
 
-    /// Checks that each phase begins at the end of the previous one.
+    /// Checks that no phase begins before the previous one has ended.
     fn check_phases(&self, times: &[Option<EventTimes>]) -> Checked {
         // Number of events in ended phases, and the tick of the last one.
         let mut ended = 0;

@@ -223,7 +223,6 @@ impl Records {
     }
 }
 
-/// Reader of lines at given positions.
 struct LineReader<'a> {
     files: MutexGuard<'a, Vec<BufReader<File>>>,
     /// For each file, the current reading position. `None` if unknown.

@@ -5,7 +5,6 @@ use stochc_ir::table::{PhaseId, RoleId};
 use crate::Manifest;
 use crate::records::ProgramEvents;
 
-/// Validator of records against the programs of a manifest.
 pub(crate) struct RecordValidator<'m> {
     manifest: &'m Manifest,
     programs: Vec<ProgramEvents<'m>>,

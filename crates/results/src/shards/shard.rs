@@ -40,7 +40,6 @@ pub struct Shard {
     checkpoints: Option<Checkpoints>,
 }
 
-/// State of a shard's file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum ShardFile {
     Nothing,

@@ -109,9 +109,7 @@ fn count(jobs: &[&SlurmJob]) -> u64 {
 pub(super) const MERGE: &str = "-merge";
 
 impl SlurmJob {
-    /// Returns whether the job has not ended.
     fn is_active(&self) -> bool {
-        /// States of ended jobs.
         const ENDED: [&str; 10] = [
             "BOOT_FAIL",
             "CANCELLED",
