@@ -61,12 +61,10 @@ impl Default for PlanSearch<'_> {
     }
 }
 
-/// Best schedule found.
 #[derive(Clone, Debug)]
 pub struct FoundSchedule {
     /// Construction order, with the access path of each site.
     pub disassembly: Disassembly,
-    /// Dependencies that keep access paths open.
     pub corridors: Corridors,
     /// Opening order of the faces, and the parent of each site.
     pub schedule: Schedule,
@@ -98,12 +96,9 @@ struct ScheduleCandidate {
     value: f64,
 }
 
-/// Schedule with its priorities and estimate.
 #[derive(Clone)]
 pub struct PrioritizedSchedule {
-    /// Priorities of the schedule.
     pub priorities: Priorities,
-    /// The schedule.
     pub schedule: Schedule,
     /// Estimated completion time of the program with this schedule.
     pub estimate: PlanEstimate,
@@ -178,7 +173,6 @@ pub fn search(
     })
 }
 
-/// State of a search.
 struct Searcher<'a> {
     sites: &'a Sites<'a>,
     hardware: Hardware,
@@ -190,7 +184,6 @@ struct Searcher<'a> {
     /// Free positions of cubes of size one around the complete target.
     narrow: FreeSpace,
     rng: ChaCha8Rng,
-    /// Number of schedules tried.
     rounds: u64,
 }
 

@@ -17,7 +17,6 @@ pub struct LoopNest {
 struct Loop {
     /// Distance between two positions.
     step: i32,
-    /// Number of positions.
     count: i32,
 }
 

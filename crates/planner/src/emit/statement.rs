@@ -19,9 +19,7 @@ pub enum Called {
 /// First words of the names of blocks, by kind of block.
 #[derive(Clone, Copy, Debug)]
 pub struct NameWords<'a> {
-    /// First word of the names of target blocks.
     pub block: &'a str,
-    /// First word of the names of scaffold blocks.
     pub scaffold: &'a str,
 }
 
@@ -32,7 +30,6 @@ impl NameWords<'_> {
         scaffold: "S",
     };
 
-    /// Returns the first word of the names of a kind.
     pub fn name(&self, called: Called) -> &str {
         match called {
             Called::Block => self.block,
@@ -56,7 +53,6 @@ impl Called {
 pub struct Statement {
     /// Indices of the captures in the plan.
     captures: Vec<usize>,
-    /// Cell of the first capture.
     base: Cell,
     /// Direction and number of cells of each straight section.
     rows: Vec<(Face, i32)>,
@@ -207,7 +203,6 @@ impl Statement {
         self.captures[0]
     }
 
-    /// Returns the cell of the statement's first capture.
     pub fn base(&self) -> Cell {
         self.base
     }

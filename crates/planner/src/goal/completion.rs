@@ -36,7 +36,6 @@ pub struct Completion {
     word: String,
     /// Number of false claims in the program, including the claim to complete.
     untrue: usize,
-    /// Name of the assembly to complete.
     assembly: String,
     /// Index of the phase with the new captures.
     phase: usize,
@@ -405,7 +404,6 @@ fn comment(line: &str) -> Option<usize> {
     comment.map(|part| part.range.start)
 }
 
-/// Returns whether a comment is a documentation comment.
 fn is_doc(comment: &str) -> bool {
     comment.starts_with("///") && !is_comment(comment.as_bytes())
 }

@@ -168,7 +168,6 @@ impl Goal {
         }
     }
 
-    /// Returns the name of the assembly.
     pub(super) fn assembly(&self) -> String {
         match &self.assembly {
             Some(name) => name.clone(),

@@ -15,7 +15,6 @@ pub struct ExistingStructure {
     blocks: BTreeMap<String, BondedBlock>,
 }
 
-/// A bonded block of the structure.
 #[derive(Clone, Debug, PartialEq)]
 struct BondedBlock {
     cell: Cell,

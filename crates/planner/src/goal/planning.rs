@@ -225,7 +225,6 @@ impl Goal {
         })
     }
 
-    /// Checks the program of a plan.
     pub(super) fn check(
         &self,
         target: &Target,

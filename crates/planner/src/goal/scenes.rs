@@ -6,7 +6,6 @@ use stochc_grammar::tree::Item;
 #[derive(Clone, Debug, Default)]
 pub(super) struct WrittenScenes(Vec<WrittenScene>);
 
-/// A declared scene.
 #[derive(Clone, Debug)]
 struct WrittenScene {
     name: String,
@@ -16,7 +15,6 @@ struct WrittenScene {
 }
 
 impl WrittenScenes {
-    /// Returns the scenes of all files of a program.
     pub(super) fn new(checked: &Checked) -> WrittenScenes {
         let scenes = declared_scenes(checked).into_iter().map(|it| WrittenScene {
             name: checked.symbols.word(it.scene.name.symbol).to_owned(),
@@ -26,7 +24,6 @@ impl WrittenScenes {
         WrittenScenes(scenes.collect())
     }
 
-    /// Returns the names of all scenes.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         self.0.iter().map(|scene| scene.name.as_str())
     }

@@ -184,7 +184,6 @@ impl BuildPlan {
         cells
     }
 
-    /// Returns the plan of a found schedule.
     fn from_found(job: &SchedulingJob<'_>, found: &FoundSchedule, seed: u64) -> BuildPlan {
         let schedule = &found.schedule;
         let waiting = job.waiting(schedule);

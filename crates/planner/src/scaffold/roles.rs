@@ -33,7 +33,6 @@ pub struct SiteSegment {
     pub sites: Vec<(u32, Face)>,
     /// Final parent of the first site.
     pub join: u32,
-    /// Number of the mast.
     pub mast: u32,
 }
 
@@ -77,7 +76,6 @@ impl SiteRoles {
         }
     }
 
-    /// Returns the part that a site belongs to.
     pub fn part(&self, site: u32) -> SitePart {
         self.part[site as usize]
     }
@@ -88,12 +86,10 @@ impl SiteRoles {
         self.direction[site as usize]
     }
 
-    /// Returns the segments.
     pub fn segments(&self) -> &[SiteSegment] {
         &self.segments
     }
 
-    /// Returns the number of sites of masts, plus target sites that are first on masts.
     pub fn temporary(&self) -> usize {
         self.temporary
     }

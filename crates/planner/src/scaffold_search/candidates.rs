@@ -20,15 +20,12 @@ use crate::{Hardware, Target};
 
 /// Target with useful scaffolds, and its schedule.
 pub struct Scaffolded {
-    /// Scaffolds.
     pub scaffolding: Scaffolding,
     /// The target together with the cells of the masts.
     pub union: Target,
-    /// Best schedule of the target and the masts.
     pub found: FoundSchedule,
 }
 
-/// Scaffolds with a schedule.
 struct ScaffoldCandidate {
     pub(super) scaffolding: Scaffolding,
     union: Target,

@@ -46,7 +46,6 @@ pub fn has_place(target: &Target) -> Result<(), NoScaffolds> {
 }
 
 impl GrowthSchedule {
-    /// Returns the final parents and the capture times for a schedule with these scaffolds.
     pub fn new(
         sites: &Sites<'_>,
         schedule: &Schedule,

@@ -64,7 +64,6 @@ impl ScaffoldTrial {
 }
 
 impl NoScaffolds {
-    /// Returns the reason in words.
     fn words(self) -> String {
         match self {
             NoScaffolds::NotWanted => "this kind of plan has none".to_owned(),

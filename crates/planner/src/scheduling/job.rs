@@ -18,18 +18,14 @@ pub const WAIT: f32 = 650.0;
 
 /// Constant data of all schedules.
 pub struct SchedulingJob<'a> {
-    /// Cells of the target.
     pub sites: &'a Sites<'a>,
-    /// Dependencies that keep access paths open.
     pub corridors: &'a Corridors,
-    /// Capabilities of blocks.
     pub hardware: Hardware,
-    /// Waiting times of faces.
     pub waits: &'a RateLaw<'a>,
     /// Parts that sites belong to. `None` without scaffolds.
     pub roles: Option<&'a SiteRoles>,
-    /// For each site, the time from its opening to the end of a chain of sites \[ticks\]. This is
-    /// the longest chain of sites that depend on it. Uses mean waiting times.
+    /// For each site, the mean time from its opening to the end of the longest chain of sites that
+    /// depend on it \[ticks\].
     pub(super) tail: Vec<f32>,
 }
 
@@ -95,7 +91,6 @@ impl<'a> SchedulingJob<'a> {
         self
     }
 
-    /// Returns the rules for faces that must not be open together.
     pub fn crowding(&self) -> Crowding<'_> {
         Crowding {
             sites: self.sites,

@@ -36,7 +36,6 @@ pub(super) struct ScheduleState<'a> {
     /// Open sites as a queue, the earliest capture time first.
     pub(super) opened: BinaryHeap<Reverse<(u32, u32)>>,
     pub(super) schedule: Schedule,
-    /// Number of anchored sites.
     pub(super) anchored: u32,
     /// Phase of the schedule. `None` without scaffolds.
     pub(super) phase: Option<SchedulePhase<'a>>,

@@ -13,7 +13,6 @@ use crate::space::sites::{NONE, Sites};
 /// Rules for faces that must not be open together.
 #[derive(Clone, Copy, Debug)]
 pub struct Crowding<'a> {
-    /// Cells of the target.
     pub sites: &'a Sites<'a>,
     /// Whether faces always attract. No face can then wait for another one.
     pub attracts_always: bool,

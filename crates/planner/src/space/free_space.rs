@@ -25,7 +25,6 @@ pub enum AccessPath {
     Gap(Face),
 }
 
-/// Reachability of a position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum PlaceReach {
     /// Not reachable so far.
@@ -120,7 +119,7 @@ impl FreeSpace {
         is_new
     }
 
-    /// Returns the cells of a cube.
+    /// Returns the cells of the cube whose low corner is `low`.
     pub fn cells(&self, low: Cell) -> impl Iterator<Item = Cell> + use<> {
         let count = self.size * self.size * self.size;
         let size = self.size;
@@ -217,7 +216,6 @@ impl FreeSpace {
     }
 }
 
-/// Returns whether a cell is empty.
 fn is_empty(sites: &Sites<'_>, cell: Cell, stands: &impl Fn(u32) -> bool) -> bool {
     let site = sites.at(cell);
     site == NONE || !stands(site)

@@ -67,7 +67,6 @@ impl<T: Copy + Default> Grid<T> {
         }
     }
 
-    /// Sets the value of a cell within the grid.
     pub fn set(&mut self, cell: Cell, value: T) {
         let place = self.place(cell);
         match &mut self.values {

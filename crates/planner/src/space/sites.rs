@@ -52,7 +52,6 @@ const DIAGONAL: [(usize, [usize; 2]); 12] = {
 /// Numbered cells of a target.
 #[derive(Debug)]
 pub struct Sites<'a> {
-    /// The target.
     pub target: &'a Target,
     number: Grid<Number>,
     windows: Vec<[u32; 27]>,
@@ -105,12 +104,10 @@ impl<'a> Sites<'a> {
         blocks.map(|block| (self.at(block.cell), block.direction))
     }
 
-    /// Returns the number of sites with existing blocks.
     pub fn existing_count(&self) -> usize {
         self.existing.len()
     }
 
-    /// Returns whether a site has an existing block.
     pub fn is_existing(&self, site: u32) -> bool {
         !self.existing.is_empty() && self.existing.contains_key(&site)
     }
@@ -134,12 +131,10 @@ impl<'a> Sites<'a> {
         holds(axis) || holds(axis.opposite())
     }
 
-    /// Returns the number of sites.
     pub fn len(&self) -> usize {
         self.windows.len()
     }
 
-    /// Returns the cell of a site.
     pub fn cell(&self, site: u32) -> Cell {
         self.target.cells()[site as usize]
     }

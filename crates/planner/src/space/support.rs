@@ -45,7 +45,6 @@ impl Support {
         self.level[site as usize]
     }
 
-    /// Returns whether a site still stands.
     pub fn stands(&self, site: u32) -> bool {
         self.stands[site as usize]
     }

@@ -128,7 +128,6 @@ impl Target {
         }
     }
 
-    /// Returns whether the first captures begin with the run, when the free blocks are at rest.
     pub(crate) fn is_at_rest(&self) -> bool {
         self.is_at_rest
     }
@@ -148,7 +147,6 @@ impl Target {
         &self.released
     }
 
-    /// Returns the existing block in a cell.
     pub(crate) fn existing_at(&self, cell: Cell) -> Option<&ExistingBlock> {
         let at = self
             .existing

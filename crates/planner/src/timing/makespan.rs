@@ -114,7 +114,6 @@ impl CellSamples {
         }
     }
 
-    /// Returns the samples of some sites.
     pub fn for_sites(&self, sites: &Sites<'_>) -> Samples {
         let mut known = self.known.borrow_mut();
         let mut waits = Vec::with_capacity(sites.len() * self.runs);
@@ -132,7 +131,6 @@ impl CellSamples {
 }
 
 impl Samples {
-    /// Returns samples of this number of sites and runs from a seed.
     pub fn new(sites: usize, runs: usize, seed: u64) -> Samples {
         let waits = drawn(sites * runs, seed).collect();
         Samples { runs, waits }

@@ -24,9 +24,7 @@ pub enum Why {
 /// Dependency that the program must state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct After {
-    /// Site to wait for.
     pub site: u32,
-    /// Reason for waiting.
     pub why: Why,
 }
 

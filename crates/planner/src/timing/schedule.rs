@@ -25,7 +25,6 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// Returns an empty schedule for this number of sites.
     pub fn empty(sites: usize) -> Schedule {
         Schedule {
             order: Vec::with_capacity(sites),
@@ -76,7 +75,6 @@ impl Schedule {
         holder.map(|holder| self.rank[holder as usize])
     }
 
-    /// Returns whether two sites open in the same phase.
     pub fn is_same_phase(&self, site: u32, other: u32) -> bool {
         let is_first = |site: u32| (self.rank[site as usize] as usize) < self.first_phase;
         is_first(site) == is_first(other)

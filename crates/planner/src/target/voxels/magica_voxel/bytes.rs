@@ -5,20 +5,17 @@ use super::super::UnreadableVoxels;
 #[derive(Clone, Copy, Debug)]
 pub struct Bytes<'a>(pub &'a [u8]);
 
-/// Chunk of a file.
 pub struct Chunk<'a> {
     /// Name of four letters.
     pub name: &'a [u8],
     /// Content of the chunk without its children.
     pub content: Bytes<'a>,
-    /// Child chunks.
     pub children: Bytes<'a>,
 }
 
 /// Attributes of a node that affect placement and visibility.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Attributes<'a> {
-    /// Whether the node is hidden.
     pub is_hidden: bool,
     /// Rotation, as a decimal number.
     pub rotation: Option<&'a [u8]>,
@@ -27,7 +24,6 @@ pub struct Attributes<'a> {
 }
 
 impl<'a> Bytes<'a> {
-    /// Returns whether nothing is left.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

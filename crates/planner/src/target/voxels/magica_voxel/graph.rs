@@ -40,7 +40,6 @@ pub struct Instance<'g> {
     pub node: u32,
     /// Numbers of its models. Several are an animation.
     pub models: &'g [u32],
-    /// Position and rotation in the scene.
     pub placement: Placement,
     /// Whether the model is hidden: by its own node, by an enclosing node or by a layer.
     pub is_hidden: bool,
@@ -59,7 +58,6 @@ impl<'a> SceneGraph<'a> {
         self.nodes.is_empty()
     }
 
-    /// Reads a transform.
     pub fn add_transform(&mut self, mut content: Bytes<'a>) -> Result<(), UnreadableVoxels> {
         let number = content.number()?;
         let is_hidden = content.attributes()?.is_hidden;
@@ -85,7 +83,6 @@ impl<'a> SceneGraph<'a> {
         self.add(number, node)
     }
 
-    /// Reads a group.
     pub fn add_group(&mut self, mut content: Bytes<'a>) -> Result<(), UnreadableVoxels> {
         let number = content.number()?;
         let is_hidden = content.attributes()?.is_hidden;
@@ -101,7 +98,6 @@ impl<'a> SceneGraph<'a> {
         )
     }
 
-    /// Reads a shape.
     pub fn add_shape(&mut self, mut content: Bytes<'a>) -> Result<(), UnreadableVoxels> {
         let number = content.number()?;
         let is_hidden = content.attributes()?.is_hidden;
@@ -113,7 +109,6 @@ impl<'a> SceneGraph<'a> {
         self.add(number, Node::Shape { models, is_hidden })
     }
 
-    /// Reads a layer.
     pub fn add_layer(&mut self, mut content: Bytes<'a>) -> Result<(), UnreadableVoxels> {
         let number = content.number()?;
         if content.attributes()?.is_hidden {

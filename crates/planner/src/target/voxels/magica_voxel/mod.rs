@@ -25,7 +25,6 @@ pub struct VoxelScene {
     pub hidden: Vec<u32>,
 }
 
-/// Model of a file.
 #[derive(Clone, Copy, Debug)]
 struct Model<'a> {
     size: [u32; 3],

@@ -9,7 +9,6 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// Identity.
     pub const IDENTITY: Placement = Placement {
         rows: [(0, 1), (1, 1), (2, 1)],
         shift: [0; 3],
@@ -57,9 +56,7 @@ impl Placement {
 /// Invalid text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Malformed<'a> {
-    /// A rotation.
     Rotation(&'a [u8]),
-    /// A translation.
     Translation(&'a [u8]),
 }
 
