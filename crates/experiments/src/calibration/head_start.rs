@@ -22,7 +22,6 @@ const A_MOMENT: u64 = 2;
 pub(super) struct HeadStartTally(BTreeMap<(bool, u32, i32), (u32, u32, u64)>);
 
 impl HeadStartTally {
-    /// Adds the releases of a run.
     pub fn add(&mut self, history: &History) {
         let released = || history.moves.iter().filter(|it| !it.came);
         for it in released() {

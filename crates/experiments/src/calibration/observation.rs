@@ -32,7 +32,6 @@ pub(super) struct Move {
     pub came: bool,
 }
 
-/// Open face with its waiting time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WaitingFace {
     pub cell: Cell,
@@ -44,7 +43,6 @@ pub(super) struct WaitingFace {
 }
 
 impl History {
-    /// Extracts the events of a record.
     pub fn from_record(record: &RunRecord) -> History {
         let mut moves: Vec<Move> = Vec::new();
         let mut waits = Vec::new();

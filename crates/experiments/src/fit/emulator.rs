@@ -18,7 +18,6 @@ pub struct EmulatorPrediction {
 pub struct Emulator {
     /// Centre and half-width of the range of points, by direction.
     scale: Vec<(f64, f64)>,
-    /// Polynomial of each statistic.
     polynomials: Vec<Polynomial>,
     /// Matrix (XᵀX)⁻¹ of the least-squares fit.
     inverse: DMatrix<f64>,
@@ -28,7 +27,6 @@ pub struct Emulator {
     unit_covariance: DMatrix<f64>,
 }
 
-/// Quadratic polynomial of one statistic.
 #[derive(Clone, Debug)]
 struct Polynomial {
     coefficients: DVector<f64>,
@@ -132,7 +130,6 @@ impl Emulator {
         }
     }
 
-    /// Returns the sampling variances of the statistics of `n` runs.
     pub(crate) fn sampling_variances(&self, n: f64) -> Vec<f64> {
         let diagonal = self.unit_covariance.diagonal();
         diagonal.iter().map(|variance| variance / n).collect()

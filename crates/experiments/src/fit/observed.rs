@@ -27,7 +27,6 @@ pub struct Observed {
 }
 
 impl Observed {
-    /// Returns the statistics for a given mean and standard deviation.
     pub(crate) fn from_summary(n: usize, mean: f64, sd: f64) -> Observed {
         Observed {
             n,

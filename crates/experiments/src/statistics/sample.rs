@@ -10,7 +10,6 @@ pub struct TimeSample(StoredTimes);
 enum StoredTimes {
     /// Each element is four times the time, plus the number of the status.
     Short(Vec<u32>),
-    /// Times, and the status of each.
     Any(Vec<f64>, Vec<Status>),
 }
 

@@ -59,7 +59,6 @@ pub struct SurvivalPoint {
 pub(crate) struct RestrictedMean {
     /// Restricted mean, a lower bound of the mean, in the unit of the times.
     pub mean: f64,
-    /// Horizon of the restricted mean.
     pub horizon: f64,
 }
 

@@ -3,7 +3,6 @@ use super::convergence::{CLOSE, Convergence};
 use super::result::{CandidateResult, Trade};
 use stochc_text::{percent, ratio};
 
-/// Returns the recommendation of a trade as text.
 pub(super) fn advice(trade: &Trade) -> String {
     let (Some(known), Some(reference)) = (&trade.reference, trade.reference_candidate()) else {
         return "There is no reference, because too few runs of `rigid` with uniform substeps were completed. Make more \

@@ -17,7 +17,6 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// Adds a finished run.
     pub fn add(&mut self, done: &Finished) {
         match completion_time(&done.record) {
             Some(time) => self.times.push(time),
@@ -29,7 +28,6 @@ impl Sample {
         }
     }
 
-    /// Returns the number of runs with this status.
     pub fn count(&self, status: Status) -> usize {
         let times = self.times.iter();
         times.filter(|time| time.status == status).count()
