@@ -11,7 +11,6 @@ use stochc_ir::table::PhaseId;
 
 use super::events::{Events, OrderedEvent, awaited, captured};
 
-/// Segment of the critical path of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CriticalPathSegment {
     pub phase: PhaseId,
@@ -55,7 +54,6 @@ impl CriticalPathSegment {
         self.to.saturating_sub(self.from)
     }
 
-    /// Returns the event of the segment, if it has one.
     pub fn event(&self) -> Option<usize> {
         match self.kind {
             SegmentKind::Event { event, .. } | SegmentKind::Pending { event } => Some(event),
@@ -89,8 +87,9 @@ pub(crate) fn moments(events: &Events, record: &RunRecord) -> Vec<EventTiming> {
     moments
 }
 
-/// Returns the dependencies of an event, each with its kind and the tick when it happened. If n of
-/// several captures suffice, returns only the nth of them.
+/// Returns the events that `event` waits for, each with the kind of the dependency and the tick of
+/// the event. The tick is `None` if the event has not happened. If any n of several captures
+/// suffice, returns only the nth of them in order of time.
 fn met<'a>(
     event: &'a OrderedEvent,
     moments: &'a [EventTiming],

@@ -58,7 +58,6 @@ pub(crate) struct ReportedProgram<'a> {
     pub runs: usize,
     /// Run number and completion time \[ticks\] of each run. Failed runs are excluded.
     pub times: Vec<(u64, Observation)>,
-    /// Number of failed runs.
     pub failed: usize,
     /// Details of the first failed runs.
     pub failures: Vec<FailedRun>,
@@ -74,7 +73,6 @@ pub(crate) struct ReportedProgram<'a> {
     example_runs: Vec<(&'static str, FinishedRun)>,
 }
 
-/// Run whose physics failed.
 #[derive(Clone, Debug)]
 pub(crate) struct FailedRun {
     pub run: u64,
@@ -83,7 +81,6 @@ pub(crate) struct FailedRun {
     pub reason: String,
 }
 
-/// Run that is finished.
 #[derive(Clone, Debug)]
 pub(crate) struct FinishedRun {
     pub record: RunRecord,
@@ -209,7 +206,6 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// Adds a run to the accumulated data.
     fn add(&mut self, run: &FinishedRun) {
         /// Largest number of failed runs whose details are stored.
         const MAX_FAILURES: usize = 5;
@@ -297,7 +293,6 @@ impl<'a> ReportedProgram<'a> {
         self.size_times[phase].to_vec()
     }
 
-    /// Returns the length of a tick in the scene of the program.
     pub fn tick(&self) -> Tick {
         Tick(self.program.scene.tick)
     }
@@ -336,7 +331,6 @@ impl<'a> ReportedProgram<'a> {
         }
     }
 
-    /// Returns the unit of times in figures.
     pub fn figure_unit(&self) -> &'static str {
         let unit = if self.in_seconds {
             TimeUnit::Seconds
@@ -351,7 +345,6 @@ impl<'a> ReportedProgram<'a> {
         self.times.iter().map(|&(_, time)| time).collect()
     }
 
-    /// Returns the completion times in the unit `clock`.
     pub fn times_by(&self, clock: TimeUnit) -> Vec<Observation> {
         let mut times = self.times();
         for time in &mut times {
@@ -365,7 +358,6 @@ impl<'a> ReportedProgram<'a> {
         self.phase_times[phase].to_vec()
     }
 
-    /// Returns the number of runs by outcome.
     pub fn counts(&self) -> RunCounts {
         let times = || self.times.iter().map(|(_, time)| time.status);
         let count = |of| times().filter(|status| *status == of).count();
@@ -383,16 +375,12 @@ impl<'a> ReportedProgram<'a> {
     }
 }
 
-/// Number of finished runs by outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunCounts {
-    /// Number of runs that completed the structure.
     pub completed: usize,
-    /// Number of runs that timed out in a phase.
     pub timed_out: usize,
     /// Number of runs that reached the limit of ticks.
     pub censored: usize,
-    /// Number of runs whose physics failed.
     pub failed: usize,
 }
 

@@ -23,13 +23,11 @@ fn probability(p: f64) -> String {
     }
 }
 
-/// Name and content of a text file.
 pub(super) type NamedFile = (String, String);
 
 /// Name of the table of critical paths.
 pub const CHAINS: &str = "chains.csv";
 
-/// Table of a report.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Table {
     Survival,

@@ -11,7 +11,6 @@ pub(super) struct Html {
     tables: usize,
 }
 
-/// Cell of a table.
 #[derive(Clone, Debug)]
 pub(super) enum HtmlCell {
     /// Text that is already HTML.

@@ -12,7 +12,6 @@ use crate::analysis::reported_program::FinishedRun;
 /// Program and replay that the description of a run refers to.
 pub(crate) struct NarrativeContext<'a> {
     pub program: &'a EnsembleProgram,
-    /// Events of the program.
     pub events: &'a Events,
     /// Address of the replay of the run. `None` if there is no replay.
     pub replay: Option<String>,

@@ -80,7 +80,6 @@ const SIDES: [(f64, [[i32; 3]; 4]); 3] = [
     (0.7, [[1, 0, 1], [1, 1, 1], [1, 1, 0], [1, 0, 0]]),
 ];
 
-/// Projects a point in space to a point of the drawing.
 fn project([x, y, z]: [f64; 3]) -> (f64, f64) {
     (EDGE * COS * (x + y), EDGE * (0.5 * (x - y) - z))
 }

@@ -41,9 +41,7 @@ struct PlottedSetting<'a> {
     half_width: f64,
 }
 
-/// Scales of the figure.
 struct Axes {
-    /// Scale of the CPU times.
     cost: Scale,
     /// Largest bias on the vertical axis.
     most: f64,

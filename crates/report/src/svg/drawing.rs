@@ -18,22 +18,18 @@ pub struct Drawing {
     pub title: String,
     /// Description of the figure's content.
     pub description: String,
-    /// Medium that the drawing is laid out for.
     pub(super) medium: Medium,
     size: (f64, f64),
     shapes: Vec<DrawnShape>,
 }
 
-/// Entry of the legend.
 #[derive(Clone, Debug)]
 pub(crate) struct LegendEntry {
-    /// Style class of the symbol.
     pub class: String,
     pub sample: LegendSymbol,
     pub meaning: String,
 }
 
-/// Symbol of a legend entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LegendSymbol {
     /// Bar with this kind of hatching.
@@ -91,7 +87,6 @@ impl Drawing {
         });
     }
 
-    /// Draws a straight line.
     pub(crate) fn line(&mut self, class: &str, from: Point, to: Point) {
         self.stroke(class, from, to, Style::default());
     }

@@ -30,7 +30,6 @@ const FONT_NAME: Name = Name(b"F");
 /// Opacity of areas, then opacity of lines, in thousandths.
 type Opacity = (u32, u32);
 
-/// Content of a page and its resources.
 struct PdfPage {
     content: Content,
     /// Number of points per unit of the drawing.

@@ -38,7 +38,6 @@ impl Scale {
         }
     }
 
-    /// Returns whether the scale is logarithmic.
     pub fn is_logarithmic(&self) -> bool {
         self.logarithmic
     }

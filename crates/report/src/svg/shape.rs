@@ -22,13 +22,11 @@ pub(crate) enum Form {
     Line(Point, Point),
     /// Line through points, with its dash pattern. The pattern of a solid line is empty.
     Curve(Vec<Point>, &'static str),
-    /// Area between points.
     Area(Vec<Point>),
     /// Rectangle: upper left corner and size.
     Rectangle(Point, Point),
     /// Disc: centre and radius.
     Disc(Point, f64),
-    /// Line of text.
     Text(Point, TextAnchor, String),
     /// Start of an axis. The shapes up to [`Form::AxisEnd`] are its line, its ticks and its label.
     PlotAxis,
@@ -39,15 +37,11 @@ pub(crate) enum Form {
 /// Horizontal position of a text relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TextAnchor {
-    /// The text begins at the point.
     Start,
-    /// The text is centred at the point.
     Middle,
-    /// The text ends at the point.
     End,
 }
 
-/// Shape of a marker at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Marker {
     Disc,

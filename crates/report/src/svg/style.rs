@@ -141,7 +141,6 @@ impl Style {
     }
 }
 
-/// Name of a style class, and its style.
 type StyleRule = (String, Style);
 
 /// Returns the style rules of a theme, in ascending precedence.
@@ -218,7 +217,6 @@ fn rules(theme: &Theme) -> Vec<StyleRule> {
     all
 }
 
-/// Theme for white paper.
 const PAPER: Theme = Theme {
     paper: Rgb(0xff, 0xff, 0xff),
     ..LIGHT
@@ -289,7 +287,6 @@ pub(crate) fn class(i: usize) -> &'static str {
     ["s0", "s1", "s2", "s3", "s4", "s5"][i % COLOURS]
 }
 
-/// Returns the style class of phase `i`.
 fn phase(i: usize) -> &'static str {
     ["p0", "p1", "p2", "p3", "p4", "p5", "p6", "p7"][i % PHASES.len()]
 }

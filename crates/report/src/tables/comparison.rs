@@ -74,15 +74,12 @@ pub(super) fn pair_sentences(comparison: &Comparison) -> impl Iterator<Item = St
     comparison.pairs.iter().map(sentence_of_pair)
 }
 
-/// Note about runs that timed out.
 pub(super) const NEVER_COMPLETES: &str =
     "Timed out: a phase of the program reached its timeout. These runs never complete.";
 
-/// Note about unfinished ensembles.
 pub(super) const UNFINISHED: &str =
     "Some runs are not finished. The slowest runs are missing, so the times are too short.";
 
-/// Note about right-censored runs.
 pub(super) const LOWER_BOUND: &str = "≥ marks a lower bound, because some runs did not complete. The mean is that of min(time, horizon). The median is \
      the Kaplan-Meier estimate.";
 
@@ -132,7 +129,6 @@ fn add_phases(rows: &mut ComparisonTableBuilder) {
     }
 }
 
-/// Table of a comparison under construction.
 struct ComparisonTableBuilder<'a> {
     programs: &'a [ProgramSummary],
     table: TextTable,

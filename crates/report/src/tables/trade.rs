@@ -19,11 +19,9 @@ const HEADER: [&str; 7] = [
     "CPU/run", "ratio", "n", "mean", "bias", "incompl.", "failed",
 ];
 
-/// Row of a table of settings.
 struct TradeRow {
     label: String,
     cells: Vec<String>,
-    /// Mark next to the name of the setting.
     mark: &'static str,
     /// Remark after the last column.
     remark: String,

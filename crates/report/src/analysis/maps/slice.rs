@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use stochc_experiments::resampling::Ratio;
 use stochc_ir::Cell;
 
-/// Plane of a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Slice {
     /// Horizontal plane at a height.
@@ -67,7 +66,6 @@ pub(crate) struct FaceEntries {
     pub rate: Ratio,
 }
 
-/// Maps of a program.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Maps {
     /// Number of recordings that the maps use.

@@ -47,7 +47,6 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// Returns the programs that have their own section, with their indices.
 pub(crate) fn detailed<'a, 'b>(
     subjects: &'a [ReportedProgram<'b>],
 ) -> impl Iterator<Item = (usize, &'a ReportedProgram<'b>)> {

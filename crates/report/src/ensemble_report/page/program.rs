@@ -125,7 +125,6 @@ fn sizes(
     out.table(caption, &header, &rows);
 }
 
-/// Returns a link to the source text of a program.
 fn text_link(parts: &Parts, subject: &ReportedProgram) -> String {
     let programs = &parts.inputs[subject.folder].manifest.programs;
     let first = first_of_text(programs, subject.number);

@@ -83,7 +83,6 @@ impl<'a> Panel<'a> {
         fixed.map_or(String::new(), |fixed| format!(" at {fixed}"))
     }
 
-    /// Returns the axis of scene parameter `i`.
     pub fn axis(&self, i: usize) -> PlotAxis {
         let number = &self.sweep.axes[i];
         PlotAxis::new(&number.name, &number.unit)
@@ -138,7 +137,6 @@ impl<'a> Panel<'a> {
 /// Smallest ratio of the largest to the smallest value for a logarithmic axis.
 pub(super) const DECADE: f64 = 10.0;
 
-/// Scale of the vertical axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum YScale {
     Linear(f64, f64),
