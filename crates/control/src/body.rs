@@ -2,7 +2,7 @@
 use serde::{Deserialize, Serialize};
 use stochc_ir::{Cell, Face};
 
-/// Block of the hardware.
+/// Physical block, in contrast to the role that the block has in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Body {
     /// Block of the plate. It is at z = 0 in [`Orientation::IDENTITY`] and never moves.

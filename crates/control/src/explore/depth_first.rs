@@ -22,7 +22,6 @@ struct Visit<'t> {
     tried: Option<Transition>,
 }
 
-/// State of a search.
 pub(super) struct DepthFirst<'s, 't> {
     exploration: &'s Exploration<'t>,
     context: ExplorationContext<'t>,

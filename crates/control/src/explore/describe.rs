@@ -7,7 +7,6 @@ use super::state::ProgramState;
 use super::transition::{InTransit, Transition};
 use crate::{BlockFace, Body, Message, Payload, Recipient};
 
-/// Describer of one program.
 #[derive(Clone, Copy)]
 pub(super) struct Describer<'t> {
     pub tables: &'t Tables,
@@ -41,14 +40,12 @@ impl Describer<'_> {
         }
     }
 
-    /// Returns the name of the running phase.
     pub fn phase(&self, state: &ProgramState<'_>) -> String {
         let phase = state.structure.phase();
         let name = phase.map(|phase| self.tables.phases[phase.0 as usize].name.as_str());
         format!("phase {}", name.unwrap_or("after the last"))
     }
 
-    /// Describes a transition from a state, and its effects.
     pub fn transition(
         &self,
         before: &ProgramState<'_>,
@@ -174,7 +171,6 @@ impl Describer<'_> {
         Some((block.role(), open.face, open.child))
     }
 
-    /// Describes the fault of a transition.
     pub fn fault(&self, fault: Mistake) -> String {
         match fault {
             Mistake::Adrift(role) => {

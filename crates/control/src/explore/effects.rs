@@ -19,7 +19,6 @@ pub(super) struct Effects {
     pub sent: Vec<(Body, Message)>,
     /// Number of reports that reached the plate.
     pub reports: u32,
-    /// Blocks that were captured.
     pub captured: Vec<RoleId>,
 }
 
@@ -35,6 +34,5 @@ pub(super) enum Mistake {
     /// A block was captured too early: too few of its predecessors at the same parent had been
     /// captured.
     OutOfTurn(RoleId),
-    /// A block has too many faces on.
     TooManyFaces(RoleId),
 }

@@ -9,16 +9,13 @@ use crate::Reporter;
 /// Goals of each phase of a program, and the structure at the end of each phase.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramGoals {
-    /// Goals of each phase.
     pub(super) phases: Vec<PhaseGoal>,
 }
 
 /// Goals of one phase, and the structure at its end.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct PhaseGoal {
-    /// Roles captured in the phase.
     pub captures: BTreeSet<RoleId>,
-    /// Roles released in the phase.
     pub releases: BTreeSet<RoleId>,
     /// Predecessors of each event.
     pub needs: BTreeMap<Notification, BTreeSet<Notification>>,

@@ -22,7 +22,6 @@ pub(super) struct PhaseCaptors {
 }
 
 impl PhaseCaptors {
-    /// Returns the captors of each phase.
     pub fn by_phase(tables: &Tables) -> Vec<PhaseCaptors> {
         let mut all = vec![PhaseCaptors::default(); tables.phases.len()];
         for duty in tables.duties() {

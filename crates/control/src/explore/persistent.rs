@@ -64,7 +64,6 @@ pub(super) struct PersistentSets<'t> {
     context: ExplorationContext<'t>,
     /// Number of evaluated rules and copied blocks, for the work limit.
     pub work: u64,
-    /// Captors of each phase.
     captors: Vec<Rc<PhaseCaptors>>,
 }
 

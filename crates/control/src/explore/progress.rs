@@ -15,7 +15,6 @@ pub(super) struct PhaseProgress {
 }
 
 impl PhaseProgress {
-    /// Returns whether an event has happened in this phase.
     pub fn has(&self, event: Notification) -> bool {
         match event {
             Notification::Anchored(role) => self.captures.contains(&role),

@@ -23,7 +23,6 @@ impl RoleSet {
         self.0[role.0 as usize / 64] & (1 << (role.0 % 64)) != 0
     }
 
-    /// Adds roles.
     pub fn extend_with(&mut self, roles: impl IntoIterator<Item = RoleId>) {
         for role in roles {
             self.insert(role);

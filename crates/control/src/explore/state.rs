@@ -89,7 +89,6 @@ impl<'t> ProgramState<'t> {
         first.filter(|_| state != *self)
     }
 
-    /// Returns whether all phases have ended.
     pub fn is_complete(&self) -> bool {
         self.structure.phase().is_none()
     }

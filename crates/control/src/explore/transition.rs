@@ -26,13 +26,10 @@ pub(super) struct InTransit {
 pub(super) enum Transition {
     /// The message completes a hop.
     Arrive(InTransit),
-    /// A message is lost.
     Lose(InTransit),
     /// The message completes a hop, but its acknowledgement is lost.
     LoseAnswer(InTransit),
-    /// A message is resent.
     SendAgain(InTransit),
-    /// A face captures a block.
     Capture(BlockFace),
     /// A face captures a block that assumes one of 23 wrong orientations.
     CaptureMistaken(BlockFace, u8),

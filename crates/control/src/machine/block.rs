@@ -131,7 +131,6 @@ impl<M: Copy> StructureBlock<M> {
         }
     }
 
-    /// Resets the state for a new phase.
     pub(super) fn reset(&mut self) {
         self.is_changed = false;
         self.unreceived = 0;
@@ -141,7 +140,6 @@ impl<M: Copy> StructureBlock<M> {
         self.cold = None;
     }
 
-    /// Begins a duty.
     #[inline]
     pub(super) fn begin(&mut self, trigger: Trigger, rules: RuleRange) {
         (self.trigger, self.rules) = (trigger, rules);
@@ -331,7 +329,6 @@ impl<M> StructureBlock<M> {
         self.seen.as_slice()
     }
 
-    /// Returns the children by role.
     pub(super) fn children(&self) -> &[(RoleId, BlockSlot)] {
         self.children.as_slice()
     }
@@ -346,7 +343,6 @@ impl<M> StructureBlock<M> {
         self.trigger
     }
 
-    /// Returns whether a rule of the block's duty has fired.
     #[inline]
     pub(crate) fn has_fired(&self, rule: usize) -> bool {
         let word = match rule / 64 {
@@ -356,7 +352,6 @@ impl<M> StructureBlock<M> {
         word & (1 << (rule % 64)) != 0
     }
 
-    /// Returns the index of the first rule that has not fired.
     #[inline]
     fn first_unfired(&self) -> u32 {
         let mut count = self.fired.trailing_ones();

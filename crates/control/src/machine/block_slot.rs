@@ -6,6 +6,5 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct BlockSlot(pub u32);
 
 impl BlockSlot {
-    /// Value for a missing block.
     pub const NONE: BlockSlot = BlockSlot(u32::MAX);
 }

@@ -11,11 +11,9 @@ use super::block_slot::BlockSlot;
 /// Duties by role and by phase, and blocks of the plate by cell.
 #[derive(Debug)]
 pub(super) struct Index {
-    /// First duty of each role.
     first_duty: Vec<FirstDuty>,
     /// Duties that begin with a phase, by phase and in rising order.
     starting: Groups<u32>,
-    /// Blocks of the plate by cell.
     seeds: FxHashMap<Cell, BlockSlot>,
     /// Captors of each role. Computed on first use.
     captors: OnceLock<Captors>,
@@ -57,7 +55,6 @@ impl<T: Copy> Groups<T> {
         }
     }
 
-    /// Returns the values of one group.
     fn get(&self, group: u32) -> &[T] {
         let [start, end] = [0, 1].map(|next| self.starts[group as usize + next] as usize);
         &self.values[start..end]
@@ -94,7 +91,6 @@ struct FirstDuty {
     begins: Beginning,
 }
 
-/// Start of a duty.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Beginning {
     pub rules: RuleRange,
@@ -152,7 +148,6 @@ impl Index {
         self.seeds.get(&cell).copied()
     }
 
-    /// Returns the start of a role's duty in a phase for a trigger.
     #[inline]
     pub fn beginning(
         &self,

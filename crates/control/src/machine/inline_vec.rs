@@ -24,7 +24,6 @@ impl<T> InlineVec<T> {
         }
     }
 
-    /// Inserts a value at an index.
     #[inline]
     pub fn insert(&mut self, at: usize, value: T) {
         match self {

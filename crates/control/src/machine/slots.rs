@@ -34,7 +34,6 @@ impl<M> Slots<M> {
         }
     }
 
-    /// Returns the number of anchored blocks.
     pub fn count(&self) -> usize {
         self.blocks.len() - self.vacant.len()
     }

@@ -39,7 +39,6 @@ pub struct Structure<'t, M = ()> {
     changed: Vec<BlockSlot>,
     /// Faces that still need pre-attached blocks.
     to_plant: BTreeSet<BlockFace>,
-    /// Whether a block has failed.
     pub(super) has_dead: bool,
 }
 
@@ -330,7 +329,6 @@ impl<'t, M: Copy> Structure<'t, M> {
         }
     }
 
-    /// Performs the action of a rule.
     #[inline]
     fn act(
         &mut self,
@@ -364,7 +362,6 @@ impl<'t, M: Copy> Structure<'t, M> {
         }
     }
 
-    /// Sends the message of an action.
     fn send_message(
         &mut self,
         at: BlockSlot,
