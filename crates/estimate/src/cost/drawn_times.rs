@@ -35,7 +35,6 @@ impl DrawnTimes {
         self.is_taken.fill(false);
     }
 
-    /// Returns whether an event has happened.
     pub fn has_happened(&self, event: u32) -> bool {
         self.ends[event as usize].is_finite()
     }

@@ -26,7 +26,6 @@ pub type Block = Option<EventId>;
 /// A block with one of its roles. The plate has a role for each seed.
 pub type NamedBlock = (RoleId, Block);
 
-/// The events of a program.
 pub struct Events<'a> {
     pub parts: ProgramParts<'a>,
     /// All events in topological order.
@@ -73,17 +72,14 @@ impl<'a> Events<'a> {
         })
     }
 
-    /// Returns all phases.
     pub fn phases(&self) -> impl ExactSizeIterator<Item = PhaseId> + use<> {
         (0..self.parts.tables.phases.len()).map(|number| PhaseId(number as u32))
     }
 
-    /// Returns whether the blocks of a phase are pre-attached.
     pub fn is_pre_attached(&self, phase: PhaseId) -> bool {
         self.parts.tables.phases[phase.0 as usize].pre_attached
     }
 
-    /// Returns whether an event is a capture.
     pub fn is_capture(&self, id: EventId) -> bool {
         self.parts.graph.event(id).action.is_capture()
     }
@@ -184,7 +180,6 @@ pub struct PhaseEvent {
 }
 
 impl PhaseEvent {
-    /// Returns whether the event is a release.
     pub fn is_release(&self) -> bool {
         self.face.is_none()
     }

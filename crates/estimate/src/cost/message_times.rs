@@ -48,7 +48,6 @@ impl StepMessages {
     }
 }
 
-/// Duration of one hop of a message.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct HopTime {
     /// Duration without loss \[ticks\].
@@ -81,7 +80,6 @@ impl HopTime {
     }
 }
 
-/// Path of a notification to a block.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct MessagePath {
     /// Number of hops between existing blocks.

@@ -24,7 +24,6 @@ const MAX: usize = 4000;
 /// Seed. It is constant, so that estimates are reproducible.
 const SEED: u64 = 0;
 
-/// Samples of a phase.
 pub struct SampledPhase {
     /// Duration. `None` if at least nine tenths of the samples that reach the phase have a timeout
     /// in it.
@@ -43,9 +42,7 @@ impl SampledPhase {
     }
 }
 
-/// Result of the sampling.
 pub struct Sampled {
-    /// The phases, in order.
     pub phases: Vec<SampledPhase>,
     /// Completion times of the whole program.
     pub draws: Vec<Draw>,

@@ -29,10 +29,8 @@ pub struct TimedPhase<'a> {
     scarce: Option<ScarceBlocks<'a>>,
 }
 
-/// Event of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum StepEvent {
-    /// The step ends.
     Ends,
     /// The released block docks at the face of the step.
     Docks(u32),

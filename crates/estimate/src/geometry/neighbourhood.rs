@@ -107,7 +107,6 @@ impl Neighbourhood {
         Neighbourhood(self.0 | other.0)
     }
 
-    /// Returns the difference of two sets.
     #[must_use]
     fn without(self, other: Neighbourhood) -> Neighbourhood {
         Neighbourhood(self.0 & !other.0)
@@ -135,7 +134,6 @@ pub(crate) fn place(offset: [i32; 3]) -> usize {
     (x + EDGE * (y + EDGE * z)) as usize
 }
 
-/// Returns the offset of an index.
 fn offset(place: usize) -> [i32; 3] {
     let place = place as i32;
     [place, place / EDGE, place / (EDGE * EDGE)].map(|part| part % EDGE - SIGHT)

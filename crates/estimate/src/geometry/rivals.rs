@@ -20,9 +20,9 @@ pub struct Rivals {
 /// Kind of competition between two faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rivalry {
-    /// One element of `Rivals::beside`.
+    /// Rival that [`Rivals::beside`] counts.
     Beside,
-    /// One of [`Rivals::across`].
+    /// Rival that [`Rivals::across`] counts.
     Across,
     /// Rival that [`Rivals::around`] counts twice: the open cells share a side or an edge.
     Around,
@@ -31,13 +31,13 @@ pub enum Rivalry {
 }
 
 impl Rivals {
-    /// Adds a competing face of this kind to the numbers.
+    /// Adds one rival of the kind `of` to the counts.
     pub fn add(&mut self, of: Rivalry) {
         let (number, one) = self.number(of);
         *number += one;
     }
 
-    /// Removes a competing face of this kind from the numbers.
+    /// Removes one rival of the kind `of` from the counts.
     pub fn remove(&mut self, of: Rivalry) {
         let (number, one) = self.number(of);
         *number -= one;

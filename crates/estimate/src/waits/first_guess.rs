@@ -16,7 +16,6 @@ pub const GUESS_ERROR: (f64, f64) = (1.5, 3.0);
 /// Ratio of the pull's work to a block's energy when half of the blocks within reach dock.
 const HALF: f64 = 2.13;
 
-/// Steepness of the docking probability.
 const STEEPNESS: f64 = 9.4;
 
 /// Exponent of the density: dense blocks knock each other out of reach.

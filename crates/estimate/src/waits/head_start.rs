@@ -107,15 +107,15 @@ impl<'r> HeadStarts<'r> {
         })
     }
 
-    /// Returns whether all head starts end before this number of ticks after the release.
+    /// Returns whether all head starts are over `since` ticks after the release.
     pub fn are_over(&self, since: f64) -> bool {
         since >= self.leaves
     }
 }
 
 impl ReleaseNearby {
-    /// Returns the head start at a face that opens this number of ticks after the release. Returns
-    /// `None` after the end of all head starts.
+    /// Returns the head start at a face that opens `since` ticks after the release. Returns `None`
+    /// if all head starts are over by then.
     pub fn after(&self, since: f64) -> Option<HeadStart> {
         if since <= 0.0 {
             return Some(self.at_once);

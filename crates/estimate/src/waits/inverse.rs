@@ -16,7 +16,6 @@ const MIN: f64 = 1.0 / 128.0;
 /// Largest value of the table. For larger values, all arrived blocks have docked.
 const MAX: f64 = 8.0;
 
-/// Number of parts.
 const PARTS: usize = part(MAX) - part(MIN);
 
 /// Bound of the relative error: thirty times the largest actual error.

@@ -206,7 +206,6 @@ impl Rates {
 #[error("it is not a file of rates by `stochc calibrate`: {0}")]
 pub struct UnreadableRates(#[from] StrictJsonError);
 
-/// Defect of rates from a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 enum InvalidRates {
     #[error("its format is {0}, and this is {FORMAT}; calibrate again")]
@@ -307,10 +306,8 @@ impl TryFrom<Stored> for Rates {
     }
 }
 
-/// Largest number of layers of a profile.
 const MAX_LAYERS: usize = 1000;
 
-/// Largest number of head starts.
 const MAX_HEAD_STARTS: usize = 100;
 
 #[cfg(test)]
