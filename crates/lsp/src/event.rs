@@ -7,15 +7,12 @@ use crate::workspace::programs::CheckedProgram;
 
 /// Event that the server processes.
 pub enum ServerEvent {
-    /// Input from the client.
     Incoming(Incoming),
     /// End of a job. `None` if the job was cancelled or has failed.
     Done(JobId, Option<Done>),
 }
 
-/// Result of a job.
 pub enum Done {
-    /// Result of a check.
     Checked(CheckedProgram),
     /// Response to a request.
     Answered(Result<Value, RequestFailure>),

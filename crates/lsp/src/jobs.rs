@@ -104,12 +104,10 @@ impl<T> Jobs<T> {
         }
     }
 
-    /// Cancels all jobs.
     pub fn cancel_all(&self) {
         self.running.keys().for_each(|&id| self.cancel(id));
     }
 
-    /// Removes a job that has ended.
     pub fn ended(&mut self, id: JobId) {
         if let Some(running) = self.running.remove(&id) {
             let _ = running.thread.join();

@@ -95,15 +95,12 @@ pub enum Needs {
     All,
 }
 
-/// A parsed request.
 pub struct Query {
     /// File of the request. Empty for a request about the workspace.
     pub path: String,
-    /// Programs that the request needs.
     pub needs: Needs,
     /// Whether the response may contain edits of files.
     pub has_edits: bool,
-    /// Function that computes the response.
     pub answer: RequestHandler,
 }
 
@@ -113,15 +110,11 @@ pub type RequestHandler =
 
 /// Input of a response.
 pub struct RequestContext<'c> {
-    /// File of the request.
     pub path: String,
     /// Analyses of the required programs. The program of the request comes first.
     pub programs: Vec<Arc<Analysis>>,
-    /// All open texts.
     pub documents: Documents,
-    /// Character encoding of the client's positions.
     pub encoding: Encoding,
-    /// Cancellation by the client.
     pub cancellation: Cancellation<'c>,
 }
 
@@ -147,7 +140,6 @@ impl RequestContext<'_> {
     }
 }
 
-/// Returns the error for a file that is not open.
 pub fn not_open() -> RequestFailure {
     RequestFailure::request_failed("the file is not open")
 }
@@ -360,7 +352,6 @@ impl Query {
         })
     }
 
-    /// Parses a request for edits of a document.
     fn parse_edit(method: &str, raw: Value) -> Result<Query, RequestFailure> {
         Ok(match method {
             "textDocument/formatting" => {

@@ -36,7 +36,6 @@ const REFRESHES: [(&str, &str); 4] = [
     ("diagnostics", "workspace/diagnostic/refresh"),
 ];
 
-/// Stage of the session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SessionStage {
     Begun,
@@ -45,7 +44,6 @@ enum SessionStage {
     Leaving,
 }
 
-/// Session with a client.
 pub struct Server<W> {
     output: W,
     stage: SessionStage,
@@ -66,7 +64,6 @@ pub struct Server<W> {
     requests: Vec<PendingRequest>,
     /// Diagnostics published for each file, with the version of its text.
     shown: BTreeMap<String, (Option<i32>, Vec<LspDiagnostic>)>,
-    /// Whether the client has disconnected.
     disconnected: bool,
 }
 
@@ -80,7 +77,6 @@ struct PendingRequest {
     work: Work,
 }
 
-/// Age of an analysis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Age {
     Current,
@@ -110,7 +106,8 @@ impl PendingRequest {
 }
 
 impl<W: Write> Server<W> {
-    /// Returns a session that waits for a client. `events` receives the ends of jobs.
+    /// Returns the session before the client's first message. `output` receives the messages to the
+    /// client, and `events` the results of jobs.
     pub fn new(output: W, events: SyncSender<ServerEvent>) -> Server<W> {
         let of_jobs = events.clone();
         Server {

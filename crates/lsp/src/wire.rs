@@ -12,7 +12,6 @@ const MAX_BYTES: u64 = 1 << 28;
 /// Largest header line \[bytes\].
 const MAX_HEAD: u64 = 1 << 12;
 
-/// Message from the client.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClientMessage {
     /// Number for the response. Messages without a number need no response.
@@ -26,7 +25,6 @@ pub struct ClientMessage {
 /// Input of the server.
 #[derive(Debug)]
 pub enum Incoming {
-    /// A message of the client.
     Message(ClientMessage),
     /// Invalid input, with the reason.
     Garbage(String),
@@ -92,7 +90,6 @@ pub fn write(output: &mut impl Write, message: &Value) -> io::Result<()> {
     output.flush()
 }
 
-/// Error code of the protocol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
     ParseError = -32700,
@@ -109,14 +106,12 @@ pub enum Reason {
 /// Error response to a request.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RequestFailure {
-    /// Error code of the response.
     pub reason: Reason,
     /// Message for users.
     pub message: String,
 }
 
 impl RequestFailure {
-    /// Creates an error response.
     pub fn new(reason: Reason, message: impl Into<String>) -> RequestFailure {
         RequestFailure {
             reason,
@@ -124,7 +119,6 @@ impl RequestFailure {
         }
     }
 
-    /// Returns the error for a request cancelled by the client.
     pub fn cancelled() -> RequestFailure {
         RequestFailure::new(Reason::RequestCancelled, "cancelled")
     }
@@ -141,7 +135,6 @@ impl From<Cancelled> for RequestFailure {
     }
 }
 
-/// Creates the response to a request.
 pub fn answer(id: &Value, result: Result<Value, RequestFailure>) -> Value {
     match result {
         Ok(result) => json!({ "jsonrpc": "2.0", "id": id, "result": result }),

@@ -27,7 +27,6 @@ pub fn of(
     all
 }
 
-/// Converts a diagnostic to the form of the protocol.
 pub fn lsp_diagnostic(
     diagnostic: &Diagnostic,
     analysis: &Analysis,

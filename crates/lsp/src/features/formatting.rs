@@ -13,7 +13,6 @@ use crate::workspace::position::LineIndex;
 /// cover more lines than necessary.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Error for programs that cannot be formatted.
 const WRONG: &str = "the program has syntax errors; fix them first";
 
 /// Returns the edits that format a text. Only changed lines are edited, so that editor marks such

@@ -178,7 +178,6 @@ fn phase_of(program: &Program, event: EventId) -> Option<&ExpandedPhase> {
     program.plan.phases.get(number)
 }
 
-/// Describes the declaration of a name.
 fn declaration(analysis: &Analysis, name: &Occurrence, kind: NameKind) -> String {
     let names = &analysis.names;
     let word = analysis.checked.symbols.word(names.word(name.definition));

@@ -4,10 +4,8 @@ use stochc_compiler::names::NameKind;
 
 use crate::workspace::analysis::Analysis;
 
-/// Types of tokens.
 pub const TYPES: [&str; 4] = ["type", "function", "parameter", "variable"];
 
-/// Modifiers of tokens.
 pub const MODIFIERS: [&str; 2] = ["declaration", "readonly"];
 
 /// Returns the names of the program's own file, five numbers each, as the protocol encodes them.

@@ -21,11 +21,8 @@ const LONG: usize = 1 << 14;
 /// Analysis of an open program and its imported files.
 #[derive(Clone, Debug)]
 pub struct Analysis {
-    /// Results of the compiler.
     pub checked: Arc<Checked>,
-    /// Definitions and references of the program's names.
     pub names: Arc<Names>,
-    /// Character encoding of the client's positions.
     encoding: Encoding,
     /// Starts of the lines of each file.
     lines: Arc<Vec<Vec<usize>>>,
@@ -102,7 +99,6 @@ impl Analysis {
         self.costs.get(program)?.get_or_init(cost).as_ref()
     }
 
-    /// Returns the path of a file.
     pub fn path(&self, file: FileId) -> &str {
         &self.checked.sources.file(file).name
     }
@@ -114,7 +110,6 @@ impl Analysis {
         Some(FileId(number as u32))
     }
 
-    /// Returns the lines of a file.
     pub fn lines(&self, file: FileId) -> LineIndex<'_> {
         if let Some(newer) = self.newer.as_ref().filter(|_| file == FileId(0)) {
             let lines = LineIndex::known(&newer.text, newer.lines.as_slice(), self.encoding);
@@ -124,7 +119,6 @@ impl Analysis {
         LineIndex::known(text, self.lines[file.0 as usize].as_slice(), self.encoding)
     }
 
-    /// Returns the range of a span in a file.
     pub fn range(&self, location: SourceLocation) -> Range {
         self.lines(location.file).range(location.span)
     }

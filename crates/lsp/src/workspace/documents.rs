@@ -14,7 +14,6 @@ use super::uri;
 #[derive(Clone, Debug, Default)]
 pub struct Documents(Arc<Mutex<BTreeMap<String, Document>>>);
 
-/// A document that is open in the client.
 #[derive(Clone, Debug)]
 pub struct Document {
     /// URI in the client's spelling.
@@ -93,7 +92,6 @@ impl Documents {
         self.all().get(path).cloned()
     }
 
-    /// Returns whether the client has a file open.
     pub fn is_open(&self, path: &str) -> bool {
         self.all().contains_key(path)
     }

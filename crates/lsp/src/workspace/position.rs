@@ -98,7 +98,6 @@ impl Change {
 }
 
 impl<'t> LineIndex<'t> {
-    /// Finds the lines of a text.
     pub fn new(text: &'t str, encoding: Encoding) -> LineIndex<'t> {
         LineIndex::known(text, line_starts(text), encoding)
     }

@@ -14,10 +14,8 @@ use super::reads::Reads;
 use crate::features::diagnostics;
 use crate::jobs::{JobId, JobTrigger, Jobs};
 
-/// Diagnostics by file path.
 pub type DiagnosticsByFile = BTreeMap<String, Vec<LspDiagnostic>>;
 
-/// Result of checking a program.
 pub struct CheckedProgram {
     analysis: Arc<Analysis>,
     found: DiagnosticsByFile,
@@ -27,7 +25,6 @@ pub struct CheckedProgram {
 #[derive(Default)]
 pub struct Programs(BTreeMap<String, OpenProgram>);
 
-/// A program that is open in the client.
 #[derive(Default)]
 struct OpenProgram {
     state: AnalysisState,
@@ -55,18 +52,16 @@ enum AnalysisState {
     Failed,
 }
 
-/// Availability of an analysis.
+/// Whether the analysis of a program's current texts is available.
 pub enum Knowledge {
     /// The analysis is up to date.
     Known(Arc<Analysis>),
-    /// A check must start or end first.
+    /// The check has not started or not ended yet.
     Waiting,
-    /// The check has failed.
     Failed,
 }
 
 impl Programs {
-    /// Returns the paths of all open programs.
     pub fn paths(&self) -> impl Iterator<Item = &String> {
         self.0.keys()
     }
@@ -130,7 +125,8 @@ impl Programs {
         outdated
     }
 
-    /// Returns the availability of an analysis, or `None` if the program is not open.
+    /// Returns whether the analysis of a program's current texts is available. Returns `None` if
+    /// the program is not open.
     pub fn known(&self, path: &str) -> Option<Knowledge> {
         Some(match &self.0.get(path)?.state {
             AnalysisState::Known(analysis) => Knowledge::Known(analysis.clone()),

@@ -10,7 +10,6 @@ use super::position::Encoding;
 #[derive(Debug, Default)]
 pub struct Reads(Mutex<BTreeMap<String, ReadState>>);
 
-/// State of reading a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ReadState {
     /// The file is being read. It is unknown whether this read includes a later change.

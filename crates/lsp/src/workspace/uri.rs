@@ -17,7 +17,6 @@ pub fn path(uri: &str) -> String {
     }
 }
 
-/// Returns the URI of a file.
 pub fn uri(path: &str) -> String {
     if path.contains("://") || path.starts_with("untitled:") {
         return path.to_owned();
