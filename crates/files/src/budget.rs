@@ -88,7 +88,6 @@ impl ReadBudget {
     ///
     /// If the part has a hole and the kind of file cannot contain holes.
     pub(super) fn accepts(self, part: &[u8]) -> io::Result<()> {
-        /// Size of a disk page.
         const PAGE: usize = 1 << 12;
         let is_hole = |page: &[u8]| page.iter().all(|byte| *byte == 0);
         if self.is_json && part.chunks_exact(PAGE).any(is_hole) {

@@ -107,7 +107,6 @@ pub(crate) fn may(path: &Path, call: Call) -> io::Result<()> {
     ask(path, call, || Ok(()))
 }
 
-/// Writes to the file at `path`.
 pub(crate) fn write(path: &Path, bytes: &[u8], mut to: impl Write) -> io::Result<usize> {
     match decide(path, Call::Write(bytes)) {
         CallDecision::Proceed => to.write(bytes),

@@ -104,7 +104,6 @@ impl FolderPrograms {
             .or_else(|| self.linked_folders.pop_first())
     }
 
-    /// Adds an entry of a folder.
     fn add(&mut self, folder: &str, entry: io::Result<DirEntry>) {
         let entry = match entry {
             Ok(entry) => entry,
