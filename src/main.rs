@@ -4,7 +4,6 @@ use std::process::ExitCode;
 
 use stochc::cli::{parse, report_usage_error, run, show_deferred};
 
-/// Runs the command, prints its failure and sets the exit status.
 fn main() -> ExitCode {
     let done = parse().map_or_else(report_usage_error, run);
     let exit = done.unwrap_or_else(|failure| {

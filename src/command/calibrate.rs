@@ -50,7 +50,6 @@ pub struct CalibrateArguments {
     imports: ImportOptions,
 }
 
-/// Calibrates the rates of a scene.
 pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let out = options.out.as_deref();

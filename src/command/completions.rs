@@ -13,7 +13,6 @@ pub struct CompletionsArguments {
     shell: Shell,
 }
 
-/// Prints the completion script of a shell.
 pub fn run(options: &CompletionsArguments, mut command: clap::Command) -> Result<Exit, Failure> {
     let name = command.get_name().to_owned();
     let mut script = Vec::new();

@@ -44,7 +44,6 @@ pub struct EstimateArguments {
     imports: ImportOptions,
 }
 
-/// Estimates completion times with the rate model.
 pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
     let MeasuringOptions {
         chance,

@@ -78,7 +78,6 @@ fn format(
     }
 }
 
-/// Repeats a run and writes its trajectories.
 pub fn run(options: &ExportArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::default();

@@ -84,7 +84,6 @@ pub struct FitArguments {
     imports: ImportOptions,
 }
 
-/// Fits scene parameters to measured times.
 pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let times = measured_times(&options.data, &host)?;

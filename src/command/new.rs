@@ -102,7 +102,6 @@ pub fn run(options: &NewArguments) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-/// Returns whether a text is a valid name in a program.
 fn is_name(name: &str) -> bool {
     let mut letters = name.chars();
     let is_first = letters.next().is_some_and(|it| it.is_ascii_alphabetic());

@@ -126,7 +126,6 @@ enum Minimize {
     P90,
 }
 
-/// Plans a program and writes it.
 pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let out = options.out.as_deref();

@@ -31,7 +31,6 @@ pub struct RepeatArguments {
     levels: LevelOptions,
 }
 
-/// Repeats the runs of a results folder.
 pub fn run(options: &RepeatArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let runs = options.making.more_runs();

@@ -26,7 +26,6 @@ pub struct ReplayArguments {
     out: Option<PathBuf>,
 }
 
-/// Writes the replay page of a run.
 pub fn run(options: &ReplayArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::default();

@@ -27,7 +27,6 @@ pub struct ReportArguments {
     presentation: PresentationOptions,
 }
 
-/// Writes a report on results folders, and its figures.
 pub fn run(options: &ReportArguments) -> Result<Exit, Failure> {
     let figures = Figures {
         presentation: options.presentation.presentation(),

@@ -31,7 +31,6 @@ pub struct ResumeArguments {
     levels: LevelOptions,
 }
 
-/// Makes the missing runs of a results folder.
 pub fn run(options: &ResumeArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let ensemble = Ensemble {

@@ -62,7 +62,6 @@ pub enum TableFormat {
 /// Options for printing the results of an ensemble.
 #[derive(Clone, Copy, Debug)]
 pub struct ResultsView<'a> {
-    /// Output format.
     pub form: TableFormat,
     /// Unit of times, and names of programs.
     pub how: &'a Presentation,

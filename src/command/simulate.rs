@@ -21,7 +21,6 @@ pub struct SimulateArguments {
     making: MakingOptions,
 }
 
-/// Simulates programs many times and compares them.
 pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
     let (programs, making) = (&options.programs, &options.making);
     let host = Terminal::default();

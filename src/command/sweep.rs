@@ -29,7 +29,6 @@ pub struct SweepArguments {
     figures: FigureOptions,
 }
 
-/// Simulates programs at every point of a sweep.
 pub fn run(options: &SweepArguments) -> Result<Exit, Failure> {
     let (programs, making) = (&options.programs, &options.making);
     let host = Terminal::default();

@@ -42,7 +42,6 @@ fn options() -> TerminalOptions {
     OPTIONS.get().copied().unwrap_or_default()
 }
 
-/// Returns whether progress, notes and warnings are omitted.
 pub fn is_quiet() -> bool {
     options().is_quiet
 }
@@ -208,7 +207,6 @@ pub fn has_colour() -> bool {
     uses_colour(std::io::stderr().is_terminal())
 }
 
-/// Returns whether standard output has colours.
 pub fn output_has_colour() -> bool {
     uses_colour(std::io::stdout().is_terminal())
 }

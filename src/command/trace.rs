@@ -21,7 +21,6 @@ pub struct TraceArguments {
     output: JsonOption,
 }
 
-/// Simulates one run of each program and prints its events.
 pub fn run(options: &TraceArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let stop = stop_on_interrupt()?;

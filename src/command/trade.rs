@@ -67,7 +67,6 @@ pub struct TradeArguments {
     imports: ImportOptions,
 }
 
-/// Compares speed and accuracy of settings.
 pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
     let MeasuringOptions {
         chance,

@@ -28,7 +28,6 @@ const SCHEDULES: u64 = 1_000;
 /// Limit on the total steps of the sampled orders. This number of steps takes about a minute.
 const SAMPLED: u64 = 200_000_000;
 
-/// Seed of the sampled orders.
 const SEED: u64 = 0;
 
 /// Arguments of `verify`.

@@ -229,7 +229,6 @@ impl ChosenRun {
     }
 }
 
-/// Returns the failure for an unusable recording.
 fn useless(path: &Path, reason: &str) -> Failure {
     let shown = path.display();
     Failure::usage(format!(

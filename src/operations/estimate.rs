@@ -105,7 +105,6 @@ fn estimate_graph(program: &EnsembleProgram, rates: &Rates) -> Option<Completion
     })
 }
 
-/// Estimates the completion time from runs of the rate model.
 fn estimate_runs(
     program: EnsembleProgram,
     known: &[Rates],

@@ -23,7 +23,6 @@ pub(super) struct Recordings<'a> {
     broken: Mutex<Option<io::Error>>,
 }
 
-/// Recording of one run.
 pub(super) struct RecordingOfRun<'a> {
     all: &'a Recordings<'a>,
     folder: &'a Path,

@@ -43,7 +43,6 @@ pub fn read_contents(folder: &Path, host: &dyn Host) -> Result<Contents, Failure
     Ok(contents)
 }
 
-/// Warns about corrupted files in a results folder.
 pub(crate) fn warn_of_damage(folder: &Path, damage: &[String], host: &dyn Host) {
     /// Largest number of files that the warning lists.
     const SHOWN: usize = 5;

@@ -55,7 +55,6 @@ pub(crate) fn warn_of_build(builds: &[String], host: &dyn Host) {
     }
 }
 
-/// Warns about problems with checkpoints.
 pub(crate) fn warn_of_checkpoints(checkpoints: Option<&Checkpoints>, host: &dyn Host) {
     for note in checkpoints.map(Checkpoints::notes).unwrap_or_default() {
         host.warn(&format!("note: {note}\n"));

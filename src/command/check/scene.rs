@@ -96,7 +96,6 @@ impl<'a> InForce<'a> {
             || group.is_unusual()
     }
 
-    /// Returns all dimensionless numbers.
     fn groups(&self) -> impl Iterator<Item = &DimensionlessNumber> {
         self.groups.iter().chain(&self.at_structure)
     }
@@ -337,8 +336,8 @@ impl<'a> InForce<'a> {
         )
     }
 
-    /// Returns the smallest number of substeps per tick within the limits of all dimensionless
-    /// numbers. Ignores limits that no number of substeps can satisfy.
+    /// Returns the smallest number of substeps per tick that keeps all dimensionless numbers within
+    /// their limits. Ignores limits that no number of substeps can satisfy.
     fn needed(&self) -> u32 {
         let needed = self.groups.iter().filter_map(DimensionlessNumber::substeps);
         needed.max().unwrap_or(1)

@@ -17,7 +17,6 @@ pub struct MergeArguments {
     folder: PathBuf,
 }
 
-/// Merges the shards of an ensemble.
 pub fn run(options: &MergeArguments) -> Result<Exit, Failure> {
     let runs = merge(&options.folder)?;
     if !is_quiet() {

@@ -31,7 +31,6 @@ enum ShardCommand {
     Submit(submit::SubmitArguments),
 }
 
-/// Runs the chosen subcommand.
 pub fn run(options: &ShardArguments) -> Result<Exit, Failure> {
     match &options.command {
         ShardCommand::New(options) => new::run(options),

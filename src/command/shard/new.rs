@@ -36,7 +36,6 @@ pub struct NewArguments {
     work: ThreadsOption,
 }
 
-/// Splits an ensemble into shards.
 pub fn run(options: &NewArguments) -> Result<Exit, Failure> {
     let (programs, shards) = (&options.programs, options.shards);
     let host = Terminal::default();

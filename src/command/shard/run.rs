@@ -30,7 +30,6 @@ pub struct RunArguments {
     checkpoints: Interval,
 }
 
-/// Makes the missing runs of a shard.
 pub fn run(options: &RunArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let host = Terminal::default();

@@ -25,7 +25,6 @@ pub struct StatusArguments {
     output: JsonOption,
 }
 
-/// Lists the shards of an ensemble.
 pub fn run(options: &StatusArguments) -> Result<Exit, Failure> {
     let status = status(&options.folder).map_err(Failure::usage)?;
     let folder = options.folder.to_string_lossy();

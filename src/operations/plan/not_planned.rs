@@ -9,7 +9,6 @@ use crate::exit::{Exit, Failure};
 use crate::host::Host;
 use crate::operations::programs::verdict;
 
-/// Returns the failure for a target that cannot be planned.
 pub(super) fn refused(target: &str, reason: impl Display) -> Failure {
     Failure::error(Exit::InvalidProgram, format!("`{target}`: {reason}"))
 }

@@ -134,7 +134,6 @@ pub fn checked_file(file: &str, imports: &[PathBuf]) -> Result<Checked, Failure>
     Ok(crate::check_within(file, &Default::default(), imports))
 }
 
-/// Returns whether a text is a valid name in a program.
 pub fn is_name(name: &str) -> bool {
     // Test keywords with the lexer of the language, so that new keywords are included.
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';

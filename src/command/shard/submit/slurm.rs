@@ -36,7 +36,6 @@ impl SlurmError {
     }
 }
 
-/// Returns the jobs of an ensemble that Slurm lists.
 pub fn queue(ensemble: &SlurmEnsemble) -> Result<Queue, SlurmError> {
     let names = format!("--name={},{}", ensemble.name, ensemble.merge_name());
     let format = format!("--format={FORMAT}");
@@ -44,7 +43,6 @@ pub fn queue(ensemble: &SlurmEnsemble) -> Result<Queue, SlurmError> {
     Ok(ensemble.queue(&output))
 }
 
-/// Returns the limits of the cluster on jobs.
 pub fn limits() -> Result<SlurmLimits, SlurmError> {
     let limits = SlurmLimits::from_config(&run("scontrol", ["show", "config"])?);
     let user = format!("user={}", std::env::var("USER").unwrap_or_default());

@@ -83,7 +83,6 @@ struct State {
 }
 
 impl State {
-    /// Returns whether no further job is needed.
     fn is_settled(&self) -> bool {
         !self.queue.active_merges().is_empty() || matches!(self.found, Some(FoundShards::Merged(_)))
     }
@@ -278,7 +277,6 @@ impl Submission<'_> {
 
 /// Result of a submission that gave no job number.
 struct Refusal {
-    /// Whether Slurm may have accepted the job.
     may_be_accepted: bool,
     /// Error of `sbatch`. `None` if `sbatch` succeeded.
     pub(super) error: Option<SlurmError>,
