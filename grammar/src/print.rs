@@ -194,8 +194,8 @@ impl Printer<'_> {
         self.out.push('}');
     }
 
-    /// Writes the words of a scene. A line break follows each block and separates a value from a
-    /// word that could be read as its unit.
+    /// Writes the words of a scene. Writes a line break after each block, and between a value and a
+    /// word that could be read as the unit of the value.
     fn terms(&mut self, terms: &[Term]) {
         let mut fresh = true;
         let mut valued = false;

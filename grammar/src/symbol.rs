@@ -75,7 +75,6 @@ impl Symbols {
             .unwrap_or_default()
     }
 
-    /// Returns whether the word is reserved, so that it cannot be a name.
     pub(crate) fn is_reserved(&self, symbol: Symbol) -> bool {
         (symbol.0 as usize) < RESERVED
     }

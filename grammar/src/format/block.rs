@@ -4,7 +4,6 @@ use super::source::{Note, TextPiece, TokenizedText};
 use super::{INDENT, WIDTH, align, scene, statement};
 use crate::parse::Rule;
 
-/// Returns the source in the canonical layout.
 pub fn lay_out(source: &TokenizedText<'_>) -> String {
     let mut layout = LineLayout {
         source,
@@ -260,7 +259,8 @@ impl LineLayout<'_, '_> {
         next
     }
 
-    /// Lays out a line of a scene and the block after it.
+    /// Lays out a line of a scene, and the block that the line opens. Returns the index of the next
+    /// piece.
     fn terms(&mut self, at: usize) -> usize {
         if self.source.is_commented(&self.source.pieces[at]) {
             self.statement(at);

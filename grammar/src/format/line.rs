@@ -1,6 +1,5 @@
 //! Formatted lines before their columns are aligned.
 
-/// A line of the formatted source.
 #[derive(Debug)]
 pub struct FormattedLine {
     pub kind: LineKind,
@@ -16,7 +15,6 @@ pub struct FormattedLine {
     pub note_column: Option<usize>,
 }
 
-/// Kind of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineKind {
     /// A line of any other kind, such as a statement.
@@ -25,18 +23,17 @@ pub enum LineKind {
     Wrapped,
     /// The start or end of a block.
     Brace,
-    /// Seeds. Each seed is one part of the line.
+    /// A line of seeds. Each seed is one element of [`FormattedLine::cells`].
     Seats,
-    /// Words of a scene, aligned in columns.
+    /// A line of a scene, whose words are aligned in columns.
     Terms,
     /// A separate comment or a `///` comment.
     Comment,
-    /// The continuation of a comment after code, aligned below it.
+    /// The next line of a comment that follows code, aligned with the first line of the comment.
     Continued,
 }
 
 impl FormattedLine {
-    /// Creates a line with code.
     pub fn code(kind: LineKind, depth: usize, text: impl Into<String>) -> FormattedLine {
         FormattedLine {
             kind,

@@ -43,7 +43,6 @@ pub enum Gap {
     Wide,
 }
 
-/// A comment in the source.
 #[derive(Clone, Debug)]
 pub struct Note<'t> {
     /// Text of the comment with its slashes, without trailing space.

@@ -127,7 +127,6 @@ impl Parser<'_, '_> {
     }
 }
 
-/// Returns the rule of the head of a block.
 fn head(frame: &OpenBlock) -> Rule {
     match &frame.content {
         OpenBlockContent::Items(item) => match item.kind {

@@ -155,7 +155,6 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Builds a `name`.
     pub fn name(&mut self, pair: &Pair<'_, Rule>, base: usize) -> Name {
         let name = self.word(pair, base);
         if self.symbols.is_reserved(name.symbol) {
@@ -189,7 +188,6 @@ impl Parser<'_, '_> {
         })
     }
 
-    /// Builds a `place`.
     pub fn place(&mut self, pair: Pair<'_, Rule>, base: usize) -> Place {
         let span = span_of(&pair, base);
         let mut place = Place {

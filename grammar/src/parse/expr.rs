@@ -8,7 +8,6 @@ use crate::error::SyntaxErrorKind;
 use crate::tree::{Expr, ExprKind, Operator, Subscript};
 
 impl Parser<'_, '_> {
-    /// Builds an `expr`.
     pub fn expr(&mut self, pair: Pair<'_, Rule>, base: usize) -> Expr {
         // Terms have a byte each at least, with an operator between them.
         if pair.as_str().len() > 2 * MAX_TERMS {
@@ -124,7 +123,6 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Builds a `range`.
     pub fn range(&mut self, pair: Pair<'_, Rule>, base: usize) -> (Expr, Expr) {
         let ends: Vec<Expr> = pair
             .into_inner()

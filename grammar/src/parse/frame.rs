@@ -22,7 +22,6 @@ impl Parser<'_, '_> {
         });
     }
 
-    /// Closes the innermost block.
     pub fn close(&mut self, span: Span) {
         if self.continues(span.end as usize) {
             let what = self.frames.last().map_or("a block", OpenBlock::noun);

@@ -51,7 +51,6 @@ pub struct OpenBlock {
     pub start: u32,
 }
 
-/// Kind of a block.
 pub enum OpenBlockContent {
     /// A block that contains items, such as an assembly or a loop.
     Items(Box<Item>),
@@ -61,7 +60,6 @@ pub enum OpenBlockContent {
     SceneBlock(Vec<Term>),
     /// A shape with its layers so far.
     Shape(Box<Item>),
-    /// A layer of the enclosing shape.
     Layer(Layer),
     /// A block with a wrong head. Its content is read and dropped.
     Broken(Mode),

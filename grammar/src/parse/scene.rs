@@ -14,7 +14,6 @@ use crate::tree::{ItemKind, Layer, LayerRow, Quantity, Term, UnitFactor};
 const SOME_NUMBER: f64 = 1.0;
 
 impl Parser<'_, '_> {
-    /// Builds a piece inside a scene or shape.
     pub fn scene_or_shape_piece(&mut self, pair: Pair<'_, Rule>, base: usize) {
         let span = span_of(&pair, base);
         match pair.as_rule() {
@@ -158,7 +157,6 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Builds a `quantity`.
     pub fn quantity(&mut self, pair: Pair<'_, Rule>, base: usize) -> Quantity {
         let span = span_of(&pair, base);
         let mut quantity = Quantity {
@@ -185,7 +183,6 @@ impl Parser<'_, '_> {
     }
 }
 
-/// Builds a `unit`.
 fn unit(pair: Pair<'_, Rule>) -> Vec<UnitFactor> {
     let mut factors = Vec::new();
     let mut divides = false;

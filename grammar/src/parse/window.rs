@@ -9,7 +9,6 @@ use pest::iterators::{Pair, Pairs};
 use super::open_block::Mode;
 use super::{MAX_STATEMENT, Rule, SaParser, trivia, words};
 
-/// Result of a window.
 pub enum Read<'t> {
     /// At least one piece. Positions are relative to the start of the window.
     Pieces(std::iter::Take<Pairs<'t, Rule>>),
@@ -23,11 +22,9 @@ pub struct Unreadable {
     pub at: usize,
     /// Rules that were tried at this position.
     pub expected: Vec<Rule>,
-    /// Cause of the error.
     pub cause: Cause,
 }
 
-/// Cause of an unreadable piece.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
     /// A word that is not valid here.
