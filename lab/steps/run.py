@@ -74,8 +74,16 @@ def show(options):
         parts.setdefault((program, steps), []).append(part)
     samples = {key: Sample(found) for key, found in parts.items()}
     settings = [steps for steps, _ in SETTINGS if steps != REFERENCE and any(key[1] == steps for key in samples)]
-    print("| program | " + " | ".join(f"`{steps}`, bias" for steps in settings) + f" | `{REFERENCE}`, ticks |")
-    print("|---|" + "--:|" * (len(settings) + 1))
+
+    def runs(steps):
+        """Returns the smallest and the largest number of runs at a setting."""
+        counts = [sample.runs for (_, other), sample in samples.items() if other == steps]
+        return f"n = {min(counts)} to {max(counts)}"
+
+    heads = [f"`{steps}` bias \\[%\\], {runs(steps)}" for steps in settings]
+    heads.append(f"`{REFERENCE}` \\[ticks\\], {runs(REFERENCE)}")
+    print("| program | " + " | ".join(heads) + " |")
+    print("|---|" + "--:|" * len(heads))
     biases = {steps: [] for steps in settings}
     for program in PAPER + OTHERS:
         reference = samples.get((program, REFERENCE))
@@ -89,14 +97,14 @@ def show(options):
                 continue
             bias, width = sample.bias(reference)
             biases[steps].append((bias, width))
-            cells.append(f"{100 * bias:+.1f} ± {100 * width:.1f} % (n = {sample.runs})")
-        last = f"{reference.mean:.0f} ± {reference.half_width():.0f} (n = {reference.runs})"
-        print(f"| {pathlib.Path(program).stem} | " + " | ".join(cells) + f" | {last} |")
+            cells.append(f"{100 * bias:+.1f} ± {100 * width:.1f}")
+        cells.append(f"{reference.mean:.0f} ± {reference.half_width():.0f}")
+        print(f"| {pathlib.Path(program).stem} | " + " | ".join(cells) + " |")
     means = []
     for steps in settings:
         weight = sum(1 / width**2 for _, width in biases[steps])
         mean = sum(bias / width**2 for bias, width in biases[steps]) / weight
-        means.append(f"{100 * mean:+.1f} ± {100 / math.sqrt(weight):.1f} %")
+        means.append(f"{100 * mean:+.1f} ± {100 / math.sqrt(weight):.1f}")
     print("| all, weighted | " + " | ".join(means) + " | |")
 
 
