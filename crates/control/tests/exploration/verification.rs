@@ -1,6 +1,6 @@
 //! Compares the proofs of `check` for small programs with their tables, executed in every order.
 //!
-//! `STOCHC_WRITE_DOCS=1 cargo test --workspace --test exploration` writes the page of the results.
+//! `STOCHC_WRITE_DOCS=1 cargo test --workspace --test exploration` writes `verdicts.md`.
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -15,9 +15,16 @@ use stochc_control::explore::{
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
 
-const PAGE: &str = "../../docs/validation/proofs-executed.md";
+const PAGE: &str = "tests/exploration/verdicts.md";
 
-const MARKS: [&str; 2] = ["<!-- programs -->\n", "<!-- end of programs -->"];
+const HEAD: &str = "\
+# Proof and execution of programs with one idea
+
+`STOCHC_WRITE_DOCS=1 cargo test --workspace --test exploration` writes this file. docs/validation/proofs-executed.md summarizes it.
+
+A *transition* leads from one state of the execution to the next. Orders with the same states are counted once.
+
+";
 
 struct Case {
     name: String,
@@ -154,10 +161,10 @@ fn proof_and_execution_agree_on_every_program() {
     }
     assert!(right >= 20 && wrong >= 12, "{right} right, {wrong} wrong");
     let page = format!(
-        "{right} programs have no error and complete in every order:\n\n{valid}\n\
-         {wrong} programs have an error and can wait forever:\n\n{invalid}\n"
+        "{HEAD}{right} programs have no error and complete in every order:\n\n{valid}\n\
+         {wrong} programs have an error and can wait forever:\n\n{invalid}"
     );
-    crate::pages::assert_part(PAGE, MARKS, &page);
+    crate::pages::assert_page(PAGE, &page);
 }
 
 /// Checks that the execution can fail. Otherwise its success would prove nothing.
