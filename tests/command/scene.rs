@@ -175,7 +175,7 @@ fn a_scene_dominated_by_drag_is_resolved() {
         .find(|it| it["symbol"] == "φ F τ² / (m d)")
         .unwrap();
     assert_eq!(pull["substeps"], 1);
-    // The times are the same for these numbers of steps: docs/concepts/physical-model.md.
+    // The times are the same for these numbers of steps.
     for steps in [1, 4, 16] {
         let line = format!(
             "simulate --substeps {steps} --quiet --runs 1 --max-ticks 1 examples/microns.sa"

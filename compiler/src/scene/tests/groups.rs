@@ -274,7 +274,7 @@ fn if_drag_dominates_a_step_is_as_long_as_its_motion() {
         assert!(close(group.value, value), "{group:?}");
         assert!((group.limit.unwrap().most / most - 1.0).abs() < 1e-4);
     }
-    // 663, 615 and 695 ticks at 1, 4 and 16 steps per tick: docs/concepts/physical-model.md.
+    // 663, 615 and 695 ticks at 1, 4 and 16 steps per tick.
     assert!(groups(&scene).iter().all(|group| !group.is_exceeded(1)));
     // In simulations, twice the tick takes twice as long: at its terminal speed a block moves twice
     // as far. At four times the tick heat alone moves it too far, by √4.

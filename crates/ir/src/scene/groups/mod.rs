@@ -1,6 +1,6 @@
 //! Dimensionless numbers of a scene, which are the same at every scale.
 //!
-//! Some also limit the time step. docs/concepts/time-steps.md derives them.
+//! Some also limit the time step. docs/concepts/time-steps.md lists them.
 mod all;
 mod block_units;
 mod gas;

@@ -1,8 +1,8 @@
 //! Sedimentation against stirring: the height distribution of free blocks under gravity.
 //!
 //! Blocks that sink at speed w with diffusivity D reach a density profile exp(-z / h) with h = D /
-//! w. This balances the fluxes, w n = -D dn/dz. docs/concepts/time-steps.md derives it and compares
-//! it with simulated profiles.
+//! w. This balances the fluxes, w n = -D dn/dz. docs/validation/physics.md compares it with
+//! simulated profiles.
 use std::f64::consts::PI;
 
 use super::super::{Agitation, BOLTZMANN, Enclosure, Fluid, Scene, Turbulence};
