@@ -192,6 +192,19 @@ await test('a diagnostic is explained', async () => {
   await page.keyboard.press('Escape');
 });
 
+await test('the picture marks the block of an error, and has arrows', async () => {
+  // The cursor selects the block of its capture.
+  await type('assembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase grow {\n        M.up -> B\n        M.up -> A\n    }\n}\n');
+  assert.match(await page.textContent('#stale'), /Blocks with ⚠/);
+  await page.click('.cm-line:nth-child(4)');
+  await page.waitForFunction(() => /^error: .*both take cell/.test(document.getElementById('caption').textContent));
+  await picture('marked');
+  assert.ok(await page.isVisible('canvas.arrows'));
+  await page.click('#arrows');
+  await page.waitForSelector('canvas.arrows', { state: 'hidden' });
+  await page.click('#arrows');
+});
+
 await test('a program is laid out', async () => {
   await type('assembly a { seed plate 1 x 1 { M at (0,0) } phase grow { M.up->A } }');
   await checked(() => page.click('#format'));

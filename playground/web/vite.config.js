@@ -6,7 +6,7 @@ const path = relative => fileURLToPath(new URL(relative, import.meta.url));
 
 /** Parts of the replay's script that draw the arena. Each uses only earlier parts, as in the replay. */
 const PARTS = [
-  'maths', 'recording', 'groups', 'history', 'theme', 'camera', 'shapes', 'shell', 'shaders', 'painter', 'sheet', 'axes', 'labels', 'sight', 'cloud', 'target', 'scene', 'panel', 'timeline', 'player',
+  'maths', 'recording', 'groups', 'history', 'theme', 'camera', 'shapes', 'shell', 'shaders', 'painter', 'sheet', 'axes', 'arrows', 'labels', 'sight', 'cloud', 'target', 'scene', 'panel', 'timeline', 'player',
 ];
 const EXPORTS = ['Camera', 'History', 'Labels', 'Painter', 'Player', 'Recording', 'Scene', 'SPEEDS', 'Timeline', 'Unreadable', 'phaseColour', 'steer'];
 

@@ -1,10 +1,11 @@
 //! Checks of programs, with the data of the preview.
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::{diagnostics_json, program_json};
-use stochc_compiler::expanded::EventKind;
-use stochc_compiler::{Checked, LintLevels, MAX_ESTIMATED, Program, check_texts};
+use stochc_compiler::expanded::{EventId, EventKind, ExpandedProgram};
+use stochc_compiler::{Checked, LintLevels, MAX_ESTIMATED, Program, SourceLocation, check_texts};
 use stochc_estimate::Rates;
 use stochc_ir::emit::{graph_json, shell_json, table_json};
+use stochc_ir::table::RoleId;
 
 use crate::examples::EXAMPLES;
 
@@ -48,47 +49,91 @@ pub fn check(text: &str) -> Value {
 
 /// Returns the data of a program for the viewer, and its events in a possible order.
 ///
-/// Returns null if the program has errors, except for errors that let a run get stuck.
+/// If the program has errors, wrong events are listed apart, and there may be no event tables.
+/// Returns null if the scene has errors.
 fn structure(checked: &Checked, program: &Program) -> Value {
-    let tables = program.tables.as_ref().or(program.stuck.as_ref());
-    let (Some(tables), Some(scene), Some(order)) = (tables, &program.scene, &program.order) else {
+    let Some(scene) = &program.scene else {
         return Value::Null;
     };
     let plan = &program.plan;
-    let mut events = order.events.clone();
+    let all = || (0..plan.events.len()).map(|i| EventId(i as u32));
+    let mut valid: Vec<EventId> = match &program.order {
+        Some(order) => order.events.clone(),
+        None => all().filter(|&id| plan.event(id).valid).collect(),
+    };
+    valid.retain(|id| program.layout.cells[id.0 as usize].is_some());
     // The sort is stable: within a phase, the order does not change.
-    events.sort_by_key(|&id| plan.phase_of(id));
-    let events = events.into_iter().map(|id| {
-        let event = plan.event(id);
-        let location = event.location;
+    valid.sort_by_key(|&id| plan.phase_of(id));
+    let place = |location: SourceLocation| {
         let file = checked.sources.file(location.file);
+        json!({
+            "is_own": file.name == NAME,
+            "start": file.offset(location.span.start),
+            "end": file.offset(location.span.end),
+        })
+    };
+    let event = |id: EventId| {
+        let event = plan.event(id);
         let (parent, face) = match event.kind {
             EventKind::Capture { parent, face } => (Some(parent), Some(face)),
             EventKind::Release => (None, None),
         };
-        json!({
-            "id": id,
-            "phase": plan.phase_of(id),
-            "role": event.role,
-            "parent": parent,
-            "face": face,
-            "cell": parent.and(program.layout.cells[id.0 as usize]),
-            "is_own": file.name == NAME,
-            "start": file.offset(location.span.start),
-            "end": file.offset(location.span.end),
-            "text": plan.describe(id, &checked.symbols),
-        })
+        let mut value = place(event.location);
+        value["id"] = json!(id);
+        value["phase"] = json!(plan.phase_of(id));
+        value["role"] = json!(event.role);
+        value["parent"] = json!(parent);
+        value["face"] = json!(face);
+        value["cell"] = json!(parent.and(program.layout.cells[id.0 as usize]));
+        value["text"] = json!(plan.describe(id, &checked.symbols));
+        value
+    };
+    let seeds = plan.seeds.iter().map(|seed| {
+        let mut value = place(seed.location);
+        value["role"] = json!(seed.role);
+        value
     });
-    let events: Vec<Value> = events.collect();
+    let tables = program.tables.as_ref().or(program.stuck.as_ref());
     json!({
-        "events": events,
+        "is_partial": tables.is_none(),
+        "events": valid.into_iter().map(event).collect::<Vec<_>>(),
+        "wrong": all().filter(|&id| !plan.event(id).valid).map(event).collect::<Vec<_>>(),
+        "seeds": seeds.collect::<Vec<_>>(),
         "about": {
             "program": plan.name,
             "scene": scene,
-            "shell": shell_json(scene, &tables.plate),
-            "tables": table_json(tables),
-            "graph": graph_json(&program.event_graph(), tables),
+            "shell": shell_json(scene, &plan.plate),
+            "tables": match tables {
+                Some(tables) => json!(table_json(tables)),
+                None => blocks(checked, plan),
+            },
+            "graph": match tables {
+                Some(tables) => json!(graph_json(&program.event_graph(), tables)),
+                None => json!({ "phases": [] }),
+            },
         },
+    })
+}
+
+/// Returns the blocks and phases of a program without event tables, in the format of the tables.
+fn blocks(checked: &Checked, plan: &ExpandedProgram) -> Value {
+    let blocks = (0..plan.roles.count()).map(|i| {
+        let role = RoleId(i as u32);
+        // The first roles are the seeds.
+        let seed = plan.seeds.get(i);
+        json!({
+            "name": plan.roles.name(role, &checked.symbols),
+            "seed": seed.map(|seed| seed.cell),
+            "duties": [],
+        })
+    });
+    let phases = plan.phases.iter();
+    let phases =
+        phases.map(|phase| json!({ "name": phase.name, "pre_attached": phase.pre_attached }));
+    json!({
+        "plate": plan.plate,
+        "blocks": blocks.collect::<Vec<_>>(),
+        "phases": phases.collect::<Vec<_>>(),
     })
 }
 

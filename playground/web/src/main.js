@@ -281,17 +281,41 @@ function drawAssemblies() {
 function drawStructure() {
   const program = current();
   const isGood = program?.structure && !errors().length;
-  if (program?.structure) state.good = { program, text: state.checked };
+  const messages = program?.structure ? concerned(program.structure) : new Map();
+  // Without event tables, the structure is incomplete. It is shown if it shows the place of an error.
+  const isShown = program?.structure && (!program.structure.is_partial || messages.size > 0);
+  if (isShown) state.good = { program, text: state.checked };
   element('run').disabled = element('start').disabled = !isGood;
-  const warning = isGood ? '' : program?.structure ? 'This program has errors, so a run can get stuck.' : state.good ? 'The program has errors. This is an earlier version.' : '';
+  const warning = isGood ? '' : isShown ? 'The program has errors. Blocks with ⚠ show where.' : state.good ? 'The program has errors. This is an earlier version.' : '';
   element('stale').textContent = warning;
   element('stale').hidden = !warning || state.tab !== 'structure';
   if (state.tab !== 'structure') return;
   empty(null);
   if (program?.kind === 'aggregate') return empty('An aggregate has no planned structure. Press Run to watch it.', isGood ? node('button', { className: 'primary', onclick: () => run() }, '▶ Run') : null);
-  if (program?.structure) return stage.structure(program.structure);
+  if (isShown) return stage.structure(program.structure, messages);
   if (!state.good) return empty(errors().length ? 'The structure appears here when the program has no errors.' : 'Nothing to show yet.');
-  if (stage.shown?.kind !== 'structure') stage.structure(state.good.program.structure);
+  if (stage.shown?.kind !== 'structure') stage.structure(state.good.program.structure, new Map());
+}
+
+/** Returns the captures and seeds of a structure that diagnostics concern, each with a message. */
+function concerned({ events, wrong, seeds, about }) {
+  const found = new Map();
+  const name = ({ role }) => `\`${about.tables.blocks[role].name}\``;
+  const captures = events.filter(({ cell }) => cell);
+  for (const { severity, title, labels } of state.check.diagnostics) {
+    const message = `${severity}: ${title.replaceAll('`', '')}`;
+    const at = (all, { start, end }) => all.filter(it => it.is_own && it.start <= start.offset && end.offset <= it.end);
+    const own = labels.filter(isOwn);
+    // The first label is the most important one. A wrong capture has no block, but its parent has.
+    let places = own.map(label => at([...captures, ...seeds], label)).find(places => places.length) ?? [];
+    if (!places.length) {
+      const parents = new Set(own.flatMap(label => at(wrong, label)).map(({ parent }) => parent));
+      places = [...captures, ...seeds].filter(({ role }) => parents.has(role));
+    }
+    const named = places.filter(it => title.includes(name(it)));
+    for (const it of named.length ? named : places) if (!found.has(it) || severity === 'error') found.set(it, message);
+  }
+  return found;
 }
 
 function empty(words, button = null) {
@@ -372,9 +396,11 @@ function told({ kind, player, history, scene, growing, recording }) {
   element('tick').value = String(tick);
   element('play').textContent = player.playing ? '❚❚' : '▶';
   element('play').setAttribute('aria-label', player.playing ? 'pause' : 'play');
+  const message = stage.message;
+  element('caption').classList.toggle('warned', message !== undefined);
   if (kind === 'structure') {
     element('now').textContent = `event ${tick} of ${player.end}`;
-    element('caption').textContent = tick ? recording.texts[tick - 1] : 'before the first event';
+    element('caption').textContent = message ?? (tick ? recording.texts[tick - 1] : 'before the first event');
     return;
   }
   const seconds = tick * stage.shown.about.scene.tick;
@@ -697,6 +723,12 @@ async function start() {
     close: () => element('dialog').close(),
     stop: () => { stage.shown.growing = false; stopKeeping(); },
     cancel: () => state.ensemble?.stop(),
+    arrows: () => {
+      stage.arrows = !stage.arrows;
+      element('arrows').setAttribute('aria-pressed', stage.arrows);
+      if (stage.shown) stage.shown.scene.arrows = stage.arrows;
+      stage.wake();
+    },
     play: player(it => it.toggle()),
     previous: player(it => (stage.shown.kind === 'structure' ? it.jump(it.tick - 1) : it.event(-1, false))),
     next: player(it => (stage.shown.kind === 'structure' ? it.jump(it.tick + 1) : it.event(1, false))),

@@ -19,19 +19,30 @@ export class Stage {
     /** Shown structure or run: `{ kind, about, recording, history, scene, player }`. */
     this.shown = null;
     this.camera = null;
+    /** Whether captures of structures have arrows. */
+    this.arrows = true;
+    /** Block under the pointer. */
+    this.pointed = null;
     const camera = new Proxy({}, { get: (_, name) => this.camera[name]?.bind?.(this.camera) ?? this.camera[name] });
-    steer(this.canvas, camera, () => this.wake(), ({ x, y }) => {
-      if (!this.shown) return;
+    const at = ({ clientX, clientY, x = clientX, y = clientY }) => {
       const box = this.canvas.getBoundingClientRect();
-      this.select(this.shown.scene.pick(x - box.left, y - box.top), true);
+      return this.shown?.scene.pick(x - box.left, y - box.top) ?? null;
+    };
+    steer(this.canvas, camera, () => this.wake(), place => this.select(at(place), true));
+    this.canvas.addEventListener('pointermove', event => {
+      if (!event.buttons && this.shown?.scene.marked.size) this.point(at(event));
     });
+    this.canvas.addEventListener('pointerleave', () => this.point(null));
     this.canvas.addEventListener('keydown', event => this.key(event));
     new ResizeObserver(() => this.wake()).observe(this.canvas);
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.wake());
   }
 
-  /** Shows a structure at its last event, or at the tick where the reader was. */
-  structure(structure) {
+  /**
+   * Shows a structure at its last event, or at the tick where the reader was. `messages` are the diagnostics of captures
+   * and seeds.
+   */
+  structure(structure, messages) {
     const { about } = structure;
     const recording = new this.Steps(structure);
     const before = this.shown?.kind === 'structure' && this.shown.about.program === about.program ? this.shown : null;
@@ -39,6 +50,9 @@ export class Stage {
     this.show('structure', about, recording);
     const { player, scene } = this.shown;
     scene.clouds = 2;
+    scene.arrows = this.arrows;
+    const bodies = new Map(recording.origin.map((event, body) => [event, body]));
+    for (const [it, message] of messages) scene.marked.set(bodies.get(it) ?? -1 - it.role, message);
     // More names would hide the structure.
     scene.named = recording.bodies <= MANY_NAMES;
     player.speed = 1;
@@ -114,6 +128,18 @@ export class Stage {
     const old = this.camera;
     if (old && !old.isFirst && old.middle.join() === camera.middle.join()) camera.view = old.view;
     this.camera = camera;
+  }
+
+  point(body) {
+    if (this.pointed === body) return;
+    this.pointed = body;
+    this.wake();
+  }
+
+  /** Returns the diagnostic of the block under the pointer, or of the selected block. */
+  get message() {
+    const { marked, selected } = this.shown.scene;
+    return marked.get(this.pointed) ?? marked.get(selected);
   }
 
   select(body, isOwn = false) {

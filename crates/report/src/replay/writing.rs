@@ -31,6 +31,7 @@ const SCRIPT: &[&str] = &[
     include_str!("page/painter.js"),
     include_str!("page/sheet.js"),
     include_str!("page/axes.js"),
+    include_str!("page/arrows.js"),
     include_str!("page/labels.js"),
     include_str!("page/sight.js"),
     include_str!("page/cloud.js"),

@@ -1,11 +1,9 @@
-// Names and axes on sheets above the arena.
-
-/** Largest number of named blocks. Above it, names behind other blocks are drawn as well. */
-const MANY = 400;
+// Names, arrows and axes on sheets above the arena.
 
 class Labels {
   /** `holder` contains the sheets and is as large as the arena. */
   constructor(holder) {
+    this.arrows = new Sheet(holder, 'arrows');
     this.names = new Sheet(holder, 'names');
     this.axes = new Sheet(holder, 'axes');
   }
@@ -25,9 +23,12 @@ class Labels {
     const around = `${view.join()} ${width} ${height} ${scale} ${look.ink}`;
     if (around !== this.around) drawAxes(this.axes, scene.camera, { width, height }, scene.about.scene.block.side, look, scale);
     const who = blocks.map(({ body }) => (body === null ? '' : `${body} ${scene.history.nameAt(body, scene.tick)}`));
-    const key = `${around} ${scene.named} ${moves ? scene.tick : ''} ${who.join()}`;
+    const key = `${around} ${scene.named} ${scene.arrows} ${[...scene.marked.keys()]} ${moves ? scene.tick : ''} ${who.join()}`;
     const eye = scene.camera.eye;
-    if (key !== this.key) this.shown = visible(scene, view, blocks, opaque, eye);
+    if (key !== this.key) {
+      this.shown = visible(scene, view, blocks, opaque, eye);
+      drawArrows(this.arrows, scene, view, scene.arrows ? scene.captures() : [], opaque, look, scale);
+    }
     const faint = this.shown.map(({ block, middle }) => hidden(middle, block, glass, eye));
     if (key === this.key && faint.join() === this.faint) return;
     Object.assign(this, { around, key, faint: faint.join() });
@@ -55,9 +56,10 @@ class Labels {
     pen.globalAlpha = 1;
   }
 
-  /** Draws names and axes onto a picture that is as large as the arena. */
+  /** Draws names, arrows and axes onto a picture that is as large as the arena. */
   paint(pen) {
     this.axes.paint(pen);
+    this.arrows.paint(pen);
     this.names.paint(pen);
   }
 
@@ -70,13 +72,15 @@ class Labels {
 /** Returns the visible names and their positions, the nearest last. */
 function visible(scene, view, blocks, opaque, eye) {
   const shown = [];
-  const named = scene.named ? blocks.filter(block => block.named) : [];
+  const named = blocks.filter(({ named, body }) => named && (scene.named || scene.marked.has(body)));
   for (const block of named) {
     // Only the upper side of a block of the plate is visible.
     const middle = block.body < 0 ? add(block.centre, [0, 0, 0.5]) : block.centre;
     const at = scene.screen(middle, view);
-    if (!at || at.scale < 13 || (named.length <= MANY && hidden(middle, block, opaque, eye))) continue;
-    shown.push({ block, middle, body: block.body, text: scene.history.nameAt(block.body, scene.tick), ...at });
+    const isMarked = scene.marked.has(block.body);
+    if (!at || at.scale < SMALLEST || (!isMarked && named.length <= MANY && hidden(middle, block, opaque, eye))) continue;
+    const name = scene.history.nameAt(block.body, scene.tick);
+    shown.push({ block, middle, body: block.body, text: isMarked ? `⚠ ${name}` : name, ...at });
   }
   return shown.sort((a, b) => a.scale - b.scale);
 }

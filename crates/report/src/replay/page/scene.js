@@ -23,6 +23,10 @@ class Scene {
     /** Display of free blocks: 0 is faint, 1 is solid, 2 is hidden. */
     this.clouds = 0;
     this.named = true;
+    /** Whether each capture has an arrow. */
+    this.arrows = false;
+    /** Blocks with a warning sign, and their messages. */
+    this.marked = new Map();
     /** Whether cells are shown that are still empty. */
     this.aimed = true;
     this.target = target(about);
@@ -132,6 +136,16 @@ class Scene {
     this.labels.draw(this, view, { blocks: [...solid.filter(({ named }) => named), ...chosen], opaque, glass, moves }, look, sharp);
   }
 
+  /** Returns the blocks of the structure that were captured, with their parents. */
+  captures() {
+    const blocks = new Map(this.solid.map(block => [block.body, block]));
+    return this.solid.flatMap(child => {
+      const hold = child.body >= 0 && this.history.holdAt(child.body, this.tick);
+      const parent = hold && blocks.get(hold.of);
+      return parent ? [{ parent, child }] : [];
+    });
+  }
+
   /** Writes the visible opaque blocks for the painter. Returns their number, and the number of them that are small. */
   fillSolid(sight) {
     const seen = this.solid.filter(({ centre }) => sight.has(centre));
@@ -140,7 +154,7 @@ class Scene {
       this.numbers.set(turn, at + 3);
       this.numbers.set(rgb(colour), at + 7);
       this.numbers[at + 10] = 1;
-      this.numbers[at + 11] = body !== null && body === this.selected ? 1 : 0;
+      this.numbers[at + 11] = body !== null && body === this.selected ? 1 : this.marked.has(body) ? 2 : 0;
     });
   }
 

@@ -3,6 +3,10 @@
 
 /** Step in which sheets grow and shrink [px]. A large step avoids frequent changes of the size. */
 const GRAIN = 64;
+/** Largest number of names, and of arrows. Above it, those behind blocks are drawn as well. */
+const MANY = 400;
+/** Smallest size of a block with a name or an arrow [px]. */
+const SMALLEST = 13;
 
 class Sheet {
   /** `holder` is as large as the arena and contains only sheets. */
