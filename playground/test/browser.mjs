@@ -259,14 +259,27 @@ await test('a MagicaVoxel file is drawn', async () => {
     return Buffer.concat([head, content, children]);
   };
   const words = (...numbers) => Buffer.from(new Uint32Array(numbers).buffer);
-  const voxels = Buffer.from([0, 0, 0, 1, 1, 0, 0, 1, 1, 0, 1, 1]);
-  const main = chunk('MAIN', Buffer.alloc(0), Buffer.concat([chunk('SIZE', words(3, 3, 3)), chunk('XYZI', Buffer.concat([words(3), voxels]))]));
+  const cells = Buffer.from([0, 0, 0, 1, 1, 0, 0, 1, 1, 0, 1, 1]);
+  const main = chunk('MAIN', Buffer.alloc(0), Buffer.concat([chunk('SIZE', words(3, 3, 3)), chunk('XYZI', Buffer.concat([words(3), cells]))]));
+  const voxels = Buffer.concat([Buffer.from('VOX '), words(150), main]);
   await page.click('#draw');
-  await page.setInputFiles('.plan input[type=file]', { name: 'step.vox', mimeType: 'application/octet-stream', buffer: Buffer.concat([Buffer.from('VOX '), words(150), main]) });
+  await page.setInputFiles('.plan input[type=file]', { name: 'step.vox', mimeType: 'application/octet-stream', buffer: voxels });
   await page.waitForFunction(() => document.querySelector('.plan output').textContent === '3 blocks');
   await page.setInputFiles('.plan input[type=file]', { name: 'text.vox', mimeType: 'text/plain', buffer: Buffer.from('no voxels') });
   await page.waitForFunction(() => /cannot be read/.test(document.querySelector('.plan [role=status]').textContent));
   await page.keyboard.press('Escape');
+  // A file that is opened in the page gets a program at once.
+  const file = { name: 'step.vox', mimeType: 'application/octet-stream', buffer: voxels };
+  await checked(() => page.setInputFiles('#file', file));
+  assert.match(await page.textContent('#problems'), /3 captures/);
+  await go('');
+  await checked(() => page.evaluate(bytes => {
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([new Uint8Array(bytes)], 'step.vox'));
+    document.body.dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
+  }, [...voxels]));
+  assert.equal(await page.textContent('#file-name'), 'step.sa');
+  assert.match(await page.textContent('#problems'), /3 captures/);
 });
 
 await test('a hostile program in a link does no harm', async () => {

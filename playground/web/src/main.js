@@ -566,20 +566,20 @@ async function explain(code) {
 }
 
 function gallery() {
+  // Free blocks have no structure to draw.
+  const places = [[20, 40, 10], [60, 25, 50], [95, 60, 25], [112, 60, 25], [150, 30, 70], [140, 80, 40], [45, 80, 65]];
+  const free = `<svg xmlns="http://www.w3.org/2000/svg" width="180" height="106">${places.map(([x, y, turn]) => `<rect x="-8" y="-8" width="16" height="16" fill="#8a94a6" stroke="#fff" transform="translate(${x} ${y}) rotate(${turn})"/>`).join('')}</svg>`;
   const cards = Object.entries(EXAMPLES).map(([name, [title, words, picture]]) => {
-    const image = picture ? node('img', { alt: '', src: `data:image/svg+xml,${encodeURIComponent(pictures[picture])}` }) : '';
+    const image = node('img', { alt: '', src: `data:image/svg+xml,${encodeURIComponent({ ...pictures, free }[picture])}` });
     return node('button', { onclick: () => { element('dialog').close(); openExample(name); } }, node('span', { className: 'picture' }, image), node('b', {}, title), node('small', {}, words));
   });
   dialog('Examples', node('div', { className: 'gallery' }, ...cards));
 }
 
 function drawShape() {
-  const open = (text, notes) => {
-    element('dialog').close();
-    openProgram(text, 'drawing.sa');
-    if (notes.length) toast(`Planned. ${notes.join('. ')}.`);
-  };
-  dialog('Draw a structure', planner({ node, call: request => runner.call(request), open }));
+  // A run would delay the plan.
+  stopAll();
+  dialog('Draw a structure', planner({ node, call: request => runner.call(request), open: plan => openPlan(plan, 'drawing.sa') }));
 }
 
 function lessons() {
@@ -595,9 +595,29 @@ function download(text, name, type) {
 }
 
 async function openFile(file) {
+  if (/\.vox$/i.test(file.name)) return planVoxels(file);
   if (file.size > 1 << 20) return toast('This file is larger than 1 MiB.');
   openProgram(await file.text(), file.name);
   history.replaceState(null, '', location.pathname + location.search);
+}
+
+/** Opens a planned program for the shape in a MagicaVoxel file. */
+async function planVoxels(file) {
+  stopAll();
+  toast('Planning …');
+  try {
+    const vox = [...new Uint8Array(await file.arrayBuffer())];
+    openPlan(await runner.call({ call: 'plan', drawing: { vox } }), file.name.replace(/vox$/i, 'sa'));
+  } catch (error) {
+    toast(`${file.name} cannot be planned: ${error.message}`);
+  }
+}
+
+function openPlan({ text, notes }, name) {
+  element('dialog').close();
+  openProgram(text, name);
+  history.replaceState(null, '', location.pathname + location.search);
+  toast(['Planned', ...notes].map(sentence => `${sentence}.`).join(' '));
 }
 
 async function share() {

@@ -4,7 +4,7 @@
 const MIN = 3, MAX = 16;
 
 /**
- * Returns the content of the dialog. `node` creates elements. `call(request)` asks the engine. `open(text, notes)` opens the planned
+ * Returns the content of the dialog. `node` creates elements. `call(request)` asks the engine. `open(plan)` opens the planned
  * program.
  */
 export function planner({ node, call, open }) {
@@ -118,8 +118,7 @@ export function planner({ node, call, open }) {
     plan.disabled = true;
     status.textContent = 'Planning …';
     try {
-      const { text: program, notes } = await call({ call: 'plan', drawing: { layers: text() } });
-      open(program, notes);
+      open(await call({ call: 'plan', drawing: { layers: text() } }));
     } catch (error) {
       status.textContent = `There is no plan: ${error.message}`;
       plan.disabled = false;
@@ -141,6 +140,8 @@ export function planner({ node, call, open }) {
   body.addEventListener('dragover', event => event.preventDefault());
   body.addEventListener('drop', event => {
     event.preventDefault();
+    // The page would open the file as well.
+    event.stopPropagation();
     if (event.dataTransfer.files[0]) drop(event.dataTransfer.files[0]);
   });
   draw();
