@@ -22,6 +22,7 @@ examples! {
     "suction_growth.sa"
     "microns.sa"
     "lab/bowl.sa"
+    "lab/tank.sa"
     "planned/chair.sa"
     "planned/five_towers.sa"
     "planned/serpentine.sa"

@@ -37,11 +37,12 @@ const EXAMPLES = {
   'planned/chair.sa': ['Chair', 'Written by the planner for a drawn shape.', 'chair'],
   'planned/serpentine.sa': ['Serpentine', 'Planned with scaffolds, which are removed again.', 'serpentine'],
   'lab/bowl.sa': ['Laboratory bowl', 'The gate in a tank of one’s own, in two orders.', 'bowl'],
+  'lab/tank.sa': ['Stirred tank', 'Suction valves in a stirred cylinder of water.', 'tank'],
   'microns.sa': ['Micrometres', 'Cubes of 10 µm in water, moved by heat only.', 'microns'],
   'suction_growth.sa': ['Suction', 'A cross with four open valves at once, or one after the other.', 'suction_growth'],
   'experiment_1.sa': ['Recapture in oil', 'A block is rejected and captured by another face.', 'experiment_1'],
   'experiment_3.sa': ['Recapture by suction', 'A valve holds a block and releases it. Another valve captures it.', 'experiment_1'],
-  'experiment_2.sa': ['Free blocks', 'Free blocks in stirred oil find each other.', null],
+  'experiment_2.sa': ['Free blocks', 'Free blocks in stirred oil find each other.', 'free'],
 };
 
 const state = {
