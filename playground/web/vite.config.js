@@ -34,16 +34,30 @@ function pictures() {
     resolveId: id => (id === 'virtual:pictures' ? '\0pictures' : null),
     load(id) {
       if (id !== '\0pictures') return null;
-      const names = ['gate', 'line', 'open_platform', 'closed_platform', 'five_tower', 'five_tower_reconfigured', 'experiment_1', 'suction_growth', 'microns', 'bowl', 'chair', 'serpentine'];
+      const names = ['gate', 'line', 'open_platform', 'closed_platform', 'five_tower', 'five_tower_reconfigured', 'experiment_1', 'suction_growth', 'microns', 'bowl', 'tank', 'chair', 'serpentine'];
       const all = names.map(name => [name, readFileSync(`${folder}/${name}.svg`, 'utf8')]);
       return `export default ${JSON.stringify(Object.fromEntries(all))};`;
     },
   };
 }
 
+/** Exports the keywords and unit symbols of the grammar. */
+function words() {
+  const grammar = readFileSync(path('../../grammar/src/sa.pest'), 'utf8');
+  const strings = rule => [...(grammar.match(new RegExp(`^${rule} *= *(.*)$`, 'm'))?.[1] ?? '').matchAll(/"([^"]+)"/g)].map(([, word]) => JSON.parse(`"${word.replace(/\\u\{(\w+)\}/g, (_, code) => `\\u${code.padStart(4, '0')}`)}"`));
+  const keywords = [...grammar.matchAll(/^kw_\w+ *= *@\{ "(\w+)"/gm)].map(([, word]) => word);
+  const lists = { KEYWORDS: [...keywords, ...strings('verdict')], PREFIXES: strings('unit_prefix'), UNITS: strings('unit_base') };
+  for (const [name, list] of Object.entries(lists)) if (!list.length) throw new Error(`the grammar has no ${name}`);
+  return {
+    name: 'words',
+    resolveId: id => (id === 'virtual:words' ? '\0words' : null),
+    load: id => (id === '\0words' ? Object.entries(lists).map(([name, list]) => `export const ${name} = ${JSON.stringify(list)};`).join('\n') : null),
+  };
+}
+
 export default defineConfig({
   base: './',
-  plugins: [viewer(), pictures()],
+  plugins: [viewer(), pictures(), words()],
   worker: { format: 'es' },
   logLevel: 'warn',
   build: { chunkSizeWarningLimit: 1000, outDir: '../dist', emptyOutDir: true, assetsInlineLimit: 0, target: 'es2022', modulePreload: false },

@@ -3,6 +3,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::Code;
 use stochc_ir::record::RunRecord;
+use stochc_ir::scene::schema::CLAUSES;
 use stochc_runtime::Model;
 use stochc_text::palette;
 
@@ -16,7 +17,7 @@ use crate::run::{self, RunRequest};
 #[derive(Deserialize)]
 #[serde(tag = "call", rename_all = "snake_case")]
 enum Request {
-    /// Requests the examples, palette, version and models.
+    /// Requests the examples, palette, version, models and clauses of scenes.
     About,
     /// Requests the diagnostics of a program, and its structure.
     Check { text: String },
@@ -94,6 +95,7 @@ fn about() -> Value {
         "version": env!("CARGO_PKG_VERSION"),
         "examples": examples.collect::<Vec<_>>(),
         "models": models.collect::<Vec<_>>(),
+        "terms": CLAUSES.iter().map(|clause| clause.word).collect::<Vec<_>>(),
         "palette": serde_json::from_str::<Value>(&palette::json()).ok(),
     })
 }

@@ -35,10 +35,10 @@ export function units(text) {
 
 export class Editor {
   /**
-   * Calls `changed` after edits, and `moved` with the offset of the cursor. `names` are offered for completion.
-   * `hover` returns the description of an offset.
+   * Calls `changed` after edits, and `moved` with the offset of the cursor. `names` and `terms` are offered for
+   * completion. `hover` returns the description of an offset.
    */
-  constructor(parent, { changed, moved, names, hover, run, format }) {
+  constructor(parent, { changed, moved, names, terms, hover, run, format }) {
     const command = act => () => {
       act();
       return true;
@@ -46,8 +46,8 @@ export class Editor {
     this.quiet = new Compartment();
     this.extensions = [
       lineNumbers(), highlightActiveLineGutter(), lintGutter(), history(), drawSelection(), indentOnInput(), bracketMatching(), closeBrackets(), highlightActiveLine(),
-      indentUnit.of('    '), EditorState.tabSize.of(4), stochc(), syntaxHighlighting(colours),
-      autocompletion({ override: [completion(names)] }),
+      indentUnit.of('    '), EditorState.tabSize.of(4), stochc(terms), syntaxHighlighting(colours),
+      autocompletion({ override: [completion(names, terms)] }),
       hoverTooltip((_, position) => {
         const found = hover(position);
         return found && {

@@ -1,14 +1,15 @@
 // Highlighting and completion of programs.
 import { LanguageSupport, StreamLanguage } from '@codemirror/language';
+import { KEYWORDS, PREFIXES, UNITS } from 'virtual:words';
 
 /** Keywords that begin statements and declarations. */
-const HEADS = ['assembly', 'aggregate', 'pattern', 'scene', 'shape', 'phase', 'seed', 'plate', 'layer', 'import', 'for', 'let'];
-const WORDS = ['after', 'allow', 'as', 'at', 'deny', 'from', 'in', 'release', 'timeout', 'to', 'warn', 'yields'];
+const HEADS = new Set(['assembly', 'aggregate', 'pattern', 'scene', 'shape', 'phase', 'seed', 'plate', 'layer', 'import', 'for', 'let']);
+const WORDS = new Set(KEYWORDS);
 const FACES = ['up', 'down', 'north', 'south', 'east', 'west'];
-const TERMS = ['tick', 'block', 'free', 'enclosure', 'gravity', 'fluid', 'flow', 'agitation', 'contact', 'bond', 'messages'];
-const UNITS = /^(ticks?|s|min|h|ms|mm|cm|m|um|nm|kg|g|mg|ng|N|mN|nN|fN|K|Pa|mPa|rev|deg|rad)\b/;
+const UNIT = new RegExp(`^[ \\t]*(?:(?:${PREFIXES.join('|')})?(?:${UNITS.join('|')})(?![A-Za-z0-9_]))`);
 
-const language = StreamLanguage.define({
+/** `terms` are the words that begin the clauses of scenes. */
+const language = terms => StreamLanguage.define({
   name: 'stochc',
   startState: () => ({ shape: 0, depth: 0 }),
   token(stream, state) {
@@ -18,7 +19,7 @@ const language = StreamLanguage.define({
     if (stream.match(/^"(?:[^"\\]|\\.)*"?/)) return 'string';
     if (stream.match(/^->>?/)) return 'controlOperator';
     if (stream.match(/^\d+(?:\.\d+)?(?:e[+-]?\d+)?/)) {
-      stream.match(UNITS) || stream.match('%');
+      stream.match(UNIT);
       return 'number';
     }
     if (stream.match(/^\.\.|^[{}()[\],.+*/%=<>-]/)) return 'punctuation';
@@ -28,10 +29,10 @@ const language = StreamLanguage.define({
       stream.next();
       return null;
     }
-    if (HEADS.includes(word)) return 'keyword';
-    if (WORDS.includes(word)) return 'modifier';
+    if (HEADS.has(word)) return 'keyword';
+    if (WORDS.has(word)) return 'modifier';
     if (FACES.includes(word) && stream.string[stream.start - 1] === '.') return 'propertyName';
-    if (TERMS.includes(word)) return 'typeName';
+    if (terms.includes(word)) return 'typeName';
     return 'variableName';
   },
   languageData: { commentTokens: { line: '//' }, closeBrackets: { brackets: ['(', '[', '{', '"'] }, indentOnInput: /^\s*\}$/ },
@@ -43,10 +44,10 @@ const language = StreamLanguage.define({
   },
 });
 
-export const stochc = () => new LanguageSupport(language);
+export const stochc = terms => new LanguageSupport(language(terms));
 
-/** Returns a completion source. It offers faces after a dot, otherwise keywords and the names of the program. */
-export const completion = names => context => {
+/** Returns a completion source. It offers faces after a dot. Elsewhere, it offers keywords, `terms` and names of the program. */
+export const completion = (names, terms) => context => {
   const face = context.matchBefore(/\.\w*/);
   if (face) return { from: face.from + 1, options: FACES.map(label => ({ label, type: 'property' })), validFor: /^\w*$/ };
   const word = context.matchBefore(/[\p{L}_][\p{L}\p{N}_]*/u);
@@ -54,7 +55,7 @@ export const completion = names => context => {
   const known = [...new Set([...names(), ...(context.state.doc.toString().match(/\b[A-Z][A-Za-z0-9_]*\b/g) ?? [])])];
   const options = [
     ...known.filter(name => name !== word?.text).map(label => ({ label, type: 'variable', boost: 1 })),
-    ...[...HEADS, ...WORDS].map(label => ({ label, type: 'keyword' })),
+    ...[...KEYWORDS, ...terms].map(label => ({ label, type: 'keyword' })),
   ];
   return { from: word?.from ?? context.pos, options, validFor: /^[\p{L}\p{N}_]*$/u };
 };

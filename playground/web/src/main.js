@@ -724,7 +724,7 @@ async function start() {
   colours();
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', colours);
   editor = new Editor(element('editor'), {
-    changed, run: () => run(), format, hover,
+    changed, run: () => run(), format, hover, terms: about.terms,
     names: () => (state.good?.program.structure.about.tables.blocks ?? []).map(({ name }) => name.replace(/\[.*/, '')),
     moved(offset) {
       if (!state.good || state.good.text !== editor?.text || state.tab !== 'structure') return;
