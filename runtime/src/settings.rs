@@ -299,7 +299,7 @@ impl Settings {
         self.solver_iterations.unwrap_or(usual).max(1)
     }
 
-    /// Returns the settings with all defaults filled in. Two settings compute the same if the
+    /// Returns the settings with all defaults filled in. Two settings give the same runs if the
     /// results of this function are equal.
     #[must_use]
     pub fn resolved(&self) -> Settings {

@@ -16,7 +16,7 @@ const FINER: u32 = 64;
 /// Number of experiments of each kind, starting at different moments of a step.
 const CASES: u32 = 32;
 
-/// Steps after which an experiment is abandoned.
+/// Number of steps after which an experiment is abandoned.
 const PATIENCE: u32 = 100_000;
 
 /// Result of an experiment, averaged over 32 starting moments within a step.

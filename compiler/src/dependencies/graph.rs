@@ -15,6 +15,7 @@ use crate::shapes::layout::Layout;
 /// stay within a phase, because a phase starts after the end of the previous one.
 pub type DependencyGraph = DiGraph<EventId, LocatedDependency, u32>;
 
+/// Reason why an event waits for another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LocatedDependency {
     /// A block must be attached before it captures or is released.

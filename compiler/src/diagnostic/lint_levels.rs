@@ -102,7 +102,7 @@ struct Set {
     used: bool,
 }
 
-/// A block of statements that contains statements that set levels.
+/// Block of statements that directly contains statements that set levels.
 #[derive(Debug)]
 struct LintScope {
     span: Span,

@@ -43,8 +43,9 @@ const MAX_SHOWN: usize = 5;
 const FARTHEST: usize = 1_000;
 
 impl ReachAnalysis<'_> {
-    /// Returns the captures of a phase that enter through a gap in their worst order. In this
-    /// order, everything that does not depend on the capture happens first.
+    /// Returns the captures of a phase that enter through a gap if events happen in the worst order
+    /// for the capture. In this order, everything that does not depend on the capture happens
+    /// first.
     pub fn narrow(&mut self, events: &[EventId], descendants: &DescendantIndex) -> NarrowCaptures {
         let first = events.iter().map(|id| id.0).min().unwrap_or(0);
         // For each event, whether only its descendants can be above its cell.

@@ -30,6 +30,7 @@ pub struct Layout {
 /// Bond of a block to its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Attachment {
+    /// Name of the parent.
     pub parent: RoleId,
     /// Face of the parent, in the frame of the structure.
     pub face: Face,

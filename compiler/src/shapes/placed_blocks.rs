@@ -8,7 +8,9 @@ use crate::shapes::layout::Layout;
 /// A block of the structure, above the plate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlacedBlock {
+    /// Cell of the block.
     pub cell: Cell,
+    /// Name of the block.
     pub role: RoleId,
     /// Capture that attached the block.
     pub capture: EventId,

@@ -363,7 +363,7 @@ fn begin(path: &Path, mode: u32) -> io::Result<NamedTempFile> {
     }
 }
 
-/// Removes the name of the draft from an error, as it means nothing to users.
+/// Removes the name of the draft from an error, because the name means nothing to users.
 fn from_system(error: io::Error) -> io::Error {
     match error.to_string().split_once(" at path ") {
         Some((cause, _)) => io::Error::new(error.kind(), cause),

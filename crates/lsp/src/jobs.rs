@@ -70,7 +70,7 @@ impl<T: 'static> Jobs<T> {
     ///
     /// # Errors
     ///
-    /// If the system has no thread for it.
+    /// If the system cannot start a thread for the job.
     pub fn start(
         &mut self,
         work: impl FnOnce(Cancellation<'_>) -> Option<T> + Send + 'static,

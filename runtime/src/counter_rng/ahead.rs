@@ -23,7 +23,7 @@ pub struct DrawsAhead {
     all: Ahead<BLOCK>,
 }
 
-/// First words of several successive steps.
+/// Cache of the first `COUNT` words of [`LANES`] successive steps.
 #[derive(Clone, Debug)]
 struct Ahead<const COUNT: usize> {
     /// First step whose words are available. `None` if no words are available.

@@ -13,8 +13,8 @@ const CELLS: usize = SIDE.pow(3) as usize;
 /// Position of a chunk in the grid of chunks.
 type ChunkKey = [i32; 3];
 
-/// Size limit of a window: the number of chunks per requested cell or existing chunk, and the
-/// number of chunks in addition.
+/// Size limit of a window \[chunks\]. The first number applies per requested cell or existing
+/// chunk. The second number is added.
 const ROOM: (i64, i64) = (4, 512);
 
 /// Bit masks of the cells of a chunk between two coordinates along an axis. The indices are the

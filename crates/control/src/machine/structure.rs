@@ -268,7 +268,7 @@ impl<'t, M: Copy> Structure<'t, M> {
     }
 
     /// Returns the two ends of the contact between a block and its parent, and counts a message on
-    /// it. Returns `None` for a block of the plate.
+    /// this contact. Returns `None` for a block of the plate.
     pub(super) fn contact(&mut self, child: BlockSlot) -> Option<(Body, Body)> {
         let parent = self.slots.get(child)?.parent;
         let above = self.slots.get(parent)?.body;

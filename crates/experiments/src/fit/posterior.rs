@@ -188,7 +188,7 @@ fn resample(weights: &[f64], offset: f64) -> Vec<usize> {
         .collect()
 }
 
-/// Returns a matrix. It converts independent normal random numbers into random steps of suitable
+/// Returns a matrix that converts independent normal random numbers into random steps of suitable
 /// size between draws.
 fn step(draws: &[Vec<f64>]) -> DMatrix<f64> {
     let numbers = draws[0].len();

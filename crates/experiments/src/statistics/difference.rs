@@ -41,8 +41,8 @@ pub struct Difference {
     pub p_holm: f64,
     /// Sample with the significantly longer times.
     pub longer: Longer,
-    /// Number of runs of each program for detecting a difference of 5 % of the mean. It is detected
-    /// with a probability of 80 %. `None` if the mean is 0.
+    /// Number of runs of each program that detects a difference of 5 % of the mean with a
+    /// probability of 80 %. `None` if the mean is 0.
     pub runs_for_5_percent: Option<u64>,
 }
 

@@ -51,8 +51,8 @@ pub(super) struct Comparable {
     /// For each sample, one value per time, in the order of the times.
     pub values: [Vec<f64>; 2],
     /// Additional standard error of each mean. If no run completes before the horizon, all values
-    /// are equal. The only error is then the unknown share of runs that would complete. The error
-    /// is at most the error in the case that these runs complete at once.
+    /// are equal, and the only error is the unknown share of runs that would complete. This value
+    /// is an upper bound: it assumes that these runs would complete at once.
     pub unseen: [f64; 2],
     /// Horizon of the restricted means. `None` if all times are known.
     pub horizon: Option<f64>,

@@ -10,7 +10,7 @@ use stochc_grammar::BYTE_ORDER_MARK;
 use super::position::Encoding;
 use super::uri;
 
-/// Open texts by file path. Copies share their content. Only one thread changes it.
+/// Open texts by file path. Copies share their content. Only one thread changes the content.
 #[derive(Clone, Debug, Default)]
 pub struct Documents(Arc<Mutex<BTreeMap<String, Document>>>);
 

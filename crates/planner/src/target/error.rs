@@ -36,13 +36,13 @@ pub enum TargetError {
 pub struct LoosePart {
     /// Cells of the part, sorted.
     pub cells: Vec<Cell>,
-    /// Smallest set of additional cells that would support it, assuming the bridges of earlier
-    /// parts. `None` if there is none, or the search reached its limit.
+    /// Smallest set of additional cells that would support the part, assuming the bridges of
+    /// earlier parts. `None` if there is none, or the search reached its limit.
     pub bridge: Option<Vec<Cell>>,
 }
 
 impl LoosePart {
-    /// Returns whether it rests on the plate.
+    /// Returns whether the part rests on the plate.
     pub fn rests_on_plate(&self) -> bool {
         self.cells.iter().any(|cell| cell.z == 1)
     }

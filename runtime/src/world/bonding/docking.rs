@@ -49,7 +49,7 @@ pub(crate) struct ReleasedBlock<R: Real> {
     pub impulse: Vector3<R>,
 }
 
-/// Face that is on and holds nothing.
+/// Face that is on and has no attached block.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Active<R: Real> {

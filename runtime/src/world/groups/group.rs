@@ -46,7 +46,8 @@ impl BlockGroup {
         self.members.iter().map(motion).collect()
     }
 
-    /// Gives the members at these positions the motion of a rigid body.
+    /// Gives each member the velocity and spin that `body` has at the member's position. `there`
+    /// contains the present motions of the members, in the same order.
     pub(super) fn stiffen(&self, body: &RigidMotion, there: &[Motion], blocks: &mut impl Blocks) {
         for (member, motion) in self.members.iter().zip(there) {
             let (velocity, spin) = body.at(motion.position);

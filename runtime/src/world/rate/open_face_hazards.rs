@@ -284,8 +284,8 @@ impl OpenFaceHazards {
         f64::from(blocks) / f64::from(self.count.max(1))
     }
 
-    /// Updates the number of free blocks. Returns whether hazards must be computed for another
-    /// number.
+    /// Sets the number of blocks in the hazards to `free`, if `free` is larger or less than half as
+    /// large. Returns whether the number was set.
     pub fn follow(&mut self, free: u32) -> bool {
         if free <= self.reference_count && self.reference_count / 2 <= free {
             return false;

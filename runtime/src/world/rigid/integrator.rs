@@ -28,7 +28,8 @@ pub(super) struct Kernel<R: Lane> {
     neighbours: Option<NeighbourList<R>>,
     /// Local time steps. `None` if all blocks take the same steps.
     local: Option<LocalSteps<R>>,
-    /// Steady acceleration of rigid blocks \[block lengths / tick^2\]. Zero for other contacts.
+    /// Steady acceleration if contacts are rigid \[block lengths / tick^2\]. Zero for compliant
+    /// contacts.
     acceleration: Vector3<R>,
     limits: MotionLimits,
 }

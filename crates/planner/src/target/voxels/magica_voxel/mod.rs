@@ -142,7 +142,8 @@ impl<'a> VoxFile<'a> {
         }
     }
 
-    /// Returns the model of an instance that is built: the wanted one, or the only one with voxels.
+    /// Returns the model to build of an instance: the requested one, or the only one with voxels.
+    /// Returns `None` if the instance has no such model.
     fn chosen(
         &self,
         instance: &Instance<'_>,
