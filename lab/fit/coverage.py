@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures how often the 95 % intervals of `stochc fit` contain the true value if runs were stopped: the table of docs/guides/fit.md.
+"""Measures how often the 95 % intervals of `stochc fit` contain the true value if runs were stopped, for docs/validation/physics.md.
 
 `coverage.py STOCHC TRIALS LIMIT [RUNS]` makes TRIALS measurements of RUNS runs (100) of each program of `examples/fit/small.sa` with
 20 free blocks, stops the runs at LIMIT ticks, and fits `free`. Each measurement and each fit has its own seed.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares simulated planned programs with four naive ones: the table of docs/guides/planner.md.
+"""Compares simulated planned programs with four naive ones, for docs/validation/planner.md.
 
 run.py STOCHC FOLDER [--targets FOLDER] [--shapes a,b] [--race N] [--runs N] [--naive-runs N] [--max-ticks T] [--time T] [--threads N] [--minutes M]
 

@@ -2,7 +2,7 @@
 """Compares the waiting times and narrow access paths that `check` reports with simulated waiting times.
 
 `run.py STOCHC FOLDER` makes 20 runs of each program (some minutes on one core), and writes a row of the table in
-docs/concepts/proofs.md for each. Existing runs of the folder are not repeated.
+docs/validation/proofs-executed.md for each. Existing runs of the folder are not repeated.
 """
 import csv
 import math

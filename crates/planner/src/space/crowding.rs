@@ -1,11 +1,8 @@
 //! Faces that must not be open at the same time, because blocks jam between them.
 //!
-//! A block between two open faces is held by both. In simulations of the default scene it usually
-//! gets free, but not always. For two adjacent faces of the plate, one pair in 500 took more than
-//! 6000 ticks. For adjacent faces on towers and for faces across a corner, the fraction was one in
-//! several thousand. For three faces in a square of four cells it was one in 200, and for a full
-//! square on the plate one in four. Other scenes have not been measured, so two faces across a
-//! corner around a target cell count as jamming. Faces that share only a corner do not interfere.
+//! A block between two open faces is held by both and may jam. docs/validation/rates.md lists how
+//! often this happens. Unless `has_passable_corners` is set, two faces across a corner around a
+//! target cell count as jamming. Faces that share only a corner do not interfere.
 use stochc_ir::Face;
 
 use crate::space::sites::{NONE, Sites};

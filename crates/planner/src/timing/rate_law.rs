@@ -86,7 +86,7 @@ impl<'a> RateLaw<'a> {
     }
 
     /// Returns whether blocks are known to escape if two faces across a corner attract them. Equal
-    /// to [`Self::has_passable_gaps`], because both were tested only in the default scene.
+    /// to [`Self::has_passable_gaps`].
     pub(crate) fn has_passable_corners(&self) -> bool {
         self.has_passable_gaps
     }
