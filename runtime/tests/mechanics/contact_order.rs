@@ -216,7 +216,7 @@ const CHANCE: f64 = 0.01;
 #[test]
 fn errors_converge_as_documented() {
     let mut table = String::from(
-        "| collision | left | 1 step | 2 | 4 | 8 | 16 |\n|---|--:|--:|--:|--:|--:|--:|\n",
+        "| collision | energy left | 1 step | 2 | 4 | 8 | 16 |\n|---|--:|--:|--:|--:|--:|--:|\n",
     );
     for case in &CASES {
         let errors = errors(case);
