@@ -276,7 +276,7 @@ fn warns_of_walls_too_soft_for_buoyant_blocks() {
         assert_eq!(outcome.status, 0, "{}", outcome.err);
         let scene = &outcome.json()["scenes"][0];
         let groups = scene["groups"].as_array().unwrap();
-        let group = groups.iter().find(|it| it["symbol"] == "F / (k a), shell");
+        let group = groups.iter().find(|it| it["symbol"] == "F / (k a), wall");
         if depth.is_nan() {
             assert_eq!(group, None)
         } else {
@@ -320,7 +320,7 @@ fn the_reported_depth_in_the_wall_is_right() {
         let mut last = Last::default();
         observe(&tables, &scene, &settings, 5, 0, &mut watch, &mut last).unwrap();
         let distance = last.0.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // The radius of the shell is 10 block lengths.
+        // The radius of the enclosure is 10 block lengths.
         assert!(
             (distance - 10.0 - depth).abs() < 1e-3,
             "{distance} and {depth}"

@@ -1,5 +1,5 @@
 //! Checks of the drawings around the arena, for a tick and a view. These are axes, scale bar,
-//! overview, statements of the program, and blocks in the floor or outside of the shell.
+//! overview, statements of the program, and blocks in the floor or outside of the wall.
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
@@ -355,7 +355,7 @@ fn check_statements(page: &mut impl Page, recording: &Recording, tables: &Tables
     );
 }
 
-/// Checks the number of blocks in the floor and outside of the shell, and that each has an
+/// Checks the number of blocks in the floor and outside of the wall, and that each has an
 /// explanation.
 fn check_beyond(page: &mut impl Page, recording: &Recording) {
     let frames: Vec<_> = recording.frames().collect();
@@ -378,12 +378,10 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
             frame.places.iter().filter(sunk).count(),
             frame.places.iter().filter(out).count(),
         ];
-        let parts: Vec<String> = (counts
-            .iter()
-            .zip(["into the floor", "outside of the shell"]))
-        .filter(|(count, _)| **count > 0)
-        .map(|(count, words)| format!("{count} {words}"))
-        .collect();
+        let parts: Vec<String> = (counts.iter().zip(["into the floor", "outside of the wall"]))
+            .filter(|(count, _)| **count > 0)
+            .map(|(count, words)| format!("{count} {words}"))
+            .collect();
         let outcome = page.value(&format!(
             "replay.seek({}).then(() => document.getElementById('beyond').textContent)",
             frame.tick
@@ -397,10 +395,7 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
             )
         };
         assert_eq!(outcome, expected, "at {}", frame.tick);
-        for (kind, word) in ["into the floor", "outside of the shell"]
-            .iter()
-            .enumerate()
-        {
+        for (kind, word) in ["into the floor", "outside of the wall"].iter().enumerate() {
             let is_so = |place: &&[f64; 7]| if kind == 0 { sunk(place) } else { out(place) };
             let Some(body) = frame.places.iter().position(|place| is_so(&place)) else {
                 continue;

@@ -335,7 +335,7 @@ fn no_block_that_is_seen_is_left_out(browser: &mut impl Page) {
         assert_eq!(found["missing"], 0, "{view}: {found}");
         let pixels = found["pixels"].as_array().unwrap();
         assert!(pixels.len() > 3, "{view}: {found}");
-        // The pixel has the colour of free blocks, except at lines of the shell. The brightness
+        // The pixel has the colour of free blocks, except at lines of the wall. The brightness
         // depends on the light.
         let is_free = |pixel: &&Value| {
             let light = number(&pixel[0]) / free[0];

@@ -130,7 +130,7 @@ fn warns_of_soft_contacts_and_walls() {
             .collect();
         assert_eq!(found, expected, "{clauses}");
     }
-    // Eddies press blocks into the shell: at 0.1 m/s by inertia, at 1 m/s by drag.
+    // Eddies press blocks into the wall: at 0.1 m/s by inertia, at 1 m/s by drag.
     let mut tank = built_in("suction_tank").expect("a built-in scene");
     let symbols = |scene: &Scene| -> Vec<&'static str> {
         let all = scene_warnings(scene, Stepping::DEFAULT, None).into_iter();
@@ -142,7 +142,7 @@ fn warns_of_soft_contacts_and_walls() {
         panic!("eddies stir it");
     };
     turbulence.strength = stochc_ir::scene::Strength::Speed(3.0);
-    assert_eq!(symbols(&tank), ["F / (k a), shell", "v √(m/k) / a, shell"]);
+    assert_eq!(symbols(&tank), ["F / (k a), wall", "v √(m/k) / a, wall"]);
 }
 
 #[test]

@@ -62,12 +62,12 @@ fn dimensionless_numbers_of_the_default_scene() {
             ("j / v", 0.096371),
             ("F τ² / (m d)", 6.0),
             ("F r / (m v² / 2)", 0.86350),
-            ("k τ² / m, shell", 0.01),
+            ("k τ² / m, wall", 0.01),
             ("N a³ / V", 0.0091673),
             ("ℓ / a", 11.804),
             ("ν τ", 0.020574),
             // v over √(25 /s²), in block lengths.
-            ("v √(m/k) / a, shell", 2.6360),
+            ("v √(m/k) / a, wall", 2.6360),
         ],
     );
     let speed = speed(&hemisphere());
@@ -161,7 +161,7 @@ fn without_a_speed_dependent_numbers_are_absent() {
         let symbols: Vec<_> = values(&scene).iter().map(|it| it.0).collect();
         assert_eq!(
             symbols,
-            ["F τ² / (m d)", "k τ² / m, shell", "N a³ / V", "ℓ / a"]
+            ["F τ² / (m d)", "k τ² / m, wall", "N a³ / V", "ℓ / a"]
         );
     }
 }
@@ -261,12 +261,12 @@ fn if_drag_dominates_a_step_is_as_long_as_its_motion() {
             .unwrap_or_else(|| panic!("{symbol}"))
     };
     // A velocity decays in m / f = 8 us, with f = 6 π 1e-3 0.660678 1e-5 = 1.24534e-7 N s/m. In 10
-    // s the pull of 20 fN moves a block by F τ / f = 1.606 um at its terminal speed. The shell
+    // s the pull of 20 fN moves a block by F τ / f = 1.606 um at its terminal speed. The wall
     // closes k τ / f = 0.803 of a distance. Heat moves a block by √(6 D τ), with D = k T / f =
     // 3.2484e-14 m²/s.
     let values = [
         ("φ F τ² / (m d)", 1.60599, 2.0),
-        ("φ k τ² / m, shell", 0.802995, 1.0),
+        ("φ k τ² / m, wall", 0.802995, 1.0),
         ("v τ / a", 0.139607, 0.2),
     ];
     for (symbol, value, most) in values {

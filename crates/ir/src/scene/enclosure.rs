@@ -11,19 +11,19 @@ use crate::table::plate::Plate;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Enclosure {
-    /// Hemisphere on the ground: a flat solid floor at z = 0, and an elastic shell.
+    /// Hemisphere on the ground: a flat solid floor at z = 0, and an elastic wall.
     Hemisphere {
-        /// Radius of the shell \[m\].
+        /// Radius of the wall \[m\].
         radius: f64,
-        /// Inward force on the centre of a block outside the shell, per depth \[N/m\].
+        /// Inward force on the centre of a block outside the wall, per depth \[N/m\].
         wall: f64,
     },
     /// Sphere, cut off by the ground so that the cut circumscribes the plate. Without a plate it
     /// touches the ground.
     Sphere {
-        /// Radius of the shell \[m\].
+        /// Radius of the wall \[m\].
         radius: f64,
-        /// Inward force on a block whose inscribed sphere extends beyond the shell, per depth
+        /// Inward force on a block whose inscribed sphere extends beyond the wall, per depth
         /// \[N/m\].
         wall: f64,
     },
@@ -120,8 +120,8 @@ impl Enclosure {
         }
     }
 
-    /// Returns the height of the shell's centre above the ground \[m\], for a plate of blocks with
-    /// the length `side` \[m\]. 0 for a hemisphere, a box and a cylinder.
+    /// Returns the height of the centre of the wall above the ground \[m\], for a plate of blocks
+    /// with the length `side` \[m\]. 0 for a hemisphere, a box and a cylinder.
     pub(crate) fn centre_height(&self, plate: &Plate, side: f64) -> f64 {
         match *self {
             Enclosure::Sphere { radius, .. } => {
@@ -424,7 +424,7 @@ mod tests {
                 };
             }
             let expected = match enclosure {
-                // Without solid ground, the shell is a whole ball. It acts on centres.
+                // Without solid ground, the wall is a whole ball. It acts on centres.
                 Enclosure::Hemisphere { .. } => 2.0 * enclosure.volume(),
                 _ => smaller.volume(),
             };

@@ -6,7 +6,7 @@ use super::groups::BlockUnits;
 use super::{Arrangement, Interior, Scene};
 use crate::table::plate::Plate;
 
-/// Smallest distance of a centre from the ground and from the shell \[block lengths\].
+/// Smallest distance of a centre from the ground and from the wall \[block lengths\].
 pub const MARGIN: f64 = 1.0;
 
 /// Smallest spacing of the initial lattice \[block lengths\], so that blocks do not touch.

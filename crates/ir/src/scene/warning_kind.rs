@@ -9,7 +9,7 @@ pub enum SceneWarningKind {
     NoAgitation,
     /// The time step does not resolve the motion.
     CoarseStep,
-    /// Contacts or the shell are so soft that blocks penetrate too far.
+    /// Contacts or the wall are so soft that blocks penetrate too far.
     SoftContact,
     /// A fluid without a density has too little drag at the speed of the blocks.
     StokesDrag,

@@ -69,11 +69,11 @@ pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessNumber> {
     fluid(scene, v, &mut out);
     bond(scene, push, energetic, &mut out);
     if let Some(wall) = scene.enclosure.as_ref().map(Enclosure::wall) {
-        let symbols = ["k τ² / m, shell", "φ k τ² / m, shell"];
-        let beyond = "the shell throws blocks back with another energy";
+        let symbols = ["k τ² / m, wall", "φ k τ² / m, wall"];
+        let beyond = "the wall throws blocks back with another energy";
         out.push(push.spring(
             symbols,
-            "stiffness of the shell",
+            "stiffness of the wall",
             units.stiffness(wall),
             beyond,
         ));

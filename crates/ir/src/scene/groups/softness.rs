@@ -1,9 +1,9 @@
-//! Penetration depths of blocks into compliant contacts and the shell.
+//! Penetration depths of blocks into compliant contacts and the wall.
 use super::super::warning_kind::SceneWarningKind;
 use super::super::{ContactLaw, Enclosure, Scene};
 use super::{BlockUnits, DimensionlessNumber, ExpectedRange, settling, speed};
 
-/// Spring of compliant contacts or of the shell, in block units.
+/// Spring of compliant contacts or of the wall, in block units.
 #[derive(Clone, Copy)]
 struct Spring {
     stiffness: f64,
@@ -33,11 +33,11 @@ const CONTACT: Words = Words {
     remedy: "give `contact` a larger `stiffness`",
 };
 
-const SHELL: Words = Words {
-    symbols: ["F / (k a), shell", "v √(m/k) / a, shell"],
+const WALL: Words = Words {
+    symbols: ["F / (k a), wall", "v √(m/k) / a, wall"],
     meanings: [
-        "block lengths that weight and drag press a block out of the shell",
-        "block lengths that a block at the speed v goes out of the shell",
+        "block lengths that weight and drag press a block out of the wall",
+        "block lengths that a block at the speed v goes out of the wall",
     ],
     beyond: [
         "blocks are pressed out of the enclosure",
@@ -46,10 +46,10 @@ const SHELL: Words = Words {
     remedy: "give the enclosure a stiffer `wall`",
 };
 
-/// Without contacts, the shell alone supports sinking blocks.
+/// Without contacts, the wall alone supports sinking blocks.
 const FLOORLESS: &str = "give the scene a `contact`, without which there is no floor, or the enclosure a stiffer `wall`";
 
-/// Largest acceptable penetration of contacts and shell under a steady load \[block lengths\].
+/// Largest acceptable penetration of contacts and wall under a steady load \[block lengths\].
 const MAX_STEADY: f64 = 0.5;
 const MAX_MOVING: f64 = 1.0;
 
@@ -84,12 +84,8 @@ pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessNumber>) {
             load: load(2.0 * radius, !lies_on_floor),
         };
         let has_no_floor = down > 0.0 && scene.contact.is_none();
-        let remedy = if has_no_floor {
-            FLOORLESS
-        } else {
-            SHELL.remedy
-        };
-        spring.add(&SHELL, remedy, moving(2.0 * radius), out);
+        let remedy = if has_no_floor { FLOORLESS } else { WALL.remedy };
+        spring.add(&WALL, remedy, moving(2.0 * radius), out);
     }
 }
 

@@ -96,7 +96,7 @@ pub fn carried(scene: &Scene) -> f64 {
     }
 }
 
-/// Returns the speed of blocks that hit contacts or shell, including mean flow \[m/s\].
+/// Returns the speed of blocks that hit contacts or wall, including mean flow \[m/s\].
 ///
 /// `away` is the distance from the mouth of a jet \[m\]. Returns `None` if the speed grows without
 /// limit.

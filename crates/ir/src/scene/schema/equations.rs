@@ -128,7 +128,7 @@ equations! {
         None; [N(&FREE)];
     RING "at the beginning blocks are at rest, evenly on a level circle halfway up"
         None; [N(&FREE), N(&FREE_RING)];
-    HEMISPHERE "an elastic shell over the floor z = 0, felt by the centre of a block"
+    HEMISPHERE "an elastic wall over the floor z = 0, felt by the centre of a block"
         Some("outside R, m v' = -k (|x| - R) x / |x|"); [N(&ENCLOSURE_RADIUS), N(&ENCLOSURE_WALL)];
     SPHERE "an elastic ball, cut off by the floor z = 0 where the plate just fills the cut; felt by the ball in a block"
         Some("y = x - c; beyond R, m v' = -k (|y| + a / 2 - R) y / |y|"); [N(&ENCLOSURE_RADIUS), N(&ENCLOSURE_WALL)];

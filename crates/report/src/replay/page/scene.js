@@ -1,7 +1,7 @@
 // View of the run at a tick.
 
 /**
- * Limits for reporting a block: depth in the floor, and position of its centre relative to the shell [block lengths].
+ * Limits for reporting a block: depth in the floor, and position of its centre relative to the wall [block lengths].
  */
 const [SUNK, OUT] = [0.05, -0.5];
 
@@ -49,7 +49,7 @@ class Scene {
   }
 
   /**
-   * Returns the depth of a free block in the floor, and the distance of its centre from the shell [block lengths].
+   * Returns the depth of a free block in the floor, and the distance of its centre from the wall [block lengths].
    * Negative values are inside.
    */
   depths(body) {
@@ -59,13 +59,13 @@ class Scene {
     return this.shell ? { sunk: reach - pz, out: this.shell.distance([px, py, pz]) } : { sunk: -1, out: -1 };
   }
 
-  /** Returns descriptions of how far a block is in the floor or outside the shell, and why. */
+  /** Returns descriptions of how far a block is in the floor or outside the wall, and why. */
   beyond(body) {
     const { sunk, out } = this.depths(body);
     const words = [];
     const told = sides => `${sides.toFixed(1)} sides`;
     if (sunk >= SUNK) words.push(`reaches ${told(sunk)} into the floor: contacts give way, and places between two recorded ticks are on a straight line`);
-    if (out >= OUT) words.push(`reaches outside of the shell: the shell holds centres of blocks, not their corners, and gives way${out >= 0.05 ? ` (by ${told(out)})` : ''}`);
+    if (out >= OUT) words.push(`reaches outside of the wall: the wall holds centres of blocks, not their corners, and gives way${out >= 0.05 ? ` (by ${told(out)})` : ''}`);
     return words;
   }
 
@@ -77,7 +77,7 @@ class Scene {
       if (sunk >= SUNK) floor++;
       if (out >= OUT) shell++;
     }
-    const kinds = [...(floor ? [`${floor} into the floor`] : []), ...(shell ? [`${shell} outside of the shell`] : [])];
+    const kinds = [...(floor ? [`${floor} into the floor`] : []), ...(shell ? [`${shell} outside of the wall`] : [])];
     return kinds.length ? `now some blocks reach ${kinds.join(', and ')}: click one to see why` : '';
   }
 
