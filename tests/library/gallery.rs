@@ -165,7 +165,8 @@ fn sample(code: Code) -> Option<Sample> {
             )
         }
         Code::TooManyErrors => {
-            Sample::from_text("?\n".repeat(101)).shown("?\n?\n?     and so on, 101 lines\n")
+            let text = format!("let n = 1\n{}", "?\n".repeat(101));
+            Sample::from_text(text).shown("let n = 1\n?\n?\n?     and so on, 101 lines\n")
         }
         Code::TooManyWarnings => {
             let text = |seeds: &str| {

@@ -189,6 +189,10 @@ impl Checker<'_> {
             }
         }
         self.keep_needed_afters();
+        // A program without phases has its own warning.
+        if self.plan.phases.iter().all(|phase| phase.pre_attached) {
+            return Ok(());
+        }
         for (seed, used) in self.plan.seeds.iter().zip(&self.used) {
             let key = self.plan.roles.key(seed.role);
             if is_full(self.diagnostics, Severity::Warning) {
@@ -384,8 +388,15 @@ impl Checker<'_> {
         } else {
             let format = "`{}` is not captured in this phase";
             let diagnostic = Diagnostic::about(Code::AbsentBlock, format, &[&name])
-                .label(after.location, "this capture never happens");
-            let help = format!("capture `{name}` in this phase, or remove it from the `after`");
+                .label(after.location, "this `after` would wait forever");
+            let later = self.first_captures().get(&after.role).copied();
+            let help = match later {
+                Some(capture) => format!(
+                    "move this statement to phase `{}`, or remove `{name}` from the `after`",
+                    self.plan.phase_name(capture)
+                ),
+                None => format!("capture `{name}` in this phase, or remove it from the `after`"),
+            };
             match self.unknown(after.role, after.location, state, diagnostic, help) {
                 Some(diagnostic) => diagnostic,
                 None => return,

@@ -308,6 +308,9 @@ fn unexpected(hint: &SyntaxHint<'_>) -> Diagnostic {
     if let Some(diagnostic) = hint.timeout() {
         return diagnostic;
     }
+    if let Some(diagnostic) = hint.value() {
+        return diagnostic;
+    }
     if let Some((word, title, help)) = hint.foreign() {
         return Diagnostic::new(Code::Syntax, title)
             .label(word, "unknown keyword")

@@ -1,7 +1,7 @@
 //! Advice and fixes for the most frequent syntax errors.
 use stochc_grammar::is_unit;
 use stochc_ir::scene::quantity::QuantityKind;
-use stochc_ir::scene::units::suggested_unit;
+use stochc_ir::scene::units::{corrected, suggested_unit};
 use stochc_text::suggest::{Suggestion, nearest};
 
 use super::{Code, Diagnostic, Edit, Fix};
@@ -122,6 +122,43 @@ impl SyntaxHint<'_> {
         Some(diagnostic)
     }
 
+    /// Returns the error of a value with a sign or a unit that the grammar does not read, such as
+    /// `26\u{b0}` or `1 g/ml`. Returns `None` for other errors.
+    pub fn value(&self) -> Option<Diagnostic> {
+        /// Length of the longest value \[bytes\].
+        const LONGEST: usize = 60;
+        if !self.expects("a value") {
+            return None;
+        }
+        let at = self.location.span.start as usize;
+        let before = self.before();
+        let begins = |&(place, c): &(usize, char)| {
+            c.is_ascii_digit() && before[..place].ends_with([' ', '\t', '\n'])
+        };
+        let line = before.rfind('\n').map_or(0, |line| line + 1);
+        let numbers = before[line..]
+            .char_indices()
+            .map(|(i, c)| (line + i, c))
+            .filter(begins);
+        let (start, _) = numbers.last()?;
+        let is_end = |c: char| c.is_whitespace() || matches!(c, '{' | '}' | '(' | ')' | ';');
+        let end = at + self.text[at..].find(is_end).unwrap_or(self.text.len() - at);
+        let written = &self.text[start..end];
+        let value = Some(written).filter(|it| end > at && it.len() <= LONGEST);
+        let value = corrected(value?)?;
+        let title = match self.found {
+            "," => format!("decimal comma in `{written}`"),
+            _ => format!("unknown unit in `{}`", spelt(written)),
+        };
+        let here = self.span(start, end);
+        let help = format!("write `{value}`");
+        let diagnostic = Diagnostic::new(Code::Syntax, title)
+            .label(here, "this value cannot be read")
+            .help(help.clone())
+            .fix(Fix::replace(here, value, help));
+        Some(diagnostic)
+    }
+
     pub fn advice(&self) -> (Option<String>, Option<Fix>) {
         if let Some((word, suggestion)) = self.misspelt() {
             return (Some(suggestion.help()), Some(Fix::word(word, &suggestion)));
@@ -133,6 +170,10 @@ impl SyntaxHint<'_> {
             let help = format!(
                 "`{after}` alone is not a statement: add the missing comma or brace before it"
             );
+            return (Some(help), None);
+        }
+        if self.found == "{" && self.expects("a name") && !after.is_empty() {
+            let help = format!("add a name: `{} NAME {{`", spelt(after));
             return (Some(help), None);
         }
         let help = match self.found {

@@ -189,6 +189,12 @@ impl<'a> Expander<'a, '_> {
                 .label(self.plan.location, "every structure starts at a seed")
                 .help("add `seed plate 3 x 3 { M at (1, 1) }` before the first phase"),
             );
+        } else if self.plan.phases.iter().all(|phase| phase.pre_attached) {
+            let title = format!("assembly `{}` has no phases", self.plan.name);
+            let diagnostic = Diagnostic::new(Code::EmptyPhase, title)
+                .label(self.plan.location, "it captures no blocks")
+                .help("add a phase, such as `phase grow { M.up -> A }`");
+            self.diagnostics.push(diagnostic);
         }
     }
 

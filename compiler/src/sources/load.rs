@@ -1,6 +1,6 @@
 //! Reads and parses a file and its imports.
 use rustc_hash::FxHashMap;
-use stochc_grammar::tree::{ItemKind, Tree};
+use stochc_grammar::tree::{Item, ItemKind, Tree};
 use stochc_grammar::{
     BYTE_ORDER_MARK, Cancellation, Cancelled, Span, Symbol, Symbols, parse_cancellable,
 };
@@ -206,12 +206,18 @@ impl Loader<'_> {
         let file = self.sources.add(path.clone(), text);
         self.sources.set_mark(file, mark);
         let text = self.sources.file(file).text.clone();
-        let parsed = parse_cancellable(&text, &mut self.loaded.symbols, self.cancellation)?;
+        let mut parsed = parse_cancellable(&text, &mut self.loaded.symbols, self.cancellation)?;
         self.loaded.uncertain.extend(parsed.uncertain);
         self.diagnostics.extend(lone_returns(file, &text));
         let errors = parsed.errors.iter();
-        self.diagnostics
-            .extend(errors.map(|error| Diagnostic::from_syntax(file, error, &text)));
+        let mut errors: Vec<Diagnostic> = errors
+            .map(|error| Diagnostic::from_syntax(file, error, &text))
+            .collect();
+        if let Some(error) = no_program(&path, &errors, &parsed.tree) {
+            errors = vec![error];
+            parsed.tree = Tree::default();
+        }
+        self.diagnostics.append(&mut errors);
         let imports: Vec<_> = (parsed.tree.items.iter())
             .filter_map(|item| match &item.kind {
                 ItemKind::Import(import) => {
@@ -282,6 +288,25 @@ impl Loader<'_> {
         }
         self.diagnostics.push(diagnostic);
     }
+}
+
+/// Returns the error of a text that is not a program. Returns `None` for a program with errors:
+/// one that begins with a declaration, or that has few errors without a fix.
+fn no_program(path: &str, errors: &[Diagnostic], tree: &Tree) -> Option<Diagnostic> {
+    /// Smallest number of errors in a text that is not a program.
+    const MIN: usize = 5;
+    let unknown = || errors.iter().filter(|error| error.fix.is_none());
+    let first = unknown().next()?.labels.first()?.location;
+    let begins = |item: &Item| item.span.start < first.span.start;
+    let count = unknown().filter(|error| error.code == Code::Syntax).count();
+    if tree.items.first().is_some_and(begins) || count < MIN.max(3 * tree.items.len()) {
+        return None;
+    }
+    let title = format!("`{}` does not look like a program", visible(path));
+    let diagnostic = Diagnostic::new(Code::Syntax, title)
+        .label(first, "this does not begin a declaration")
+        .help("pass a program (`*.sa`); `stochc new NAME` writes one");
+    Some(diagnostic)
 }
 
 /// Returns the error of carriage returns without line feeds. Returns `None` if there are none.

@@ -120,9 +120,37 @@ fn a_statement_too_long() {
 
 #[test]
 fn too_many_errors() {
-    let codes = codes(&text(&"?\n".repeat(200)));
+    let codes = codes(&text(&format!("let n = 1\n{}", "?\n".repeat(200))));
     assert_eq!(codes.len(), 101);
     assert_eq!(codes.last(), Some(&Code::TooManyErrors));
+}
+
+#[test]
+fn a_text_that_is_not_a_program() {
+    let prose =
+        "# Notes\n\nThis text, and its lists, are not a program.\n- one\n- two\n- three\n- four\n";
+    let program =
+        "assembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase p { M.up -> A }\n}\n";
+    let title = |text: &str| {
+        Some(
+            files(&[("notes.md", text)], "notes.md")
+                .diagnostics
+                .first()?
+                .title
+                .clone(),
+        )
+    };
+    for text in [prose.to_owned(), format!("{prose}\n```sa\n{program}```\n")] {
+        let checked = files(&[("notes.md", &text)], "notes.md");
+        assert_eq!(codes(&checked), [Code::Syntax], "{text}");
+        assert_eq!(
+            title(&text).unwrap(),
+            "`notes.md` does not look like a program"
+        );
+    }
+    // A program with errors has all its diagnostics.
+    let broken = format!("{program}{prose}");
+    assert!(codes(&text(&broken)).len() > 4);
 }
 
 #[test]

@@ -28,7 +28,8 @@ pub fn nearest<S: AsRef<str>>(
     if unknown.len() > 64 {
         return None;
     }
-    let mut best: Option<(usize, S)> = None;
+    // Distance, difference in length, and word.
+    let mut best: Option<(usize, usize, S)> = None;
     // Distance of the second nearest word.
     let mut second = usize::MAX;
     let mut count = 0;
@@ -43,18 +44,21 @@ pub fn nearest<S: AsRef<str>>(
             continue;
         }
         let distance = strsim::damerau_levenshtein(unknown, word.as_ref());
+        let length = unknown.len().abs_diff(word.as_ref().len());
         match &best {
-            Some((_, chosen)) if chosen.as_ref() == word.as_ref() => {}
-            Some((least, chosen)) if (distance, word.as_ref()) >= (*least, chosen.as_ref()) => {
+            Some((.., chosen)) if chosen.as_ref() == word.as_ref() => {}
+            Some((least, shortest, chosen))
+                if (distance, length, word.as_ref()) >= (*least, *shortest, chosen.as_ref()) =>
+            {
                 second = second.min(distance);
             }
             _ => {
-                second = best.map_or(second, |(least, _)| second.min(least));
-                best = Some((distance, word));
+                second = best.map_or(second, |(least, ..)| second.min(least));
+                best = Some((distance, length, word));
             }
         }
     }
-    let (distance, word) = best?;
+    let (distance, _, word) = best?;
     let word = word.as_ref();
     let letters = |word: &str| word.chars().count();
     let longest = letters(unknown).max(letters(word));
@@ -133,6 +137,7 @@ mod tests {
         assert_eq!(help("a[1].T", &["a[1].M", "M"]), None);
         assert_eq!(help("a.t[1]", &["a.T[1]"]), suggestion("a.T[1]"));
         assert_eq!(help("m", &["M"]), suggestion("M"));
+        assert_eq!(help("ES", &["E", "SE", "S"]), suggestion("SE"));
         assert_eq!(help("TOWER", &["tower"]), suggestion("tower"));
         assert_eq!(
             help("reocnfigurate", &["reconfigured"]),

@@ -32,6 +32,17 @@ impl<'a> SceneReader<'a, '_> {
             return Some(());
         };
         let location = self.location(quantity.span);
+        let is_angle = number.kind.unit == QuantityKind::ANGLE.unit;
+        if is_angle && quantity.unit.is_empty() && number.range.contains(value.to_radians()) {
+            let help = format!("write `{} deg`", quantity.value);
+            let fix = Fix::replace(location, format!("{} deg", quantity.value), help.clone());
+            let diagnostic = wrong_unit(number)
+                .label(location, "this value has no unit")
+                .help(help)
+                .fix(fix);
+            report(self.diagnostics, diagnostic);
+            return None;
+        }
         let title = format!("`{}` is out of range", number.name());
         let diagnostic = Diagnostic::new(Code::WrongValue, title);
         let label = format!("must be {rule}");
@@ -110,6 +121,9 @@ impl<'a> SceneReader<'a, '_> {
         number: &SchemaNumber,
     ) -> Option<[f64; N]> {
         let kind = &number.kind;
+        if quantities.iter().any(|quantity| self.is_unread(quantity)) {
+            return None;
+        }
         if quantities.iter().any(|quantity| lacks_unit(quantity, kind))
             && (self.unit_on_next_line(&quantities, number)
                 || self.unknown_unit(&quantities, number))
@@ -121,6 +135,20 @@ impl<'a> SceneReader<'a, '_> {
             *value = self.value(quantity, number)?;
         }
         Some(values)
+    }
+
+    /// Returns whether the grammar could read only the beginning of a value. This has been reported.
+    fn is_unread(&self, quantity: &Quantity) -> bool {
+        let location = self.location(quantity.span);
+        self.diagnostics.iter().any(|diagnostic| {
+            let label = diagnostic.labels.first().map(|label| label.location);
+            diagnostic.code == Code::Syntax
+                && label.is_some_and(|it| {
+                    it.file == location.file
+                        && it.span.start == location.span.start
+                        && it.span.end > location.span.end
+                })
+        })
     }
 
     fn value(&mut self, quantity: &Quantity, number: &SchemaNumber) -> Option<f64> {
@@ -137,7 +165,12 @@ impl<'a> SceneReader<'a, '_> {
             },
         };
         let location = self.location(quantity.span);
-        let diagnostic = wrong_unit(number).label(location, label);
+        let mut diagnostic = wrong_unit(number).label(location, label);
+        let unit = number.kind.example_unit();
+        if quantity.unit.is_empty() && !unit.is_empty() {
+            let help = format!("add a unit, such as `{} {unit}`", quantity.value);
+            diagnostic = diagnostic.help(help);
+        }
         report(self.diagnostics, diagnostic);
         None
     }

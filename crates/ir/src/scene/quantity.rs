@@ -85,6 +85,12 @@ const CHOSEN: usize = 8;
 const ROUNDING: f64 = 1e-15;
 
 impl QuantityKind {
+    /// Returns the unit of the example in the noun. Empty for a number.
+    pub fn example_unit(&self) -> &'static str {
+        let example = self.noun.split('`').nth(1).unwrap_or_default();
+        example.trim_start_matches(|c: char| c.is_ascii_digit() || matches!(c, '.' | ' '))
+    }
+
     pub(super) fn units(&self) -> impl Iterator<Item = &'static str> + Clone + use<> {
         self.preferred.iter().copied().chain([self.si])
     }

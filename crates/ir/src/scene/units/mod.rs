@@ -7,4 +7,4 @@ mod written;
 pub use dimension::{BASES, Dimension, PREFIXES, Prefix, to_si};
 pub use scale::Scale;
 pub use suggested::{UNITS, converted, suggested_unit};
-pub use written::{InvalidQuantity, WrittenQuantity};
+pub use written::{InvalidQuantity, WrittenQuantity, corrected};

@@ -73,6 +73,67 @@ impl<'a> WrittenQuantity<'a> {
     }
 }
 
+/// Signs that the grammar does not read in a value, with the text that replaces them.
+const SIGNS: [(&str, &str); 12] = [
+    ("\u{b0}", "deg"),
+    ("\u{b7}", " "),
+    ("\u{22c5}", " "),
+    ("\u{d7}", " "),
+    ("\u{207b}\u{b9}", "^-1"),
+    ("\u{207b}\u{b2}", "^-2"),
+    ("\u{207b}\u{b3}", "^-3"),
+    ("\u{b2}", "^2"),
+    ("\u{b3}", "^3"),
+    ("**", "^"),
+    ("\u{2103}", "degC"),
+    ("\u{2109}", "degF"),
+];
+
+/// Corrects a value with signs or symbols that the grammar does not read: `26\u{b0}` becomes
+/// `26 deg`, and `1 g/ml` becomes `1 g/mL`. Returns `None` if the corrected text is not a value, or
+/// if nothing changes.
+pub fn corrected(text: &str) -> Option<String> {
+    let text = text.trim();
+    let (number, unit) = text.split_at(number(text));
+    let value: f64 = number.parse().ok()?;
+    let is_value = |text: &String| WrittenQuantity::parse(text).is_ok();
+    if let Some(decimals) = unit.strip_prefix(',').filter(|it| begins_digit(it)) {
+        return Some(format!("{number}.{decimals}")).filter(is_value);
+    }
+    let mut unit = unit.trim_start_matches(BLANK).to_owned();
+    for (sign, plain) in SIGNS {
+        unit = unit.replace(sign, plain);
+    }
+    if let Some(converted) = converted(&[value], &unit, &[]) {
+        return Some(converted);
+    }
+    let mut plain = format!("{number} ");
+    let mut rest = &*unit;
+    while let Some(c) = rest.chars().next() {
+        let length = rest.find(|c: char| !c.is_alphabetic());
+        let length = length.unwrap_or(rest.len());
+        let (word, behind) = rest.split_at(length.max(c.len_utf8()));
+        match length {
+            0 => plain += word,
+            _ => plain += &symbol(word)?,
+        }
+        rest = behind;
+    }
+    let is_changed = |it: &String| it.replace(BLANK, "") != text.replace(BLANK, "");
+    Some(plain).filter(|it| is_changed(it) && is_value(it))
+}
+
+/// Returns the symbol that a word of a unit means, such as `mL` for `ml`. Returns `None` if it is
+/// unknown.
+fn symbol(word: &str) -> Option<String> {
+    let is_read = |word: &str| factor(word).is_some_and(|(.., length)| length == word.len());
+    let litres = || Some(format!("{}L", word.strip_suffix('l')?));
+    let suggested = || suggested_unit(word, &[]).map(|suggestion| suggestion.word);
+    (Some(word.to_owned()).filter(|word| is_read(word)))
+        .or_else(|| litres().filter(|word| is_read(word)))
+        .or_else(suggested)
+}
+
 const BLANK: [char; 2] = [' ', '\t'];
 
 fn is_word(c: char) -> bool {
@@ -187,6 +248,26 @@ mod tests {
             );
         }
         assert_eq!(WrittenQuantity::parse(" 5 N s/m ").unwrap().unit, "N s/m");
+    }
+
+    #[test]
+    fn values_with_foreign_signs_are_corrected() {
+        for (text, expected) in [
+            ("26°", Some("26 deg")),
+            ("1.1 g/ml", Some("1.1 g/mL")),
+            ("1.1 g/cm³", Some("1.1 g/cm^3")),
+            ("1 mPa·s", Some("1 mPa s")),
+            ("9.81 m s⁻²", Some("9.81 m s^-2")),
+            ("20 °C", Some("293.15 K")),
+            ("1,05", Some("1.05")),
+            ("1.1 g/cm^3", None),
+            ("40,", None),
+            ("10um", None),
+            ("3 °furlong", None),
+            ("x", None),
+        ] {
+            assert_eq!(corrected(text).as_deref(), expected, "{text}");
+        }
     }
 
     #[test]
