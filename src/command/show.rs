@@ -92,9 +92,9 @@ impl ShowArguments {
             )));
         }
         let is_published = !matches!(self.format(), TableFormat::Text | TableFormat::Json);
-        if self.presentation.presentation().in_seconds && !is_published {
+        if self.presentation.presentation().in_seconds && self.format() == TableFormat::Json {
             return Err(Failure::usage(
-                "`--unit s` is for `--format csv`, `latex` and `markdown`; text has both units, JSON the length of a tick",
+                "`--unit s` is not for JSON, which has times in ticks and the length of a tick",
             ));
         }
         if self.shown.captures.is_some() && is_published {
@@ -132,7 +132,9 @@ pub fn run(options: &ShowArguments) -> Result<Exit, Failure> {
             if missing == 1 { "is" } else { "are" }
         ));
     }
-    let how = options.presentation.presentation();
+    let mut how = options.presentation.presentation();
+    // Text has both units.
+    how.in_seconds &= options.format() != TableFormat::Text;
     let shown = ResultsView {
         form: options.format(),
         how: &how,

@@ -166,6 +166,9 @@ fn a_folder_is_shown_as_csv_latex_and_markdown_in_ticks_and_seconds() {
     assert_eq!(cell("ticks", "mean").parse(), Ok(mean));
     assert_eq!(cell("s", "mean").parse(), Ok(mean * tick));
     assert_eq!(cell("s", "completed"), "6");
+    // Text has both units.
+    let text = stochc_with("show --unit s", &[&out]);
+    assert_eq!(text.out, stochc_with("show", &[&out]).out);
     let label = ["--unit", "s", "--label", "line=A line & more", &out];
     let markdown = stochc_with("show --format markdown", &label).out;
     assert!(
@@ -193,7 +196,7 @@ fn a_folder_is_shown_as_csv_latex_and_markdown_in_ticks_and_seconds() {
             "`lines` is not the name of a program",
         ),
         (&["--label", "line"], "NAME=TEXT"),
-        (&["--unit", "s"], "`--unit s` is for"),
+        (&["--json", "--unit", "s"], "`--unit s` is not for JSON"),
         (&["--format", "csv", "--captures"], "`--captures` is for"),
     ] {
         let outcome = stochc_with("show", &[&[out.as_str()], more].concat());

@@ -14,8 +14,8 @@ mod visible;
 
 pub use layout::{Markup, TextColumn, TextTable, aligned, paragraph, short};
 pub use numbers::{
-    DurationError, ShareError, Tick, duration, number, percent, percent_number, ranges, ratio,
-    seconds, share, whole_percent, words,
+    DurationError, ShareError, Tick, duration, interval, number, percent, percent_number, ranges,
+    ratio, seconds, share, whole_percent, words,
 };
 pub use phrases::{counted, listed, series};
 pub use visible::{escaped, is_invisible, visible, visible_lines};

@@ -31,7 +31,7 @@ pub fn completion(
         })
         .collect();
     let axis = PlotAxis::new("time", clock.unit());
-    let title = "Incomplete runs over time";
+    let title = "Share of incomplete runs over time";
     Ok(survival(
         medium,
         "survival",

@@ -1,6 +1,6 @@
 //! Curves of the share of incomplete runs.
 use stochc_experiments::statistics::{KaplanMeier, Observation, SurvivalPoint};
-use stochc_text::{number, percent_number};
+use stochc_text::percent_number;
 
 use super::EDGE;
 use crate::svg::letters::{fitted, width};
@@ -44,7 +44,7 @@ pub(crate) fn survival(
     if last <= 0.0 {
         return None;
     }
-    let mut out = Drawing::new(medium, name, title, &description(&known));
+    let mut out = Drawing::new(medium, name, title, &description(&known, axis));
     // The first number under observation stands next to the label.
     let most = curves.iter().map(|curve| curve.times.len()).max();
     let most = width(&most.unwrap_or(0).to_string());
@@ -114,7 +114,7 @@ pub(crate) fn survival(
             "ink",
             (words, foot),
             medium.width() - words - EDGE,
-            &legend(curve, estimate),
+            &legend(curve, estimate, axis),
         );
         foot += ROW - LINE;
         out.text("dim", (EDGE, foot), RISK);
@@ -149,14 +149,14 @@ fn column(x: &Scale, time: f64) -> i64 {
     (3.0 * x.at(time)) as i64
 }
 
-fn legend(curve: &SurvivalCurve, estimate: &KaplanMeier) -> String {
+fn legend(curve: &SurvivalCurve, estimate: &KaplanMeier, axis: &PlotAxis) -> String {
     let stopped = curve
         .times
         .iter()
         .filter(|time| !time.is_completed())
         .count();
     let half = match estimate.median() {
-        Some(median) => format!("half complete at {}", number(median)),
+        Some(median) => format!("half complete at {}", axis.value(median)),
         None => "fewer than half complete".to_owned(),
     };
     let stopped = match stopped {
@@ -170,10 +170,10 @@ fn legend(curve: &SurvivalCurve, estimate: &KaplanMeier) -> String {
     )
 }
 
-fn description(known: &[(usize, &SurvivalCurve, KaplanMeier)]) -> String {
+fn description(known: &[(usize, &SurvivalCurve, KaplanMeier)], axis: &PlotAxis) -> String {
     let each = known
         .iter()
-        .map(|(_, curve, estimate)| legend(curve, estimate));
+        .map(|(_, curve, estimate)| legend(curve, estimate, axis));
     format!(
         "Each curve falls in steps from 100 %. {}.",
         each.collect::<Vec<_>>().join(". ")

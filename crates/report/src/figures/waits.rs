@@ -24,7 +24,7 @@ pub(crate) fn waits(
     const ROW: f64 = 20.0;
     /// Left edge of the names of captures, next to the lines that connect dependent captures.
     const NAMES: f64 = 30.0;
-    const SHARES: &str = "part of the runs' time it decided [%]";
+    const SHARES: &str = "share of the time that runs waited only for it [%]";
     const SHOWS: &str = "mean, 95\u{a0}% interval, middle 80\u{a0}% of the waits";
     let shown = shown(waits);
     let times = shown.iter().filter_map(|wait| wait.time());

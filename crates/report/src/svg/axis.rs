@@ -32,6 +32,12 @@ impl PlotAxis {
         }
     }
 
+    /// Returns a value with the unit, such as `41.5 s` or `2,100 ticks`.
+    pub fn value(&self, value: f64) -> String {
+        let unit = self.unit.split(" of ").next().unwrap_or_default();
+        format!("{} {unit}", number(value))
+    }
+
     /// Returns the label of a linear or categorical axis.
     pub fn label(&self) -> String {
         format!("{} [{}]", self.name, self.unit)

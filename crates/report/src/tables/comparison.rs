@@ -80,8 +80,8 @@ pub(super) const NEVER_COMPLETES: &str =
 pub(super) const UNFINISHED: &str =
     "Some runs are not finished. The slowest runs are missing, so the times are too short.";
 
-pub(super) const LOWER_BOUND: &str = "≥ marks a lower bound, because some runs did not complete. The mean is that of min(time, horizon). The median is \
-     the Kaplan-Meier estimate.";
+pub(super) const LOWER_BOUND: &str = "≥ marks a lower bound, because some runs did not complete. In the mean, they count with the last observed \
+     time. The median is the Kaplan-Meier estimate.";
 
 /// Returns the notes that the values of the table require.
 fn notes(comparison: &Comparison) -> Vec<String> {

@@ -1,7 +1,7 @@
 //! Tables for papers. Each value appears only once, in one unit.
 use stochc_experiments::sweep::Sweep;
 use stochc_experiments::{Comparison, ProgramSummary, Time};
-use stochc_text::number;
+use stochc_text::{interval, number};
 
 use super::comparison::{NEVER_COMPLETES, pair_sentences};
 use super::sweep::sweep_rows;
@@ -74,7 +74,7 @@ fn notes(markup: Markup, is_bound: bool, are_timed_out: bool) -> String {
     let mut notes = markup.paragraph("± is the 95 % confidence interval of the mean.");
     if is_bound {
         notes += &markup.paragraph(
-            "≥ marks a lower bound, because some runs did not complete. The mean is that of min(time, horizon).",
+            "≥ marks a lower bound, because some runs did not complete. In the mean, they count with the last observed time.",
         );
     }
     if are_timed_out {
@@ -91,9 +91,16 @@ fn pairs(comparison: &Comparison, markup: Markup) -> String {
 fn mean(time: Option<&Time>) -> String {
     time.map_or(NONE.to_owned(), |time| {
         let bound = if time.incomplete > 0 { "≥ " } else { "" };
-        let half = time.half_width.map(|half| format!(" ± {}", number(half)));
-        format!("{bound}{}{}", number(time.mean), half.unwrap_or_default())
+        bound.to_owned() + &within(time)
     })
+}
+
+/// Returns a mean with its half-width, rounded to the same decimals.
+pub(super) fn within(time: &Time) -> String {
+    match time.half_width {
+        Some(half) => interval(time.mean, half),
+        None => number(time.mean),
+    }
 }
 
 fn figure(value: Option<f64>) -> String {

@@ -3,6 +3,7 @@ use stochc_experiments::sweep::{Sweep, SweepPoint};
 use stochc_text::{number, percent};
 
 use super::comparison::{LOWER_BOUND, NEVER_COMPLETES, UNFINISHED, mean, ticks};
+use super::published::within;
 use stochc_text::{TextColumn, TextTable, paragraph};
 
 /// Text of a cell whose value is unknown.
@@ -38,9 +39,8 @@ pub(super) fn sweep_rows(sweep: &Sweep, with_seconds: bool) -> TextTable {
         }),
         column("mean time", &|point| match tick(point) {
             None => maybe(point.time.as_ref().map(|it| {
-                let half = it.half_width.map(|half| format!(" ± {}", number(half)));
                 let bound = if it.incomplete > 0 { "≥ " } else { "" };
-                format!("{bound}{}{}", number(it.mean), half.unwrap_or_default())
+                bound.to_owned() + &within(it)
             })),
             Some(tick) => mean(point.time.as_ref(), tick),
         }),

@@ -9,13 +9,7 @@ pub fn number(value: f64) -> String {
     if size != 0.0 && !(1e-4..1e15).contains(&size) {
         return format!("{value:.3e}");
     }
-    let digits = match size {
-        s if s >= 100.0 => 0,
-        s if s >= 10.0 => 1,
-        s if s >= 1.0 => 2,
-        s if s >= 0.1 => 3,
-        _ => 5,
-    };
+    let digits = decimals(size);
     let text = format!("{value:.digits$}");
     let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
     let fraction = fraction.trim_end_matches('0');
@@ -33,6 +27,31 @@ pub fn number(value: f64) -> String {
     match fraction {
         "" => format!("{sign}{parted}"),
         _ => format!("{sign}{parted}.{fraction}"),
+    }
+}
+
+/// Returns a value and the half-width of its interval as text, with the same number of decimals:
+/// `44.8 ± 9.9`.
+pub fn interval(value: f64, half: f64) -> String {
+    let digits = decimals(value.abs());
+    let rounded = format!("{half:.digits$}");
+    let is_shown = rounded.bytes().any(|byte| (b'1'..=b'9').contains(&byte));
+    match digits {
+        // Thousands have commas.
+        0 => format!("{} ± {}", number(value), number(half.round())),
+        _ if is_shown => format!("{value:.digits$} ± {rounded}"),
+        _ => format!("{} ± {}", number(value), number(half)),
+    }
+}
+
+/// Returns the number of decimals of a number of this size.
+fn decimals(size: f64) -> usize {
+    match size {
+        s if s >= 100.0 => 0,
+        s if s >= 10.0 => 1,
+        s if s >= 1.0 => 2,
+        s if s >= 0.1 => 3,
+        _ => 5,
     }
 }
 

@@ -27,7 +27,7 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
         None => PlotAxis::new("time", unit),
     };
     let incomplete = picture::incomplete();
-    let title = "Incomplete runs over time";
+    let title = "Share of incomplete runs over time";
     let figure = |medium| {
         picture::survival(
             medium,

@@ -151,7 +151,7 @@ pub(super) fn phases(
         })
         .collect();
     if phases.len() > 1 {
-        let title = format!("{}: incomplete phases over time", subject.label);
+        let title = format!("{}: share of incomplete phases over time", subject.label);
         let axis = subject.time_axis("time since the phase began");
         let incomplete = picture::incomplete();
         let file = format!("phases-{n}");
