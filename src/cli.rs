@@ -2,11 +2,14 @@
 use std::ffi::OsString;
 use std::num::{IntErrorKind, ParseIntError};
 use std::path::Path;
+use std::sync::LazyLock;
 
 use clap::builder::{StyledStr, Styles};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use stochc_files::shell::file as shell_file;
+use stochc_results::this_build;
+use stochc_text::suggest::nearest;
 use stochc_text::{is_invisible, visible};
 
 use crate::command::interrupt::outlive_file_limit;
@@ -20,7 +23,7 @@ use crate::exit::{Exit, Failure};
 
 /// Compiler, verifier and simulator for stochastic modular robots.
 #[derive(Debug, Parser)]
-#[command(version, about, after_help = AFTER_HELP)]
+#[command(version, long_version = version_and_build(), about, after_help = AFTER_HELP)]
 pub struct Cli {
     /// The subcommand.
     #[command(subcommand)]
@@ -38,6 +41,13 @@ pub struct Cli {
         help_heading = "Global options"
     )]
     pub color: Color,
+}
+
+/// Returns the version with the build that results folders and reports name.
+fn version_and_build() -> &'static str {
+    static TEXT: LazyLock<String> =
+        LazyLock::new(|| format!("{} (build {})", env!("CARGO_PKG_VERSION"), this_build()));
+    &TEXT
 }
 
 const AFTER_HELP: &str = "\
@@ -197,27 +207,32 @@ pub fn report_usage_error(error: clap::Error) -> Result<Exit, Failure> {
 /// Adds a suggestion: the option with the most similar name. A transposition counts as one edit.
 /// clap itself would suggest options with a common prefix.
 fn with_nearest_option(mut error: clap::Error) -> clap::Error {
-    let text = |kind| error.get(kind).map(ToString::to_string);
-    let unknown =
-        text(ContextKind::InvalidArg).filter(|_| error.get(ContextKind::SuggestedArg).is_some());
+    let unknown = error.get(ContextKind::InvalidArg).map(ToString::to_string);
+    let unknown = unknown.filter(|_| error.kind() == ErrorKind::UnknownArgument);
     let Some(unknown) = unknown.filter(|it| it.starts_with("--")) else {
         return error;
     };
     let mut command = Cli::command();
     command.build();
-    let mut command = &command;
-    for name in std::env::args_os().skip(1) {
-        command = command.find_subcommand(name).unwrap_or(command);
-    }
+    let command = given(&command);
     let longs = command.get_arguments().filter_map(|it| it.get_long());
     let distance = |long: &str| strsim::damerau_levenshtein(&unknown[2..], long);
     let length = |long: &str| long.len().abs_diff(unknown.len() - 2);
     let nearest = longs.min_by_key(|long| (distance(long), length(long)));
-    if let Some(long) = nearest.filter(|long| distance(long) <= 2) {
+    let is_near = |long: &&str| distance(long) <= 2.min(long.len() - 1);
+    if let Some(long) = nearest.filter(is_near) {
         let suggestion = ContextValue::String(format!("--{long}"));
         error.insert(ContextKind::SuggestedArg, suggestion);
     }
     error
+}
+
+/// Returns the innermost subcommand that the command line names.
+fn given(mut command: &clap::Command) -> &clap::Command {
+    for name in std::env::args_os().skip(1) {
+        command = command.find_subcommand(name).unwrap_or(command);
+    }
+    command
 }
 
 /// Names of commands in other applications, each with the `stochc` command that does the same.
@@ -251,7 +266,17 @@ fn with_command(mut error: clap::Error) -> clap::Error {
         None if word.ends_with(".sa") || Path::new(&word).exists() => {
             format!("stochc check {}", shell_file(&word))
         }
-        None => return error,
+        None => {
+            // clap lists all similar commands in alphabetical order.
+            let command = Cli::command();
+            let names = given(&command).get_subcommands();
+            let names = names.map(clap::Command::get_name);
+            if let Some(suggestion) = nearest(&word, names) {
+                let value = ContextValue::Strings(vec![suggestion.word]);
+                error.insert(ContextKind::SuggestedSubcommand, value);
+            }
+            return error;
+        }
     };
     error.remove(ContextKind::SuggestedSubcommand);
     let tip = StyledStr::from(format!("did you mean `{suggestion}`?"));
@@ -337,12 +362,13 @@ fn about_numbers(error: clap::Error) -> clap::Error {
     let Some(number) = source.and_then(|it| it.downcast_ref::<ParseIntError>()) else {
         return error;
     };
-    let words = match number.kind() {
-        IntErrorKind::PosOverflow => "the number is too large",
-        _ => "a whole number is needed, with digits alone",
-    };
     let of = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
     let [value, option] = [ContextKind::InvalidValue, ContextKind::InvalidArg].map(of);
+    let words = match number.kind() {
+        IntErrorKind::PosOverflow => "the number is too large",
+        _ if option.contains("<TICKS>") => "a number of ticks is needed, with digits alone",
+        _ => "a whole number is needed, with digits alone",
+    };
     clap::Error::raw(
         error.kind(),
         format!(

@@ -39,6 +39,8 @@ fn rest(manifest: &Manifest, snapshot: &Snapshot, elapsed: Duration) -> String {
         } else {
             format!("; about {} left", words(left))
         };
+    } else if snapshot.done > 0 && snapshot.ticks_here > 0 {
+        text += "; the running simulations already take longer than the mean";
     }
     let mut running = BTreeMap::<_, u64>::new();
     for &(program, phase) in &snapshot.running {

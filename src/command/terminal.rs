@@ -57,10 +57,9 @@ pub fn print(text: &str) -> Result<(), Failure> {
 
 /// Prints lines as [`print`] does, folded to the width of the terminal.
 pub fn print_folded(text: &str) -> Result<(), Failure> {
-    if output_is_watched() {
-        print(&folded(text, output_width()))
-    } else {
-        print(text)
+    match columns(&Term::stdout()) {
+        Some(width) => print(&folded(text, width)),
+        None => print(text),
     }
 }
 
@@ -235,7 +234,7 @@ pub fn output_is_watched() -> bool {
     std::io::stdout().is_terminal()
 }
 
-/// Returns the width of standard output \[columns\]. Returns [`WIDTH`] if it is not a terminal.
+/// Returns the width of standard output \[columns\]. Returns [`WIDTH`] if it is unknown.
 pub fn output_width() -> usize {
     columns(&Term::stdout()).unwrap_or(WIDTH)
 }
@@ -248,12 +247,15 @@ pub fn message_width() -> usize {
 /// Width of output that does not go to a terminal \[columns\].
 const WIDTH: usize = 80;
 
+/// Returns the width of a terminal \[columns\]. For other output, returns the number in the
+/// environment variable `COLUMNS`, or `None`.
 fn columns(terminal: &Term) -> Option<usize> {
     /// Smallest width that text is folded to \[columns\]. Narrower terminals break lines
     /// themselves.
     const MIN: usize = 40;
-    let (_, columns) = terminal.size_checked()?;
-    Some(usize::from(columns).max(MIN))
+    let given = || std::env::var("COLUMNS").ok()?.parse().ok();
+    let columns = terminal.size_checked().map(|(_, columns)| columns);
+    Some(usize::from(columns.or_else(given)?).max(MIN))
 }
 
 #[cfg(test)]

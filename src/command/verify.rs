@@ -216,7 +216,10 @@ fn describe(reports: &[ExplorationReport], bounds: &ExplorationBounds) -> String
         // Writing to a string cannot fail.
         let _ = match &report.verdict {
             ExplorationVerdict::Holds => {
-                writeln!(out, "  Explored every order of events: {visited}.")
+                writeln!(
+                    out,
+                    "  Explored every order of events (equivalent orders once): {visited}."
+                )
             }
             ExplorationVerdict::Violated(violation) if report.schedules > 0 => writeln!(
                 out,

@@ -346,7 +346,7 @@ fn a_missing_parameter_is_reported() {
         ),
         (
             "bond.pull=3",
-            "`bond.pull` is a force, such as `15 N`, not a number without a unit",
+            "`bond.pull` is a force, such as `15 N`, not a number without a unit; write the unit after the last value, such as `2,4,8 N`",
         ),
         (
             "free=50..600/7",

@@ -197,10 +197,11 @@ fn summary(
 /// Returns the critical path of each phase as text, one per line.
 fn chains(program: &Program, checked: &Checked) -> String {
     let plan = &program.plan;
-    let Some(order) = program.order.as_ref().filter(|_| plan.aggregate.is_none()) else {
+    let phases = || plan.phases.iter().filter(|phase| !phase.pre_attached);
+    let has_phases = plan.aggregate.is_none() && phases().next().is_some();
+    let Some(order) = program.order.as_ref().filter(|_| has_phases) else {
         return String::new();
     };
-    let phases = || plan.phases.iter().filter(|phase| !phase.pre_attached);
     let width = phases().map(|phase| phase.name.len()).max().unwrap_or(0);
     let total: usize = order
         .chains

@@ -9,6 +9,7 @@ use stochc_planner::{
     Completion, Goal, PlanSearch, Planned, TargetError, Unplanned, untrue_claims,
 };
 use stochc_results::now;
+use stochc_runtime::rates::Rates;
 use stochc_text::visible;
 
 use super::budget::Budget;
@@ -85,7 +86,9 @@ pub fn plan(
         }
     };
     let rates = read_rates_for(options.rates, scene.iter(), host)?;
-    let planned = search(missing, options, host, |search| match read {
+    let typical = |scene| Rates::known_or_guessed(&rates, scene).is_none();
+    let is_typical = scene.as_ref().is_some_and(typical);
+    let planned = search(missing, is_typical, options, host, |search| match read {
         PlanTarget::Goal(goal) => goal.plan(&rates, search),
         PlanTarget::Completion(completion) => completion.plan(&rates, search),
     })?;
@@ -99,9 +102,11 @@ pub fn plan(
     }
 }
 
-/// Searches for a plan within the budget. `cells` is the number of cells in the shape.
+/// Searches for a plan within the budget. `cells` is the number of cells in the shape. With
+/// `is_typical`, estimates only rank plans, and are not shown.
 pub(super) fn search(
     cells: usize,
+    is_typical: bool,
     options: &PlanOptions<'_>,
     host: &dyn Host,
     plan: impl Fn(PlanSearch<'_>) -> Result<Planned, Unplanned> + Sync,
@@ -146,6 +151,7 @@ pub(super) fn search(
             },
             more: match best.load(Ordering::Relaxed) {
                 0 => String::new(),
+                _ if is_typical => String::new(),
                 best => format!("; the best takes about {best} ticks"),
             },
         }

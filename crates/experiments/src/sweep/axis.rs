@@ -1,4 +1,5 @@
 //! Axes of a sweep, parsed from texts such as `free=50..600/6 log`.
+use stochc_ir::scene::scalars::ScalarError;
 use stochc_ir::scene::schema::SchemaNumber;
 use stochc_ir::scene::units::WrittenQuantity;
 
@@ -155,7 +156,13 @@ pub(crate) fn varied(number: &SchemaNumber, given: f64, unit: &str) -> Result<Va
     if given == 0.0 && unit.is_empty() {
         quantity.1 = number.kind.dimension;
     }
-    let value = number.accept(quantity)?;
+    let value = number.accept(quantity).map_err(|error| match &error {
+        ScalarError::Dimension { .. } if unit.is_empty() => RangeError::NoUnit {
+            unit: number.kind.example_unit(),
+            error,
+        },
+        _ => RangeError::Value(error),
+    })?;
     Ok(Varied {
         name: number.name().to_owned(),
         value,

@@ -115,6 +115,14 @@ pub enum RangeError {
     /// The scene parameter cannot have the value.
     #[error(transparent)]
     Value(#[from] ScalarError),
+    /// The values have no unit, and the parameter needs one.
+    #[error("{error}; write the unit after the last value, such as `2,4,8 {unit}`")]
+    NoUnit {
+        /// Reason, with the kind of the parameter.
+        error: ScalarError,
+        /// A unit of the parameter.
+        unit: &'static str,
+    },
     /// The value is not a quantity.
     #[error(transparent)]
     Quantity(#[from] InvalidQuantity),

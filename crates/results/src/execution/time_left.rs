@@ -4,7 +4,7 @@ use std::time::Duration;
 use crate::execution::{ProgramProgress, Snapshot};
 
 /// Returns the remaining time at the rate of ticks simulated during `elapsed`. Returns `None` if no
-/// run has finished yet.
+/// run has finished yet, or if the running simulations already take longer than the mean.
 ///
 /// The unfinished runs of a program are assumed to have the mean number of ticks of its finished
 /// runs. A program without finished runs has the mean of all programs.
@@ -15,7 +15,7 @@ pub fn time_left(snapshot: &Snapshot, elapsed: Duration) -> Option<Duration> {
         (programs.iter()).fold(0, |sum, pace| pace.ticks.saturating_add(sum)),
     )?;
     let ticks: f64 = programs.iter().map(|pace| ticks_left(pace, overall)).sum();
-    if snapshot.ticks_here == 0 {
+    if snapshot.ticks_here == 0 || ticks <= 0.0 && snapshot.done < snapshot.total {
         return None;
     }
     let seconds = ticks * elapsed.as_secs_f64() / snapshot.ticks_here as f64;
@@ -68,6 +68,21 @@ mod tests {
                 ..Totals::default()
             },
             ticks_here: 900,
+            ..Snapshot::default()
+        };
+        assert_eq!(time_left(&snapshot, Duration::from_secs(10)), None);
+    }
+
+    #[test]
+    fn a_slow_last_run_has_no_estimate() {
+        let snapshot = Snapshot {
+            total: 8,
+            done: 7,
+            totals: Totals {
+                programs: vec![pace(7, 700, 1, 120)],
+                ..Totals::default()
+            },
+            ticks_here: 820,
             ..Snapshot::default()
         };
         assert_eq!(time_left(&snapshot, Duration::from_secs(10)), None);
