@@ -124,6 +124,44 @@ await test('memory stays flat over 100 runs', async () => {
   assert.ok(after.workers <= before.workers, `${before.workers} workers, then ${after.workers}`);
 });
 
+await test('the page reacts while large programs are checked, estimated and simulated', async () => {
+  const seeds = Array.from({ length: 225 }, (_, i) => [2 * (i % 15), 2 * Math.floor(i / 15)]);
+  const lines = each => seeds.map(([x, y]) => each(x, y)).join('\n');
+  const scene = 'scene big from hemisphere { free 6000 uniform  enclosure hemisphere { radius 12 m  wall 200 N/m } }';
+  const program = `${scene}\nassembly big in big {\nseed plate 30 x 30 {\n${lines((x, y) => `S${x}_${y} at (${x}, ${y})`)}\n}\nphase grow {\n${lines((x, y) => `S${x}_${y}.up ->> T${x}_${y}[1..8]`)}\n}\n}\n`;
+  // Counts the tasks of the page between a request and its reply.
+  await page.evaluate(() => {
+    window.turns = {};
+    const post = Worker.prototype.postMessage;
+    Worker.prototype.postMessage = function (message, ...rest) {
+      const call = message.request?.call;
+      if (call) {
+        window.turns[call] ??= 0;
+        let timer;
+        const count = () => {
+          window.turns[call]++;
+          timer = setTimeout(count);
+        };
+        timer = setTimeout(count);
+        this.addEventListener('message', () => clearTimeout(timer), { once: true });
+      }
+      post.call(this, message, ...rest);
+    };
+  });
+  await checked(() => page.setInputFiles('#file', { name: 'big.sa', mimeType: 'text/plain', buffer: Buffer.from(program) }));
+  assert.match(await page.textContent('#problems'), /1800 captures/);
+  await page.waitForSelector('#facts b', { timeout: 120000 });
+  await page.click('#tab-runs');
+  await page.selectOption('#model', 'shuffle');
+  await page.selectOption('#runs', '10');
+  await page.click('#start');
+  await page.waitForFunction(() => /^share of 10 of 10/.test(document.querySelector('#results svg')?.getAttribute('aria-label')), null, { timeout: 120000 });
+  const turns = await page.evaluate(() => window.turns);
+  for (const call of ['check', 'estimate', 'simulate', 'summarize']) assert.ok(turns[call] >= 1, JSON.stringify(turns));
+  await go('');
+  await page.click('#tab-runs');
+});
+
 await test('runs stop at once', async () => {
   await page.selectOption('#model', 'rigid');
   await page.selectOption('#runs', '1000');

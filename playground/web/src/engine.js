@@ -29,7 +29,7 @@ export class Engine {
       if (data.batch) return job.batch?.(data.batch, data.numbers);
       this.jobs.delete(data.job);
       if (data.broken) this.stop();
-      if (data.reply.error) job.reject(new Error(data.reply.error));
+      if (data.reply?.error) job.reject(new Error(data.reply.error));
       else job.resolve(data.reply);
     };
   }

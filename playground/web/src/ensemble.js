@@ -7,12 +7,12 @@ const WORKERS = Math.max(1, Math.min(8, (navigator.hardwareConcurrency || 2) - 1
 const BATCH = { rigid: 1, rate: 25, shuffle: 25 };
 
 /**
- * Simulation of many runs. Calls `changed` after new records and new statistics. `records` are in the order of the runs.
- * `summary` are the statistics of the first `summary.total` records that arrived.
+ * Simulation of many runs. Calls `changed` after new records and new statistics. `records` are the outcomes in
+ * the order of the runs. `summary` are the statistics of the first `summary.total` records that arrived.
  */
 export class Ensemble {
   constructor(request, runs, changed) {
-    Object.assign(this, { request, runs, changed, records: [], next: 0, isRunning: true });
+    Object.assign(this, { request, runs, changed, records: [], texts: [], next: 0, isRunning: true });
     const batch = BATCH[request.model] ?? 1;
     const count = Math.min(WORKERS, Math.ceil(runs / batch));
     this.engines = Array.from({ length: count }, () => new Engine());
@@ -27,8 +27,9 @@ export class Ensemble {
       const runs = Math.min(batch, this.runs - first);
       this.next += runs;
       try {
-        const { records } = await engine.call({ call: 'simulate', ...this.request, first, runs });
+        const { records, text } = await engine.call({ call: 'simulate', ...this.request, first, runs });
         this.records.push(...records);
+        this.texts.push(text);
         this.records.sort((a, b) => a.run - b.run);
         this.changed(this);
         this.summarize();
@@ -53,10 +54,10 @@ export class Ensemble {
     if (this.isSummarizing) return;
     this.isSummarizing = true;
     const { text, program } = this.request;
-    while (this.summary.total < this.records.length) {
-      const { records } = this;
-      const total = records.length;
-      this.summary = { ...await this.statistics.call({ call: 'summarize', text, program, records }), total };
+    while (this.texts.length) {
+      const total = this.records.length;
+      const texts = this.texts.splice(0);
+      this.summary = { ...await this.statistics.call({ call: 'summarize', text, program, texts }), total };
       this.changed(this);
     }
     this.isSummarizing = false;

@@ -38,16 +38,12 @@ export function recordings({ Recording }) {
       const seeds = new Set(about.tables.blocks.flatMap(({ seed }, role) => (seed ? [role] : [])));
       const holders = new Map();
       const holder = role => holders.get(role) ?? (seeds.has(role) ? -1 - role : 0);
-      const places = new Float32Array(7 * this.bodies);
-      for (let body = 0; body < this.bodies; body++) places.set(AWAY, 7 * body);
-      /** For each block, the event that captures it. */
+      /** For each block, the event that captures it, its tick, and the place of the block then. */
       this.origin = [];
+      this.docked = [];
+      this.seats = [];
       let phase = null;
-      const keep = tick => {
-        this.ticks.push(tick);
-        this.frames.push(places.slice());
-      };
-      keep(0);
+      this.ticks.push(0);
       events.forEach((event, index) => {
         const [before, tick] = [index, index + 1];
         if (event.phase !== phase) this.events.push([before, 'phase', (phase = event.phase)]);
@@ -57,15 +53,27 @@ export function recordings({ Recording }) {
           this.events.push([before, 'on', of, event.face, event.parent, event.role, event.cell]);
           this.events.push([tick, 'dock', body, of, event.face, event.role, event.cell]);
           holders.set(event.role, body);
-          places.set([...corner.map((from, axis) => from + event.cell[axis]), 0, 0, 0, 1], 7 * body);
+          this.docked.push(tick);
+          this.seats.push([...corner.map((from, axis) => from + event.cell[axis]), 0, 0, 0, 1]);
         } else {
           this.events.push([tick, 'free', holder(event.role), event.role, event.role]);
           holders.delete(event.role);
         }
-        keep(tick);
+        this.ticks.push(tick);
       });
       this.record.ticks = events.length;
       this.texts = events.map(({ phase, text }) => `phase ${about.tables.phases[phase]?.name}: ${text}`);
+    }
+
+    has() {
+      return true;
+    }
+
+    reader(frame) {
+      return (body, into) => {
+        const place = frame < this.docked[body] || !this.seats[body] ? AWAY : this.seats[body];
+        for (let i = 0; i < 7; i++) into[i] = place[i];
+      };
     }
   }
 
