@@ -344,6 +344,60 @@ await test('narrow screens scroll in one direction only', async () => {
   await page.setViewportSize({ width: 1280, height: 800 });
 });
 
+await test('fingers turn, zoom, select, rewind, edit and run', async () => {
+  const phone = await browser.newContext({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  const page = await phone.newPage();
+  page.on('pageerror', error => complaints.push(error.stack));
+  const session = await phone.newCDPSession(page);
+  /** Moves fingers along lines `[x, y, x2, y2]`. */
+  const fingers = async (...lines) => {
+    const at = part => lines.map(([x, y, x2, y2], id) => ({ x: x + part * (x2 - x), y: y + part * (y2 - y), id }));
+    const send = (type, touchPoints) => session.send('Input.dispatchTouchEvent', { type, touchPoints });
+    await send('touchStart', at(0));
+    for (let i = 1; i <= 8; i++) await send('touchMove', at(i / 8));
+    await send('touchEnd', []);
+  };
+  await page.goto(server.url);
+  await page.waitForSelector('body[data-ready][data-checked]', { timeout: 60000 });
+  await page.evaluate(() => document.getElementById('stage').scrollIntoView({ block: 'center' }));
+  const { x, y, width, height } = await page.locator('#arena').boundingBox();
+  const [middle, level] = [x + width / 2, y + height / 2];
+  const view = () => page.locator('#stage').screenshot().then(bytes => bytes.toString('base64'));
+  /** Performs a gesture, and waits until the picture differs. */
+  const changes = async gesture => {
+    const before = await view();
+    await gesture();
+    for (let i = 0; i < 100; i++) {
+      if (await view() !== before) return;
+      await page.waitForTimeout(50);
+    }
+    throw new Error('the picture is the same');
+  };
+  const scrolled = await page.evaluate(() => scrollY);
+  await changes(() => fingers([middle, level, middle + 60, level + 20]));
+  await changes(() => fingers([middle - 20, level, middle - 100, level], [middle + 20, level, middle + 100, level]));
+  assert.equal(await page.evaluate(() => scrollY), scrolled, 'the page does not scroll with the picture');
+  // A block is under one of these points.
+  const chosen = () => page.evaluate(() => {
+    const { state } = document.querySelector('.cm-content').cmTile.view;
+    return state.sliceDoc(state.selection.main.from, state.selection.main.to);
+  });
+  for (const share of [0.2, 0.35, 0.5, 0.65, 0.8]) if (!(await chosen())) await page.touchscreen.tap(x + share * width, level);
+  assert.match(await chosen(), /->/);
+  const slider = await page.locator('#tick').boundingBox();
+  const along = share => slider.x + share * slider.width;
+  await fingers([along(0.95), slider.y + slider.height / 2, along(0.4), slider.y + slider.height / 2]);
+  assert.ok(Number(await page.inputValue('#tick')) < 5);
+  await page.locator('.cm-line').nth(1).tap();
+  const before = await page.getAttribute('body', 'data-checked');
+  await page.keyboard.insertText('// A comment.');
+  await page.waitForFunction(before => document.body.dataset.checked !== before, before, { timeout: 30000 });
+  await page.locator('#run').tap();
+  await page.waitForSelector('body[data-record]', { timeout: 60000 });
+  if (pictures) await page.screenshot({ path: `${pictures}/phone.png` });
+  await phone.close();
+});
+
 if (process.env.STOCHC_AXE) {
   await test('the page follows the rules of accessibility', async () => {
     for (const scheme of ['light', 'dark']) {
