@@ -249,6 +249,14 @@ await test('a program is laid out', async () => {
   assert.match(await text(), /\n {4}phase grow \{ M\.up -> A \}\n/);
 });
 
+await test('a new program is typed, with indentation', async () => {
+  await checked(() => page.click('#new'));
+  assert.match(await page.textContent('#problems'), /3 captures/);
+  await page.keyboard.press('Control+a');
+  await checked(() => page.keyboard.type('assembly a {\nseed plate 1 x 1 { M at (0, 0) }\nphase grow {\nM.up -> A\nA.up -> B'));
+  assert.equal(await text(), 'assembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase grow {\n        M.up -> A\n        A.up -> B\n    }\n}');
+});
+
 await test('a link opens the program again', async () => {
   const program = '// Ünïcode 🧱\nassembly mine {\n    seed plate 1 x 1 {\n        M at (0, 0)\n    }\n    phase grow {\n        M.up ->> T[1..4]\n    }\n}\n';
   await type(program);

@@ -67,7 +67,7 @@ export class Editor {
         { key: 'Shift-Alt-f', run: command(format) },
         ...closeBracketsKeymap, ...defaultKeymap, ...searchKeymap, ...historyKeymap, ...completionKeymap, ...lintKeymap, indentWithTab,
       ]),
-      EditorView.contentAttributes.of({ 'aria-label': 'program' }),
+      EditorView.contentAttributes.of({ 'aria-label': 'program', tabindex: '0' }),
       EditorView.updateListener.of(update => {
         if (update.docChanged) changed();
         if (update.selectionSet || update.docChanged) moved(update.state.selection.main.head);

@@ -1,5 +1,5 @@
 // Highlighting and completion of programs.
-import { LanguageSupport, StreamLanguage } from '@codemirror/language';
+import { indentService, LanguageSupport, StreamLanguage } from '@codemirror/language';
 import { KEYWORDS, PREFIXES, UNITS } from 'virtual:words';
 
 /** Keywords that begin statements and declarations. */
@@ -36,15 +36,19 @@ const language = terms => StreamLanguage.define({
     return 'variableName';
   },
   languageData: { commentTokens: { line: '//' }, closeBrackets: { brackets: ['(', '[', '{', '"'] }, indentOnInput: /^\s*\}$/ },
-  indent(state, textAfter, context) {
-    const before = context.lineAt(context.pos, -1);
-    const indent = context.lineIndent(before.from > 0 ? before.from : 0);
-    const opens = /[{(]\s*(\/\/.*)?$/.test(before.text);
-    return indent + (opens ? context.unit : 0) - (/^\s*\}/.test(textAfter) && !opens ? context.unit : 0);
-  },
 });
 
-export const stochc = terms => new LanguageSupport(language(terms));
+/** Indents a line like the line before it, and by one step more after an opening bracket. */
+const indentation = indentService.of((context, position) => {
+  const { doc } = context.state;
+  // At a new line, the line before it ends at this position.
+  const end = context.simulatedBreak === position ? position : Math.max(0, position - 1);
+  const before = doc.sliceString(doc.lineAt(end).from, end);
+  const steps = /[{([]\s*(\/\/.*)?$/.test(before) - /^\s*\}/.test(context.lineAt(position).text);
+  return Math.max(0, before.search(/\S|$/) + steps * context.unit);
+});
+
+export const stochc = terms => new LanguageSupport(language(terms), indentation);
 
 /** Returns a completion source. It offers faces after a dot. Elsewhere, it offers keywords, `terms` and names of the program. */
 export const completion = (names, terms) => context => {

@@ -45,6 +45,17 @@ const EXAMPLES = {
   'experiment_2.sa': ['Free blocks', 'Free blocks in stirred oil find each other.', 'free'],
 };
 
+/** First version of a program of one's own. */
+const TEMPLATE = `assembly mine {
+    seed plate 3 x 3 {
+        M at (1, 1)
+    }
+    phase grow {
+        M.up ->> T[1..3]
+    }
+}
+`;
+
 const state = {
   /** Name of the program, and the open lesson. */
   name: '', lesson: null,
@@ -165,6 +176,8 @@ function judge() {
   state.isDone = true;
   write('finished', JSON.stringify([...finished().add(state.lesson)]));
   drawLesson();
+  // On narrow screens, the lesson may be out of view.
+  toast(`✓ Lesson ${state.lesson + 1} is done. The next one is above the program.`);
 }
 
 // ---- checks ----
@@ -248,7 +261,7 @@ function drawProblems() {
       node('div', { className: 'actions' },
         fix ? node('button', { className: 'primary fix', onclick: fix }, 'Fix: ', ...spans(diagnostic.fix.title)) : null,
         node('button', { className: 'explain-button', onclick: () => explain(diagnostic.code) }, `Explain ${diagnostic.code}`)),
-      more ? node('details', {}, node('summary', {}, 'Details'),
+      more ? node('details', { open: diagnostic.code === 'shape-mismatch' }, node('summary', {}, 'Details'),
         told.length > 1 ? node('ul', {}, ...told.map(label => node('li', {}, `${isOwn(label) ? `line ${label.start.line}` : label.file}: `, ...spans(label.text)))) : null,
         rest.length ? node('pre', { className: 'help', tabIndex: 0 }, rest.join('\n')) : null) : null);
   });
@@ -283,11 +296,11 @@ function drawStructure() {
   const program = current();
   const isGood = program?.structure && !errors().length;
   const messages = program?.structure ? concerned(program.structure) : new Map();
-  // Without event tables, the structure is incomplete. It is shown if it shows the place of an error.
-  const isShown = program?.structure && (!program.structure.is_partial || messages.size > 0);
+  // Without event tables, the structure may be incomplete. It is shown if it shows an error.
+  const isShown = program?.structure && (!program.structure.is_partial || messages.size > 0 || errors().every(({ code }) => code === 'shape-mismatch'));
   if (isShown) state.good = { program, text: state.checked };
   element('run').disabled = element('start').disabled = !isGood;
-  const warning = isGood ? '' : isShown ? 'The program has errors. Blocks with ⚠ show where.' : state.good ? 'The program has errors. This is an earlier version.' : '';
+  const warning = isGood ? '' : messages.size ? 'The program has errors. Blocks with ⚠ show where.' : isShown ? 'The program has errors.' : state.good ? 'The program has errors. This is an earlier version.' : '';
   element('stale').textContent = warning;
   element('stale').hidden = !warning || state.tab !== 'structure';
   if (state.tab !== 'structure') return;
@@ -445,7 +458,7 @@ async function run() {
     // If there was no estimate, the speed was a guess and is corrected now.
     if (!expected && stage.shown?.recording === stream.recording) stage.shown.player.setSpeed((record.ticks * about.scene.tick) / 20);
     const seconds = duration(record.ticks * about.scene.tick);
-    toast(record.outcome.kind === 'completed' ? `Complete after ${number(record.ticks)} ticks (${seconds} of the robots)` : `The run is ${record.outcome.kind.replace('_', ' ')} after ${number(record.ticks)} ticks`);
+    toast(record.outcome.kind === 'completed' ? `The run completes after ${number(record.ticks)} ticks (${seconds} of the robots)` : `The run is ${record.outcome.kind.replace('_', ' ')} after ${number(record.ticks)} ticks`);
     document.body.dataset.record = JSON.stringify({ ticks: record.ticks, outcome: record.outcome.kind });
     judge();
   } catch (error) {
@@ -739,6 +752,11 @@ async function start() {
   };
   const buttons = {
     run, format, share, examples: gallery, lessons, draw: drawShape,
+    new() {
+      openProgram(TEMPLATE, 'mine.sa');
+      history.replaceState(null, '', location.pathname + location.search);
+      editor.focus();
+    },
     open: () => element('file').click(),
     save: () => download(editor.text, /\.sa$/.test(state.name) ? state.name.split('/').at(-1) : 'program.sa', 'text/plain'),
     close: () => element('dialog').close(),
