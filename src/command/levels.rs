@@ -21,13 +21,13 @@ const OPTIONS: [(&str, Level, &str); 3] = [
     (
         "allow",
         Level::Allow,
-        "Do not report this warning. The code `warnings` means all warnings. `stochc explain` lists the codes",
+        "Do not report warnings with this code. `warnings` stands for all codes. `stochc explain` lists the codes",
     ),
-    ("warn", Level::Warn, "Report this warning [default]"),
+    ("warn", Level::Warn, "Report warnings with this code [default]"),
     (
         "deny",
         Level::Deny,
-        "Report this warning as an error. An `allow` or `deny` in the file takes precedence",
+        "Report warnings with this code as errors. An `allow` or `deny` in the file takes precedence",
     ),
 ];
 

@@ -19,7 +19,7 @@ pub struct PresentationOptions {
 enum UnitOption {
     /// Ticks of the scene. If programs have ticks of different lengths, times are in seconds
     Ticks,
-    /// Seconds of the scene
+    /// Seconds of simulated time
     S,
 }
 

@@ -12,7 +12,7 @@ use stochc_runtime::{RunError, Watch};
 use crate::exit::Failure;
 use crate::host::Host;
 
-/// Selection of the runs to record, with the first error of a recording.
+/// Writer of the recordings of selected runs.
 pub(super) struct Recordings<'a> {
     /// Results folder and selected runs. `None` if no runs are recorded.
     requested: Option<(&'a Path, &'a Selection)>,

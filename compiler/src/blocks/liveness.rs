@@ -17,8 +17,8 @@ use crate::{SourceLocation, Sources};
 pub struct Liveness {
     /// For each event, the events that it depends on through the names of its blocks.
     pub contexts: Vec<EventContext>,
-    /// For each `after` of the program, the event that it waits for. `None` if that event belongs
-    /// to an earlier phase.
+    /// Events that the `after` clauses name, in the order of the clauses. `None` for an event of an
+    /// earlier phase.
     pub subjects: Vec<Option<EventId>>,
 }
 

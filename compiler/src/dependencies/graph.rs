@@ -18,7 +18,7 @@ pub type DependencyGraph = DiGraph<EventId, LocatedDependency, u32>;
 /// Reason why an event waits for another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LocatedDependency {
-    /// A block must be attached before it captures or is released.
+    /// The event needs an attached block, which the capture attaches.
     Anchored,
     /// A block can switch on a limited number of faces at a time, in source order. A capture has
     /// `of` edges of this kind, and `needed` of them are enough.
@@ -28,13 +28,13 @@ pub enum LocatedDependency {
         /// Number of earlier captures by the block with an edge to this capture.
         of: u8,
     },
-    /// An `after` at this location.
+    /// The program states an `after` at this location.
     After(SourceLocation),
-    /// A block is released only after its children.
+    /// The release of a parent waits for the releases of its children.
     Emptied,
-    /// A block can dock only in an empty cell. Physics ensures this.
+    /// The capture needs a cell that the release empties. Physics ensures this order.
     Vacated,
-    /// A name can be captured again only after the release of its block.
+    /// The capture needs a name that the release frees.
     Freed,
 }
 

@@ -14,7 +14,7 @@ pub struct SyntaxHint<'a> {
     pub found: &'a str,
     /// Words that are valid at this location.
     pub expected: &'a [&'static str],
-    /// First word of the statement. Empty unless it is the only word before the unexpected one.
+    /// First word of the statement, if `found` is the second word. Otherwise empty.
     pub after: &'a str,
     /// Source of the whole file.
     pub text: &'a str,

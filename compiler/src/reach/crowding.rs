@@ -84,7 +84,7 @@ impl ReachAnalysis<'_> {
         crowded
     }
 
-    /// Returns whether no event of the list waits for another one of the list.
+    /// Returns whether the events are independent: none of them waits for another.
     fn are_together(&mut self, events: &[EventId], descendants: &DescendantIndex) -> bool {
         let node = |id: &EventId| NodeIndex::new(id.0 as usize);
         let waits = |id: &EventId, other: &EventId| {

@@ -14,7 +14,7 @@ use crate::{SourceLocation, Sources};
 pub struct Layout {
     /// Cell of each event's block. `None` if unknown.
     pub cells: Vec<Option<Cell>>,
-    /// Attachment of each event's block. `None` for releases and wrong events.
+    /// Bond of each event's block to its parent. `None` for seeds, and for events with errors.
     pub parents: Vec<Option<Attachment>>,
     /// Pairs of a release that empties a cell and a capture of the same phase that fills it.
     pub vacated: Vec<(EventId, EventId)>,

@@ -90,7 +90,7 @@ pub enum Dependency {
     /// A cell must be empty before a block is captured there. Physics ensures this, so no message
     /// is needed.
     Vacated,
-    /// A role can be given to a new block only after its holder was released.
+    /// The capture needs a role that the release frees.
     Freed,
 }
 

@@ -142,7 +142,7 @@ pub struct BondRecord {
 pub struct WaitRecord {
     /// Phase of the wait.
     pub phase: PhaseId,
-    /// Role of the block with the open face.
+    /// Role of the parent, which has the open face.
     pub parent: RoleId,
     /// Open face, in the structure's frame.
     pub face: Face,

@@ -54,11 +54,11 @@ pub struct OpenBlock {
 pub enum OpenBlockContent {
     /// A block that contains items, such as an assembly or a loop.
     Items(Box<Item>),
-    /// A scene with its words so far.
+    /// A scene with the terms read so far.
     Scene(Box<Item>, Vec<Term>),
-    /// Braces in a scene.
+    /// Braces in a scene, with the terms read so far.
     SceneBlock(Vec<Term>),
-    /// A shape with its layers so far.
+    /// A shape with the layers read so far.
     Shape(Box<Item>),
     Layer(Layer),
     /// A block with a wrong head. Its content is read and dropped.

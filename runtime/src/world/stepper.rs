@@ -72,8 +72,9 @@ pub(crate) trait Integrator: Sized + State {
         found: &mut Vec<u32>,
     );
 
-    /// Returns the longest path that a block may take in a long step \[block lengths\]. If `_id` is
-    /// `None`, returns the path of the fastest block. Used only if some blocks take short steps.
+    /// Returns the largest distance that block `_id` may move in a long step \[block lengths\]. If
+    /// `_id` is `None`, returns this distance for the fastest block. Returns 0 if all steps are
+    /// equally long.
     fn distance(&self, _blocks: &Self::Blocks, _id: Option<u32>) -> Self::Real {
         Self::Real::from_double(0.0)
     }

@@ -22,7 +22,7 @@ pub(super) struct Effects {
     pub captured: Vec<RoleId>,
 }
 
-/// Fault of a transition.
+/// Mistake in a transition. Each mistake violates a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mistake {
     /// A block was released while it held other blocks.

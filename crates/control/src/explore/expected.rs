@@ -40,7 +40,7 @@ pub struct ExpectedEvent {
     pub cell: Option<Cell>,
     /// Predecessors within the phase.
     pub waits_for: Vec<Notification>,
-    /// Number of predecessors that must happen first, and the events that count as predecessors.
+    /// Required number of earlier captures by the same parent, and the list of these captures.
     pub turn: (usize, Vec<Notification>),
 }
 

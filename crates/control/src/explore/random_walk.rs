@@ -13,7 +13,7 @@ pub struct DrawIndex {
     pub schedule: u64,
     /// Number of the step, from 1. 0 for the choice of faults.
     pub step: u64,
-    /// Number of earlier draws in the same step, at most 7.
+    /// Number of the draw within the step, from 0 to 7.
     pub attempt: u32,
 }
 

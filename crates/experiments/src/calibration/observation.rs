@@ -139,9 +139,10 @@ impl Observations {
             .count() as u64
     }
 
-    /// Returns the intervals, cut at a time limit. Longer waiting times are very probably jams,
-    /// which the rate model does not include. The limit is the same for all faces and does not
-    /// depend on the capture of a face. The result therefore has no bias.
+    /// Returns the intervals, cut at a time limit. Waiting times above the limit are very probably
+    /// jams, which the rate model does not include.
+    ///
+    /// The limit is the same for all faces, so it causes no bias.
     pub fn without_jams(&self) -> Vec<WaitInterval> {
         let mut waits: Vec<f64> = (self.intervals.iter())
             .filter(|interval| interval.captured)

@@ -92,8 +92,8 @@ impl fmt::Display for ScalarError {
 impl std::error::Error for ScalarError {}
 
 impl ScalarError {
-    /// Returns parameters of the scene that could be changed instead. Empty for a wrong dimension
-    /// or value.
+    /// Returns the parameters of the scene if the error is an unknown or absent parameter.
+    /// Otherwise, the list is empty.
     pub fn has(&self) -> &[&'static str] {
         match self {
             ScalarError::Unknown { has, .. } | ScalarError::Absent { has, .. } => has,

@@ -26,7 +26,8 @@ pub struct Tables {
     pub plate: Plate,
     /// Phases in order.
     pub phases: Vec<Phase>,
-    /// Roles: seeds in source order, then captured ones by first capture.
+    /// Roles. Seeds come first, in source order. Captured roles follow, in the order of their first
+    /// capture.
     pub roles: Vec<Role>,
     /// Duties, sorted by (role, phase, trigger).
     duties: Vec<DutyRow>,

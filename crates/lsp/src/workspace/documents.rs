@@ -114,8 +114,8 @@ impl Documents {
     }
 }
 
-/// Returns the character index of a position.
-/// [`LineIndex::offset`](super::position::LineIndex::offset) returns its byte.
+/// Returns the character index of a position. For the byte index, use
+/// [`LineIndex::offset`](super::position::LineIndex::offset).
 fn offset(text: &Rope, position: Position, encoding: Encoding) -> usize {
     let line = position.line as usize;
     if line >= text.len_lines() {

@@ -1,10 +1,10 @@
-//! Captures of a plan.
+//! Planned captures.
 use serde::Serialize;
 use stochc_ir::{Cell, Face};
 
 use crate::timing::precedence::Why;
 
-/// Capture of a plan.
+/// Planned capture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Capture {
     /// Cell of the block.

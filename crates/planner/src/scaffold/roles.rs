@@ -1,10 +1,10 @@
-//! Parts of a plan with scaffolds that sites belong to.
+//! Assignment of sites to the target, to segments and to masts.
 use stochc_ir::{Cell, Face};
 
 use super::Scaffolding;
 use crate::space::sites::{NONE, Sites};
 
-/// Part that a site belongs to: the target, a segment on a mast, or a mast.
+/// Part of a plan to which a site belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SitePart {
     /// Target block that its final parent captures from the start.
@@ -15,7 +15,7 @@ pub enum SitePart {
     Mast(u32),
 }
 
-/// Part of every site.
+/// Part of the plan to which each site belongs.
 #[derive(Debug)]
 pub struct SiteRoles {
     part: Vec<SitePart>,
@@ -37,7 +37,7 @@ pub struct SiteSegment {
 }
 
 impl SiteRoles {
-    /// Returns the part of every site of a target with masts.
+    /// Assigns each site to the target, a segment or a mast.
     pub fn new(sites: &Sites<'_>, scaffolding: &Scaffolding) -> SiteRoles {
         let mut part = vec![SitePart::Own; sites.len()];
         let mut direction = vec![None; sites.len()];

@@ -79,9 +79,9 @@ impl ScheduleState<'_> {
         (self.state[here] == SiteState::Open).then(|| self.schedule.direction[here])
     }
 
-    /// Returns the cheapest direction from a parent with an available face, and its mean waiting
-    /// time \[ticks\]. Priorities may select another direction. Returns `None` if no such parent
-    /// exists.
+    /// Returns the direction with the lowest price, and the mean waiting time of a capture in this
+    /// direction \[ticks\]. Priorities may select another direction. Returns `None` if no parent
+    /// has an available face.
     fn best_direction(&self, site: u32, now: f32) -> Option<(Face, f32)> {
         let directions = self.directions(site, now).map(|(direction, mean)| {
             let price = self.job.price(&self.schedule, site, direction, mean);

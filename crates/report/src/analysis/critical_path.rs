@@ -87,9 +87,11 @@ pub(crate) fn moments(events: &Events, record: &RunRecord) -> Vec<EventTiming> {
     moments
 }
 
-/// Returns the events that `event` waits for, each with the kind of the dependency and the tick of
-/// the event. The tick is `None` if the event has not happened. If any n of several captures
-/// suffice, returns only the nth of them in order of time.
+/// Returns the dependencies of an event: index and kind of each predecessor, and the tick when it
+/// happened. The tick is `None` if the predecessor has not happened.
+///
+/// If a block must capture `needed` of several blocks first, only the capture that reaches this
+/// number is returned.
 fn met<'a>(
     event: &'a OrderedEvent,
     moments: &'a [EventTiming],

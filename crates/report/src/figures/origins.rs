@@ -9,8 +9,8 @@ use crate::analysis::waits::ReportedCapture;
 use crate::svg::letters::{fitted, widest};
 use crate::svg::{Drawing, LegendEntry, LegendSymbol, Medium, PlotAxis, Scale, class};
 
-/// Draws a bar for each capture that captured a released block at least once. Returns `None` if
-/// there is no such capture.
+/// Draws the origins of released blocks that are captured again, with one bar per capture. Returns
+/// `None` if no run captures a released block again.
 pub(crate) fn origins(
     medium: Medium,
     number: usize,

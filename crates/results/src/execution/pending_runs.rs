@@ -47,8 +47,8 @@ pub(crate) fn number(program: usize, run: u64, programs: u64) -> Option<u64> {
     run.checked_mul(programs)?.checked_add(program as u64)
 }
 
-/// Returns the run with a job number. The first runs of all programs come first, then all second
-/// runs, and so on. Partial results thus compare the programs fairly.
+/// Returns the run with a job number. Consecutive jobs are the same run of successive programs.
+/// Partial results therefore contain about equally many runs of each program.
 pub(crate) fn job(number: u64, programs: u64) -> PendingRun {
     PendingRun {
         program: (number % programs) as usize,

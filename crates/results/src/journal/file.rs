@@ -171,8 +171,8 @@ pub(crate) struct JournalLine<'a> {
     pub text: &'a [u8],
 }
 
-/// Calls `each` with each complete line after the first line of a journal. Returns the position
-/// after the last of these lines.
+/// Passes the complete lines of a journal to `each`, except the first line. Returns the position
+/// after the last complete line \[bytes\].
 ///
 /// # Errors
 ///

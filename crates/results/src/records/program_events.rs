@@ -88,7 +88,7 @@ impl<'m> ProgramEvents<'m> {
         Ok(times)
     }
 
-    /// Returns the index of the first event of this phase and action that has no entry in `times`
+    /// Returns the index of the first event with `phase` and `action` that has no entry in `times`
     /// yet. If `cell` is given, the event must be in this cell.
     fn next(
         &self,

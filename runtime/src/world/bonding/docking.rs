@@ -266,7 +266,7 @@ impl<R: Real> Faces<R> {
         })
     }
 
-    /// Prevents captures of a block until it has left every docking window.
+    /// Rejects a block: no face can capture it until the block has left every docking window.
     pub fn reject(&mut self, body: u32) {
         self.rejected.push(body);
     }

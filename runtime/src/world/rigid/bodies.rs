@@ -14,10 +14,10 @@ use crate::world::real::{Real, cast};
 use crate::world::rotation::quaternion;
 use crate::world::{BodyState, Fault};
 
-/// Blocks by number.
+/// All blocks, by number.
 ///
-/// Data that every step reads are stored in SIMD groups. Rotations are updated only on access: a
-/// cube has isotropic inertia, so it rotates at a constant rate while its spin is constant.
+/// SIMD groups contain the data that every step needs. Rotations are updated only on access: a cube
+/// has isotropic inertia, so its rotation rate changes only with its spin.
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies<R: Lane> {
     /// Motions in SIMD groups. The last group is padded with permanently anchored blocks.

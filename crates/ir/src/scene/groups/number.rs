@@ -38,8 +38,8 @@ pub enum AdvisedRange {
 pub struct ResolutionLimit {
     /// Approximate limit of [`DimensionlessNumber::value`] with the steps that are taken.
     pub most: f64,
-    /// Smallest number of substeps per tick for a value within the limit. `None` if there is no
-    /// such number.
+    /// Smallest number of substeps per tick that keeps the value within the limit. `None` if no
+    /// number of substeps suffices.
     pub substeps: Option<u32>,
     /// Consequence of exceeding the limit, as part of a sentence.
     pub beyond: &'static str,
@@ -75,8 +75,8 @@ impl DimensionlessNumber {
         }
     }
 
-    /// Returns the smallest number of substeps per tick for a value within the limit. Returns
-    /// `None` if there is no limit or no such number.
+    /// Returns the smallest number of substeps per tick that keeps the dimensionless number within
+    /// its limit. Returns `None` if there is no limit or no such number of substeps.
     pub fn substeps(&self) -> Option<u32> {
         self.limit?.substeps
     }

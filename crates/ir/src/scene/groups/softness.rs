@@ -53,8 +53,8 @@ const FLOORLESS: &str = "give the scene a `contact`, without which there is no f
 const MAX_STEADY: f64 = 0.5;
 const MAX_MOVING: f64 = 1.0;
 
-/// Adds the penetration depths of blocks into contacts and shell, by steady forces and by moving
-/// blocks \[block lengths\].
+/// Adds two depths for the contacts and two for the shell to `out` \[block lengths\]. The first is
+/// the penetration depth of a pressed block, the second of a moving block.
 pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessNumber>) {
     let units = BlockUnits::from_scene(scene);
     let down = settling::down(scene);

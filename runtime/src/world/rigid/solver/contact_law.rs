@@ -68,8 +68,9 @@ impl<R: Real> Law<R> {
     }
 }
 
-/// Spring and damper over a step. The impulse x must give the bodies the separation speed `target -
-/// softness x`.
+/// Spring with a damper, as a condition on the impulse of a step.
+///
+/// After an impulse x, the separation speed of the bodies must be `target - softness * x`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spring<W> {
     pub target: W,

@@ -26,7 +26,8 @@ pub(super) struct SolverBodies<R: Lane> {
     pub motions: Vec<SolverBody<R>>,
     /// Motions before any impulse.
     pub before: Vec<SolverBody<R>>,
-    /// Velocity changes by forces in the second half of the step, for rigid contacts and the shell.
+    /// For each body, the velocity change that forces cause in the second half of the step. Used
+    /// for rigid contacts and the shell.
     pub late: Vec<R::Quad>,
     /// Displacements that correct overlaps, applied in this substep only. Empty for compliant
     /// contacts.
