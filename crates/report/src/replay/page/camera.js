@@ -20,12 +20,14 @@ class Camera {
       this.middle = [0, 0, shell.middle];
       this.reach = 2.8 * Math.max(shell.reach, shell.middle);
     }
+    // A planar world is shown from above, north at the top.
+    this.isPlanar = Boolean(about.scene.planar);
     this.reset();
   }
 
   reset() {
-    this.azimuth = -0.9;
-    this.height = 0.42;
+    this.azimuth = this.isPlanar ? -Math.PI / 2 : -0.9;
+    this.height = this.isPlanar ? 1.55 : 0.42;
     this.distance = this.reach;
     this.at = this.middle;
     this.first = this.view;

@@ -14,7 +14,9 @@ class Scene {
     this.seeds = about.tables.blocks.flatMap((block, role) => (block.seed ? [{ body: -1 - role, cell: block.seed }] : []));
     const seeded = new Set(this.seeds.map(({ cell }) => cell.join()));
     this.plain = [];
-    for (let x = 0; x < width; x++) for (let y = 0; y < depth; y++) if (!seeded.has([x, y, 0].join())) this.plain.push([x, y, 0]);
+    // In a planar world, the table is in the place of the plate.
+    const columns = about.scene.planar ? 0 : width;
+    for (let x = 0; x < columns; x++) for (let y = 0; y < depth; y++) if (!seeded.has([x, y, 0].join())) this.plain.push([x, y, 0]);
     this.places = new Float64Array(7 * recording.bodies);
     this.numbers = new Float32Array(CUBE * (recording.bodies + width * depth));
     this.shell = enclosure(about.shell);
