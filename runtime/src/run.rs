@@ -43,11 +43,11 @@ pub fn run(
         Model::Rapier => Err(RunError::Absent(Model::Rapier)),
         #[cfg(feature = "rapier")]
         Model::Rapier => {
-            let mut world = RapierWorld::new(scene, &tables.plate, settings, seed, run)?;
+            let mut world = RapierWorld::for_tables(tables, scene, settings, seed, run)?;
             drive(tables, messages, &mut world, limit, seed, run, watch)
         }
         Model::Rigid => {
-            let mut world = RigidWorld::new(scene, &tables.plate, settings, seed, run)?;
+            let mut world = RigidWorld::for_tables(tables, scene, settings, seed, run)?;
             drive(tables, messages, &mut world, limit, seed, run, watch)
         }
         Model::Rate => {
@@ -92,11 +92,11 @@ pub fn observe(
         Model::Rapier => Err(RunError::Absent(Model::Rapier)),
         #[cfg(feature = "rapier")]
         Model::Rapier => {
-            let world = RapierWorld::new(scene, &tables.plate, settings, seed, run)?;
+            let world = RapierWorld::for_tables(tables, scene, settings, seed, run)?;
             observed(tables, scene, world, settings, key, watch, observer)
         }
         Model::Rigid => {
-            let world = RigidWorld::new(scene, &tables.plate, settings, seed, run)?;
+            let world = RigidWorld::for_tables(tables, scene, settings, seed, run)?;
             observed(tables, scene, world, settings, key, watch, observer)
         }
         Model::Rate | Model::Shuffle => Err(RunError::Nowhere(settings.model)),

@@ -63,7 +63,8 @@ pub fn check_aggregate(plan: &ExpandedProgram, scene: &Scene, diagnostics: &mut 
 /// Checks that the free blocks have enough space at the start. Models without physics do not need
 /// this.
 pub fn check_room(plan: &ExpandedProgram, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
-    let Err(error) = scene.has_room(&plan.plate) else {
+    let seeds: Vec<_> = plan.seeds.iter().map(|seed| seed.cell).collect();
+    let Err(error) = scene.has_room(&plan.plate, &seeds) else {
         return;
     };
     let help = match error {

@@ -5,7 +5,7 @@ use stochc_grammar::tree::Assembly;
 use stochc_grammar::{Cancellation, Cancelled, Symbol, Symbols};
 use stochc_ir::JamRisk;
 use stochc_ir::scene::warnings::{SceneWarning, Stepping};
-use stochc_ir::scene::{BondKind, Scene};
+use stochc_ir::scene::{BondKind, Planar, Scene};
 use stochc_ir::table::Tables;
 
 use crate::blocks::liveness::Liveness;
@@ -207,6 +207,11 @@ impl<'a> AssemblyInput<'a> {
             bounds,
             errors,
         )?;
+        if scene.is_some_and(|scene| scene.planar.is_some()) {
+            plan.seeds
+                .iter_mut()
+                .for_each(|seed| seed.cell.z = Planar::LAYER);
+        }
         done(Stage::Expand);
         found.cut_short = errors.iter().any(|diagnostic| {
             matches!(
@@ -232,7 +237,15 @@ impl<'a> AssemblyInput<'a> {
         }
         done(Stage::Names);
         let later = &mut found.later;
-        let layout = layout::lay_out(&mut plan, &liveness, symbols, sources, cancellation, later)?;
+        let layout = layout::lay_out(
+            &mut plan,
+            &liveness,
+            planar(scene),
+            symbols,
+            sources,
+            cancellation,
+            later,
+        )?;
         done(Stage::Layout);
         let faces = scene.map_or(1, |scene| {
             BondKind::from_scene(scene).faces(scene.block.faces)
@@ -283,7 +296,8 @@ impl<'a> AssemblyInput<'a> {
             patterns: &self.declarations.declared.patterns,
             file: self.file,
             trial: self.trial,
-            has_passable_gaps: scene.is_some_and(Rates::pass_gaps),
+            is_planar: planar(scene).is_some(),
+            has_passable_gaps: scene.is_some_and(Rates::pass_gaps) && planar(scene).is_none(),
             sources: self.sources,
             symbols,
             cancellation: self.bounds.cancellation,
@@ -328,6 +342,12 @@ fn is_passive(scene: Option<&Scene>) -> bool {
     scene.is_some_and(|scene| BondKind::from_scene(scene).is_passive())
 }
 
+/// Returns the name of a scene with a planar world.
+fn planar(scene: Option<&Scene>) -> Option<&str> {
+    let planar = scene.filter(|scene| scene.planar.is_some())?;
+    Some(&planar.name)
+}
+
 /// Checks an aggregate. Most stages do not apply.
 pub(super) fn compile_aggregate(
     mut plan: ExpandedProgram,
@@ -353,7 +373,15 @@ pub(super) fn compile_aggregate(
         never,
         diagnostics,
     )?;
-    let layout = layout::lay_out(&mut plan, &liveness, symbols, sources, never, diagnostics)?;
+    let layout = layout::lay_out(
+        &mut plan,
+        &liveness,
+        planar(scene.as_ref()),
+        symbols,
+        sources,
+        never,
+        diagnostics,
+    )?;
     let graph = graph::build(&plan, &liveness, &layout, 1, never)?;
     let order = order::sort(&plan, &graph, symbols, sources, never, diagnostics)?;
     let is_right = !wrong && !has_error(diagnostics);

@@ -107,6 +107,7 @@ codes! {
         Warning ShortTimeout "short-timeout"
     }
     "Cells and access" {
+        Error OutOfPlane "out-of-plane"
         Error EmbeddedFace "embedded-face"
         Error AnchoringFace "anchoring-face"
         Error BelowPlate "below-plate"

@@ -2,7 +2,8 @@
 use std::borrow::Cow;
 
 use stochc_grammar::Cancelled;
-use stochc_ir::Cell;
+use stochc_ir::scene::Planar;
+use stochc_ir::{Cell, Face};
 
 use super::descendants::DescendantIndex;
 use super::effort::SearchEffort;
@@ -58,6 +59,13 @@ pub fn check(
         untouched: None,
         proposed: Vec::new(),
     };
+    survey.occupancy.is_planar = subject.is_planar;
+    if subject.is_planar {
+        for seed in &plan.seeds {
+            let cell = survey.in_search(seed.cell);
+            survey.occupancy.fill_by_seed(cell);
+        }
+    }
     let events = subject.order.by_phase(plan);
     for (number, events) in events.iter().enumerate() {
         cancellation.check()?;
@@ -142,8 +150,28 @@ impl ReachAnalysis<'_> {
         }
     }
 
+    /// Returns the cell of an event in the frame of the search.
     pub(super) fn cell(&self, id: EventId) -> Option<Cell> {
-        self.subject.layout.cells[id.0 as usize]
+        let cell = self.subject.layout.cells[id.0 as usize]?;
+        Some(self.in_search(cell))
+    }
+
+    /// Returns a cell in the frame of the search. See [`OccupiedCells`].
+    pub(super) fn in_search(&self, cell: Cell) -> Cell {
+        if self.subject.is_planar {
+            Cell::new(cell.x, cell.z - Planar::LAYER, cell.y)
+        } else {
+            cell
+        }
+    }
+
+    /// Returns a face in the frame of the search.
+    pub(super) fn face_in_search(&self, face: Face) -> Face {
+        match face {
+            Face::North if self.subject.is_planar => Face::Up,
+            Face::South if self.subject.is_planar => Face::Down,
+            _ => face,
+        }
     }
 
     pub(super) fn is_capture(&self, id: EventId) -> bool {

@@ -155,7 +155,7 @@ impl ReachAnalysis<'_> {
         // Most cells are decided without testing gaps.
         for is_inside in [true, false] {
             let lows: Vec<Cell> = if is_inside {
-                boxes(cell).collect()
+                self.boxes(cell).collect()
             } else {
                 (path.filter(is_gap).into_iter())
                     .flat_map(|path| gap_entrances(cell, path))
@@ -185,7 +185,7 @@ impl ReachAnalysis<'_> {
         };
         let following = descendants.of(id, &mut self.warning.steps);
         let docks_on = match self.subject.plan.event(id).kind {
-            EventKind::Capture { face, .. } => Some(face.opposite()),
+            EventKind::Capture { face, .. } => Some(self.face_in_search(face.opposite())),
             EventKind::Release => None,
         };
         let has = |other: EventId| !following.contains(other);
@@ -223,7 +223,7 @@ impl ReachAnalysis<'_> {
         let mut closed: FxHashSet<Cell> = FxHashSet::default();
         while let Some(at) = queue.pop_front() {
             let length = best[&at];
-            let free = boxes(at).find(|&low| !wide.is_blocked(low));
+            let free = self.boxes(at).find(|&low| !wide.is_blocked(low));
             if let Some(low) = free
                 && !closed.contains(&low)
             {
@@ -249,7 +249,7 @@ impl ReachAnalysis<'_> {
                 if self.occupancy.is_blocked(next, &has) {
                     continue;
                 }
-                let is_wide = boxes(next).any(|low| !wide.is_blocked(low));
+                let is_wide = self.boxes(next).any(|low| !wide.is_blocked(low));
                 let length = length + u32::from(!is_wide);
                 if best.get(&next).is_some_and(|&known| known <= length) {
                     continue;
@@ -265,12 +265,13 @@ impl ReachAnalysis<'_> {
         // All paths to the sky are narrow.
         None
     }
-}
 
-/// Returns the cubes of two block lengths that contain a cell, above the ground.
-fn boxes(cell: Cell) -> impl Iterator<Item = Cell> {
-    (0..8).filter_map(move |i| {
-        let low = cell.offset([0, 1, 2].map(|axis| -(i >> axis & 1)))?;
-        (low.z >= 1).then_some(low)
-    })
+    /// Returns the cubes of two block lengths that contain a cell, above the ground.
+    fn boxes(&self, cell: Cell) -> impl Iterator<Item = Cell> + use<> {
+        let is_planar = self.subject.is_planar;
+        (0..8).filter_map(move |i| {
+            let low = cell.offset([0, 1, 2].map(|axis| -(i >> axis & 1)))?;
+            (low.z >= 1 || is_planar).then_some(low)
+        })
+    }
 }

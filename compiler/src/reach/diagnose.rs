@@ -115,7 +115,7 @@ impl ReachAnalysis<'_> {
         let Self { subject, .. } = *self;
         let plan = subject.plan;
         let event = plan.event(id);
-        let cell = self.cell(id)?;
+        let cell = subject.layout.cells[id.0 as usize]?;
         let name = plan.roles.name(event.role, subject.symbols);
         let own = all_before(subject.certain, [id]);
         let following = phase.descendants.of(id, &mut self.remedies.steps);
@@ -193,7 +193,7 @@ impl ReachAnalysis<'_> {
             diagnostic.fix = fix;
         }
         help.push_str(&blocking);
-        let is_full = |cell| self.occupancy.is_blocked(cell, &has);
+        let is_full = |cell| self.occupancy.is_blocked(self.in_search(cell), &has);
         help.push_str(&picture::layer(cell, is_full));
         Some(diagnostic.help(help))
     }

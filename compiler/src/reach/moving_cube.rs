@@ -1,4 +1,6 @@
-//! Positions of a cube of one or two block lengths.
+//! Positions of a cube of one or two block lengths. In a planar world, it is a square.
+use std::ops::Range;
+
 use stochc_ir::Cell;
 
 use super::occupancy::{Has, OccupiedCells};
@@ -23,7 +25,7 @@ impl MovingCube<'_> {
     fn meets(&self, at: Cell, low: i32, high: i32) -> bool {
         let range = || low..high;
         range().any(|dz| {
-            range().any(|dy| {
+            self.rows(low, high).any(|dy| {
                 range().any(|dx| match at.offset([dx, dy, dz]) {
                     Some(cell) => self.occupancy.is_blocked(cell, self.has),
                     None => true,
@@ -32,13 +34,22 @@ impl MovingCube<'_> {
         })
     }
 
+    /// Returns the rows from `low` to below `high`, or the single row of a planar world.
+    fn rows(&self, low: i32, high: i32) -> Range<i32> {
+        if self.occupancy.is_planar {
+            0..1
+        } else {
+            low..high
+        }
+    }
+
     /// Returns whether an edge or a corner of a cube could touch anything except the ground.
     pub fn is_at_wall(&self, at: Cell) -> bool {
         (-1..=self.size).any(|dz| {
-            (-1..=self.size).any(|dy| {
+            self.rows(-1, self.size + 1).any(|dy| {
                 (-1..=self.size).any(|dx| {
                     at.offset([dx, dy, dz]).is_some_and(|cell| {
-                        cell.z >= 1 && self.occupancy.is_blocked(cell, self.has)
+                        !self.occupancy.is_ground(cell) && self.occupancy.is_blocked(cell, self.has)
                     })
                 })
             })
@@ -48,7 +59,8 @@ impl MovingCube<'_> {
     /// Returns the height of the block that stops a rising cube. Returns `None` if no block stops
     /// it.
     fn ceiling(&self, at: Cell) -> Option<i32> {
-        let columns = (0..self.size).flat_map(|dx| (0..self.size).map(move |dy| (dx, dy)));
+        let rows = || self.rows(0, self.size);
+        let columns = (0..self.size).flat_map(|dx| rows().map(move |dy| (dx, dy)));
         columns
             .filter_map(|(dx, dy)| {
                 let column = at.offset([dx, dy, 0])?;

@@ -1,4 +1,7 @@
 //! Occupied cells at a state of a phase.
+//!
+//! In a planar world, cell (x, y, 1) is stored as (x, 0, y). A path then leads north instead of up.
+//! All cells of other rows are blocked, and there is no ground.
 use std::collections::BTreeSet;
 
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -22,6 +25,10 @@ pub struct OccupiedCells {
     sorted: Option<BTreeSet<(i32, i32, i32)>>,
     /// Number of blocks that [`OccupiedCells::ceiling`] has visited.
     passed: std::cell::Cell<u64>,
+    /// Whether the world is planar.
+    pub is_planar: bool,
+    /// Cells of the seeds of a planar world. They are always occupied.
+    seeds: FxHashSet<Cell>,
 }
 
 impl OccupiedCells {
@@ -32,13 +39,23 @@ impl OccupiedCells {
         }
     }
 
+    /// Marks a cell as filled by a seed, in a planar world.
+    pub fn fill_by_seed(&mut self, cell: Cell) {
+        self.seeds.insert(cell);
+        self.raise(cell);
+    }
+
+    fn raise(&mut self, cell: Cell) {
+        let top = self.tops.entry((cell.x, cell.y)).or_insert(cell.z);
+        *top = cell.z.max(*top);
+    }
+
     /// Marks a cell as filled by a capture. A previous block may still be in it.
     pub fn fill(&mut self, cell: Cell, by: EventId) {
         if self.cells.insert(cell, by).is_some() {
             self.retained.insert(cell);
         }
-        let top = self.tops.entry((cell.x, cell.y)).or_insert(cell.z);
-        *top = cell.z.max(*top);
+        self.raise(cell);
         if let Some(sorted) = &mut self.sorted {
             sorted.insert((cell.x, cell.y, cell.z));
         }
@@ -74,7 +91,8 @@ impl OccupiedCells {
 
     /// Returns whether all cells of a column from `z` on are empty.
     pub fn is_clear(&self, x: i32, y: i32, z: i32) -> bool {
-        self.tops.get(&(x, y)).is_none_or(|&top| top < z)
+        let is_outside = self.is_planar && y != 0;
+        !is_outside && self.tops.get(&(x, y)).is_none_or(|&top| top < z)
     }
 
     /// Returns the height of a column's highest occupied cell. Returns `None` for an empty column.
@@ -84,16 +102,31 @@ impl OccupiedCells {
 
     /// Sorts the cells. [`OccupiedCells::ceiling`] requires sorted cells.
     pub fn sort(&mut self) {
-        let cells = &self.cells;
+        let cells = self.cells.keys().chain(&self.seeds);
         self.sorted
-            .get_or_insert_with(|| cells.keys().map(|cell| (cell.x, cell.y, cell.z)).collect());
+            .get_or_insert_with(|| cells.map(|cell| (cell.x, cell.y, cell.z)).collect());
     }
 
     /// Returns whether a cell is blocked. Three things can block it: the ground, a block whose
     /// capture has happened, and a block that may not have left. `has` returns whether a capture
     /// has happened.
     pub fn is_blocked(&self, cell: Cell, has: Has) -> bool {
-        cell.z < 1 || (self.cells.get(&cell)).is_some_and(|&by| has(by) || self.is_retained(cell))
+        self.is_fixed(cell)
+            || (self.cells.get(&cell)).is_some_and(|&by| has(by) || self.is_retained(cell))
+    }
+
+    /// Returns whether the ground, a seed or the end of a plane always blocks a cell.
+    fn is_fixed(&self, cell: Cell) -> bool {
+        if self.is_planar {
+            cell.y != 0 || self.seeds.contains(&cell)
+        } else {
+            cell.z < 1
+        }
+    }
+
+    /// Returns whether a cell is in the ground.
+    pub fn is_ground(&self, cell: Cell) -> bool {
+        !self.is_planar && cell.z < 1
     }
 
     /// Returns whether a capture of the phase fills the cell while a previous block may still be

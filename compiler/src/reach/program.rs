@@ -30,6 +30,8 @@ pub struct ValidProgram<'a> {
     /// Function that checks the files with one change. `None` inside such a check, because it needs
     /// only the titles of diagnostics.
     pub trial: Option<&'a Trial<'a>>,
+    /// Whether the world is planar.
+    pub is_planar: bool,
     /// Whether blocks are known to [pass gaps](stochc_estimate::Rates::passes_gaps) in the scene.
     pub has_passable_gaps: bool,
     pub sources: &'a Sources,

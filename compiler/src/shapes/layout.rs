@@ -47,12 +47,15 @@ struct AnchoredPosition {
 
 /// Computes the cells. Reports captures that cannot dock.
 ///
+/// `planar` is the name of the scene if its world is planar.
+///
 /// # Errors
 ///
 /// Returns [`Cancelled`] if the check was cancelled.
 pub fn lay_out(
     plan: &mut ExpandedProgram,
     liveness: &Liveness,
+    planar: Option<&str>,
     symbols: &Symbols,
     sources: &Sources,
     cancellation: Cancellation<'_>,
@@ -91,6 +94,7 @@ pub fn lay_out(
     let mut builder = LayoutBuilder {
         plan,
         liveness,
+        planar,
         symbols,
         sources,
         cancellation,
@@ -108,6 +112,7 @@ pub fn lay_out(
 struct LayoutBuilder<'a> {
     plan: &'a mut ExpandedProgram,
     liveness: &'a Liveness,
+    planar: Option<&'a str>,
     symbols: &'a Symbols,
     sources: &'a Sources,
     cancellation: Cancellation<'a>,
@@ -275,8 +280,21 @@ impl LayoutBuilder<'_> {
             return true;
         };
         let name = self.plan.roles.name(parent, self.symbols);
+        if let (Some(scene), Face::Up | Face::Down) = (self.planar, face) {
+            let site = format!("{name}.{face}");
+            let title = "`{}` points out of the plane of scene `{}`";
+            self.reject(
+                id,
+                Diagnostic::about(Code::OutOfPlane, title, &[&site, &scene])
+                    .label(event.location, "blocks move only in the plane")
+                    .help(format!(
+                        "use `{name}.north`, `{name}.east`, `{name}.south` or `{name}.west`, or a scene without `world planar`"
+                    )),
+            );
+            return false;
+        }
         match base.on {
-            None if face != Face::Up => {
+            None if face != Face::Up && self.planar.is_none() => {
                 self.reject(
                     id,
                     Diagnostic::about(

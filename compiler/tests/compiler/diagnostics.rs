@@ -628,7 +628,8 @@ fn a_scene_may_override_the_built_in_one() {
 }
 
 /// Changes in helps that are not fixes: the old and the new source. The help names the new source.
-const FOLLOWED: [(Code, &str, &str); 11] = [
+const FOLLOWED: [(Code, &str, &str); 12] = [
+    (Code::OutOfPlane, "M.up", "M.north"),
     (
         Code::NumberTooLarge,
         "10000000000000000000",

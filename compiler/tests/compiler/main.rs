@@ -12,6 +12,7 @@ mod diagnostics;
 mod fixes;
 mod levels;
 mod names;
+mod planar;
 #[allow(dead_code, reason = "the texts alone are needed here")]
 mod random;
 mod reach;

@@ -42,6 +42,8 @@ impl WorldParameters {
         }
         Ok(WorldParameters {
             local: takes_local_steps(scene),
+            is_planar: scene.planar.is_some(),
+            table: units.table(scene)?,
             wall,
             kicks,
             drag: made(&scene.drag, |drag| units.number(&DRAG_RATE, drag.rate))?,
@@ -121,8 +123,20 @@ impl Units {
 
     /// Returns the sum of the steady accelerations of a scene, or `None` without any.
     fn acceleration(self, scene: &Scene) -> SceneResult<Option<Vector3<f64>>> {
-        let weight = made(&scene.gravity, |gravity| self.weight(*gravity, scene))?;
+        // The table carries the blocks of a planar world.
+        let gravity = scene.gravity.filter(|_| scene.planar.is_none());
+        let weight = made(&gravity, |gravity| self.weight(*gravity, scene))?;
         Ok(weight.map(|weight| Vector3::z() * -weight))
+    }
+
+    /// Returns the deceleration by the table of a planar world.
+    fn table(self, scene: &Scene) -> SceneResult<Option<f64>> {
+        let friction = scene.planar.as_ref().and_then(|planar| planar.friction);
+        let friction = friction.zip(scene.gravity);
+        made(&friction, |&(friction, gravity)| {
+            let weight = self.weight(gravity, scene)?.max(0.0);
+            Ok(self.number(&TABLE_FRICTION, friction)? * weight)
+        })
     }
 
     fn weight(self, gravity: f64, scene: &Scene) -> SceneResult<f64> {

@@ -1,14 +1,19 @@
 //! Initial state of the free blocks, at tick 0.
 use nalgebra::Vector3;
-use stochc_ir::scene::room::{MIN_SPACING, NoRoom};
+use stochc_ir::Cell;
+use stochc_ir::scene::room::{MIN_SPACING, NoRoom, Obstacles};
 use stochc_ir::scene::{Arrangement, Interior, Scene};
 use stochc_ir::table::Plate;
 
 use super::parameters::WorldParameters;
 use super::{BodyState, SceneError};
 
-/// Returns the free blocks of a scene at tick 0.
-pub(super) fn blocks(scene: &Scene, plate: &Plate) -> Result<Vec<BodyState>, SceneError> {
+/// Returns the free blocks of a scene at tick 0, around a plate with these seeds.
+pub(super) fn blocks(
+    scene: &Scene,
+    plate: &Plate,
+    seeds: &[Cell],
+) -> Result<Vec<BodyState>, SceneError> {
     let parameters = WorldParameters::new(scene, plate)?;
     let count = scene.free.count;
     if count == 0 {
@@ -18,9 +23,10 @@ pub(super) fn blocks(scene: &Scene, plate: &Plate) -> Result<Vec<BodyState>, Sce
         return Err(NoRoom::NoEnclosure { count }.into());
     };
     let (inside, arrangement) = (wall.interior, scene.free.arrangement);
-    inside.has_room(count, arrangement, scene.block.side)?;
+    let obstacles = Obstacles::new(scene, plate, seeds);
+    inside.has_room(count, arrangement, scene.block.side, &obstacles)?;
     Ok(match arrangement {
-        Arrangement::Uniform => uniform(inside, count),
+        Arrangement::Uniform => uniform(inside, count, &obstacles),
         Arrangement::Ring { radius } => ring(inside, count, radius / scene.block.side),
     })
 }
@@ -37,10 +43,12 @@ fn ring(inside: Interior, count: u32, radius: f64) -> Vec<BodyState> {
     (0..count).map(place).map(BodyState::at_rest).collect()
 }
 
-/// Returns `count` blocks at rest on a regular lattice, aligned with the structure.
-fn uniform(inside: Interior, count: u32) -> Vec<BodyState> {
+/// Returns `count` blocks at rest on a regular lattice, aligned with the structure and apart from
+/// `obstacles`.
+fn uniform(inside: Interior, count: u32, obstacles: &Obstacles) -> Vec<BodyState> {
     let count = count as usize;
-    let fits_all = |spacing| inside.lattice(spacing).take(count).count() == count;
+    let lattice = |spacing| obstacles.apart(inside.lattice(spacing));
+    let fits_all = |spacing| lattice(spacing).take(count).count() == count;
     // The number of sites is not quite monotonic in the spacing. Bisection finds one of several
     // nearly equal solutions, and always the same one.
     let (mut fits, mut fails) = (MIN_SPACING, inside.largest_spacing());
@@ -52,7 +60,7 @@ fn uniform(inside: Interior, count: u32) -> Vec<BodyState> {
             fails = middle;
         }
     }
-    let sites: Vec<_> = inside.lattice(fits).map(Vector3::from).collect();
+    let sites: Vec<_> = lattice(fits).map(Vector3::from).collect();
     // Surplus sites are omitted evenly.
     let chosen = (0..count).map(|i| sites[i * sites.len() / count]);
     chosen.map(BodyState::at_rest).collect()
@@ -71,7 +79,7 @@ mod tests {
             *own = radius * scene.block.side;
         }
         let plate = Plate { width: 3, depth: 3 };
-        blocks(&scene, &plate)
+        blocks(&scene, &plate, &[])
     }
 
     #[test]

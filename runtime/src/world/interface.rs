@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use stochc_control::{BlockFace, Docking, Orientation};
 use stochc_ir::scene::Scene;
 use stochc_ir::state::State;
-use stochc_ir::table::Plate;
+use stochc_ir::table::{Plate, Tables};
 use stochc_ir::{Cell, Face};
 
 use super::blocks::BodyState;
@@ -107,8 +107,25 @@ pub trait SpatialWorld: World + Sized {
         seed: u64,
         run: u64,
     ) -> Result<Self, SceneError> {
-        let blocks = initial_state::blocks(scene, plate)?;
+        let blocks = initial_state::blocks(scene, plate, &[])?;
         Self::with_blocks(scene, plate, settings, seed, run, &blocks)
+    }
+
+    /// Creates the world of a scene at tick 0 around the seeds of these tables.
+    ///
+    /// # Errors
+    ///
+    /// If the scene cannot be set up.
+    fn for_tables(
+        tables: &Tables,
+        scene: &Scene,
+        settings: &Settings,
+        seed: u64,
+        run: u64,
+    ) -> Result<Self, SceneError> {
+        let seeds: Vec<Cell> = tables.seeds().map(|(_, cell)| cell).collect();
+        let blocks = initial_state::blocks(scene, &tables.plate, &seeds)?;
+        Self::with_blocks(scene, &tables.plate, settings, seed, run, &blocks)
     }
 
     /// Creates the world of a scene with these free blocks instead of the scene's own.

@@ -9,6 +9,10 @@ use stochc_ir::scene::{ContactLaw, Interior, Measure};
 pub(crate) struct WorldParameters {
     /// Whether blocks may take steps of different lengths.
     pub local: bool,
+    /// Whether blocks move only in the plane z = 1/2.
+    pub is_planar: bool,
+    /// Deceleration of a sliding block by the table of a planar world \[block lengths / tick^2\].
+    pub table: Option<f64>,
     pub wall: Option<Wall>,
     pub kicks: Option<Kicks>,
     /// Rate of the linear drag \[1 / tick\].

@@ -128,6 +128,9 @@ pub(crate) trait Integrator: Sized + State {
         moving: Moving,
     ) -> Result<(), Fault>;
 
+    /// Adds the seeds of a planar world as obstacles.
+    fn place_seeds(&mut self, _blocks: &mut Self::Blocks, _centres: &[Vector3<Self::Real>]) {}
+
     /// Records that an anchored block was released.
     fn released(&mut self) {}
 
@@ -164,13 +167,15 @@ pub(crate) struct Stepper<I: Integrator> {
     blind: bool,
     cells: CellCentres,
     turns: bool,
+    /// Whether blocks move only in a horizontal plane.
+    is_planar: bool,
 }
 
 stochc_ir::state! {
     (<I: Integrator>) Stepper<I>;
     values: tick, unchecked, stale, blind;
     parts: blocks, integrator, faces, external_forces, free_bonds;
-    same: substeps, ratio, dt, kicks, response, free, nearby, cells, turns
+    same: substeps, ratio, dt, kicks, response, free, nearby, cells, turns, is_planar
 }
 
 impl<I: Integrator> Stepper<I> {
@@ -253,17 +258,16 @@ impl<I: Integrator> Stepper<I> {
         })
     }
 
-    /// Applies Brownian motion. It never breaks bonds: groups absorb it at any load.
+    /// Applies Brownian motion, then friction with the table. They never break bonds: groups absorb
+    /// them at any load.
     fn shake(&mut self, moving: Moving) -> Result<(), Fault> {
-        let is_hot = self
-            .external_forces
-            .as_ref()
-            .is_some_and(ExternalForces::has_heat);
-        if !is_hot {
+        let external_forces = self.external_forces.as_ref();
+        if !external_forces.is_some_and(|forces| forces.has_heat() || forces.has_table()) {
             return Ok(());
         }
-        self.change(moving, |external_forces, id, motion, _| {
+        self.change(moving, |external_forces, id, motion, span| {
             external_forces.shake(id, motion);
+            external_forces.rub(motion, span);
         })?;
         if let Some(bonds) = &self.free_bonds {
             bonds.stiffen(&mut self.blocks);
@@ -298,6 +302,9 @@ impl<I: Integrator> Stepper<I> {
             if !self.turns {
                 motion.spin = spin;
             }
+            if self.is_planar {
+                in_plane(&mut motion.velocity, &mut motion.spin);
+            }
             self.blocks.set_motion(id, motion.velocity, motion.spin);
             self.integrator.check(&self.blocks, id)?;
         }
@@ -313,7 +320,10 @@ impl<I: Integrator> Stepper<I> {
             [self.response.linear, self.response.angular].map(I::Real::from_double);
         let mut pushes = Vec::new();
         faces.pull(&mut self.blocks, |id, push| pushes.push((id, push)));
-        for (id, push) in pushes {
+        for (id, mut push) in pushes {
+            if self.is_planar {
+                in_plane(&mut push.linear, &mut push.angular);
+            }
             let change = push.linear * (self.dt * linear);
             let velocity = self.blocks.velocity(id) + change;
             self.integrator.pushed(id, change);
@@ -399,6 +409,12 @@ impl<I: Integrator> Stepper<I> {
     }
 }
 
+/// Removes the components of a linear and an angular vector that leave the plane of a planar world.
+fn in_plane<R: Real>(linear: &mut Vector3<R>, angular: &mut Vector3<R>) {
+    linear.z = R::zero();
+    (angular.x, angular.y) = (R::zero(), R::zero());
+}
+
 impl<I: Integrator> SpatialWorld for Stepper<I> {
     fn with_blocks(
         scene: &Scene,
@@ -438,6 +454,7 @@ impl<I: Integrator> SpatialWorld for Stepper<I> {
             blind: true,
             cells: CellCentres::new(plate),
             turns: settings.reduction != Some(Reduction::Rotation),
+            is_planar: parameters.is_planar,
         })
     }
 
@@ -493,6 +510,12 @@ impl<I: Integrator> World for Stepper<I> {
     }
 
     fn place_seeds(&mut self, cells: &[Cell]) {
+        if self.is_planar {
+            let centres: Vec<_> = (cells.iter())
+                .map(|&cell| cast(self.cells.centre(cell)))
+                .collect();
+            self.integrator.place_seeds(&mut self.blocks, &centres);
+        }
         if let Some(faces) = &mut self.faces {
             let at = |&cell: &Cell| (cell, cast(self.cells.centre(cell)));
             faces.place_seeds(cells.iter().map(at));

@@ -22,6 +22,7 @@ mod friction;
 mod local_steps;
 mod magnets;
 mod orientation;
+mod planar;
 mod reductions;
 mod rejection;
 mod tumbling;

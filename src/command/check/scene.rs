@@ -316,6 +316,9 @@ impl<'a> InForce<'a> {
             SpeedFrom::Wakes => {
                 "kicks against wakes, and what else slows blocks, an estimate (docs/concepts/physical-model.md)"
             }
+            SpeedFrom::Table => {
+                "kicks against friction with the table, and what else slows blocks, an estimate (docs/concepts/physical-model.md)"
+            }
             SpeedFrom::Eddies => "eddies that take the blocks along, at most",
             SpeedFrom::Heat if self.scene.drag.is_some() => {
                 "the heat of the fluid, as the mean of a tick; less, because `drag` slows blocks as well"

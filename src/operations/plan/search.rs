@@ -85,6 +85,10 @@ pub fn plan(
             (completion.missing(), Some(completion.scene().clone()))
         }
     };
+    if let Some(scene) = scene.as_ref().filter(|scene| scene.planar.is_some()) {
+        let reason = "has `world planar`, and `plan` works only in space";
+        return Err(Failure::usage(format!("scene `{}` {reason}", visible(&scene.name))).into());
+    }
     let rates = read_rates_for(options.rates, scene.iter(), host)?;
     let typical = |scene| Rates::known_or_guessed(&rates, scene).is_none();
     let is_typical = scene.as_ref().is_some_and(typical);

@@ -4,8 +4,8 @@ use stochc_grammar::{Symbols, parse};
 
 use stochc_ir::scene::describe::{absent, terms};
 use stochc_ir::scene::{
-    Agitation, Anchor, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Measure, Messages, Reach,
-    Scene,
+    Agitation, Anchor, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Measure, Messages,
+    Planar, Reach, Scene,
 };
 
 use crate::Sources;
@@ -199,7 +199,7 @@ fn any_scene() -> impl Strategy<Value = Scene> {
     let block =
         (size(), size(), 1u8..=5).prop_map(|(side, mass, faces)| Block { side, mass, faces });
     let enclosure =
-        (size(), size(), size(), size(), 0..4).prop_map(|(length, width, height, wall, kind)| {
+        (size(), size(), size(), size(), 0..6).prop_map(|(length, width, height, wall, kind)| {
             let radius = length;
             match kind {
                 0 => Enclosure::Hemisphere { radius, wall },
@@ -210,9 +210,15 @@ fn any_scene() -> impl Strategy<Value = Scene> {
                     height,
                     wall,
                 },
-                _ => Enclosure::Cylinder {
+                3 => Enclosure::Cylinder {
                     radius,
                     height,
+                    wall,
+                },
+                4 => Enclosure::Disc { radius, wall },
+                _ => Enclosure::Rectangle {
+                    length,
+                    width,
                     wall,
                 },
             }
@@ -223,7 +229,9 @@ fn any_scene() -> impl Strategy<Value = Scene> {
     let messages = (0u32..=1_000_000, prop::option::of(0.0..=0.99))
         .prop_map(|(hop, loss)| Messages { hop, loss });
     let drag = size().prop_map(|rate| Drag { rate });
+    let table = (prop::option::of(size()), size());
     (
+        table,
         size(),
         block,
         enclosure,
@@ -234,9 +242,11 @@ fn any_scene() -> impl Strategy<Value = Scene> {
         messages,
     )
         .prop_map(
-            |(tick, block, enclosure, kicks, drag, contact, bond, messages)| Scene {
+            |(table, tick, block, enclosure, kicks, drag, contact, bond, messages)| Scene {
                 name: "s".to_owned(),
                 tick,
+                gravity: table.0.map(|_| table.1),
+                planar: enclosure.is_flat().then_some(Planar { friction: table.0 }),
                 block,
                 enclosure: Some(enclosure),
                 agitation: Some(kicks),

@@ -14,7 +14,7 @@ use crate::scene::{BUILT_IN, built_in, read};
 use crate::{FileId, Sources};
 
 /// Scenes that together use every term of the model. New terms must be added here.
-const FULL: [&str; 6] = [
+const FULL: [&str; 7] = [
     "scene soft {
         tick 20ms
         block cube { side 20cm  mass 1kg  faces 2 }
@@ -68,6 +68,14 @@ const FULL: [&str; 6] = [
         free 50 uniform
         enclosure cylinder { radius 15cm  height 20cm  wall 1 N/m }
     }",
+    "scene flat {
+        tick 1 s
+        block cube { side 1cm  mass 1g  faces 1 }
+        free 50 uniform
+        world planar friction 0.01
+        enclosure rectangle { length 40cm  width 30cm  wall 1 N/m }
+        gravity 9.81 m/s^2
+    }",
 ];
 
 /// Syntax tree of a scene's source.
@@ -120,7 +128,7 @@ fn put(terms: &mut [Term], words: &[&str], value: f64, symbols: &Symbols) -> Opt
         .position(|term| !matches!(term, Term::Word(_)))?;
     let quantity = match (&mut behind[next], rest) {
         (Term::Block(inner, _), [_, ..]) => return put(inner, rest, value, symbols),
-        (Term::Quantity(_), [_, ..]) => return put(&mut behind[next..], rest, value, symbols),
+        (Term::Quantity(_), [_, ..]) => return put(behind, rest, value, symbols),
         (Term::Quantity(quantity), []) => quantity,
         (Term::Range(_, high), []) => high,
         (Term::Range(low, _), ["low"]) => low,

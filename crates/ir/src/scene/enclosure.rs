@@ -49,6 +49,23 @@ pub enum Enclosure {
         /// Inward force on a block whose inscribed sphere extends beyond a wall, per depth \[N/m\].
         wall: f64,
     },
+    /// Circle around the centre of the plate, in a planar world.
+    Disc {
+        /// Radius \[m\].
+        radius: f64,
+        /// Inward force on a block whose inscribed circle extends beyond the wall, per depth
+        /// \[N/m\].
+        wall: f64,
+    },
+    /// Rectangle around the centre of the plate, in a planar world.
+    Rectangle {
+        /// Length from west to east \[m\].
+        length: f64,
+        /// Width from south to north \[m\].
+        width: f64,
+        /// Inward force on a block whose inscribed circle extends beyond a wall, per depth \[N/m\].
+        wall: f64,
+    },
 }
 
 /// Distance that a body reaches in one dimension of an enclosure, and the limit \[m\].
@@ -80,8 +97,15 @@ impl Enclosure {
             Enclosure::Hemisphere { wall, .. }
             | Enclosure::Sphere { wall, .. }
             | Enclosure::Box { wall, .. }
-            | Enclosure::Cylinder { wall, .. } => wall,
+            | Enclosure::Cylinder { wall, .. }
+            | Enclosure::Disc { wall, .. }
+            | Enclosure::Rectangle { wall, .. } => wall,
         }
+    }
+
+    /// Returns whether the enclosure is for planar worlds.
+    pub fn is_flat(&self) -> bool {
+        matches!(self, Enclosure::Disc { .. } | Enclosure::Rectangle { .. })
     }
 
     /// Returns the keywords and the values of all lengths \[m\].
@@ -94,7 +118,9 @@ impl Enclosure {
     /// Returns the keywords and the places of all lengths \[m\].
     pub fn lengths_mut(&mut self) -> Vec<(&'static str, &mut f64)> {
         match self {
-            Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. } => {
+            Enclosure::Hemisphere { radius, .. }
+            | Enclosure::Sphere { radius, .. }
+            | Enclosure::Disc { radius, .. } => {
                 vec![("radius", radius)]
             }
             Enclosure::Box {
@@ -106,6 +132,9 @@ impl Enclosure {
             Enclosure::Cylinder { radius, height, .. } => {
                 vec![("radius", radius), ("height", height)]
             }
+            Enclosure::Rectangle { length, width, .. } => {
+                vec![("length", length), ("width", width)]
+            }
         }
     }
 
@@ -115,8 +144,11 @@ impl Enclosure {
         match *self {
             Enclosure::Hemisphere { radius, .. }
             | Enclosure::Sphere { radius, .. }
-            | Enclosure::Cylinder { radius, .. } => radius,
-            Enclosure::Box { length, width, .. } => length.min(width) / 2.0,
+            | Enclosure::Cylinder { radius, .. }
+            | Enclosure::Disc { radius, .. } => radius,
+            Enclosure::Box { length, width, .. } | Enclosure::Rectangle { length, width, .. } => {
+                length.min(width) / 2.0
+            }
         }
     }
 
@@ -132,7 +164,8 @@ impl Enclosure {
         }
     }
 
-    /// Returns the region of block centres that no wall pushes, in block lengths.
+    /// Returns the region of block centres that no wall pushes, in block lengths. In a planar world,
+    /// the centres are halfway between its lower and its upper side, which no block reaches.
     pub fn interior(&self, plate: &Plate, units: BlockUnits) -> Interior {
         let half = units.side / 2.0;
         match *self {
@@ -159,6 +192,16 @@ impl Enclosure {
                 low: 0.5,
                 high: units.length(height - half),
             },
+            Enclosure::Disc { radius, .. } => Interior::Cylinder {
+                radius: units.length(radius - half),
+                low: 0.0,
+                high: 1.0,
+            },
+            Enclosure::Rectangle { length, width, .. } => Interior::Box {
+                half: [length, width].map(|across| units.length(across / 2.0 - half)),
+                low: 0.0,
+                high: 1.0,
+            },
         }
     }
 
@@ -183,6 +226,9 @@ impl Enclosure {
                 extents.push(Extent::height(top * side, height));
                 extents
             }
+            Enclosure::Disc { .. } | Enclosure::Rectangle { .. } => {
+                self.plate_extents(2.0 * x, 2.0 * y, side)
+            }
         }
     }
 
@@ -204,18 +250,24 @@ impl Enclosure {
                 length,
                 width: across,
                 ..
+            }
+            | Enclosure::Rectangle {
+                length,
+                width: across,
+                ..
             } => vec![
                 from_middle("length", "half of the length", width, length),
                 from_middle("width", "half of the width", depth, across),
             ],
-            Enclosure::Cylinder { radius, .. } => vec![Extent {
+            Enclosure::Cylinder { radius, .. } | Enclosure::Disc { radius, .. } => vec![Extent {
                 origin: "from the axis",
                 ..Extent::radius(width.hypot(depth) / 2.0 * side, radius)
             }],
         }
     }
 
-    /// Returns the volume \[m^3\]. Neglects the part of a sphere that the plate cuts off.
+    /// Returns the volume \[m^3\], or the area \[m^2\] in a planar world. Neglects the part of a sphere
+    /// that the plate cuts off.
     pub fn volume(&self) -> f64 {
         match *self {
             Enclosure::Hemisphere { radius, .. } => 2.0 / 3.0 * PI * radius.powi(3),
@@ -227,6 +279,8 @@ impl Enclosure {
                 ..
             } => length * width * height,
             Enclosure::Cylinder { radius, height, .. } => PI * radius * radius * height,
+            Enclosure::Disc { radius, .. } => PI * radius * radius,
+            Enclosure::Rectangle { length, width, .. } => length * width,
         }
     }
 }
@@ -285,6 +339,11 @@ pub enum Interior {
 }
 
 impl Interior {
+    /// Returns whether the region is one of a planar world.
+    pub fn is_flat(&self) -> bool {
+        matches!(self, Interior::Box { low, .. } | Interior::Cylinder { low, .. } if *low == 0.0)
+    }
+
     /// Returns the signed distance of a point from the surface. It is negative inside.
     pub fn distance(&self, [x, y, z]: [f64; 3]) -> f64 {
         let combined = |excess: &[f64]| {
@@ -354,7 +413,9 @@ impl Interior {
                 height: 0.0,
             } => radius / 2.0,
             Interior::Ball { height, .. } => height,
-            Interior::Box { high, .. } | Interior::Cylinder { high, .. } => (high + 0.5) / 2.0,
+            Interior::Box { low, high, .. } | Interior::Cylinder { low, high, .. } => {
+                (high + low) / 2.0
+            }
         }
     }
 }

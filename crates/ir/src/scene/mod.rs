@@ -24,4 +24,4 @@ pub use enclosure::{Enclosure, Extent, Interior};
 pub use medium::{Agitation, BOLTZMANN, Drag, Flow, Fluid, Jets, Stir, Strength, Turbulence};
 pub use substeps::{InvalidSubsteps, Substeps, takes_local_steps};
 pub use validation::InvalidScene;
-pub use world::{Arrangement, Block, Contact, ContactLaw, Free, Messages, Scene};
+pub use world::{Arrangement, Block, Contact, ContactLaw, Free, Messages, Planar, Scene};

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::groups::BlockUnits;
 use super::{Arrangement, Interior, Scene};
+use crate::Cell;
 use crate::table::plate::Plate;
 
 /// Smallest distance of a centre from the ground and from the wall \[block lengths\].
@@ -154,18 +155,27 @@ impl Interior {
         }
     }
 
-    /// Checks whether blocks fit in this arrangement. `side` is the block length \[m\].
+    /// Checks whether blocks fit in this arrangement, apart from `obstacles`. `side` is the block
+    /// length \[m\].
     ///
     /// # Errors
     ///
     /// If the blocks do not fit.
-    pub fn has_room(&self, count: u32, arrangement: Arrangement, side: f64) -> Result<(), NoRoom> {
+    pub fn has_room(
+        &self,
+        count: u32,
+        arrangement: Arrangement,
+        side: f64,
+        obstacles: &Obstacles,
+    ) -> Result<(), NoRoom> {
         match arrangement {
             Arrangement::Uniform => {
-                if self.is_roomy(count) {
+                // An obstacle takes up to nine sites.
+                if self.is_roomy(count.saturating_add(9 * obstacles.0.len() as u32)) {
                     return Ok(());
                 }
-                let sites = self.lattice(MIN_SPACING).take(count as usize);
+                let sites = obstacles.apart(self.lattice(MIN_SPACING));
+                let sites = sites.take(count as usize);
                 match sites.count() as u32 {
                     fits if fits < count => Err(NoRoom::DoesNotFit { count, fits }),
                     _ => Ok(()),
@@ -178,7 +188,15 @@ impl Interior {
                 let is_outside = [[radius, 0.0, height], [0.0, radius, height]]
                     .into_iter()
                     .any(|place| self.distance(place) > 0.0);
-                if touches || is_outside || height < MARGIN {
+                let place = |i: u32| {
+                    let (sin, cos) = (TAU / f64::from(count) * f64::from(i)).sin_cos();
+                    [radius * cos, radius * sin, height]
+                };
+                let is_blocked = || {
+                    let blocks = if obstacles.0.is_empty() { 0 } else { count };
+                    obstacles.apart((0..blocks).map(place)).count() < blocks as usize
+                };
+                if touches || is_outside || is_blocked() || (height < MARGIN && !self.is_flat()) {
                     Err(NoRoom::OnRing { count })
                 } else {
                     Ok(())
@@ -208,12 +226,12 @@ impl Interior {
 }
 
 impl Scene {
-    /// Checks whether the free blocks fit around a plate.
+    /// Checks whether the free blocks fit around a plate with these seeds.
     ///
     /// # Errors
     ///
     /// If the blocks do not fit.
-    pub fn has_room(&self, plate: &Plate) -> Result<(), NoRoom> {
+    pub fn has_room(&self, plate: &Plate, seeds: &[Cell]) -> Result<(), NoRoom> {
         let count = self.free.count;
         if count == 0 {
             return Ok(());
@@ -223,7 +241,32 @@ impl Scene {
         };
         let units = BlockUnits::from_scene(self);
         let interior = enclosure.interior(plate, units);
-        interior.has_room(count, self.free.arrangement, units.side)
+        let obstacles = Obstacles::new(self, plate, seeds);
+        interior.has_room(count, self.free.arrangement, units.side, &obstacles)
+    }
+}
+
+/// Horizontal positions of the seeds among the free blocks of a planar world \[block lengths\]. In
+/// other worlds, the seeds are in the ground, and there are no obstacles.
+#[derive(Clone, Debug, Default)]
+pub struct Obstacles(Vec<[f64; 2]>);
+
+impl Obstacles {
+    /// Returns the seeds of a plate that are obstacles in a scene.
+    pub fn new(scene: &Scene, plate: &Plate, seeds: &[Cell]) -> Obstacles {
+        let centre = |edge: u32| (f64::from(edge) - 1.0) / 2.0;
+        let middle = [centre(plate.width), centre(plate.depth)];
+        let seeds = seeds.iter().filter(|_| scene.planar.is_some());
+        let place = |cell: &Cell| [f64::from(cell.x) - middle[0], f64::from(cell.y) - middle[1]];
+        Obstacles(seeds.map(place).collect())
+    }
+
+    /// Returns the sites where an aligned block does not touch an obstacle.
+    pub fn apart(&self, sites: impl Iterator<Item = [f64; 3]>) -> impl Iterator<Item = [f64; 3]> {
+        sites.filter(|[x, y, _]| {
+            let distance = |[u, v]: &[f64; 2]| (x - u).abs().max((y - v).abs());
+            self.0.iter().all(|seed| distance(seed) >= MIN_SPACING)
+        })
     }
 }
 
@@ -314,13 +357,14 @@ mod tests {
         for size in [2.0, 3.0, 50.0, 1e9, 1e30] {
             for high in [1.5, 4.0, 1e9, 1e30] {
                 for interior in rooms(size, high) {
-                    let room = interior.has_room(1, Arrangement::Uniform, 1.0);
+                    let room =
+                        interior.has_room(1, Arrangement::Uniform, 1.0, &Obstacles::default());
                     assert_eq!(room, Ok(()), "{interior:?}");
                 }
             }
         }
         for interior in rooms(0.4, 4.0).into_iter().chain(rooms(4.0, 1.4)) {
-            let room = interior.has_room(1, Arrangement::Uniform, 1.0);
+            let room = interior.has_room(1, Arrangement::Uniform, 1.0, &Obstacles::default());
             let none = NoRoom::DoesNotFit { count: 1, fits: 0 };
             assert_eq!(room, Err(none), "{interior:?}");
         }

@@ -19,6 +19,9 @@ pub struct Scene {
     pub block: Block,
     /// Free blocks at the start.
     pub free: Free,
+    /// Planar world. `None` if blocks move in space.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub planar: Option<Planar>,
     /// Enclosure of the free blocks.
     pub enclosure: Option<Enclosure>,
     /// Gravity \[m/s^2\]. A fluid with a density adds buoyancy.
@@ -53,7 +56,9 @@ impl Scene {
     /// Returns the name of the first term whose effect on waiting times has not been calibrated.
     /// The rate model and the uncalibrated estimate do not support such scenes.
     pub fn uncalibrated_term(&self) -> Option<&'static str> {
-        if self.fluid.is_some() || self.flow.is_some() {
+        if self.planar.is_some() {
+            Some("planar world")
+        } else if self.fluid.is_some() || self.flow.is_some() {
             Some("fluid")
         } else if self.gravity.is_some() {
             Some("gravity")
@@ -67,6 +72,7 @@ impl Scene {
     pub fn in_still_medium(&self) -> Scene {
         let viscosity = self.fluid.as_ref().and_then(|fluid| fluid.viscosity);
         Scene {
+            planar: None,
             enclosure: None,
             agitation: None,
             gravity: None,
@@ -83,6 +89,24 @@ impl Scene {
             ..self.clone()
         }
     }
+}
+
+/// Planar world. Blocks slide on a table, which is the ground, level with the plate. They turn only
+/// about the vertical axis. All blocks are in the layer z = 1, also those of the plate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Planar {
+    /// Coefficient of Coulomb friction with the table. `None` if the table has no friction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
+}
+
+impl Planar {
+    /// Layer of the cells of all blocks.
+    pub const LAYER: i32 = 1;
+
+    /// Mean distance of the points of a square from its centre, for an edge of 1: (√2 + ln(1 +
+    /// √2)) / 6. It is the lever arm of the friction that opposes turning.
+    pub const ARM: f64 = 0.382_597_858_232_105_8;
 }
 
 /// Block properties. All blocks are equal.

@@ -1,6 +1,7 @@
 //! Consistency of tables and scene, both from a file.
 use super::{Action, InvalidTables, Tables};
-use crate::scene::{BondKind, Scene};
+use crate::Face;
+use crate::scene::{BondKind, Planar, Scene};
 
 impl Tables {
     /// Validates tables from a file against a scene.
@@ -22,6 +23,18 @@ impl Tables {
                 tables: self.faces,
                 scene: faces,
             });
+        }
+        let layer = scene.planar.as_ref().map_or(0, |_| Planar::LAYER);
+        if self.seeds().any(|(_, cell)| cell.z != layer) {
+            return Err(InvalidTables::SeedCell);
+        }
+        let leaves_plane = |then| match then {
+            Action::Magnetize { face, .. } => matches!(face, Face::Up | Face::Down),
+            _ => false,
+        };
+        let mut rules = self.duties().flat_map(|duty| duty.rules());
+        if scene.planar.is_some() && rules.any(|rule| leaves_plane(rule.then)) {
+            return Err(InvalidTables::OutOfPlane);
         }
         let (needed, free) = (self.blocks_at_once(), u64::from(scene.free.count));
         if needed > free {

@@ -86,6 +86,9 @@ pub enum InvalidTables {
         /// Number of faces in the scene.
         scene: u8,
     },
+    /// A block captures out of the plane of the scene.
+    #[error("a block captures with `up` or `down`, and the world of the scene is planar")]
+    OutOfPlane,
     /// The scene has too few free blocks.
     #[error(
         "`scene.free.count` is {free}, and the structure needs {} at once",

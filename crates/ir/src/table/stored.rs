@@ -9,7 +9,7 @@ use super::{
     RoleId, Rule, Tables, Trigger,
 };
 use crate::Cell;
-use crate::scene::BondKind;
+use crate::scene::{BondKind, Planar};
 
 /// Largest distance of a cell from the origin in each direction.
 const FARTHEST: i32 = 100_000_000;
@@ -182,7 +182,7 @@ impl StoredTables {
         }
         for Cell { x, y, z } in seeds {
             let within = |at: i32, size: u32| at >= 0 && (at as u32) < size;
-            if z != 0 || !within(x, width) || !within(y, depth) {
+            if !(z == 0 || z == Planar::LAYER) || !within(x, width) || !within(y, depth) {
                 return Err(InvalidTables::SeedCell);
             }
         }

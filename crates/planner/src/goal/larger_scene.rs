@@ -79,7 +79,7 @@ impl Goal {
     /// Declares a derived scene and selects it for the goal.
     fn derive(&mut self, base: &Scene, mut scene: Scene) -> Result<LargerScene, NoRoom> {
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
-        scene.has_room(&plate)?;
+        scene.has_room(&plate, &[])?;
         let from = self.scene.clone().unwrap_or_else(|| DEFAULT.to_owned());
         let plain = format!("{from}_{}", scene.free.count);
         let others = (2..).map(|number| format!("{plain}_{number}"));

@@ -1,5 +1,6 @@
 //! All external forces on free blocks.
 use nalgebra::Vector3;
+use stochc_ir::scene::Planar;
 
 use super::brownian::Brownian;
 use super::drag::{Response, StepDrag};
@@ -8,6 +9,7 @@ use super::mean_flow;
 use super::turbulence::TurbulenceField;
 use crate::world::blocks::Motion;
 use crate::world::parameters::{MeanFlow, WorldParameters};
+use crate::world::unit_cube::INVERSE_INERTIA;
 
 /// Face that draws fluid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +29,8 @@ pub(crate) struct ExternalForces {
     pub(super) eddies: Option<TurbulenceField>,
     heat: Option<Brownian>,
     displaced: f64,
+    /// Deceleration of a sliding block by the table of a planar world.
+    table: Option<f64>,
     /// Length of a step \[tick\].
     pub(super) dt: f64,
 }
@@ -35,7 +39,7 @@ stochc_ir::state! {
     () ExternalForces;
     values: ;
     parts: eddies;
-    same: acceleration, drag, mean_flow, heat, displaced, dt
+    same: acceleration, drag, mean_flow, heat, displaced, table, dt
 }
 
 impl ExternalForces {
@@ -47,7 +51,7 @@ impl ExternalForces {
         run: u64,
     ) -> Option<ExternalForces> {
         let (acceleration, fluid) = (parameters.acceleration, parameters.fluid);
-        if acceleration.is_none() && fluid.is_none() {
+        if acceleration.is_none() && fluid.is_none() && parameters.table.is_none() {
             return None;
         }
         let dt = 1.0 / f64::from(substeps);
@@ -62,6 +66,7 @@ impl ExternalForces {
                 .zip(parameters.thermal)
                 .map(|(fluid, energy)| Brownian::new(&fluid, energy, dt, seed, run)),
             displaced: fluid.map_or(0.0, |fluid| fluid.displaced),
+            table: parameters.table,
             dt,
         })
     }
@@ -86,7 +91,7 @@ impl ExternalForces {
         }
     }
 
-    /// Applies one step of all forces except heat to the velocity and spin of a free block.
+    /// Applies one step of all forces except heat and the table to the velocity and spin of a free block.
     ///
     /// `span` is the number of steps during which the steady acceleration acts. It exceeds 1 only for steps of
     /// different lengths, which scenes with a fluid do not use.
@@ -111,6 +116,35 @@ impl ExternalForces {
         if let Some(heat) = &mut self.heat {
             heat.shake(id, motion);
         }
+    }
+
+    /// Returns whether the table of a planar world slows blocks.
+    pub fn has_table(&self) -> bool {
+        self.table.is_some()
+    }
+
+    /// Applies one step of friction with the table, after all other forces. `span` is as in
+    /// [`ExternalForces::act`].
+    ///
+    /// Force and torque are on an ellipsoid whose semi-axes are their values in pure sliding and in
+    /// pure turning. They are normal to it in the direction of the motion.
+    ///
+    /// # Source
+    ///
+    /// R. D. Howe and M. R. Cutkosky (1996), limit surfaces.
+    pub fn rub(&self, motion: &mut Motion, span: f64) {
+        let Some(deceleration) = self.table else {
+            return;
+        };
+        let sliding = motion.velocity.norm().hypot(Planar::ARM * motion.spin.z);
+        let change = deceleration * self.dt * span;
+        if sliding <= change {
+            (motion.velocity, motion.spin) = (Vector3::zeros(), Vector3::zeros());
+            return;
+        }
+        let part = change / sliding;
+        motion.velocity *= 1.0 - part;
+        motion.spin *= 1.0 - INVERSE_INERTIA * Planar::ARM * Planar::ARM * part;
     }
 
     pub(super) fn wind(&self, place: Vector3<f64>, sinks: &[Sink]) -> LocalFlow {

@@ -63,7 +63,9 @@ pub(super) fn engine(
         integration_parameters: contact_settings(settings),
         ..PhysicsWorld::default()
     });
-    if let Some(contact) = contact {
+    if let Some(contact) = contact
+        && !parameters.is_planar
+    {
         let ground = ground(parameters.wall, plate);
         engine.insert(
             RigidBodyBuilder::fixed().translation(Vec3::new(0.0, 0.0, -ground.z)),
@@ -75,6 +77,8 @@ pub(super) fn engine(
             .pose(pose3(cast(state.position), state.orientation.cast()))
             .linvel(vec3(cast(state.velocity)))
             .angvel(vec3(cast(state.spin)))
+            .enabled_translations(true, true, !parameters.is_planar)
+            .enabled_rotations(!parameters.is_planar, !parameters.is_planar, true)
             .can_sleep(false)
             // The inertia of a cube is isotropic.
             .gyroscopic_forces_enabled(false)
@@ -95,8 +99,18 @@ pub(super) fn engine(
     Ok((engine, handles))
 }
 
+/// Adds the seeds of a planar world as immovable blocks.
+pub(super) fn add_seeds(engine: &mut PhysicsWorld, contact: Surface, centres: &[Vector3<f32>]) {
+    for &centre in centres {
+        engine.insert(
+            RigidBodyBuilder::fixed().translation(vec3(centre)),
+            contact.apply(ColliderBuilder::cuboid(0.5, 0.5, 0.5)),
+        );
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
-struct Surface {
+pub(super) struct Surface {
     restitution: f32,
     friction: f32,
 }
@@ -107,7 +121,7 @@ struct Surface {
 ///
 /// If contacts have a compliant law, because the engine's solver determines the compliance of
 /// contacts.
-fn surface(contact: &ContactParameters) -> Result<Surface, SceneError> {
+pub(super) fn surface(contact: &ContactParameters) -> Result<Surface, SceneError> {
     match contact.law {
         ContactLaw::Rigid { restitution } => Ok(Surface {
             restitution: restitution as f32,

@@ -4,7 +4,7 @@ use stochc_ir::state::State;
 use stochc_ir::table::Plate;
 
 use super::bodies::EngineBodies;
-use super::engine::{engine, ground_reach};
+use super::engine::{Surface, add_seeds, engine, ground_reach, surface};
 use super::joints::Joints;
 use crate::counter_rng::{StepDraws, direction, unit};
 use crate::settings::{Precision, Settings};
@@ -25,6 +25,9 @@ pub(super) struct Rapier {
     dt: f32,
     joints: Joints,
     limits: MotionLimits,
+    contact: Option<Surface>,
+    /// Whether blocks move only in a horizontal plane.
+    is_planar: bool,
 }
 
 /// No method is implemented, as for [`EngineBodies`].
@@ -55,7 +58,9 @@ impl Integrator for Rapier {
         let substeps = settings.substeps.max(1);
         let limits = MotionLimits::new(substeps, parameters.contact.is_some());
         let limits = match (&parameters.contact, parameters.wall) {
-            (Some(_), Some(wall)) => limits.within(ground_reach(wall.interior.reach())),
+            (Some(_), Some(wall)) if !parameters.is_planar => {
+                limits.within(ground_reach(wall.interior.reach()))
+            }
             _ => limits,
         };
         let left = |rate: f64| libm::exp(-rate / f64::from(substeps)) as f32;
@@ -65,6 +70,8 @@ impl Integrator for Rapier {
             dt: 1.0 / substeps as f32,
             joints: Joints::default(),
             limits,
+            contact: parameters.contact.as_ref().map(surface).transpose()?,
+            is_planar: parameters.is_planar,
         };
         Ok((EngineBodies::new(engine, handles, blocks), rapier))
     }
@@ -97,7 +104,13 @@ impl Integrator for Rapier {
             if let Some((Kicks { speed: (low, high) }, step)) = &mut kicks {
                 let [speed, height, azimuth, _] = step.block(id as u32);
                 let speed = (low + (high - low) * unit(speed)) as f32;
-                block.velocity += speed * Vector3::from(direction(height, azimuth));
+                let direction = if self.is_planar {
+                    let (sin, cos) = libm::sincos(std::f64::consts::TAU * unit(azimuth));
+                    Vector3::new(cos as f32, sin as f32, 0.0)
+                } else {
+                    Vector3::from(direction(height, azimuth))
+                };
+                block.velocity += speed * direction;
             }
             if let Some(factor) = self.drag {
                 block.velocity *= factor;
@@ -106,6 +119,12 @@ impl Integrator for Rapier {
         }
         bodies.engine.step();
         bodies.read(&self.limits)
+    }
+
+    fn place_seeds(&mut self, bodies: &mut EngineBodies, centres: &[Vector3<f32>]) {
+        if let Some(contact) = self.contact {
+            add_seeds(&mut bodies.engine, contact, centres);
+        }
     }
 
     fn joined(&mut self, bodies: &mut EngineBodies, bonds: &FreeBonds) {

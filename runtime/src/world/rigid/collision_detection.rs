@@ -6,7 +6,7 @@ use super::bodies::Bodies;
 use super::cell_list::TOUCH;
 use super::local_steps::LocalSteps;
 use super::narrow_phase::{
-    Cuboid, Manifold, ball_on_ground, balls, boxes, cube_on_ground, face_on_ground,
+    Cuboid, Manifold, ball_on_ground, balls, boxes, cube_on_ground, face_on_ground, squares,
 };
 use super::neighbour_list::NeighbourList;
 use super::simd::{ABREAST, Lane, filled};
@@ -14,7 +14,7 @@ use super::solver::{Law, Solver};
 use crate::settings::{ROUNDS, Reduction, Settings};
 use crate::world::blocks::Blocks;
 use crate::world::free_bonds::FreeBonds;
-use crate::world::parameters::ContactParameters;
+use crate::world::parameters::{ContactParameters, WorldParameters};
 use crate::world::real::Real;
 
 #[derive(Clone, Copy, Debug)]
@@ -26,31 +26,30 @@ pub(super) struct CollisionShape<R: Real> {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Ground<R: Real> {
+pub(super) enum Ground<R: Real> {
     /// The plane z = 0, level with the plate.
     Plane,
     /// Only the plate.
     Plate(PlateBox<R>),
+    /// Table of a planar world, which no block leaves. Blocks are squares.
+    Table,
 }
 
 /// Box around all seeds.
 #[derive(Clone, Copy, Debug)]
-struct PlateBox<R: Real> {
+pub(super) struct PlateBox<R: Real> {
     centre: Vector3<R>,
     axes: Rotation3<R>,
     half: Vector3<R>,
 }
 
-impl<R: Lane> CollisionShape<R> {
-    /// Returns the collision shapes of a scene. Without an enclosure, there is no floor.
-    pub fn new(
-        floor: bool,
-        plate: &table::Plate,
-        spheres: bool,
-        compliant: bool,
-    ) -> CollisionShape<R> {
+impl<R: Real> Ground<R> {
+    /// Returns the ground of a scene. Without an enclosure, there is no floor.
+    pub fn new(parameters: &WorldParameters, plate: &table::Plate) -> Ground<R> {
         let half = |blocks: u32| R::from_double(f64::from(blocks) / 2.0);
-        let ground = if floor {
+        if parameters.is_planar {
+            Ground::Table
+        } else if parameters.wall.is_some() {
             Ground::Plane
         } else {
             Ground::Plate(PlateBox {
@@ -58,14 +57,11 @@ impl<R: Lane> CollisionShape<R> {
                 axes: Rotation3::identity(),
                 half: Vector3::new(half(plate.width), half(plate.depth), R::from_double(0.5)),
             })
-        };
-        CollisionShape {
-            spheres,
-            compliant,
-            ground,
         }
     }
+}
 
+impl<R: Lane> CollisionShape<R> {
     /// Removes blocks that cannot touch the ground from the list `low` of low blocks.
     fn keep_near_ground(&self, bodies: &Bodies<R>, low: &mut Vec<u32>) {
         if let Ground::Plate(plate) = &self.ground {
@@ -83,6 +79,7 @@ impl<R: Lane> CollisionShape<R> {
             Ground::Plane if self.spheres => ball_on_ground(place),
             Ground::Plane if self.compliant => face_on_ground(place, bodies.axes(id)),
             Ground::Plane => cube_on_ground(place, bodies.axes(id)),
+            Ground::Table => None,
             // A sphere at an edge of the plate is rare. It is treated as a cube.
             Ground::Plate(PlateBox { centre, axes, half }) => {
                 let (centre, half) = (*centre, *half);
@@ -97,7 +94,7 @@ impl<R: Lane> CollisionShape<R> {
     /// Returns whether rotations affect contacts with the ground, and whether they affect contacts
     /// between blocks.
     fn has_edges(&self) -> [bool; 2] {
-        let balls_only = self.spheres && matches!(self.ground, Ground::Plane);
+        let balls_only = self.spheres && !matches!(self.ground, Ground::Plate(_));
         [!balls_only, !self.spheres]
     }
 }
@@ -117,13 +114,14 @@ pub(super) struct Contacts<R: Lane> {
     low: Vec<u32>,
     /// Buffer of the pairs of nearby blocks.
     close: Vec<(u32, u32)>,
+    /// Buffer of the free blocks near seeds, each with the number of the seed.
+    beside: Vec<(u32, usize)>,
 }
 
 impl<R: Lane> Contacts<R> {
     pub fn new(
         contact: &ContactParameters,
-        floor: bool,
-        plate: &table::Plate,
+        ground: Ground<R>,
         settings: &Settings,
         count: usize,
     ) -> Contacts<R> {
@@ -139,16 +137,16 @@ impl<R: Lane> Contacts<R> {
         let turns = !without(Reduction::Rotation);
         let rounds = settings.solver_iterations.unwrap_or(ROUNDS);
         Contacts {
-            shape: CollisionShape::new(
-                floor,
-                plate,
-                without(Reduction::Corners),
-                law.restitution().is_none(),
-            ),
+            shape: CollisionShape {
+                spheres: without(Reduction::Corners),
+                compliant: law.restitution().is_none(),
+                ground,
+            },
             solver: Solver::new(law, count, rounds, turns),
             mutual: !without(Reduction::BlockContact),
             low: Vec::new(),
             close: Vec::new(),
+            beside: Vec::new(),
         }
     }
 
@@ -158,33 +156,63 @@ impl<R: Lane> Contacts<R> {
         bodies: &mut Bodies<R>,
         neighbours: &mut NeighbourList<R>,
         bonds: Option<&FreeBonds>,
+        seeds: &[Vector3<R>],
     ) {
-        bodies.list_below(R::from_double(TOUCH / 2.0), &mut self.low);
+        if matches!(self.shape.ground, Ground::Table) {
+            let touch = R::from_double(TOUCH);
+            self.beside.clear();
+            for (number, &seed) in seeds.iter().enumerate() {
+                neighbours.around(seed, touch, &mut self.low);
+                (self.beside).extend(self.low.iter().map(|&id| (id, number)));
+            }
+            self.low.clear();
+        } else {
+            bodies.list_below(R::from_double(TOUCH / 2.0), &mut self.low);
+        }
         neighbours.close_pairs(bodies, &mut self.close);
-        self.find_among(bodies, bonds);
+        self.find_among(bodies, bonds, seeds);
     }
 
     /// Finds the contacts of the blocks with short steps, between two long steps.
-    pub fn find_short(&mut self, bodies: &mut Bodies<R>, local: &LocalSteps<R>) {
+    pub fn find_short(
+        &mut self,
+        bodies: &mut Bodies<R>,
+        local: &LocalSteps<R>,
+        seeds: &[Vector3<R>],
+    ) {
         let (height, touch) = (R::from_double(TOUCH / 2.0), R::from_double(TOUCH * TOUCH));
         self.low.clear();
-        let low = |&id: &u32| bodies.is_free(id) && bodies.position(id).z < height;
-        self.low.extend(local.blocks.iter().copied().filter(low));
+        self.beside.clear();
+        if matches!(self.shape.ground, Ground::Table) {
+            for number in 0..seeds.len() {
+                let blocks = local.blocks.iter();
+                self.beside.extend(blocks.map(|&id| (id, number)));
+            }
+        } else {
+            let low = |&id: &u32| bodies.is_free(id) && bodies.position(id).z < height;
+            self.low.extend(local.blocks.iter().copied().filter(low));
+        }
         self.close.clear();
         let near =
             |&(a, b): &(u32, u32)| (bodies.position(a) - bodies.position(b)).norm_squared() < touch;
         self.close.extend(local.pairs.iter().copied().filter(near));
-        self.find_among(bodies, None);
+        self.find_among(bodies, None, seeds);
     }
 
-    /// Finds the contacts among the candidate pairs and low blocks.
-    fn find_among(&mut self, bodies: &mut Bodies<R>, bonds: Option<&FreeBonds>) {
+    /// Finds the contacts among the candidate pairs, low blocks and blocks near seeds.
+    fn find_among(
+        &mut self,
+        bodies: &mut Bodies<R>,
+        bonds: Option<&FreeBonds>,
+        seeds: &[Vector3<R>],
+    ) {
         let Contacts {
             shape,
             solver,
             mutual,
             low,
             close,
+            beside,
         } = self;
         solver.clear();
         shape.keep_near_ground(bodies, low);
@@ -197,19 +225,41 @@ impl<R: Lane> Contacts<R> {
         let [on_ground, mutually] = shape.has_edges();
         let low_ones = low.iter().copied().filter(|_| on_ground);
         let close_ones = close.iter().flat_map(|&(a, b)| [a, b]);
-        bodies.show(low_ones.chain(close_ones.filter(|_| mutually)));
+        let touch = R::from_double(TOUCH * TOUCH);
+        beside.retain(|&(id, seed)| {
+            bodies.is_free(id) && (bodies.position(id) - seeds[seed]).norm_squared() < touch
+        });
+        let beside_ones = beside.iter().map(|&(id, _)| id);
+        let turned = close_ones.chain(beside_ones).filter(|_| mutually);
+        bodies.show(low_ones.chain(turned));
         for &id in &*low {
             shape.on_ground(bodies, id, |manifold| {
                 solver.add(bodies, id, None, manifold);
             });
         }
+        let level = Rotation3::identity();
+        for &(id, seed) in &*beside {
+            let manifold = if shape.spheres {
+                balls(bodies.position(id), seeds[seed])
+            } else {
+                squares(&cube(bodies, id), &Cuboid::cube(seeds[seed], &level))
+            };
+            if let Some(manifold) = manifold {
+                solver.add(bodies, id, None, &manifold);
+            }
+        }
+        let is_flat = matches!(shape.ground, Ground::Table);
         for pairs in close.chunks(ABREAST) {
             let mut add = |(a, b): (u32, u32), manifold: &Manifold<R>| {
                 solver.add(bodies, a, Some(b), manifold);
             };
-            if shape.spheres {
+            if shape.spheres || is_flat {
                 for &(a, b) in pairs {
-                    let manifold = balls(bodies.position(a), bodies.position(b));
+                    let manifold = if shape.spheres {
+                        balls(bodies.position(a), bodies.position(b))
+                    } else {
+                        squares(&cube(bodies, a), &cube(bodies, b))
+                    };
                     manifold.iter().for_each(|manifold| add((a, b), manifold));
                 }
             } else {

@@ -19,6 +19,8 @@ pub(super) struct FreeFlight<R: Lane> {
     /// Length of a short step \[tick\].
     short: R,
     limits: MotionLimits,
+    /// Whether blocks move only in a horizontal plane.
+    is_planar: bool,
 }
 
 impl<R: Lane> FreeFlight<R> {
@@ -26,6 +28,7 @@ impl<R: Lane> FreeFlight<R> {
         wall: Option<parameters::Wall>,
         drag: Option<f64>,
         limits: MotionLimits,
+        is_planar: bool,
         [long, short]: [f64; 2],
     ) -> FreeFlight<R> {
         FreeFlight {
@@ -33,6 +36,7 @@ impl<R: Lane> FreeFlight<R> {
             drag: drag.map(|rate| [long, short].map(|dt| R::from_double(libm::exp(-rate * dt)))),
             short: R::from_double(short),
             limits,
+            is_planar,
         }
     }
 
@@ -49,23 +53,27 @@ impl<R: Lane> FreeFlight<R> {
             step.fill(bodies.groups().len() * LANES, draws);
             Kick::new(kicks)
         });
-        match (kicks.is_some(), self.drag.is_some()) {
-            (true, true) => self.inside::<true, true>(bodies, draws, kicks),
-            (true, false) => self.inside::<true, false>(bodies, draws, kicks),
-            (false, true) => self.inside::<false, true>(bodies, draws, kicks),
-            (false, false) => self.inside::<false, false>(bodies, draws, kicks),
+        match (kicks.is_some(), self.drag.is_some(), self.is_planar) {
+            (true, true, false) => self.inside::<true, true, 3>(bodies, draws, kicks),
+            (true, false, false) => self.inside::<true, false, 3>(bodies, draws, kicks),
+            (false, true, false) => self.inside::<false, true, 3>(bodies, draws, kicks),
+            (false, false, false) => self.inside::<false, false, 3>(bodies, draws, kicks),
+            (true, true, true) => self.inside::<true, true, 2>(bodies, draws, kicks),
+            (true, false, true) => self.inside::<true, false, 2>(bodies, draws, kicks),
+            (false, true, true) => self.inside::<false, true, 2>(bodies, draws, kicks),
+            (false, false, true) => self.inside::<false, false, 2>(bodies, draws, kicks),
         }
     }
 
-    /// Processes all blocks with the walls of the scene.
-    fn inside<const KICKS: bool, const DRAG: bool>(
+    /// Processes all blocks with the walls of the scene, in 2 or 3 dimensions.
+    fn inside<const KICKS: bool, const DRAG: bool, const DIMENSIONS: usize>(
         &self,
         bodies: &mut Bodies<R>,
         draws: &[u8],
         kicks: Option<Kick<R>>,
     ) -> bool {
         let Some(WallForce { shape, stiffness }) = self.wall else {
-            return self.pass::<KICKS, DRAG, _>(bodies, draws, kicks, NoWall);
+            return self.pass::<KICKS, DRAG, DIMENSIONS, _>(bodies, draws, kicks, NoWall);
         };
         match shape {
             WallShape::Ball { radius, height } => {
@@ -74,14 +82,14 @@ impl<R: Lane> FreeFlight<R> {
                     height,
                     stiffness,
                 };
-                self.pass::<KICKS, DRAG, _>(bodies, draws, kicks, wall)
+                self.pass::<KICKS, DRAG, DIMENSIONS, _>(bodies, draws, kicks, wall)
             }
             WallShape::Box { half, low, high } => {
                 let wall = Planes {
                     limits: [(-half[0], half[0]), (-half[1], half[1]), (low, high)],
                     stiffness,
                 };
-                self.pass::<KICKS, DRAG, _>(bodies, draws, kicks, wall)
+                self.pass::<KICKS, DRAG, DIMENSIONS, _>(bodies, draws, kicks, wall)
             }
             WallShape::Cylinder { radius, low, high } => {
                 let wall = Tube {
@@ -89,7 +97,7 @@ impl<R: Lane> FreeFlight<R> {
                     limits: (low, high),
                     stiffness,
                 };
-                self.pass::<KICKS, DRAG, _>(bodies, draws, kicks, wall)
+                self.pass::<KICKS, DRAG, DIMENSIONS, _>(bodies, draws, kicks, wall)
             }
         }
     }
@@ -113,7 +121,7 @@ impl<R: Lane> FreeFlight<R> {
     }
 
     /// Processes all blocks in one pass. Absent terms are compiled out.
-    fn pass<const KICKS: bool, const DRAG: bool, W: WideWall<R>>(
+    fn pass<const KICKS: bool, const DRAG: bool, const DIMENSIONS: usize, W: WideWall<R>>(
         &self,
         bodies: &mut Bodies<R>,
         draws: &[u8],
@@ -147,13 +155,13 @@ impl<R: Lane> FreeFlight<R> {
                     let span = (dt + load(&group.last)) * half;
                     let (way, pull) = wall.pull(&x);
                     let by = pull * span * mobility;
-                    for axis in 0..3 {
+                    for axis in 0..DIMENSIONS {
                         v[axis] -= way[axis] * by;
                     }
                 }
                 if KICKS {
-                    let kick = kick.draw(&words[number * CHECKED + nth]);
-                    for axis in 0..3 {
+                    let kick = kick.draw::<DIMENSIONS>(&words[number * CHECKED + nth]);
+                    for axis in 0..DIMENSIONS {
                         v[axis] += kick[axis] * mobility;
                     }
                 }
@@ -162,7 +170,7 @@ impl<R: Lane> FreeFlight<R> {
                 } else {
                     dt
                 };
-                for axis in 0..3 {
+                for axis in 0..DIMENSIONS {
                     if DRAG {
                         v[axis] *= drag;
                     }
@@ -292,9 +300,12 @@ impl<R: Lane> Kick<R> {
     }
 
     /// Returns the impulses of many blocks, from the same words as `counter_rng::direction` and
-    /// `counter_rng::unit`.
+    /// `counter_rng::unit`. In 2 dimensions, they are horizontal.
     #[inline(always)]
-    fn draw(&self, drawn: &[[u8; 4]; WORDS as usize * LANES]) -> [R::Wide; 3] {
+    fn draw<const DIMENSIONS: usize>(
+        &self,
+        drawn: &[[u8; 4]; WORDS as usize * LANES],
+    ) -> [R::Wide; 3] {
         let all = R::Wide::splat;
         let unit = |word: usize| {
             let mut bits = [R::zero(); LANES];
@@ -307,6 +318,10 @@ impl<R: Lane> Kick<R> {
             (R::Wide::load(&bits) + all(R::from_double(0.5))) * bin
         };
         let speed = all(self.low) + all(self.span) * unit(0);
+        if DIMENSIONS == 2 {
+            let (sin, cos) = sincos_turns::<R>(unit(2));
+            return [speed * cos, speed * sin, all(R::zero())];
+        }
         let z = all(R::from_double(2.0)) * unit(1) - all(R::one());
         let across = (all(R::one()) - z * z).sqrt() * speed;
         let (sin, cos) = sincos_turns::<R>(unit(2));

@@ -4,7 +4,7 @@ use stochc_ir::scene::ContactLaw;
 use stochc_ir::table::Plate;
 
 use super::bodies::Bodies;
-use super::collision_detection::Contacts;
+use super::collision_detection::{Contacts, Ground};
 use super::free_flight::FreeFlight;
 use super::local_steps::LocalSteps;
 use super::neighbour_list::NeighbourList;
@@ -32,11 +32,13 @@ pub(super) struct Kernel<R: Lane> {
     /// contacts.
     acceleration: Vector3<R>,
     limits: MotionLimits,
+    /// Centres of the seeds of a planar world.
+    seeds: Vec<Vector3<R>>,
 }
 
 stochc_ir::state! {
     (<R: Lane>) Kernel<R>;
-    values: neighbours, local;
+    values: neighbours, local, seeds;
     parts: ;
     // Not part of the state: contacts are recomputed in every step, and the other fields are
     // constant.
@@ -67,19 +69,26 @@ impl<R: Lane> Integrator for Kernel<R> {
         let rates = parameters.rates(settings);
         let steps = rates.map(|rate| 1.0 / f64::from(rate));
         let limits = MotionLimits::new(rates[0], parameters.contact.is_some());
-        let floor = parameters.wall.is_some();
+        let ground = Ground::new(parameters, plate);
         let contacts = (parameters.contact.as_ref())
-            .map(|contact| Contacts::new(contact, floor, plate, settings, blocks.len()));
+            .map(|contact| Contacts::new(contact, ground, settings, blocks.len()));
         let neighbours = (contacts.is_some() || parameters.bond.is_some()).then(|| {
             let farthest = blocks.iter().map(|b| b.position.amax()).fold(0.0, f64::max);
+            let is_flat = parameters.is_planar;
             let (span, floor) = match parameters.wall {
                 Some(wall) => (wall.interior.reach(), Some(0.0)),
-                None => (farthest, None),
+                None => (farthest, is_flat.then_some(0.0)),
             };
-            NeighbourList::new(blocks.len(), span + 2.0, floor)
+            NeighbourList::new(blocks.len(), span + 2.0, floor, is_flat)
         });
         let kernel = Kernel {
-            flight: FreeFlight::new(parameters.wall, parameters.drag, limits, steps),
+            flight: FreeFlight::new(
+                parameters.wall,
+                parameters.drag,
+                limits,
+                parameters.is_planar,
+                steps,
+            ),
             words: Vec::new(),
             contacts,
             neighbours,
@@ -92,6 +101,7 @@ impl<R: Lane> Integrator for Kernel<R> {
             },
             local: (rates[0] != rates[1]).then(|| LocalSteps::new(steps)),
             limits,
+            seeds: Vec::new(),
         };
         let [long, short] = steps.map(R::from_double);
         Ok((Bodies::new(blocks, long, short), kernel))
@@ -127,8 +137,8 @@ impl<R: Lane> Integrator for Kernel<R> {
     fn find_contacts(&mut self, bodies: &mut Bodies<R>, bonds: Option<&FreeBonds>, moving: Moving) {
         if let (Some(contacts), Some(neighbours)) = (&mut self.contacts, &mut self.neighbours) {
             match (moving, &self.local) {
-                (Moving::Short, Some(local)) => contacts.find_short(bodies, local),
-                _ => contacts.find(bodies, neighbours, bonds),
+                (Moving::Short, Some(local)) => contacts.find_short(bodies, local, &self.seeds),
+                _ => contacts.find(bodies, neighbours, bonds, &self.seeds),
             }
         }
     }
@@ -171,6 +181,10 @@ impl<R: Lane> Integrator for Kernel<R> {
             bonds.carry(bodies, dt);
         }
         Ok(())
+    }
+
+    fn place_seeds(&mut self, _bodies: &mut Bodies<R>, centres: &[Vector3<R>]) {
+        self.seeds = centres.to_vec();
     }
 
     fn released(&mut self) {

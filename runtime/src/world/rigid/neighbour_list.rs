@@ -37,6 +37,8 @@ pub(super) struct NeighbourList<R: Lane> {
     /// Height of the grid \[block lengths\]. Few blocks are above it. A higher grid would crowd a
     /// sediment or a flat structure into its lowest cells.
     top: f64,
+    /// Whether all blocks are in one horizontal plane.
+    is_flat: bool,
     grid: CellList<R>,
     /// [`SKIN`], or 0 if all pairs are searched in every step.
     skin: f64,
@@ -55,12 +57,16 @@ pub(super) struct NeighbourList<R: Lane> {
 impl<R: Lane> NeighbourList<R> {
     /// Returns an empty list for blocks mostly within `span` of the origin and above `floor`
     /// \[block lengths\].
-    pub fn new(count: usize, span: f64, floor: Option<f64>) -> NeighbourList<R> {
-        let heights = [floor.unwrap_or(-span), span];
+    ///
+    /// If `is_flat`, all blocks are in the first layer above the floor.
+    pub fn new(count: usize, span: f64, floor: Option<f64>, is_flat: bool) -> NeighbourList<R> {
+        let top = if is_flat { 1.0 } else { span };
+        let heights = [floor.unwrap_or(-span), top];
         NeighbourList {
             span,
             floor,
-            top: span,
+            top,
+            is_flat,
             grid: CellList::new(count, span, heights, TOUCH + SKIN),
             skin: SKIN,
             pairs: Vec::new(),
@@ -116,7 +122,9 @@ impl<R: Lane> NeighbourList<R> {
             span *= 1.5;
         }
         let (mut top, near) = (span, TOUCH + skin);
-        if let Some(floor) = self.floor {
+        if self.is_flat {
+            top = self.top;
+        } else if let Some(floor) = self.floor {
             let middle = |top: f64| floor.midpoint(top);
             while middle(top) > floor + near
                 && bodies.count_above(R::from_double(middle(top))) <= outside
@@ -197,7 +205,7 @@ mod tests {
         let mut vector = |size: f64| Vector3::from_fn(|_, _| dice.random_range(-size..size));
         let blocks: Vec<BodyState> = (0..60).map(|_| BodyState::at_rest(vector(5.0))).collect();
         let mut bodies = Bodies::<f32>::new(&blocks, 1.0, 1.0);
-        let mut neighbours = NeighbourList::new(blocks.len(), 2.0, None);
+        let mut neighbours = NeighbourList::new(blocks.len(), 2.0, None, false);
         let (mut found, mut lists, mut without) = (Vec::new(), 0, 0);
         for step in 0..1000 {
             let speed = [0.02, 0.6][step / 200 % 2];

@@ -313,8 +313,12 @@ fn gas(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessNumber>) {
     let Some(gas) = Gas::from_scene(scene) else {
         return;
     };
+    let symbol = match scene.planar {
+        Some(_) => "N a² / A",
+        None => "N a³ / V",
+    };
     out.push(DimensionlessNumber::new(
-        "N a³ / V",
+        symbol,
         "part of the enclosure that free blocks fill",
         gas.density,
     ));
@@ -355,6 +359,7 @@ fn settling(scene: &Scene, out: &mut Vec<DimensionlessNumber>) {
     ));
     if let Some(enclosure) = &scene.enclosure {
         let (symbol, meaning, length) = match *enclosure {
+            Enclosure::Disc { .. } | Enclosure::Rectangle { .. } => return,
             Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. } => {
                 ("h / R", "the same over the enclosure's radius", radius)
             }

@@ -15,6 +15,11 @@ use crate::table::plate::Plate;
 /// sine, π/4.
 const MEETING_SURFACE: f64 = 12.0 + 4.5 * PI;
 
+/// Mean perimeter of the excluded area of two squares with random orientations, divided by π
+/// \[block lengths\]: the mean width of a target for a block in a plane. The perimeters of convex
+/// bodies add up.
+const MEETING_WIDTH: f64 = 8.0 / PI;
+
 const NO_PLATE: Plate = Plate { width: 0, depth: 0 };
 
 /// Gas of a scene's free blocks, before any capture.
@@ -25,6 +30,8 @@ pub struct Gas {
     pub density: f64,
     /// Floor area divided by volume \[1 / block length\].
     floor: f64,
+    /// Whether the world is planar. `density` is then a number of blocks per area.
+    is_flat: bool,
 }
 
 impl Gas {
@@ -37,7 +44,8 @@ impl Gas {
         }
         let units = BlockUnits::from_scene(scene);
         // The height of a ball above the plate does not matter.
-        let (volume, floor) = match enclosure.interior(&NO_PLATE, units) {
+        let interior = enclosure.interior(&NO_PLATE, units);
+        let (volume, floor) = match interior {
             Interior::Ball { radius, .. } if radius > 0.0 => {
                 let ball = 4.0 / 3.0 * PI * radius.powi(3);
                 match enclosure {
@@ -54,19 +62,35 @@ impl Gas {
             Interior::Ball { .. } => return None,
         };
         let density = f64::from(scene.free.count) / volume;
-        (volume > 0.0 && floor >= 0.0).then_some(Gas { density, floor })
+        let is_flat = interior.is_flat();
+        let floor = if is_flat { 0.0 } else { floor };
+        (volume > 0.0 && floor >= 0.0).then_some(Gas {
+            density,
+            floor,
+            is_flat,
+        })
     }
 
     /// Returns the mean free path between blocks \[block lengths\]: 1 / (√2 n S / 4). The
     /// cross-section of randomly oriented convex bodies is a quarter of their surface.
     pub(crate) fn free_path(&self) -> f64 {
-        1.0 / (2f64.sqrt() * self.density * MEETING_SURFACE / 4.0)
+        let target = if self.is_flat {
+            MEETING_WIDTH
+        } else {
+            MEETING_SURFACE / 4.0
+        };
+        1.0 / (2f64.sqrt() * self.density * target)
     }
 
     /// Returns the number of collisions of a block with other blocks per tick. `rms` is the rms
     /// speed \[block lengths / tick\].
     pub fn meetings(&self, rms: f64) -> f64 {
-        mean(rms) / self.free_path()
+        let mean = if self.is_flat {
+            rms * PI.sqrt() / 2.0
+        } else {
+            mean(rms)
+        };
+        mean / self.free_path()
     }
 
     /// Returns the number of collisions of a block with the floor per tick: n v / 4 per area. `rms`

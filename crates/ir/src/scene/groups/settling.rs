@@ -89,6 +89,7 @@ impl Settling {
             Enclosure::Box { height, .. } | Enclosure::Cylinder { height, .. } => {
                 (height - half, None)
             }
+            Enclosure::Disc { .. } | Enclosure::Rectangle { .. } => return None,
         };
         let area = |height: f64| {
             ball.map_or(1.0, |(reach, middle)| {
@@ -136,6 +137,10 @@ const FAR: f64 = 40.0;
 /// Returns the acceleration that weight and buoyancy give a block at rest, positive downward
 /// \[m/s^2\].
 pub fn down(scene: &Scene) -> f64 {
+    // The table carries the blocks of a planar world.
+    if scene.planar.is_some() {
+        return 0.0;
+    }
     let density = scene.fluid.as_ref().and_then(|fluid| fluid.density);
     let displaced = density.map_or(0.0, |density| density * scene.block.side.powi(3));
     let borne = displaced / scene.block.mass;

@@ -1,7 +1,7 @@
 //! Long-term speed of free blocks.
 use serde::Serialize;
 
-use super::super::{Agitation, BOLTZMANN, Contact, ContactLaw, Flow, Fluid, Scene};
+use super::super::{Agitation, BOLTZMANN, Contact, ContactLaw, Flow, Fluid, Planar, Scene};
 use super::{BlockUnits, Gas};
 
 /// Expected long-term speed of a free block, away from magnets.
@@ -26,6 +26,9 @@ pub enum SpeedFrom {
     Collisions,
     /// Estimated speed by random impulses, wake drag and other losses.
     Wakes,
+    /// Estimated speed by random impulses, friction with the table of a planar world, and other
+    /// losses.
+    Table,
     /// Random impulses without dissipation.
     Nothing,
     /// Speed of the eddies that carry the blocks. It is an upper limit for heavy blocks.
@@ -55,11 +58,16 @@ fn speed_in(scene: &Scene, steps: f64) -> Speed {
     // Drag of a fluid is included in the impulse. The clause `drag` acts after it.
     let gain = kick * kick * left_by_drag(scene);
     let left = left_by_drag(scene) * (-2.0 * viscous(scene)).exp();
-    let (collisions, wakes) = (collisions(scene), wakes(scene));
+    let (collisions, wakes, table) = (collisions(scene), wakes(scene), table(scene));
     if wakes > 0.0 {
-        of_rms(balance(gain, left, collisions + wakes), SpeedFrom::Wakes)
+        of_rms(
+            balance(gain, left, table, collisions + wakes),
+            SpeedFrom::Wakes,
+        )
+    } else if table > 0.0 {
+        of_rms(balance(gain, left, table, collisions), SpeedFrom::Table)
     } else if collisions > 0.0 {
-        of_rms(balance(gain, left, collisions), SpeedFrom::Collisions)
+        of_rms(balance(gain, left, 0.0, collisions), SpeedFrom::Collisions)
     } else if left < 1.0 {
         of_rms((gain / (1.0 - left)).sqrt(), SpeedFrom::Drag)
     } else {
@@ -68,6 +76,30 @@ fn speed_in(scene: &Scene, steps: f64) -> Speed {
             from: SpeedFrom::Nothing,
         }
     }
+}
+
+/// Returns the number of translations of a block.
+fn directions(scene: &Scene) -> f64 {
+    if scene.planar.is_some() { 2.0 } else { 3.0 }
+}
+
+/// Returns the loss of squared speed by friction with the table per tick, divided by the speed
+/// \[block lengths / tick\]. 0 without friction.
+///
+/// Friction with the deceleration f takes 2 f v from v². The speed v is Maxwell's mean in a plane.
+fn table(scene: &Scene) -> f64 {
+    let friction = scene
+        .planar
+        .as_ref()
+        .and_then(|Planar { friction }| *friction);
+    let (Some(friction), Some(gravity)) = (friction, scene.gravity) else {
+        return 0.0;
+    };
+    let density = scene.fluid.as_ref().and_then(|fluid| fluid.density);
+    let borne = density.unwrap_or(0.0) * scene.block.side.powi(3) / scene.block.mass;
+    let deceleration = friction * gravity * (1.0 - borne).max(0.0);
+    let mean = std::f64::consts::PI.sqrt() / 2.0;
+    2.0 * mean * BlockUnits::from_scene(scene).acceleration(deceleration)
 }
 
 /// Returns the fraction of the squared speed that the clause `drag` leaves per tick.
@@ -144,7 +176,7 @@ const JET: f64 = 6.2;
 pub(super) fn energetic(scene: &Scene) -> Option<f64> {
     match scene.agitation {
         Some(Agitation::Brownian { temperature }) => {
-            Some((3.0 * BOLTZMANN * temperature / scene.inertial_mass()).sqrt())
+            Some((directions(scene) * BOLTZMANN * temperature / scene.inertial_mass()).sqrt())
         }
         _ => speed(scene).rms,
     }
@@ -169,10 +201,12 @@ pub(super) fn in_steps(scene: &Scene, steps: f64) -> Option<f64> {
 
 /// Returns the rms rotation of a free block per step \[rad\], or `None` if it grows without limit.
 ///
-/// Assumes equipartition, as collisions and heat establish it: m a² ω² / 6 = m v².
+/// Assumes equipartition, as collisions and heat establish it: m a² ω² / 6 = m v². In a plane, half
+/// of this energy turns a block.
 pub fn turn_in_steps(scene: &Scene, steps: f64) -> Option<f64> {
     let distance = BlockUnits::from_scene(scene).speed(in_steps(scene, steps)?) / steps;
-    Some(6.0_f64.sqrt() * distance)
+    let share = if scene.planar.is_some() { 3.0 } else { 6.0_f64 };
+    Some(share.sqrt() * distance)
 }
 
 /// Returns the random speed of blocks in a fluid, for this number of steps per tick. Returns `None`
@@ -183,7 +217,11 @@ fn of_fluid(scene: &Scene, steps: f64) -> Option<Speed> {
         Agitation::Kicks { .. } => None,
         Agitation::Turbulence(turbulence) => {
             let level = turbulence.speed(scene.flow.as_ref());
-            let all = level * (2.0 + turbulence.vertical * turbulence.vertical).sqrt();
+            let vertical = match scene.planar {
+                Some(_) => 0.0,
+                None => turbulence.vertical,
+            };
+            let all = level * (2.0 + vertical * vertical).sqrt();
             Some(Speed {
                 rms: Some(all),
                 from: SpeedFrom::Eddies,
@@ -196,7 +234,7 @@ fn of_fluid(scene: &Scene, steps: f64) -> Option<Speed> {
             let half = friction / mass * tick / steps / 2.0;
             let part = if half < 1e-6 { 1.0 } else { half.tanh() / half };
             Some(Speed {
-                rms: Some((3.0 * BOLTZMANN * temperature / mass * part).sqrt()),
+                rms: Some((directions(scene) * BOLTZMANN * temperature / mass * part).sqrt()),
                 from: SpeedFrom::Heat,
             })
         }
@@ -221,7 +259,7 @@ pub(in crate::scene) fn rms_of_range(low: f64, high: f64) -> f64 {
 /// Returns the loss of squared speed by collisions per tick, divided by the cubed speed \[1 / block
 /// length\].
 ///
-/// A collision at temperature T = m v^2 / 3 removes (1 - e^2) T on average, for any shapes. The
+/// A collision at temperature T = m v^2 / 3, or m v^2 / 2 in a plane, removes (1 - e^2) T on average, for any shapes. The
 /// approach speed has the mean square 2 T / (effective mass). Two blocks share the loss. At the
 /// floor, one block bears it. Neglects friction.
 fn collisions(scene: &Scene) -> f64 {
@@ -229,7 +267,8 @@ fn collisions(scene: &Scene) -> f64 {
         return 0.0;
     };
     let lost = |pair| 1.0 - restitution(scene, contact, pair).powi(2);
-    gas.meetings(1.0) * lost(true) / 3.0 + gas.landings(1.0) * lost(false) * 2.0 / 3.0
+    let directions = directions(scene);
+    gas.meetings(1.0) * lost(true) / directions + gas.landings(1.0) * lost(false) * 2.0 / directions
 }
 
 /// Returns the loss of squared speed by wakes per tick, divided by the cubed speed \[1 / block
@@ -282,11 +321,11 @@ fn rebound(ratio: f64) -> f64 {
     (-2.0 * ratio * angle).exp()
 }
 
-/// Returns the speed v that solves v^2 = v^2 `left` + `gain` - `loss` v^3.
-fn balance(gain: f64, left: f64, loss: f64) -> f64 {
-    let grows = |v: f64| v * v * left + gain - v * v - loss * v.powi(3);
-    // Upper bound, attained without drag.
-    let (mut low, mut high) = (0.0, (gain / loss).cbrt());
+/// Returns the speed v that solves v^2 = v^2 `left` + `gain` - `steady` v - `loss` v^3.
+fn balance(gain: f64, left: f64, steady: f64, loss: f64) -> f64 {
+    let grows = |v: f64| v * v * left + gain - v * v - steady * v - loss * v.powi(3);
+    // Upper bounds, attained without drag.
+    let (mut low, mut high) = (0.0, (gain / loss).cbrt().min(gain / steady));
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
         if grows(middle) > 0.0 {
@@ -330,7 +369,7 @@ mod tests {
     #[test]
     fn power_is_balanced() {
         for (gain, left, loss) in [(1e-2, 1.0, 0.03), (1e-2, 0.9, 0.03), (1e-18, 0.999, 7.0)] {
-            let v = balance(gain, left, loss);
+            let v = balance(gain, left, 0.0, loss);
             let after = v * v * left + gain - loss * v.powi(3);
             assert!((after / (v * v) - 1.0).abs() < 1e-9, "{gain} {left} {loss}");
         }

@@ -1,7 +1,7 @@
 //! Clauses of a scene: their kinds and fields, in the order of the reference.
 use super::super::{
     Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid,
-    Free, Jets, Magnets, Measure, Messages, Pump, Reach, Scene, Stir, Strength, Turbulence,
+    Free, Jets, Magnets, Measure, Messages, Planar, Pump, Reach, Scene, Stir, Strength, Turbulence,
 };
 use super::equations::*;
 use super::numbers::*;
@@ -53,6 +53,7 @@ pub fn unspecified() -> Scene {
             count: 0,
             arrangement: Arrangement::Uniform,
         },
+        planar: None,
         enclosure: None,
         gravity: None,
         fluid: None,
@@ -116,7 +117,7 @@ macro_rules! kinds {
 
 /// All clauses of a scene.
 #[rustfmt::skip]
-pub static CLAUSES: [SchemaEntry; 12] = [
+pub static CLAUSES: [SchemaEntry; 13] = [
     field!(TICK).absent(Example("tick 20ms")).equations(&[&TICKS]),
     SchemaEntry::new("block", &[
         SchemaPart::OneOf { noun: "cube", of: &[SchemaEntry::new("cube", &[]).is(|_| true).equations(&[&CUBES])] },
@@ -139,6 +140,17 @@ pub static CLAUSES: [SchemaEntry; 12] = [
         ] },
     ])
     .absent(Example("free 300 uniform")),
+    kinds!("world" [
+        SchemaEntry::new("planar", &[
+            SchemaPart::Then(&field!(TABLE_FRICTION).otherwise("the table has no friction")),
+        ])
+            .means("blocks are squares that slide on a table and turn about the vertical axis; \
+                    faces are `north`, `east`, `south` and `west`")
+            .is(|s| s.planar.is_some())
+            .make(|s| s.planar = Some(Planar { friction: None }))
+            .equations(&[&PLANE, &TABLE]),
+    ])
+    .otherwise("blocks move and turn in space"),
     kinds!("enclosure" [
         braces!("hemisphere" [field!(ENCLOSURE_RADIUS), field!(ENCLOSURE_WALL)])
             .means("a hemisphere on a solid floor, around the centre of the plate")
@@ -167,12 +179,25 @@ pub static CLAUSES: [SchemaEntry; 12] = [
                 s.enclosure = Some(Enclosure::Cylinder { radius, height, wall });
             })
             .equations(&[&CYLINDER]),
+        braces!("disc" [field!(ENCLOSURE_RADIUS), field!(ENCLOSURE_WALL)])
+            .means("a circle around the centre of the plate, in a planar world")
+            .is(|s| matches!(s.enclosure, Some(Enclosure::Disc { .. })))
+            .make(|s| s.enclosure = Some(Enclosure::Disc { radius: UNSPECIFIED, wall: UNSPECIFIED }))
+            .equations(&[&DISC]),
+        braces!("rectangle" [field!(ENCLOSURE_LENGTH), field!(ENCLOSURE_WIDTH), field!(ENCLOSURE_WALL)])
+            .means("a rectangle around the centre of the plate, in a planar world")
+            .is(|s| matches!(s.enclosure, Some(Enclosure::Rectangle { .. })))
+            .make(|s| {
+                let [length, width, wall] = [UNSPECIFIED; 3];
+                s.enclosure = Some(Enclosure::Rectangle { length, width, wall });
+            })
+            .equations(&[&RECTANGLE]),
     ])
     .absent(Example("enclosure hemisphere { radius 5m  wall 25 N/m }")),
     field!(GRAVITY)
         .absent(NoTerm("blocks neither sink nor rise"))
         .make(|s| s.gravity = Some(UNSPECIFIED))
-        .equations(&[&WEIGHT, &BUOYANCY]),
+        .equations(&[&WEIGHT, &BUOYANCY, &PRESSING]),
     braces!("fluid" [
         field!(FLUID_DENSITY).otherwise("no buoyancy and no such drag"),
         field!(FLUID_VISCOSITY).otherwise("no such drag"),

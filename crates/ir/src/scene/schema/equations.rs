@@ -136,10 +136,20 @@ equations! {
         Some("d = |x| + a / 2 - L / 2, likewise y and z; m v' = -k d"); [N(&ENCLOSURE_LENGTH), N(&ENCLOSURE_WIDTH), N(&ENCLOSURE_HEIGHT), N(&ENCLOSURE_WALL)];
     CYLINDER "an elastic cylinder on the floor z = 0, felt by the ball in a block; without a contact, the floor is elastic too"
         Some("d = √(x² + y²) + a / 2 - R, likewise z; m v' = -k d"); [N(&ENCLOSURE_RADIUS), N(&ENCLOSURE_HEIGHT), N(&ENCLOSURE_WALL)];
+    DISC "an elastic circle, felt by the circle in a block"
+        Some("d = √(x² + y²) + a / 2 - R; m v' = -k d"); [N(&ENCLOSURE_RADIUS), N(&ENCLOSURE_WALL)];
+    RECTANGLE "an elastic rectangle, felt by the circle in a block"
+        Some("d = |x| + a / 2 - L / 2, likewise y; m v' = -k d"); [N(&ENCLOSURE_LENGTH), N(&ENCLOSURE_WIDTH), N(&ENCLOSURE_WALL)];
+    PLANE "blocks are on a table: no force, impulse or torque acts out of the plane"
+        Some("z = a / 2; ω = (0, 0, ω)"); [];
+    TABLE "the table slows sliding and turning together, and holds blocks at rest"
+        Some("m v' = -μ_t m g v / s, I ω' = -μ_t m g c² ω / s; s² = v² + c² ω², c = 0.3826 a"); [N(&TABLE_FRICTION)];
     WEIGHT "pulls every free block down"
-        Some("v' = -g z"); [N(&GRAVITY)] if |s| density(s).is_none();
+        Some("v' = -g z"); [N(&GRAVITY)] if |s| density(s).is_none() && s.planar.is_none();
     BUOYANCY "pulls every free block down, and its fluid bears it up"
-        Some("v' = -(1 - ρ a³ / m) g z"); [N(&GRAVITY), D(&BORNE)] if |s| density(s).is_some();
+        Some("v' = -(1 - ρ a³ / m) g z"); [N(&GRAVITY), D(&BORNE)] if |s| density(s).is_some() && s.planar.is_none();
+    PRESSING "presses every block on the table; a fluid with a density bears a part"
+        Some("m g, with a fluid (m - ρ a³) g"); [N(&GRAVITY)] if |s| s.planar.is_some();
     WAKE "drag of a wake, on the motion relative to the fluid"
         Some("m v' = -ρ a² |v - u| (v - u) / 2; I ω' = -ρ a⁵ |ω - w| (ω - w) / 32"); [N(&FLUID_DENSITY)];
     STOKES "Stokes' drag of a cube, on the motion relative to the fluid"

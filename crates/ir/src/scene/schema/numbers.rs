@@ -44,11 +44,13 @@ numbers! {
     FREE ["free"] NUMBER Whole(0, 10_000_000), "N" "free blocks": "number of free blocks at the beginning", |s| Some((&mut s.free.count).into());
     FREE_RING ["free.ring"] LENGTH Positive, "s" "radius of the circle": "radius of the circle through the centres of the blocks", |s| of!(&mut s.free.arrangement, Arrangement::Ring { radius } => radius);
 
-    ENCLOSURE_RADIUS ["enclosure.radius"] LENGTH Positive, "R" "radius": "radius of the enclosure", |s| of!(s.enclosure.as_mut()?, Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. } | Enclosure::Cylinder { radius, .. } => radius);
-    ENCLOSURE_LENGTH ["enclosure.length"] LENGTH Positive, "L" "length": "distance of the walls in the west and the east", |s| of!(s.enclosure.as_mut()?, Enclosure::Box { length, .. } => length);
-    ENCLOSURE_WIDTH ["enclosure.width"] LENGTH Positive, "W" "width": "distance of the walls in the south and the north", |s| of!(s.enclosure.as_mut()?, Enclosure::Box { width, .. } => width);
+    TABLE_FRICTION ["world.friction"] NUMBER AtLeast(0.0), "μ_t" "friction of the table": "Coulomb's coefficient of friction with the table; requires `gravity`", |s| Some(Term(&mut s.planar.as_mut()?.friction));
+
+    ENCLOSURE_RADIUS ["enclosure.radius"] LENGTH Positive, "R" "radius": "radius of the enclosure", |s| of!(s.enclosure.as_mut()?, Enclosure::Hemisphere { radius, .. } | Enclosure::Sphere { radius, .. } | Enclosure::Cylinder { radius, .. } | Enclosure::Disc { radius, .. } => radius);
+    ENCLOSURE_LENGTH ["enclosure.length"] LENGTH Positive, "L" "length": "distance of the walls in the west and the east", |s| of!(s.enclosure.as_mut()?, Enclosure::Box { length, .. } | Enclosure::Rectangle { length, .. } => length);
+    ENCLOSURE_WIDTH ["enclosure.width"] LENGTH Positive, "W" "width": "distance of the walls in the south and the north", |s| of!(s.enclosure.as_mut()?, Enclosure::Box { width, .. } | Enclosure::Rectangle { width, .. } => width);
     ENCLOSURE_HEIGHT ["enclosure.height"] LENGTH Positive, "H" "height": "distance of the floor and the lid", |s| of!(s.enclosure.as_mut()?, Enclosure::Box { height, .. } | Enclosure::Cylinder { height, .. } => height);
-    ENCLOSURE_WALL ["enclosure.wall"] STIFFNESS Positive, "k" "wall": "stiffness of the elastic wall, force per depth", |s| of!(s.enclosure.as_mut()?, Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. } | Enclosure::Box { wall, .. } | Enclosure::Cylinder { wall, .. } => wall);
+    ENCLOSURE_WALL ["enclosure.wall"] STIFFNESS Positive, "k" "wall": "stiffness of the elastic wall, force per depth", |s| of!(s.enclosure.as_mut()?, Enclosure::Hemisphere { wall, .. } | Enclosure::Sphere { wall, .. } | Enclosure::Box { wall, .. } | Enclosure::Cylinder { wall, .. } | Enclosure::Disc { wall, .. } | Enclosure::Rectangle { wall, .. } => wall);
 
     GRAVITY ["gravity"] ACCELERATION Positive, "g" "gravity": "acceleration downward; a fluid with a density also causes buoyancy", |s| Some(s.gravity.as_mut()?.into());
 

@@ -1,5 +1,5 @@
 //! Terms that require other terms.
-use super::super::{Agitation, Scene, Strength, Turbulence};
+use super::super::{Agitation, Bond, Enclosure, Scene, Strength, Turbulence};
 
 /// Requirement of a clause.
 #[derive(Debug)]
@@ -21,7 +21,45 @@ pub struct Requirement {
 const ADD_FLUID: &str = "add `fluid { density 1000 kg/m^3  viscosity 1 mPa s }`";
 
 /// All requirements. For each clause, only the first violated one is reported.
-pub const REQUIREMENTS: [Requirement; 5] = [
+pub const REQUIREMENTS: [Requirement; 9] = [
+    Requirement {
+        clause: "world",
+        needs: "gravity",
+        is_broken: |s| {
+            let friction = s.planar.as_ref().and_then(|planar| planar.friction);
+            friction.is_some() && s.gravity.is_none()
+        },
+        title: "friction with the table needs gravity",
+        label: "the scene has no `gravity`",
+        help: "add `gravity 9.81 m/s^2`",
+    },
+    Requirement {
+        clause: "enclosure",
+        needs: "world",
+        is_broken: |s| s.planar.is_some() && s.enclosure.as_ref().is_some_and(|it| !it.is_flat()),
+        title: "a planar world needs a flat enclosure",
+        label: "the enclosure of this scene has a height",
+        help: "write `enclosure disc { radius 1m  wall 25 N/m }`, or a `rectangle`",
+    },
+    Requirement {
+        clause: "enclosure",
+        needs: "world",
+        is_broken: |s| s.planar.is_none() && s.enclosure.as_ref().is_some_and(Enclosure::is_flat),
+        title: "a flat enclosure needs a planar world",
+        label: "the scene has no `world planar`",
+        help: "add `world planar`, or write `cylinder` or `box`",
+    },
+    Requirement {
+        clause: "bond",
+        needs: "world",
+        is_broken: |s| {
+            let is_switched = matches!(s.bond, None | Some(Bond::Attract { .. }));
+            s.planar.is_some() && !is_switched
+        },
+        title: "this bond is not supported in a planar world",
+        label: "its forces are defined in space only",
+        help: "write `bond attract`, or remove `world planar`",
+    },
     Requirement {
         clause: "agitation",
         needs: "fluid",

@@ -4,6 +4,7 @@ mod clipping;
 mod cuboid;
 mod ground;
 mod separating_axis;
+mod squares;
 
 use nalgebra::Vector3;
 use smallvec::SmallVec;
@@ -13,6 +14,7 @@ use crate::world::real::Real;
 pub(super) use box_box::boxes;
 pub(super) use cuboid::Cuboid;
 pub(super) use ground::{ball_on_ground, cube_on_ground, face_on_ground};
+pub(super) use squares::squares;
 
 #[derive(Clone, Debug)]
 pub(super) struct Manifold<R: Real> {

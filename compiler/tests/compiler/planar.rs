@@ -1,0 +1,202 @@
+//! Programs and scenes of planar worlds.
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use proptest::prelude::*;
+use stochc_compiler::diagnostic::Code;
+use stochc_ir::{Cell, Face};
+
+use crate::{checked, with_code};
+
+const SCENE: &str = "scene table from hemisphere { world planar free 90 uniform \
+    enclosure disc { radius 5m wall 250 N/m } }\n";
+
+fn program(phases: &str) -> String {
+    format!("{SCENE}assembly a in table {{ seed plate 5 x 5 {{ M at (0, 0) }} {phases} }}")
+}
+
+/// A seed captures with its sides. All blocks are in its layer.
+#[test]
+fn blocks_of_a_plane_are_in_the_layer_of_the_seeds() {
+    let checked = checked(&program(
+        "phase p { M.north ->> N[1..2]  M.east -> E.south -> S }",
+    ));
+    assert_eq!(checked.diagnostics, []);
+    let program = &checked.programs[0];
+    let cells: Vec<Cell> = program
+        .layout
+        .cells
+        .iter()
+        .map(|cell| cell.unwrap())
+        .collect();
+    let expected = [(0, 1), (0, 2), (1, 0), (1, -1)];
+    assert_eq!(cells, expected.map(|(x, y)| Cell::new(x, y, 1)));
+    let tables = program.tables.as_ref().unwrap();
+    let seeds: Vec<Cell> = tables.seeds().map(|(_, cell)| cell).collect();
+    assert_eq!(seeds, [Cell::new(0, 0, 1)]);
+    let scene = program.scene.as_ref().unwrap();
+    assert_eq!(tables.validate_in(scene), Ok(()));
+    // Files may combine other tables with the scene.
+    let mut other = scene.clone();
+    other.planar = None;
+    assert!(tables.validate_in(&other).is_err());
+}
+
+#[test]
+fn no_block_captures_out_of_the_plane() {
+    for face in ["up", "down"] {
+        let checked = checked(&program(&format!("phase p {{ M.east -> E.{face} -> T }}")));
+        let found = with_code(&checked, Code::OutOfPlane);
+        assert_eq!(found.len(), 1, "{:?}", checked.diagnostics);
+        let title = format!("`E.{face}` points out of the plane of scene `table`");
+        assert_eq!(found[0].title, title);
+        assert!(found[0].help.as_deref().unwrap().contains("`E.north`"));
+    }
+}
+
+/// Checks that blocks around a cell close it, although it is open to the sky.
+#[test]
+fn a_ring_closes_the_cell_inside() {
+    let ring = "M.north -> A.north -> B.east -> C.east -> D.south -> E.south -> F";
+    let closed = format!("phase p {{ {ring}.west -> G }} phase q {{ A.east -> CORE }}");
+    let found = checked(&program(&closed));
+    assert_eq!(with_code(&found, Code::SealedCavity).len(), 1, "{found:?}");
+    let open = format!("phase p {{ {ring} }} phase q {{ A.east -> CORE }}");
+    let found = checked(&program(&open));
+    assert_eq!(with_code(&found, Code::SealedCavity), [] as [&_; 0]);
+    assert_eq!(with_code(&found, Code::TightApproach).len(), 1);
+    // The seed is one of the walls.
+    let corner = "phase p { M.north -> A.north -> B.east -> C.east -> D.south -> E.south -> F.west -> G \
+        A.east -> CORE after G }";
+    let found = checked(&program(corner));
+    assert_eq!(with_code(&found, Code::SealedCavity).len(), 1);
+}
+
+#[test]
+fn a_capture_on_a_seed_is_rejected() {
+    let text = "assembly a in table { seed plate 5 x 5 { M at (0, 0) N at (1, 0) } phase p { M.east -> A } }";
+    let found = checked(&format!("{SCENE}{text}"));
+    assert_eq!(with_code(&found, Code::OccupiedCell).len(), 1);
+}
+
+#[test]
+fn a_structure_must_lie_inside_a_disc_or_a_rectangle() {
+    let flat = "rectangle { length 1.4m  width 1m  wall 25 N/m }";
+    for (enclosure, expected) in [
+        (
+            "disc { radius 1.2m  wall 25 N/m }",
+            "reaches 1.30 m from the axis, the radius is 1.20 m",
+        ),
+        (
+            flat,
+            "reaches 0.70 m from the middle, half of the width is 0.50 m",
+        ),
+    ] {
+        let text = |count: u32| {
+            format!(
+                "scene w from hemisphere {{ world planar free 9 uniform enclosure {enclosure} }}
+                assembly a in w {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.north ->> T[1..{count}] }} }}"
+            )
+        };
+        let count = if enclosure == flat { 3 } else { 6 };
+        let found = checked(&text(count));
+        let outside = with_code(&found, Code::OutsideEnclosure);
+        assert!(outside[0].labels[0].text.contains(expected), "{outside:?}");
+        assert_eq!(
+            with_code(&checked(&text(count - 1)), Code::OutsideEnclosure),
+            [] as [&_; 0]
+        );
+    }
+}
+
+/// Checks the terms that a planar world needs, and those that it rejects.
+#[test]
+fn scenes_of_planar_worlds_are_consistent() {
+    let title = |clauses: &str| {
+        let found = checked(&format!("scene s from hemisphere {{ {clauses} }}"));
+        let errors = found.diagnostics.iter().filter(|it| it.is_error());
+        errors.map(|it| it.title.clone()).collect::<Vec<_>>()
+    };
+    let disc = "enclosure disc { radius 5m wall 25 N/m }";
+    let none: [String; 0] = [];
+    assert_eq!(title(&format!("world planar {disc}")), none);
+    assert_eq!(
+        title(&format!(
+            "world planar friction 0.1 gravity 9.81 m/s^2 {disc}"
+        )),
+        none
+    );
+    for (clauses, expected) in [
+        (
+            format!("world planar friction 0.1 {disc}"),
+            "friction with the table needs gravity",
+        ),
+        (
+            "world planar".to_owned(),
+            "a planar world needs a flat enclosure",
+        ),
+        (disc.to_owned(), "a flat enclosure needs a planar world"),
+        (
+            format!(
+                "world planar {disc} bond reject {{ hold 2 N depth 2cm within 15cm impulse 0.1 N s anchor centres 5mm }}"
+            ),
+            "this bond is not supported in a planar world",
+        ),
+    ] {
+        assert_eq!(title(&clauses), [expected], "{clauses}");
+    }
+}
+
+/// Returns a program with one capture per phase, and the cells in their order. Each number is one
+/// choice. The cells are in a square, so that many of them are closed.
+fn walk(choices: &[u32]) -> (String, Vec<Cell>) {
+    let mut built = vec![("M".to_owned(), Cell::new(0, 0, 1))];
+    let mut text = String::new();
+    for pair in choices.chunks_exact(2) {
+        let (name, cell) = built[pair[0] as usize % built.len()].clone();
+        let face = Face::SIDES[pair[1] as usize % 4];
+        let next = cell.across(face).unwrap();
+        let is_inside = (0..4).contains(&next.x) && (0..4).contains(&next.y);
+        if !is_inside || built.iter().any(|(_, cell)| *cell == next) {
+            continue;
+        }
+        let number = built.len();
+        let _ = write!(text, "phase p{number} {{ {name}.{face} -> B{number} }} ");
+        built.push((format!("B{number}"), next));
+    }
+    let cells = built.into_iter().skip(1).map(|(_, cell)| cell).collect();
+    (program(&text), cells)
+}
+
+/// Returns whether a path of free cells leads out of the square of `walk`.
+fn is_open(start: Cell, built: &[Cell]) -> bool {
+    let mut seen = BTreeSet::from([start]);
+    let mut open = vec![start];
+    while let Some(cell) = open.pop() {
+        if cell.x.min(cell.y) < 0 || cell.x.max(cell.y) > 3 {
+            return true;
+        }
+        for next in Face::SIDES.into_iter().filter_map(|face| cell.across(face)) {
+            let is_free = !built.contains(&next) && next != Cell::new(0, 0, 1);
+            if is_free && seen.insert(next) {
+                open.push(next);
+            }
+        }
+    }
+    false
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    /// Compares the proof with a search for a path before each capture.
+    #[test]
+    fn the_proof_agrees_with_a_search_in_the_plane(choices in prop::collection::vec(any::<u32>(), 80)) {
+        let (text, cells) = walk(&choices);
+        let closed = (0..cells.len()).any(|i| !is_open(cells[i], &cells[..i]));
+        let found = checked(&text);
+        let errors: Vec<_> = found.diagnostics.iter().filter(|it| it.is_error()).collect();
+        prop_assert!(errors.iter().all(|it| it.code == Code::SealedCavity), "{text}\n{errors:?}");
+        prop_assert_eq!(!errors.is_empty(), closed, "{}", text);
+    }
+}
