@@ -265,7 +265,7 @@ fn uncalibrated_scenes_are_estimated_and_marked() {
 }
 
 /// Scenes that the rate model does not support, each with the name of its unsupported feature.
-const UNKNOWN: [(&str, &str); 5] = [
+const UNKNOWN: [(&str, &str); 6] = [
     (
         "examples/experiment_1.sa",
         "bond by magnets that always attract",
@@ -273,6 +273,7 @@ const UNKNOWN: [(&str, &str); 5] = [
     ("examples/experiment_2.sa", "aggregate"),
     ("examples/experiment_3.sa", "bond by suction"),
     ("examples/microns.sa", "fluid"),
+    ("examples/lab/air_table.sa", "planar world"),
     ("HEAVY", "gravity"),
 ];
 
