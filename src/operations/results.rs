@@ -38,6 +38,18 @@ pub fn read(folder: &Path, host: &dyn Host) -> Result<(Manifest, Records), Failu
 /// # Errors
 /// If the folder contains no results.
 pub fn read_contents(folder: &Path, host: &dyn Host) -> Result<Contents, Failure> {
+    if let Some(parent) = folder.parent().filter(|_| folder.is_file())
+        && parent.join("manifest.json").is_file()
+    {
+        let parent = match &*parent.to_string_lossy() {
+            "" => ".".to_owned(),
+            parent => shell_file(&visible(parent)),
+        };
+        return Err(Failure::usage(format!(
+            "`{}` is a file of a results folder; give the folder {parent}",
+            folder.display()
+        )));
+    }
     let contents = Folder::read(folder).map_err(Failure::usage)?;
     warn_of_damage(folder, &contents.damage, host);
     Ok(contents)

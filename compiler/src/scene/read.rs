@@ -185,7 +185,7 @@ impl<'a> SceneReader<'a, '_> {
         let fits = match group {
             FieldGroup::Free => Some(()),
             FieldGroup::Any { needed, help } => {
-                if valid_fields.is_empty() && self.diagnostics.len() == before {
+                if seen.is_empty() && self.diagnostics.len() == before {
                     let diagnostic = self.without(clause, &[needed]).help(*help);
                     report(self.diagnostics, diagnostic);
                 }

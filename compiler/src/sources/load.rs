@@ -303,8 +303,9 @@ fn no_program(path: &str, errors: &[Diagnostic], tree: &Tree) -> Option<Diagnost
         return None;
     }
     let title = format!("`{}` does not look like a program", visible(path));
+    let first = errors.first()?.labels.first()?.location;
     let diagnostic = Diagnostic::new(Code::Syntax, title)
-        .label(first, "this does not begin a declaration")
+        .label(first, "no declaration begins here")
         .help("pass a program (`*.sa`); `stochc new NAME` writes one");
     Some(diagnostic)
 }
