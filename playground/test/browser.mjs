@@ -25,7 +25,7 @@ async function test(name, act) {
     assert.deepEqual(complaints, [], 'the console has no errors');
     tests++;
   } catch (error) {
-    await page.screenshot({ path: '/tmp/playground-failed.png' });
+    await page.screenshot({ path: '/tmp/playground-failed.png' }).catch(() => {});
     throw new Error(`${name}: ${error.message} (picture: /tmp/playground-failed.png)`);
   }
 }
@@ -253,8 +253,14 @@ await test('a new program is typed, with indentation', async () => {
   await checked(() => page.click('#new'));
   assert.match(await page.textContent('#problems'), /3 captures/);
   await page.keyboard.press('Control+a');
-  await checked(() => page.keyboard.type('assembly a {\nseed plate 1 x 1 { M at (0, 0) }\nphase grow {\nM.up -> A\nA.up -> B'));
+  await checked(() => page.keyboard.type('assembly a {\nseed plate 1 x 1 { M at (0, 0) }\nphase grow {\nM.up -> A\nA.up -> B', { delay: 20 }));
   assert.equal(await text(), 'assembly a {\n    seed plate 1 x 1 { M at (0, 0) }\n    phase grow {\n        M.up -> A\n        A.up -> B\n    }\n}');
+  // Completion knows scenes, and does not replace the names of new blocks.
+  await page.keyboard.press('Control+End');
+  await page.keyboard.type('\nscene s from hemisphere {\ngra', { delay: 20 });
+  await page.waitForSelector('.cm-tooltip-autocomplete');
+  assert.equal(await page.locator('.cm-tooltip-autocomplete li').first().textContent(), 'gravity');
+  await page.keyboard.press('Escape');
 });
 
 await test('a link opens the program again', async () => {

@@ -47,7 +47,7 @@ export class Editor {
     this.extensions = [
       lineNumbers(), highlightActiveLineGutter(), lintGutter(), history(), drawSelection(), indentOnInput(), bracketMatching(), closeBrackets(), highlightActiveLine(),
       indentUnit.of('    '), EditorState.tabSize.of(4), stochc(terms), syntaxHighlighting(colours),
-      autocompletion({ override: [completion(names, terms)] }),
+      autocompletion({ override: [completion(names, terms)], icons: false }),
       hoverTooltip((_, position) => {
         const found = hover(position);
         return found && {

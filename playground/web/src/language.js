@@ -50,16 +50,20 @@ const indentation = indentService.of((context, position) => {
 
 export const stochc = terms => new LanguageSupport(language(terms), indentation);
 
-/** Returns a completion source. It offers faces after a dot. Elsewhere, it offers keywords, `terms` and names of the program. */
+/**
+ * Returns a completion source. It offers faces after a dot, `terms` in scenes, keywords, and names of the program. It
+ * offers nothing for the name of a new block after an arrow.
+ */
 export const completion = (names, terms) => context => {
   const face = context.matchBefore(/\.\w*/);
   if (face) return { from: face.from + 1, options: FACES.map(label => ({ label, type: 'property' })), validFor: /^\w*$/ };
   const word = context.matchBefore(/[\p{L}_][\p{L}\p{N}_]*/u);
-  if (!word && !context.explicit) return null;
-  const known = [...new Set([...names(), ...(context.state.doc.toString().match(/\b[A-Z][A-Za-z0-9_]*\b/g) ?? [])])];
-  const options = [
-    ...known.filter(name => name !== word?.text).map(label => ({ label, type: 'variable', boost: 1 })),
-    ...[...KEYWORDS, ...terms].map(label => ({ label, type: 'keyword' })),
-  ];
+  if (!context.explicit && (!word || context.matchBefore(/->>?\s*\w*/))) return null;
+  const text = context.state.doc.toString();
+  const known = [...new Set([...names(), ...(text.match(/\b[A-Z][A-Za-z0-9_]*\b/g) ?? [])])].filter(name => name !== word?.text);
+  const declaration = text.slice(0, context.pos).match(/^(?:assembly|aggregate|pattern|scene|shape)\b/gm)?.at(-1);
+  // Names of blocks usually begin with a capital letter, and keywords never do.
+  const keywords = /^[A-Z]/.test(word?.text ?? '') ? [] : declaration === 'scene' ? [...terms, ...KEYWORDS] : KEYWORDS;
+  const options = [...known.map(label => ({ label, type: 'variable', boost: 1 })), ...keywords.map(label => ({ label, type: 'keyword' }))];
   return { from: word?.from ?? context.pos, options, validFor: /^[\p{L}\p{N}_]*$/u };
 };

@@ -262,8 +262,8 @@ function drawProblems() {
         fix ? node('button', { className: 'primary fix', onclick: fix }, 'Fix: ', ...spans(diagnostic.fix.title)) : null,
         node('button', { className: 'explain-button', onclick: () => explain(diagnostic.code) }, `Explain ${diagnostic.code}`)),
       more ? node('details', { open: diagnostic.code === 'shape-mismatch' }, node('summary', {}, 'Details'),
-        told.length > 1 ? node('ul', {}, ...told.map(label => node('li', {}, `${isOwn(label) ? `line ${label.start.line}` : label.file}: `, ...spans(label.text)))) : null,
-        rest.length ? node('pre', { className: 'help', tabIndex: 0 }, rest.join('\n')) : null) : null);
+        rest.length ? node('pre', { className: 'help', tabIndex: 0 }, rest.join('\n')) : null,
+        told.length > 1 ? node('ul', {}, ...told.map(label => node('li', {}, `${isOwn(label) ? `line ${label.start.line}` : label.file}: `, ...spans(label.text)))) : null) : null);
   });
   if (!errors().length && programs.length) list.unshift(node('p', { className: 'ok' }, ...spans(proof(programs[state.program]))));
   if (!list.length) list.push(node('p', {}, 'No assembly yet. Write one, or open a lesson or an example.'));
