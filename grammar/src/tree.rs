@@ -29,37 +29,37 @@ pub struct Docs(pub Option<Box<Vec<String>>>);
 /// Content of an item.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ItemKind {
-    /// `A.up -> E.up -> I`
+    /// Captures: `A.up -> E.up -> I`
     Chain(Chain),
-    /// `release D, E`
+    /// Releases: `release D, E`
     Release(Release),
-    /// `tower(A, 2) as a`
+    /// Instance of a pattern: `tower(A, 2) as a`
     Instance(Box<Instance>),
-    /// `A at (0, 0)`
+    /// Position of a seed: `A at (0, 0)`
     Seat(Box<Seat>),
-    /// `for i in 1..4 { ... }`
+    /// Loop: `for i in 1..4 { ... }`
     For(Box<For>),
-    /// `let n = 6`
+    /// Named number: `let n = 6`
     Let(Box<Let>),
-    /// `yields tower`
+    /// Shape that the structure must have: `yields tower`
     Yields(Name),
-    /// `allow unused-seed "kept for the next phase"`
+    /// Level of a warning: `allow unused-seed "kept for the next phase"`
     Level(Box<LintDirective>),
-    /// `phase corners { ... }`
+    /// Phase: `phase corners { ... }`
     Phase(Box<PhaseDeclaration>),
-    /// `seed plate 3 x 3 { ... }`
+    /// Seed plate: `seed plate 3 x 3 { ... }`
     Seed(Box<Seed>),
-    /// `pattern tower(base, height) { ... }`
+    /// Pattern: `pattern tower(base, height) { ... }`
     Pattern(Box<Pattern>),
-    /// `assembly five_tower { ... }`
+    /// Assembly: `assembly five_tower { ... }`
     Assembly(Box<Assembly>),
-    /// `aggregate four in tank to 4`
+    /// Aggregate: `aggregate four in tank to 4`
     Aggregate(Box<Aggregate>),
-    /// `shape bridge { ... }`
+    /// Shape: `shape bridge { ... }`
     Shape(Box<Shape>),
-    /// `scene tank { ... }`
+    /// Scene: `scene tank { ... }`
     Scene(Box<SceneDeclaration>),
-    /// `import "towers.sa"`
+    /// Import of a file: `import "towers.sa"`
     Import(Box<Import>),
 }
 
@@ -95,10 +95,10 @@ pub struct Link {
 /// The two arrows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrow {
-    /// `->`: one block.
+    /// Arrow `->`, which captures one block.
     One,
-    /// `->>` captures all blocks of a range in a row, each through the same face of the previous
-    /// one.
+    /// Arrow `->>`, which captures all blocks of a range in a row. Each block captures the next one
+    /// by the same face.
     Row,
 }
 
@@ -143,9 +143,9 @@ pub struct Segment {
 /// An index: a number or a range.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Subscript {
-    /// `[2]`
+    /// Single index: `[2]`
     One(Expr),
-    /// `[1..12]`, both ends included.
+    /// Range of indices, both ends included: `[1..12]`
     Range(Expr, Expr),
 }
 
@@ -319,13 +319,13 @@ pub struct SceneDeclaration {
 /// A word or value of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Term {
-    /// `restitution`
+    /// Bare word: `restitution`
     Word(Name),
-    /// `20cm`
+    /// Number with a unit: `20cm`
     Quantity(Quantity),
-    /// `0 .. 0.4 m/s`. A first value without a unit has the unit of the second one.
+    /// Range: `0 .. 0.4 m/s`. A first value without a unit has the unit of the second value.
     Range(Quantity, Quantity),
-    /// `{ ... }`
+    /// Terms in braces: `{ ... }`
     Block(Vec<Term>, Span),
 }
 
@@ -370,28 +370,28 @@ pub struct Expr {
 /// Content of an expression.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExprKind {
-    /// `6`
+    /// Number: `6`
     Int(i64),
-    /// `n`
+    /// Name of a number: `n`
     Name(Symbol),
-    /// `-n`
+    /// Negation: `-n`
     Negate(Box<Expr>),
-    /// `n + 1`
+    /// Operation: `n + 1`
     Binary(Operator, Box<(Expr, Expr)>),
 }
 
 /// Operators, with the usual precedence of arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operator {
-    /// `+`
+    /// Addition: `+`
     Add,
-    /// `-`
+    /// Subtraction: `-`
     Subtract,
-    /// `*`
+    /// Multiplication: `*`
     Multiply,
-    /// `/`, rounded towards zero.
+    /// Division, rounded towards zero: `/`
     Divide,
-    /// `%`, the remainder of [`Operator::Divide`].
+    /// Remainder of [`Operator::Divide`]: `%`
     Remainder,
 }
 

@@ -23,7 +23,11 @@ const OPTIONS: [(&str, Level, &str); 3] = [
         Level::Allow,
         "Do not report warnings with this code. `warnings` stands for all codes. `stochc explain` lists the codes",
     ),
-    ("warn", Level::Warn, "Report warnings with this code [default]"),
+    (
+        "warn",
+        Level::Warn,
+        "Report warnings with this code [default]",
+    ),
     (
         "deny",
         Level::Deny,

@@ -31,7 +31,7 @@ pub struct FitProgram {
     pub measurement: Measurement,
 }
 
-/// Given programs whose times the fit does not use.
+/// Programs whose times the fit does not use.
 #[derive(Clone, Copy, Debug)]
 pub struct Unused<'a> {
     /// Names of programs that are held out: their measured times validate the fit.

@@ -143,7 +143,7 @@ fn read(path: &Path) -> Result<Rates, Failure> {
     Rates::from_text(&text).map_err(|reason| Failure::usage(format!("`{shown}`: {reason}")))
 }
 
-/// Settings, runs and threads of a calibration.
+/// Effort of a calibration: settings, runs and threads.
 #[derive(Clone, Debug)]
 pub struct Effort {
     /// Settings of the simulated runs.

@@ -160,7 +160,7 @@ fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Fai
     }
 }
 
-/// Folder for figures next to the page of a report.
+/// Folder next to the page of a report, which receives the figures.
 struct Beside {
     folder: PathBuf,
     /// Content of an earlier report with the same path. Empty if there is none.

@@ -48,7 +48,7 @@ pub struct TradeSetup<'a> {
     pub figures: &'a Figures,
 }
 
-/// Result of a trade.
+/// Measured trade between speed and accuracy.
 #[derive(Debug)]
 pub struct MeasuredTrade {
     /// Manifest of the ensemble with all settings.

@@ -90,7 +90,7 @@ impl OrderedProgram {
 
 #[derive(Default)]
 struct StageDiagnostics {
-    /// Diagnostics of expansion and names.
+    /// Diagnostics of the first stages: expansion and check of names.
     early: Vec<Diagnostic>,
     /// Diagnostics of the stages after the check of names.
     later: Vec<Diagnostic>,

@@ -222,7 +222,7 @@ fn mark_fixes_unsafe(diagnostics: &mut [Diagnostic], syntax: usize) {
     }
 }
 
-/// Input that all assemblies of a file share.
+/// Input for checking the assemblies of a file. All assemblies share it.
 struct About<'a> {
     sources: &'a Sources,
     /// Whether all files could be read.

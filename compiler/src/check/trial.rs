@@ -22,7 +22,7 @@ const WORK: usize = 1 << 21;
 /// Number of statements whose check takes as long as the check of one event.
 pub(crate) const OF_AN_EVENT: usize = 16;
 
-/// Function that checks a program with changed sources.
+/// Function that checks a program again, with changed sources.
 pub(crate) type Again<'a> = dyn FnMut(&mut dyn Reader) -> Result<Checked, Cancelled> + 'a;
 
 /// Marks fixes as unsafe unless they pass a trial.
@@ -176,10 +176,10 @@ pub(crate) fn resolves(
     })
 }
 
-/// Locations of diagnostics by code and file.
+/// Locations of diagnostics, by kind.
 struct DiagnosticSpans<'a>(FxHashMap<Kind<'a>, Vec<(usize, usize)>>);
 
-/// Code of a diagnostic and name of its file.
+/// Kind of a diagnostic: its code and the name of its file.
 type Kind<'a> = (Code, Option<&'a str>);
 
 impl<'a> DiagnosticSpans<'a> {

@@ -23,9 +23,9 @@ pub enum LocatedDependency {
     /// A block can switch on a limited number of faces at a time, in source order. A capture has
     /// `of` edges of this kind, and `needed` of them are enough.
     Face {
-        /// Number of earlier captures by the block that must have happened.
+        /// Required number of earlier captures by the block.
         needed: u8,
-        /// Number of earlier captures by the block with an edge to this capture.
+        /// Total number of edges of this kind into the capture.
         of: u8,
     },
     /// The program states an `after` at this location.

@@ -55,7 +55,7 @@ fn header_line(diagnostic: &Diagnostic) -> String {
     format!("{severity}[{code}]: {}\n", visible(&diagnostic.message()))
 }
 
-/// A diagnostic, or its part in one file.
+/// Printed picture of a diagnostic, or of its labels in one file.
 #[derive(Debug)]
 struct Picture<'a> {
     severity: miette::Severity,

@@ -49,7 +49,7 @@ impl Subjects {
     }
 }
 
-/// Diagnostics that were merged into one.
+/// Other diagnostics that were merged into this one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Others {
     /// Number of merged diagnostics.

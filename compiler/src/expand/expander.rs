@@ -26,7 +26,7 @@ pub struct Declarations<'a> {
     pub names: &'a Names,
 }
 
-/// Mode of the expansion.
+/// Pass of the expansion over a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pass {
     /// Records events and names.

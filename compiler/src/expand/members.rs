@@ -7,7 +7,7 @@ use crate::expanded::{NameKey, Roles};
 /// Largest number of names that are listed. Ranges count once.
 const MAX: usize = 4;
 
-/// Existing names with the same word.
+/// Existing names that share a word and differ in their indices.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Members {
     word: String,

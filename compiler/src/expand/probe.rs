@@ -5,7 +5,7 @@ use stochc_grammar::tree::Segment;
 use crate::FileId;
 use crate::expanded::NameKey;
 
-/// A source location, and the blocks that it names.
+/// Search for the blocks that a source location names.
 #[derive(Debug, Default)]
 pub(crate) struct Probe {
     /// File and byte to look up. `None` if no location is looked up.

@@ -11,7 +11,7 @@ pub struct DeclaredName {
     pub location: SourceLocation,
 }
 
-/// Patterns and shapes of a block.
+/// Words that a block declares: patterns and shapes.
 pub type DeclaredWords = FxHashMap<(NameKind, Symbol), DeclaredName>;
 
 /// Declared patterns, shapes and scenes of all files, including declarations inside assemblies.

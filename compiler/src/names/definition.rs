@@ -30,7 +30,7 @@ impl ValueKind {
     }
 }
 
-/// Selection of the names to record.
+/// Names whose occurrences are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Keep {
     All,

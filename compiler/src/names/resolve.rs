@@ -50,11 +50,11 @@ pub fn resolve<'a>(
     Ok(resolver.definitions.finish(resolver.declared))
 }
 
-/// Owner of blocks and instances: an assembly or a pattern.
+/// Scope of the names of blocks and instances: an assembly or a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct BlockScope(u32);
 
-/// Context of a statement.
+/// Declaration around a statement.
 #[derive(Clone, Copy, PartialEq)]
 enum EnclosingScope {
     /// Top level of a file.
@@ -82,7 +82,7 @@ struct Resolver<'c> {
     file_numbers: FxHashMap<Symbol, Definition>,
     /// Declared patterns, shapes and scenes.
     declared: DeclaredNames,
-    /// Owner of the names of each pattern.
+    /// Scope of the names in each pattern.
     scopes: FxHashMap<Definition, BlockScope>,
     scope_count: u32,
     /// Captured words of each pattern.

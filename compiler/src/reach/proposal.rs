@@ -8,7 +8,7 @@ pub type ReportedError = (Code, String);
 /// sorted and not merged. Returns `None` if the changes overlap.
 pub type Trial<'a> = dyn Fn(&[&Fix]) -> Option<Vec<ReportedError>> + 'a;
 
-/// Statements that must wait for a block.
+/// Proposed fix: an `after` for each statement that must wait for a block.
 #[derive(Clone)]
 pub struct Proposal {
     /// Statements as written, each with the name that it must wait for.

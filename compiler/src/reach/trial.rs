@@ -8,7 +8,7 @@ use crate::check::trial::OF_AN_EVENT;
 use crate::diagnostic::{Code, Fix};
 use crate::expanded::EventId;
 
-/// A statement that must wait.
+/// A statement that must wait for the capture of a block.
 #[derive(Clone)]
 struct DelayedStatement<'a> {
     statement: CaptureStatement<'a>,

@@ -166,7 +166,7 @@ impl ClaimedShape {
     }
 }
 
-/// The structure at the end of a phase.
+/// Cells of the structure at the end of a phase.
 #[derive(Default)]
 struct BuiltCells {
     cells: FxHashSet<Cell>,

@@ -64,7 +64,7 @@ const MAX_FILES: usize = 10_000;
 /// Limit of the total size of all files \[bytes\].
 const MAX_BYTES: u64 = 1 << 32;
 
-/// Progress of a file.
+/// State of loading a file.
 #[derive(Clone, Copy, PartialEq)]
 enum LoadState {
     /// The imports of this file are being read. Contains the location of the current import.

@@ -11,7 +11,7 @@ use crate::expanded::{EventId, EventKind};
 use crate::names::{Keep, Names};
 use crate::{Checked, FileId, Program};
 
-/// Blocks of one assembly.
+/// Blocks of one assembly that a name at a location means.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Located {
     /// Index of the assembly in [`Checked::programs`].
@@ -80,7 +80,7 @@ pub fn blocks_at(
     Ok(located)
 }
 
-/// Captures of each block, to follow its parents to the plate.
+/// Ancestors of blocks: follows the captures of a block and its parents to the plate.
 pub struct Ancestry<'a> {
     program: &'a Program,
     captures: FxHashMap<RoleId, Vec<EventId>>,

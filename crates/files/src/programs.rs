@@ -18,7 +18,7 @@ pub const STDIN: &str = "-";
 /// Name of the standard input in messages.
 pub const STDIN_NAME: &str = "<stdin>";
 
-/// Error of an argument that names no program.
+/// Reason why an argument cannot be used as a program.
 #[derive(Debug, Error)]
 pub enum Unusable {
     /// A folder without programs.
@@ -34,7 +34,7 @@ pub enum Unusable {
     },
 }
 
-/// Error of a file of compiled programs.
+/// Reason why a file of compiled programs cannot be used.
 #[derive(Debug, Error)]
 pub enum UnusableExecutable {
     /// The file cannot be read.

@@ -78,7 +78,7 @@ pub enum Dependency {
     /// A block magnetizes a limited number of faces at a time, in source order. A capture with `of`
     /// dependencies of this kind waits for any `needed` of them.
     Face {
-        /// Number of the dependencies that must be satisfied.
+        /// Required number of satisfied dependencies.
         needed: u8,
         /// Number of dependencies of this kind that the capture has.
         of: u8,

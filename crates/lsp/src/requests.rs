@@ -82,7 +82,7 @@ pub fn notification(
     }
 }
 
-/// Programs that a response depends on.
+/// Programs that the response to a request needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
     /// No program: the request needs only the text.
@@ -108,7 +108,7 @@ pub struct Query {
 pub type RequestHandler =
     Box<dyn FnOnce(&RequestContext<'_>) -> Result<Value, RequestFailure> + Send>;
 
-/// Input of a response.
+/// Context of a request, for computing the response.
 pub struct RequestContext<'c> {
     pub path: String,
     /// Analyses of the required programs. The program of the request comes first.

@@ -84,7 +84,7 @@ enum Age {
     Outdated,
 }
 
-/// Progress of a request.
+/// State of the work on a request.
 enum Work {
     /// The request waits for analyses of programs.
     Waiting(RequestHandler),

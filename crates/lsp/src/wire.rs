@@ -22,7 +22,7 @@ pub struct ClientMessage {
     pub params: Value,
 }
 
-/// Input of the server.
+/// Incoming message of a client, or the end of the input.
 #[derive(Debug)]
 pub enum Incoming {
     Message(ClientMessage),

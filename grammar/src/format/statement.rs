@@ -4,7 +4,7 @@ use super::source::{TextPiece, TokenizedText};
 use super::spacing::{Breaks, is_blank};
 use super::{INDENT, WIDTH};
 
-/// Words without a line break between them.
+/// Part of a statement that contains no line break.
 struct UnbreakableText {
     text: String,
     /// Indices of the comments before the statement.

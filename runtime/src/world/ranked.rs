@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(from = "Vec<u64>", into = "Vec<u64>")]
 pub(super) struct RankedSet {
-    /// A bit for each number.
+    /// One bit for each number: whether the set contains the number.
     words: Vec<u64>,
     /// Entry i counts the members in the 2^k words before word i, where k is the lowest bit of i.
     counts: Vec<u32>,

@@ -15,7 +15,7 @@ use stochc_runtime::{StepError, step_errors};
 use stochc_text::aligned;
 use stochc_text::visible;
 
-/// Scene of a file, with the data that `--physics` lists.
+/// Scene that assemblies of a file use, with the data that `--physics` lists.
 pub struct InForce<'a> {
     file: &'a str,
     scene: &'a Scene,

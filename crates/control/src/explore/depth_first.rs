@@ -14,7 +14,7 @@ use super::transition::Transition;
 /// Memory per entry of the set of visited states, including spare capacity \[bytes\].
 const ENTRY: usize = 40;
 
-/// State on the current path, with the transitions still to try.
+/// Visited state on the current path, with the transitions that remain to be tried.
 struct Visit<'t> {
     state: ProgramState<'t>,
     todo: Vec<Transition>,

@@ -14,7 +14,7 @@ use super::state::ProgramState;
 use super::transition::Transition;
 use crate::{BlockFace, Message, Payload, Recipient, StructureBlock};
 
-/// Possible captors in a phase.
+/// Roles that may capture each role in a phase.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PhaseCaptors {
     /// For each captured role, the roles with a rule to capture it.
@@ -75,7 +75,7 @@ impl PhaseCaptors {
     }
 }
 
-/// Upper bound of the events in the rest of a phase.
+/// Everything that may happen in the rest of a phase.
 #[derive(Clone, Debug)]
 pub(super) struct Future {
     /// Largest number of reports at the plate.

@@ -104,7 +104,7 @@ pub struct ActiveFace<M = ()> {
     pub child: RoleId,
     /// Cell of the expected block.
     pub cell: Cell,
-    /// Note of the [`Environment`](super::Environment).
+    /// Mark that the [`Environment`](super::Environment) attached to the face.
     pub mark: M,
 }
 

@@ -9,7 +9,7 @@ use crate::body::{BlockFace, Body, Docking};
 ///
 /// A structure has neither time nor chance. Its driver supplies both.
 pub trait Environment {
-    /// Note attached to an open face until the face captures a block, for example a tick.
+    /// Mark of an open face until the face captures a block, for example a tick.
     type Mark: Copy;
 
     /// Switches a face on for a planned capture. Faces that always attract need no switching.

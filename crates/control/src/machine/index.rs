@@ -8,7 +8,7 @@ use stochc_ir::table::{Action, Duty, PhaseId, RoleId, RuleRange, Tables, Trigger
 
 use super::block_slot::BlockSlot;
 
-/// Duties by role and by phase, and blocks of the plate by cell.
+/// Index of duties by role and by phase, and of the plate's blocks by cell.
 #[derive(Debug)]
 pub(super) struct Index {
     first_duty: Vec<FirstDuty>,

@@ -2,14 +2,14 @@
 use serde::{Deserialize, Serialize};
 use stochc_ir::{Cell, Face, offsets_within};
 
-/// Numbers of open faces nearby that compete for the same blocks.
+/// Numbers of rivals of an open face: nearby open faces that compete for the same blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Rivals {
     /// Number of faces with the same direction whose open cells are next to this face's open cell.
-    /// Only cells perpendicular to the normal count.
+    /// Includes only cells perpendicular to the normal.
     pub beside: u8,
     /// Number of faces with the same direction whose open cells are diagonal to this face's open
-    /// cell. Only cells perpendicular to the normal count.
+    /// cell. Includes only cells perpendicular to the normal.
     pub across: u8,
     /// Weighted number of all other faces nearby. A face counts 2 if its open cell shares a side or
     /// an edge with this open cell. It counts 1 if the cells share only a corner. Faces that point
@@ -17,7 +17,7 @@ pub struct Rivals {
     pub around: u8,
 }
 
-/// Kind of competition between two faces.
+/// Kind of rival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rivalry {
     /// Rival that [`Rivals::beside`] counts.

@@ -6,7 +6,7 @@ use stochc_ir::{Cell, Face};
 
 use crate::geometry::accessibility::RADIUS;
 
-/// Capture of a block that was released near an open face.
+/// Head start of a block that is released near an open face and captured again.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeadStart {
     /// Squared distance between the block's cell and the open cell \[block lengths^2\].

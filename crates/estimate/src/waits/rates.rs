@@ -43,7 +43,7 @@ pub struct Rates {
     pub coverage: Coverage,
 }
 
-/// Range of observed surroundings.
+/// Range of the surroundings that the calibration covers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
     /// Highest capturing cell.

@@ -15,7 +15,7 @@ pub(super) const LATELY: u64 = 150;
 /// are exponential, only one in 65,536 is longer.
 const LONGEST: f64 = 16.0;
 
-/// Events of a run in order of time.
+/// History of a run, in order of time.
 #[derive(Debug)]
 pub(super) struct History {
     /// Arrivals and departures of blocks in cells.

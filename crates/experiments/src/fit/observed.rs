@@ -12,8 +12,8 @@ pub struct Observed {
     pub n: usize,
     /// Number of right-censored runs.
     pub stopped: usize,
-    /// Horizon: upper limit of the times that count, in the unit of the table. `None` if all times
-    /// count.
+    /// Horizon, in the unit of the table. Longer times are replaced by the horizon. `None` if all
+    /// times are used unchanged.
     pub horizon: Option<f64>,
     /// Mean of the times. Each time is limited by the horizon.
     pub mean: f64,

@@ -27,8 +27,8 @@ pub const POWER: f64 = 0.8;
 pub struct Difference {
     /// Test that gave the p-value.
     pub test: Test,
-    /// Horizon: upper limit of the times that count. This is the end of the time range that both
-    /// samples cover. `None` if all times are known.
+    /// Horizon: end of the time range that both samples cover. Longer times are replaced by the
+    /// horizon. `None` if all times are known.
     pub horizon: Option<f64>,
     /// Mean of the first sample minus mean of the second, in the unit of the times.
     pub difference: f64,

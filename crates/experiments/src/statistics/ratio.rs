@@ -12,8 +12,8 @@ pub struct Relative {
     pub value: f64,
     /// Half-width of the 95 % interval. `None` for too few runs.
     pub half_width: Option<f64>,
-    /// Upper limit of the times that count in both means, in the unit of the times. `None` if all
-    /// times are complete.
+    /// Horizon of both means, in the unit of the times. Longer times are replaced by the horizon.
+    /// `None` if all times are complete.
     pub horizon: Option<f64>,
 }
 

@@ -17,7 +17,7 @@ pub struct Ranked {
     pub verdict: Verdict,
 }
 
-/// Conclusion about the order of two programs with some settings.
+/// Verdict on settings: whether they keep the order of two programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {

@@ -29,7 +29,7 @@ pub enum Bond {
     Suction {
         /// Pump and flow resistances.
         pump: Pump,
-        /// Distance of face centres below which a block feels the pressure drop of the face \[m\].
+        /// Range of the pressure drop of the face: largest distance between the face centres \[m\].
         seal: f64,
         /// Condition of a capture.
         anchor: Anchor,
@@ -96,7 +96,7 @@ pub struct Magnets {
     pub hold: f64,
     /// Distance between opposite dipoles of two touching faces \[m\].
     pub depth: f64,
-    /// Distance of face centres above which there is no attraction \[m\].
+    /// Largest distance between face centres with attraction \[m\].
     pub within: f64,
 }
 
@@ -123,7 +123,7 @@ pub struct Reach {
     pub within: f64,
 }
 
-/// Condition of a capture.
+/// Condition of a capture: limits of distance and tilt.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Anchor {
     /// Kind of distance that [`within`](Anchor::within) limits.

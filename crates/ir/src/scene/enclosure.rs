@@ -73,7 +73,7 @@ pub enum Enclosure {
 pub struct Extent {
     /// Keyword of the dimension, such as `radius`.
     pub dimension: &'static str,
-    /// Start of the distance, such as `from the centre`.
+    /// Origin of the distance, such as `from the centre`.
     pub origin: &'static str,
     /// Description of the limit, such as `the radius`.
     pub limited_by: &'static str,

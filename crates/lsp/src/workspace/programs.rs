@@ -52,7 +52,7 @@ enum AnalysisState {
     Failed,
 }
 
-/// Whether the analysis of a program's current texts is available.
+/// State of the analysis of a program's current texts.
 pub enum Knowledge {
     /// The analysis is up to date.
     Known(Arc<Analysis>),

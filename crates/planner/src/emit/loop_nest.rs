@@ -12,7 +12,7 @@ pub struct LoopNest {
     loops: [Option<Loop>; 3],
 }
 
-/// Positions along an axis.
+/// Loop over equally spaced positions along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Loop {
     /// Distance between two positions.

@@ -24,7 +24,7 @@ use repetition::{Repeated, repeated};
 pub use shape::declaration;
 use statement::{NameWords, Statement, statements};
 
-/// Names of a program.
+/// Names and declarations for the written program.
 #[derive(Clone, Copy, Debug)]
 pub struct Naming<'a> {
     /// Name of the assembly.

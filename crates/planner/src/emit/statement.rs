@@ -7,7 +7,7 @@ use stochc_ir::{Cell, Face};
 use super::loop_nest::Indices;
 use crate::plan::capture::Capture;
 
-/// Kind of a block name. The indices of the name are the cell.
+/// Kind of a block's name. The indices of the name are the block's cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Called {
     /// Block of the target.
@@ -48,7 +48,7 @@ impl Called {
     }
 }
 
-/// Chain of captures, each by the previous block.
+/// Statement that writes a chain of captures, each by the previous block.
 #[derive(Clone, Debug)]
 pub struct Statement {
     /// Indices of the captures in the plan.

@@ -24,7 +24,7 @@ struct BondedBlock {
     parent: Option<String>,
 }
 
-/// Existing blocks before the first planned capture.
+/// Existing structure to continue: blocks to keep and blocks to release.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Repair {
     /// Blocks that remain.
@@ -33,7 +33,7 @@ pub struct Repair {
     pub released: Vec<ExistingBlock>,
 }
 
-/// Error of planning the rest of a structure.
+/// Reason why an existing structure cannot be continued.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NoRepair {
     /// A block has to be released, and no message reaches it.

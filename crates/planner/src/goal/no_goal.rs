@@ -1,7 +1,7 @@
 //! Errors of finding a shape in a program.
 use thiserror::Error;
 
-/// Error of finding the shape to build.
+/// Reason why no shape to build was found.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum NoGoal {
     /// The program does not declare a shape.

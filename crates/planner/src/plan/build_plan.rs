@@ -57,7 +57,7 @@ pub struct RaceTimes {
     pub error: f64,
 }
 
-/// Baseline plan, for comparison.
+/// Alternative to the plan: a baseline with its estimated time.
 #[derive(Clone, Debug, Serialize)]
 pub struct Alternative {
     /// The baseline.

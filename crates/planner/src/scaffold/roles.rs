@@ -4,7 +4,7 @@ use stochc_ir::{Cell, Face};
 use super::Scaffolding;
 use crate::space::sites::{NONE, Sites};
 
-/// Part of a plan to which a site belongs.
+/// Part of a plan that contains a site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SitePart {
     /// Target block that its final parent captures from the start.
@@ -15,7 +15,7 @@ pub enum SitePart {
     Mast(u32),
 }
 
-/// Part of the plan to which each site belongs.
+/// Parts of a plan, by site.
 #[derive(Debug)]
 pub struct SiteRoles {
     part: Vec<SitePart>,

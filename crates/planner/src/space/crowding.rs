@@ -7,7 +7,7 @@ use stochc_ir::Face;
 
 use crate::space::sites::{NONE, Sites};
 
-/// Rules for faces that must not be open together.
+/// Rules against crowding: faces that must not be open at the same time.
 #[derive(Clone, Copy, Debug)]
 pub struct Crowding<'a> {
     pub sites: &'a Sites<'a>,

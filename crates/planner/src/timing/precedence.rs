@@ -7,7 +7,7 @@ use crate::timing::schedule::Schedule;
 /// Dependencies by position in the opening order.
 #[derive(Clone, Debug)]
 pub struct Waiting {
-    /// For each position in the opening order, the earlier positions that must be captured before.
+    /// For each position in the opening order, the positions that must be captured first.
     pub before: Vec<Vec<u32>>,
 }
 
@@ -75,7 +75,7 @@ impl Waiting {
     }
 }
 
-/// Search among transitive dependencies.
+/// Search for the transitive predecessors of a position.
 struct Ancestors {
     /// For each position, the number of the last search that visited it.
     seen: Vec<u32>,

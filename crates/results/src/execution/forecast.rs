@@ -33,7 +33,7 @@ pub struct CpuForecast {
     pub is_lower_bound: bool,
 }
 
-/// Cost of runs of one program.
+/// Number and CPU time of the trial runs of one program.
 #[derive(Clone, Copy, Debug, Default)]
 struct Trials {
     runs: u32,

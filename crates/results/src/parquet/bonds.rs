@@ -10,7 +10,7 @@ use crate::manifest::SweepAxes;
 /// Condition for nulls in the columns about the captured block.
 const CENSORED: &str = "the waiting time is censored";
 
-/// Capture, or waiting time in progress at the end of the run.
+/// Row of the table of bonds: a capture, or a waiting time in progress at the end of the run.
 #[derive(Clone, Copy)]
 pub(super) enum BondRow<'a> {
     Docked(&'a BondRecord),

@@ -24,7 +24,7 @@ pub struct SlurmEnsemble {
     pub name: String,
 }
 
-/// State of a results folder, for submitting jobs.
+/// State of a results folder that was opened to submit jobs.
 #[derive(Clone, Debug)]
 pub enum Opened {
     /// The ensemble is split into shards.

@@ -11,7 +11,7 @@ use crate::world::blocks::Motion;
 use crate::world::parameters::{MeanFlow, WorldParameters};
 use crate::world::unit_cube::INVERSE_INERTIA;
 
-/// Face that draws fluid.
+/// Sink of the flow: a face that draws fluid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sink {
     pub centre: Vector3<f64>,

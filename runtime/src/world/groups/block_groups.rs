@@ -291,7 +291,7 @@ impl BlockGroups {
     }
 }
 
-/// Members and the bonds between them.
+/// Connected part of a group: the members, and the bonds between them.
 type Part = (Vec<u32>, Vec<(u32, u32)>);
 
 /// Returns the connected parts of a forest of bonds.

@@ -62,7 +62,7 @@ pub(super) struct CellList<R: Lane> {
     ends: Vec<u32>,
 }
 
-/// Number of a block, and whether it is anchored.
+/// Tag of a block: number, and whether the block is anchored.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Tag(u32);
 

@@ -18,7 +18,7 @@ use crate::world::parameters::{Kicks, WorldParameters};
 use crate::world::stepper::{Integrator, Moving};
 use crate::world::{BodyState, Fault, SceneError};
 
-/// Integrator in one precision.
+/// Integrator of the model `rigid`, in one precision.
 pub(super) struct Kernel<R: Lane> {
     flight: FreeFlight<R>,
     /// Buffer for the random words of one tick.

@@ -12,7 +12,7 @@ pub(super) const LANES: usize = 8;
 /// Number of lanes of vectors for gathered data. Some lanes may be unused.
 pub(super) const ABREAST: usize = 4;
 
-/// Scalar with SIMD vectors.
+/// Scalar type that has SIMD vectors.
 pub(crate) trait Lane: Real {
     /// Vector of [`LANES`] numbers.
     type Wide: Wide<Self, LANES>;

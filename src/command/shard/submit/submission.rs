@@ -275,7 +275,7 @@ impl Submission<'_> {
     }
 }
 
-/// Result of a submission that gave no job number.
+/// Refused submission: `sbatch` printed no job number.
 struct Refusal {
     may_be_accepted: bool,
     /// Error of `sbatch`. `None` if `sbatch` succeeded.

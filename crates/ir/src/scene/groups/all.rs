@@ -129,7 +129,7 @@ const MIN_WORK: f64 = 0.6;
 /// fewer than a tenth of the blocks: erfc(1.6 / √2) = 0.11.
 const MAX_SINKING: f64 = 1.6;
 
-/// Conversion of a force to a displacement in one step.
+/// Converter from a force to the displacement of a block in one step.
 #[derive(Clone, Copy)]
 struct Push {
     steps: Substeps,

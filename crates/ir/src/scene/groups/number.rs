@@ -23,7 +23,7 @@ pub struct DimensionlessNumber {
     pub of_faces: bool,
 }
 
-/// Values of working scenes: a rule of thumb.
+/// Rule of thumb for the values of working scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AdvisedRange {

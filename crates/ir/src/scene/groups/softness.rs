@@ -12,7 +12,7 @@ struct Spring {
     load: f64,
 }
 
-/// Symbols, meanings and consequences of one kind of spring.
+/// Words for the two depths of one kind of spring.
 struct Words {
     symbols: [&'static str; 2],
     meanings: [&'static str; 2],

@@ -64,7 +64,7 @@ pub enum FieldGroup {
     Either(&'static Either),
 }
 
-/// Alternative fields.
+/// Two alternatives. A scene may use either, but not both.
 #[derive(Debug)]
 pub struct Either {
     /// The two alternatives.

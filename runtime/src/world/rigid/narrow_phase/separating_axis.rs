@@ -34,7 +34,7 @@ pub(super) struct LeastOverlap<R> {
 type LaneVector<R> = [<R as Lane>::Quad; 3];
 type LaneMatrix<R> = [LaneVector<R>; 3];
 
-/// One box of each of several pairs.
+/// Boxes of several pairs: one box of each pair.
 struct Boxes<R: Lane> {
     axes: LaneMatrix<R>,
     half: LaneVector<R>,
