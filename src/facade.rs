@@ -1,15 +1,15 @@
 //! Functions that check, compile and simulate programs from Rust.
 use std::fmt;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 
-use stochc_compiler::{Checked, Limits, LintLevels, Program};
+use stochc_compiler::{Changes, Checked, Limits, LintLevels, Program, check_changed};
 use stochc_ir::Executable;
 use stochc_ir::record::RunRecord;
 use stochc_runtime::{RunError, Settings};
 
 use crate::diagnostics::{Format, show};
 use crate::reader::DiskReader;
+use crate::source_settings::SourceSettings;
 
 /// Checks a file and its imports, and compiles its assemblies.
 ///
@@ -22,17 +22,36 @@ pub fn check(path: &str) -> Checked {
 ///
 /// Small programs are also executed [in every order of events](stochc_compiler::model_check).
 pub fn check_with(path: &str, levels: &LintLevels) -> Checked {
-    check_within(path, levels, &[])
+    let levels = levels.clone();
+    check_source(
+        path,
+        &SourceSettings {
+            levels,
+            ..SourceSettings::default()
+        },
+    )
 }
 
-/// Checks a file like [`check_with`], and also allows imports from the folders `further`. Rejects
-/// symbolic links that lead out of these folders.
-pub fn check_within(path: &str, levels: &LintLevels, further: &[PathBuf]) -> Checked {
-    let mut reader = DiskReader::new(path, None, further);
-    let limits = Limits::default();
-    let mut checked = stochc_compiler::check_with(path, &mut reader, limits, levels);
+/// Checks a file like [`check_with`]. Ignores values that no assembly of the
+/// file uses. Rejects symbolic links that lead out of the folders of imports.
+pub fn check_source(path: &str, settings: &SourceSettings) -> Checked {
+    let mut reader = DiskReader::new(path, None, &settings.imports);
+    let mut checked = check_read(path, &mut reader, settings);
     stochc_compiler::model_check::try_out(&mut checked);
     checked
+}
+
+/// Checks a file that `reader` reads.
+pub(crate) fn check_read(
+    path: &str,
+    reader: &mut DiskReader,
+    settings: &SourceSettings,
+) -> Checked {
+    let changes = Changes {
+        assembly: None,
+        values: &settings.changes(),
+    };
+    check_changed(path, reader, Limits::default(), &settings.levels, changes)
 }
 
 /// Error of compiling a file whose check found errors.

@@ -1,13 +1,14 @@
 //! Application of safe fixes to a program, as `check --fix` does.
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use similar::TextDiff;
-use stochc_compiler::{self as compiler, Checked, Limits, LintLevels};
+use stochc_compiler::{self as compiler, Changes, Checked, Limits};
 use stochc_files::{atomic, programs};
 use stochc_grammar::BYTE_ORDER_MARK;
 use stochc_text::visible;
 
+use crate::SourceSettings;
 use crate::reader::DiskReader;
 
 /// File and the result of its safe fixes. The fixes are applied only in memory.
@@ -31,15 +32,25 @@ pub struct FixedFile {
 ///
 /// # Errors
 /// If the file cannot be read.
-pub fn fix(path: &str, levels: &LintLevels, further: &[PathBuf]) -> io::Result<FixedFile> {
+pub fn fix(path: &str, settings: &SourceSettings) -> io::Result<FixedFile> {
     let original = programs::read(path)?;
-    let mut reader = DiskReader::new(path, Some(&original), further);
+    let mut reader = DiskReader::new(path, Some(&original), &settings.imports);
+    let changes = Changes {
+        assembly: None,
+        values: &settings.changes(),
+    };
     let compiler::Fixed {
         text,
         changes,
         before,
         after,
-    } = compiler::fix(path, &mut reader, Limits::default(), levels);
+    } = compiler::fix(
+        path,
+        &mut reader,
+        Limits::default(),
+        &settings.levels,
+        changes,
+    );
     // The compiler skips a byte order mark, so keep it here.
     let mark = BYTE_ORDER_MARK.as_bytes();
     let mark = if original.starts_with(mark) {
@@ -95,7 +106,7 @@ mod tests {
         let path = folder.path().join("a.sa");
         let text = "assembly a { seed plate 1 x 1 { M at (0, 0) } phaze p { M.up -> A } }";
         std::fs::write(&path, text).unwrap();
-        let repaired = fix(path.to_str().unwrap(), &LintLevels::default(), &[]).unwrap();
+        let repaired = fix(path.to_str().unwrap(), &SourceSettings::default()).unwrap();
         assert_eq!(repaired.changes, 1);
         std::fs::write(&path, "// mine\n").unwrap();
         assert!(!repaired.write().unwrap());

@@ -39,8 +39,10 @@ pub mod host;
 pub mod operations;
 pub mod progress;
 mod reader;
+mod source_settings;
 
-pub use facade::{CompileError, check, check_with, check_within, compile, simulate};
+pub use facade::{CompileError, check, check_source, check_with, compile, simulate};
+pub use source_settings::{SourceSettings, UnusedValues};
 pub use stochc_compiler::{self as compiler, check_text, check_texts};
 pub use stochc_control as control;
 pub use stochc_experiments as experiments;

@@ -18,6 +18,8 @@ pub struct ExpandedProgram {
     pub name: String,
     /// Location of the name.
     pub location: SourceLocation,
+    /// Parameters with their values, in source order.
+    pub parameters: Vec<(String, i64)>,
     /// Seed plate.
     pub plate: Plate,
     /// Seeds in source order.

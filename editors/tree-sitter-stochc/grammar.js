@@ -58,9 +58,12 @@ module.exports = grammar({
 
     assembly: $ => seq(
       'assembly', field('name', $.name),
+      optional($.defaults),
       optional(seq('in', field('scene', $.name))),
       $.block,
     ),
+    defaults: $ => seq('(', optional(list($.default)), ')'),
+    default: $ => seq(field('name', $.name), '=', $.expression),
     seed: $ => seq('seed', 'plate', $.expression, $.times, $.expression, $.block),
     phase: $ => seq('phase', field('name', $.place), optional(seq('timeout', $.quantity)), $.block),
     for: $ => seq('for', field('counter', $.name), 'in', $.range, $.block),

@@ -105,6 +105,14 @@ impl Printer<'_> {
             }
             ItemKind::Assembly(assembly) => {
                 put!(self, "assembly {}", self.word(assembly.name.symbol));
+                if !assembly.parameters.is_empty() {
+                    self.out.push('(');
+                    self.list(&assembly.parameters, |printer, parameter| {
+                        put!(printer, "{} = ", printer.word(parameter.name.symbol));
+                        printer.expr(&parameter.value, 0);
+                    });
+                    self.out.push(')');
+                }
                 if let Some(scene) = assembly.scene {
                     put!(self, " in {}", self.word(scene.symbol));
                 }

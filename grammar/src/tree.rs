@@ -254,6 +254,8 @@ pub struct Pattern {
 pub struct Assembly {
     /// Name of the assembly.
     pub name: Name,
+    /// Parameters with their default values.
+    pub parameters: Vec<Let>,
     /// Name of its scene. `None` for the default scene.
     pub scene: Option<Name>,
     /// Plate, phases and declarations.

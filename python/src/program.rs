@@ -5,7 +5,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use stochc::compiler::emit::{built_structure, structure_text};
-use stochc::compiler::{Checked, LintLevels, Program};
+use stochc::compiler::{Changes, Checked, LintLevels, Program};
 use stochc::diagnostics::{CheckDocument, drawn};
 use stochc::exit::Failure;
 use stochc::ir::Executable;
@@ -17,10 +17,11 @@ use stochc::operations::summary::status_lines;
 use stochc::report::figures::structure;
 use stochc::results::{EnsembleProgram, Manifest, Source};
 use stochc::runtime::Settings;
+use stochc::{SourceSettings, UnusedValues};
 
 use super::call::call;
 use super::host::WIDTH;
-use super::settings::{LevelSetting, folders, levels};
+use super::settings::{LevelSetting, source_settings};
 
 /// Compiled program, ready to run.
 #[pyclass(frozen, name = "Program", module = "stochc._native")]
@@ -44,16 +45,20 @@ pub fn check(
     name: Option<String>,
     level_settings: Vec<LevelSetting>,
     imports: Vec<PathBuf>,
+    set: Vec<String>,
 ) -> PyResult<CheckOutput> {
     call(py, None, move |_| {
-        let (levels, imports) = (levels(&level_settings)?, folders(imports)?);
+        let settings = source_settings(&level_settings, imports, &set)?;
         let checked = match name {
-            Some(name) => stochc::check_texts(&[(&name, &source)], &levels, "", &[]),
+            Some(name) => check_text(&name, &source, &settings),
             None => {
                 is_readable(&source)?;
-                stochc::check_within(&source, &levels, &imports)
+                stochc::check_source(&source, &settings)
             }
         };
+        if !checked.has_errors() {
+            UnusedValues::check_used_by(&settings, &checked.programs)?;
+        }
         let mut document = CheckDocument::default();
         let root = checked.sources.files().first();
         document.add(root.map_or("", |file| &file.name), &checked, "", |_| None);
@@ -63,15 +68,24 @@ pub fn check(
         }
         let lines = (0..checked.programs.len()).map(|number| status_lines(&checked, number));
         drawn.extend(lines);
-        Ok((document.text(), drawn, false, entries(checked)))
+        Ok((document.text(), drawn, false, entries(checked, &settings)))
     })
 }
 
+/// Checks source text without imports. `name` is its file name in diagnostics.
+fn check_text(name: &str, text: &str, settings: &SourceSettings) -> Checked {
+    let changes = Changes {
+        assembly: None,
+        values: &settings.changes(),
+    };
+    stochc::check_texts(&[(name, text)], &settings.levels, changes)
+}
+
 /// Returns the programs of a file without errors, ready to run.
-fn entries(checked: Checked) -> Vec<PythonProgram> {
+fn entries(checked: Checked, settings: &SourceSettings) -> Vec<PythonProgram> {
     // The messages have already been reported.
     let silent = super::host::Caller::default();
-    let found = accept("", checked, &silent).unwrap_or_default();
+    let found = accept("", checked, settings, &silent).unwrap_or_default();
     found.into_iter().map(PythonProgram::from).collect()
 }
 
@@ -83,15 +97,19 @@ pub fn load(
     name: Option<String>,
     level_settings: Vec<LevelSetting>,
     imports: Vec<PathBuf>,
+    set: Vec<String>,
 ) -> PyResult<Vec<PythonProgram>> {
     call(py, None, move |host| {
-        let (levels, imports) = (levels(&level_settings)?, folders(imports)?);
+        let settings = source_settings(&level_settings, imports, &set)?;
         let found = match name {
             Some(name) => {
-                let checked = stochc::check_texts(&[(&name, &source)], &levels, "", &[]);
-                accept(&name, checked, host)
+                let checked = check_text(&name, &source, &settings);
+                if !checked.has_errors() {
+                    UnusedValues::check_used_by(&settings, &checked.programs)?;
+                }
+                accept(&name, checked, &settings, host)
             }
-            None => programs(&[source], &levels, &imports, host),
+            None => programs(&[source], &settings, host),
         }?;
         Ok(found.into_iter().map(PythonProgram::from).collect())
     })
@@ -104,8 +122,9 @@ pub fn load_texts(py: Python<'_>, texts: Vec<(String, String)>) -> PyResult<Vec<
         let texts: Vec<(&str, &str)> = (texts.iter())
             .map(|(path, text)| (path.as_str(), text.as_str()))
             .collect();
-        let checked = stochc::check_texts(&texts, &LintLevels::default(), "", &[]);
-        let found = accept(texts.first().map_or("", |it| it.0), checked, host)?;
+        let checked = stochc::check_texts(&texts, &LintLevels::default(), Changes::NONE);
+        let name = texts.first().map_or("", |it| it.0);
+        let found = accept(name, checked, &SourceSettings::default(), host)?;
         Ok(found.into_iter().map(PythonProgram::from).collect())
     })
 }

@@ -2,8 +2,10 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
+use stochc::SourceSettings;
 use stochc::compiler::{Level, LintLevels};
 use stochc::exit::Failure;
+use stochc::experiments::sweep::ParameterValue;
 use stochc::files::bound::folder;
 use stochc::host::Host;
 use stochc::operations::codes::warning;
@@ -123,6 +125,27 @@ impl Computed {
             model.name()
         )))
     }
+}
+
+/// Returns the settings for reading programs. `set` contains texts of the form `NAME=VALUE`.
+///
+/// # Errors
+///
+/// If a code, folder or value is invalid.
+pub fn source_settings(
+    level_settings: &[LevelSetting],
+    imports: Vec<PathBuf>,
+    set: &[String],
+) -> Result<SourceSettings, Failure> {
+    let value = |text: &String| {
+        let value = ParameterValue::parse(text).and_then(|value| value.for_any());
+        value.map_err(|error| Failure::usage(format!("`{text}`: {error}")))
+    };
+    Ok(SourceSettings {
+        levels: levels(level_settings)?,
+        imports: folders(imports)?,
+        set: set.iter().map(value).collect::<Result<_, _>>()?,
+    })
 }
 
 /// Returns the folders for imports, with all links resolved.

@@ -196,6 +196,7 @@ def check(
     warn: str | Iterable[str] = (),
     deny: str | Iterable[str] = (),
     allow_import: Source | Iterable[Source] = (),
+    parameters: str | Iterable[str] = (),
 ) -> Checked:
     """Checks a program and proves its properties.
 
@@ -205,6 +206,7 @@ def check(
         warn: codes of warnings to report, which is the default.
         deny: codes of warnings to report as errors.
         allow_import: additional folders that the program may import from.
+        parameters: values of parameters of programs or scenes, such as `"height=8"`.
 
     >>> import stochc
     >>> stochc.check(stochc.EXAMPLE).ok
@@ -212,7 +214,8 @@ def check(
     """
     text, name = _source(source)
     levels = _arguments.levels(allow, warn, deny)
-    return Checked(_native.check(text, name, levels, _arguments.paths("allow_import", allow_import)))
+    imports = _arguments.paths("allow_import", allow_import)
+    return Checked(_native.check(text, name, levels, imports, _arguments.words("parameters", parameters)))
 
 
 def compile_all(
@@ -222,6 +225,7 @@ def compile_all(
     warn: str | Iterable[str] = (),
     deny: str | Iterable[str] = (),
     allow_import: Source | Iterable[Source] = (),
+    parameters: str | Iterable[str] = (),
 ) -> list[Program]:
     """Compiles all programs of a source or a file. The arguments are those of `check`.
 
@@ -232,7 +236,8 @@ def compile_all(
     text, name = _source(source)
     levels = _arguments.levels(allow, warn, deny)
     imports = _arguments.paths("allow_import", allow_import)
-    return [Program(it) for it in _native.load(text, name, levels, imports)]
+    values = _arguments.words("parameters", parameters)
+    return [Program(it) for it in _native.load(text, name, levels, imports, values)]
 
 
 def compile(
@@ -243,6 +248,7 @@ def compile(
     warn: str | Iterable[str] = (),
     deny: str | Iterable[str] = (),
     allow_import: Source | Iterable[Source] = (),
+    parameters: str | Iterable[str] = (),
 ) -> Program:
     """Compiles the program of a source or a file. `assembly` selects one of several.
 
@@ -252,7 +258,10 @@ def compile(
     >>> stochc.compile(stochc.EXAMPLE)
     <stochc.Program pair: 1 captures, scene hemisphere>
     """
-    return chosen(compile_all(source, allow=allow, warn=warn, deny=deny, allow_import=allow_import), assembly)
+    found = compile_all(
+        source, allow=allow, warn=warn, deny=deny, allow_import=allow_import, parameters=parameters
+    )
+    return chosen(found, assembly)
 
 
 def chosen(found: list[Program], assembly: str | None) -> Program:

@@ -14,6 +14,7 @@ use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
 use super::new_file::NewFile;
+use super::parameters::ParameterOptions;
 use super::run_options::ThreadsOption;
 use super::terminal::{argument, close, output_width, print};
 use crate::exit::{Exit, Failure};
@@ -48,6 +49,8 @@ pub struct CalibrateArguments {
     levels: LevelOptions,
     #[command(flatten)]
     imports: ImportOptions,
+    #[command(flatten)]
+    parameters: ParameterOptions,
 }
 
 pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
@@ -91,12 +94,10 @@ fn scene(options: &CalibrateArguments, host: &Terminal) -> Result<Scene, Failure
         )));
     }
     let files = std::slice::from_ref(&options.target);
-    let programs = programs(
-        files,
-        &options.levels.levels,
-        &options.imports.folders,
-        host,
-    )?;
+    let source = options
+        .parameters
+        .settings(&options.levels, &options.imports);
+    let programs = programs(files, &source, host)?;
     let mut scenes = programs.into_iter().map(|program| program.scene);
     let first = scenes.next();
     let first =

@@ -15,6 +15,7 @@ use stochc_report::figures::structure;
 
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
+use super::parameters::ParameterOptions;
 use super::run_options::JsonOption;
 use super::terminal::{has_colour, message_width, print_with, warn_drawn};
 use crate::diagnostics::drawn;
@@ -22,6 +23,7 @@ use crate::exit::{Exit, Failure};
 use crate::operations::chosen_run::index;
 use crate::operations::json::FORMAT;
 use crate::operations::programs::{is_readable, nothing_to_run, verdict};
+use crate::source_settings::UnusedValues;
 
 /// Arguments of `compile`.
 #[derive(Debug, Args)]
@@ -47,6 +49,8 @@ pub struct CompileArguments {
     levels: LevelOptions,
     #[command(flatten)]
     imports: ImportOptions,
+    #[command(flatten)]
+    parameters: ParameterOptions,
 }
 
 /// A stage of the compilation.
@@ -106,15 +110,15 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
         )));
     }
     is_readable(&options.file)?;
-    let mut checked = crate::check_within(
-        &options.file,
-        &options.levels.levels,
-        &options.imports.folders,
-    );
+    let source = options
+        .parameters
+        .settings(&options.levels, &options.imports);
+    let mut checked = crate::check_source(&options.file, &source);
     warn_drawn(&drawn(&checked, has_colour(), message_width()));
     if checked.has_errors() {
         return Ok(verdict(&checked));
     }
+    UnusedValues::check_used_by(&source, &checked.programs)?;
     let stage = options.emit;
     if stage == EmittedStage::Executable && checked.programs.is_empty() {
         return Err(nothing_to_run(&options.file, &checked));

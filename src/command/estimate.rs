@@ -9,6 +9,7 @@ use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
+use super::parameters::ParameterOptions;
 use super::run_options::{ALL, MeasuringOptions, RatesOption, count};
 use super::terminal::{output_width, print};
 use crate::exit::{Exit, Failure};
@@ -42,6 +43,8 @@ pub struct EstimateArguments {
     levels: LevelOptions,
     #[command(flatten)]
     imports: ImportOptions,
+    #[command(flatten)]
+    parameters: ParameterOptions,
 }
 
 pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
@@ -51,8 +54,10 @@ pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
         output,
     } = &options.measuring;
     let host = Terminal::default();
-    let (levels, imports) = (&options.levels.levels, &options.imports.folders);
-    let programs = programs(&options.files, levels, imports, &host)?;
+    let source = options
+        .parameters
+        .settings(&options.levels, &options.imports);
+    let programs = programs(&options.files, &source, &host)?;
     stop_on_interrupt()?;
     let how = Estimating {
         rates: &options.rates.rates,

@@ -16,6 +16,7 @@ use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
+use super::parameters::ParameterOptions;
 use super::run_options::MeasuringOptions;
 use super::terminal::{argument, close, is_quiet, output_width, print, warn};
 use crate::exit::{Exit, Failure};
@@ -82,13 +83,17 @@ pub struct FitArguments {
     levels: LevelOptions,
     #[command(flatten)]
     imports: ImportOptions,
+    #[command(flatten)]
+    parameters: ParameterOptions,
 }
 
 pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let times = measured_times(&options.data, &host)?;
-    let (levels, imports) = (&options.levels.levels, &options.imports.folders);
-    let programs = programs(&options.files, levels, imports, &host)?;
+    let source = options
+        .parameters
+        .settings(&options.levels, &options.imports);
+    let programs = programs(&options.files, &source, &host)?;
     let unused = Unused {
         held_out: &options.hold_out,
         predicted: &options.predict,
@@ -108,7 +113,7 @@ pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
         },
         seed: options.measuring.chance.seed,
         threads: options.measuring.work.threads,
-        levels,
+        levels: &source.levels,
     };
     if options.dry_run {
         let forecast = forecast(&setup, &measured, &host)?;

@@ -21,6 +21,7 @@ pub mod man;
 mod narrative;
 pub mod new;
 mod new_file;
+mod parameters;
 pub mod plan;
 mod presentation;
 mod progress;

@@ -14,6 +14,7 @@ use super::host::Terminal;
 use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
 use super::levels::LevelOptions;
+use super::parameters::ParameterOptions;
 use super::run_options::MeasuringOptions;
 use super::terminal::{argument, close, output_has_colour, output_width, print, print_drawn};
 use crate::exit::{Exit, Failure};
@@ -65,6 +66,8 @@ pub struct TradeArguments {
     levels: LevelOptions,
     #[command(flatten)]
     imports: ImportOptions,
+    #[command(flatten)]
+    parameters: ParameterOptions,
 }
 
 pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
@@ -74,8 +77,10 @@ pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
         output,
     } = &options.measuring;
     let host = Terminal::default();
-    let (levels, imports) = (&options.levels.levels, &options.imports.folders);
-    let programs = programs(&options.files, levels, imports, &host)?;
+    let source = options
+        .parameters
+        .settings(&options.levels, &options.imports);
+    let programs = programs(&options.files, &source, &host)?;
     stop_on_interrupt()?;
     let setup = TradeSetup {
         runs: options.runs,

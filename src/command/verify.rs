@@ -14,12 +14,14 @@ use stochc_text::{counted, visible};
 
 use super::imports::ImportOptions;
 use super::levels::LevelOptions;
+use super::parameters::ParameterOptions;
 use super::run_options::JsonOption;
 use super::terminal::{exit_of, has_colour, message_width, print, print_folded, warn, warn_drawn};
 use crate::diagnostics::{CheckDocument, drawn};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::{is_readable, nothing_to_run, verdict};
 use crate::operations::summary::status_lines;
+use crate::source_settings::UnusedValues;
 use stochc_compiler::model_check::{MISTAKE, expected, shortest};
 
 /// Number of sampled orders if a program has too many orders for all of them.
@@ -45,6 +47,8 @@ pub struct VerifyArguments {
     levels: LevelOptions,
     #[command(flatten)]
     imports: ImportOptions,
+    #[command(flatten)]
+    parameters: ParameterOptions,
 }
 
 /// Number of programs with each result of the verification.
@@ -60,10 +64,18 @@ pub fn run(options: &VerifyArguments) -> Result<Exit, Failure> {
     let mut exit = Exit::Success;
     let mut verified = Verified::default();
     let mut document = CheckDocument::default();
+    let source = options
+        .parameters
+        .settings(&options.levels, &options.imports);
+    let mut unused = UnusedValues::new(&source);
     for file in programs(&options.files) {
         let done = file.map_err(Failure::usage);
-        let done = done.and_then(|file| verify(&file, options, &mut verified, &mut document));
+        let done =
+            done.and_then(|file| verify(&file, options, &mut unused, &mut verified, &mut document));
         exit = exit.or_worse(exit_of(done));
+    }
+    if exit == Exit::Success {
+        unused.check()?;
     }
     if options.output.json {
         print(&document.text())?;
@@ -76,11 +88,12 @@ pub fn run(options: &VerifyArguments) -> Result<Exit, Failure> {
 fn verify(
     file: &str,
     options: &VerifyArguments,
+    unused: &mut UnusedValues<'_>,
     verified: &mut Verified,
     document: &mut CheckDocument,
 ) -> Result<Exit, Failure> {
     is_readable(file)?;
-    let checked = crate::check_within(file, &options.levels.levels, &options.imports.folders);
+    let checked = crate::check_source(file, unused.settings());
     let is_json = options.output.json;
     if !is_json {
         warn_drawn(&drawn(&checked, has_colour(), message_width()));
@@ -92,6 +105,7 @@ fn verify(
     if checked.programs.is_empty() {
         return Err(nothing_to_run(file, &checked));
     }
+    unused.remove_used_by(&checked.programs);
     let mut explored = Vec::new();
     let exit = explore(file, &checked, options, verified, &mut explored)?;
     document.add(file, &checked, "exploration", |program| {

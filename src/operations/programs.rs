@@ -1,16 +1,16 @@
 //! Programs that are ready to run, read from files.
 use std::fmt::Display;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use stochc_compiler::{Checked, LintLevels};
+use stochc_compiler::{Changes, Checked, LintLevels};
 use stochc_files::programs::{executables, not_a_file, programs as in_folders};
 use stochc_grammar::tree::ItemKind;
 use stochc_ir::Executable;
-use stochc_ir::scene::scalars::ScalarChange;
 use stochc_results::{EnsembleProgram, Source, Varied};
 
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
+use crate::source_settings::{SourceSettings, UnusedValues, change};
 
 /// Reads and compiles the programs of all files.
 ///
@@ -18,8 +18,7 @@ use crate::host::Host;
 /// If a file cannot be read, has errors, or contains nothing to run. All files are checked first.
 pub fn programs(
     files: &[String],
-    levels: &LintLevels,
-    imports: &[PathBuf],
+    settings: &SourceSettings,
     host: &dyn Host,
 ) -> Result<Vec<EnsembleProgram>, Failure> {
     let files = expanded(files)?;
@@ -33,7 +32,7 @@ pub fn programs(
     }
     let mut programs = Vec::new();
     for file in &files {
-        match read(file, levels, imports, host) {
+        match read(file, settings, host) {
             Ok(found) => programs.extend(found),
             Err(failure) => {
                 host.report_failure(&failure.message);
@@ -41,7 +40,15 @@ pub fn programs(
             }
         }
     }
-    wrong.map_or(Ok(programs), Err)
+    if let Some(wrong) = wrong {
+        return Err(wrong);
+    }
+    let mut unused = UnusedValues::new(settings);
+    for program in &programs {
+        unused.remove(&program.set, program.parameters.keys());
+    }
+    unused.check()?;
+    Ok(programs)
 }
 
 /// Returns the paths of files. Each folder is replaced by the programs in it.
@@ -75,17 +82,19 @@ pub fn cannot_read(file: &str, reason: impl Display) -> Failure {
 
 fn read(
     file: &str,
-    levels: &LintLevels,
-    imports: &[PathBuf],
+    settings: &SourceSettings,
     host: &dyn Host,
 ) -> Result<Vec<EnsembleProgram>, Failure> {
     match executables(file) {
         Some(Ok(found)) if found.is_empty() => Err(Failure::usage(format!(
             "`{file}` contains no program to run"
         ))),
+        Some(Ok(_)) if !settings.set.is_empty() => Err(Failure::usage(format!(
+            "--set: `{file}` is already compiled; name its source file instead"
+        ))),
         Some(Ok(found)) => Ok(compiled(found)),
         Some(Err(reason)) => Err(Failure::usage(format!("`{file}`: {reason}"))),
-        None => accept(file, crate::check_within(file, levels, imports), host),
+        None => accept(file, crate::check_source(file, settings), settings, host),
     }
 }
 
@@ -98,13 +107,14 @@ fn compiled(executables: Vec<Executable>) -> Vec<EnsembleProgram> {
     programs.collect()
 }
 
-/// Returns the programs of a compiled file, and reports its diagnostics.
+/// Returns the programs of a file that was checked with `settings`, and reports its diagnostics.
 ///
 /// # Errors
 /// If the file has errors or contains nothing to run.
 pub fn accept(
     file: &str,
     checked: Checked,
+    settings: &SourceSettings,
     host: &dyn Host,
 ) -> Result<Vec<EnsembleProgram>, Failure> {
     host.report_diagnostics(&checked);
@@ -121,9 +131,14 @@ pub fn accept(
         })
         .collect();
     let complete = checked.programs.into_iter().filter_map(|program| {
+        let set = settings.used_by(&program);
+        let parameters = program.plan.parameters.iter().cloned().collect();
         let executable = program.into_executable()?;
         let name = executable.tables.assembly.clone();
-        Some(EnsembleProgram::new(&name, sources.clone(), executable))
+        let mut program = EnsembleProgram::new(&name, sources.clone(), executable);
+        (program.parameters, program.set) = (parameters, set);
+        program.name += &program.point();
+        Some(program)
     });
     Ok(complete.collect())
 }
@@ -147,10 +162,10 @@ pub fn plan_advice(file: &str, checked: &Checked) -> String {
     format!("; `stochc plan {file}` writes an assembly for its shape")
 }
 
-/// Compiles stored sources for one assembly, with the parameter values that a sweep has set.
-pub fn recompile(
+/// Compiles stored sources for one assembly, with other values of its parameters.
+pub fn recompile<'a>(
     sources: &[Source],
-    varied: &[Varied],
+    values: impl Iterator<Item = &'a Varied>,
     assembly: &str,
     levels: &LintLevels,
 ) -> Checked {
@@ -158,11 +173,11 @@ pub fn recompile(
     let texts: Vec<_> = texts
         .map(|it| (it.path.as_str(), it.text.as_str()))
         .collect();
-    let changes = varied.iter().map(|varied| ScalarChange {
-        name: varied.name.clone(),
-        value: varied.value,
-    });
-    crate::check_texts(&texts, levels, assembly, &changes.collect::<Vec<_>>())
+    let changes = Changes {
+        assembly: Some(assembly),
+        values: &values.map(change).collect::<Vec<_>>(),
+    };
+    crate::check_texts(&texts, levels, changes)
 }
 
 /// Returns the exit status for a file with these diagnostics.

@@ -15,22 +15,22 @@ pub struct StoredSource<'a> {
 impl<'a> StoredSource<'a> {
     /// Compiles the sources of a program, with the parameter values of its point in a sweep.
     pub fn new(stored: &'a EnsembleProgram, levels: &LintLevels) -> StoredSource<'a> {
-        StoredSource::varied(stored, &stored.varied, levels)
+        StoredSource::with(stored, stored.changes(), levels)
     }
 
-    /// Compiles the sources of a program, with the parameter values in the source.
+    /// Compiles the sources of a program, without the parameter values of its point in a sweep.
     pub fn as_written(stored: &'a EnsembleProgram) -> StoredSource<'a> {
-        StoredSource::varied(stored, &[], &LintLevels::default())
+        StoredSource::with(stored, stored.set.iter(), &LintLevels::default())
     }
 
-    fn varied(
+    fn with(
         stored: &'a EnsembleProgram,
-        varied: &[Varied],
+        values: impl Iterator<Item = &'a Varied>,
         levels: &LintLevels,
     ) -> StoredSource<'a> {
         StoredSource {
             stored,
-            checked: recompile(&stored.sources, varied, stored.assembly(), levels),
+            checked: recompile(&stored.sources, values, stored.assembly(), levels),
         }
     }
 

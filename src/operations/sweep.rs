@@ -38,12 +38,12 @@ pub fn points(
                 program.name
             )));
         }
-        let points = combine(axes, &program.scene)
-            .map_err(|reason| Failure::usage(format!("--vary: {reason}")))?;
+        let points =
+            combine(axes, program).map_err(|reason| Failure::usage(format!("--vary: {reason}")))?;
         for point in points {
             let mut entry = program.clone();
             (entry.varied, entry.chosen) = (point.varied, point.chosen);
-            entry.name += &entry.point();
+            entry.name = entry.assembly().to_owned() + &entry.point();
             at_points.push(entry);
         }
     }
@@ -133,6 +133,9 @@ pub(crate) fn at_point(
         });
     }
     let program = text.into_program();
+    if let Some(program) = &program {
+        entry.parameters = program.plan.parameters.iter().cloned().collect();
+    }
     let Some(Executable {
         tables,
         scene,

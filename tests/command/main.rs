@@ -33,6 +33,7 @@ mod new;
 #[path = "../pages/mod.rs"]
 mod pages;
 mod physical;
+mod parameters;
 mod plan;
 mod plan_scene;
 mod plan_voxels;

@@ -16,7 +16,7 @@ use crate::dependencies::order::Order;
 use crate::dependencies::{face_turns, graph, order};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::emit::lower;
-use crate::expand::{Declarations, ExpansionBounds, Shapes, expand};
+use crate::expand::{Declarations, ExpansionSettings, Shapes, expand};
 use crate::expanded::ExpandedProgram;
 use crate::scene::scene_check;
 use crate::shapes::layout::Layout;
@@ -103,7 +103,7 @@ pub(super) struct AssemblyInput<'a> {
     pub file: FileId,
     pub assembly: &'a Assembly,
     pub sources: &'a Sources,
-    pub bounds: ExpansionBounds<'a>,
+    pub settings: ExpansionSettings<'a>,
     /// Whether all files could be read. If not, names may be missing for that reason.
     pub readable: bool,
     /// Function that checks the files with a change, to try a remedy. `None` inside a trial.
@@ -123,7 +123,7 @@ impl<'a> AssemblyInput<'a> {
         diagnostics: &mut Vec<Diagnostic>,
         done: &mut dyn FnMut(Stage),
     ) -> Result<Program, Cancelled> {
-        let cancellation = self.bounds.cancellation;
+        let cancellation = self.settings.cancellation;
         let mut found = StageDiagnostics::default();
         let (subject, shapes) = self.order(scene.as_ref(), symbols, &mut found, done)?;
         let StageDiagnostics {
@@ -195,16 +195,16 @@ impl<'a> AssemblyInput<'a> {
         found: &mut StageDiagnostics,
         done: &mut dyn FnMut(Stage),
     ) -> Result<(OrderedProgram, Shapes<'a>), Cancelled> {
-        let (sources, cancellation) = (self.sources, self.bounds.cancellation);
+        let (sources, cancellation) = (self.sources, self.settings.cancellation);
         let assembly = (self.file, self.assembly);
         let errors = &mut found.early;
-        let bounds = self.bounds;
+        let settings = self.settings;
         let (mut plan, shapes) = expand(
             self.declarations,
             assembly,
             sources,
             symbols,
-            bounds,
+            settings,
             errors,
         )?;
         if scene.is_some_and(|scene| scene.planar.is_some()) {
@@ -300,9 +300,9 @@ impl<'a> AssemblyInput<'a> {
             has_passable_gaps: scene.is_some_and(Rates::pass_gaps) && planar(scene).is_none(),
             sources: self.sources,
             symbols,
-            cancellation: self.bounds.cancellation,
+            cancellation: self.settings.cancellation,
         };
-        reach::check(subject, self.bounds.limits.search, later)
+        reach::check(subject, self.settings.limits.search, later)
     }
 
     /// Compares the program with its shapes and its scene. Returns the warnings of the scene.
@@ -316,7 +316,7 @@ impl<'a> AssemblyInput<'a> {
         later: &mut Vec<Diagnostic>,
     ) -> Result<Vec<SceneWarning>, Cancelled> {
         let OrderedProgram { plan, layout, .. } = program;
-        let cancellation = self.bounds.cancellation;
+        let cancellation = self.settings.cancellation;
         let names = self.declarations.names;
         shape::check(plan, layout, shapes, names, symbols, cancellation, later)?;
         let Some(scene) = scene else {

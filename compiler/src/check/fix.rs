@@ -2,7 +2,7 @@
 use std::sync::Arc;
 
 use crate::check::checked::Checked;
-use crate::check::program::check_with;
+use crate::check::program::{Changes, check_changed};
 use crate::check::trial;
 use crate::diagnostic::TextChange;
 use crate::diagnostic::lint_levels::LintLevels;
@@ -27,10 +27,16 @@ pub struct Fixed {
 
 /// Applies all safe fixes of the file at `path`. Its imports stay unchanged.
 ///
-/// Each round applies fixes that do not overlap and that passed a trial alone. If they cause new
+/// The checks use the values in `changes`. Each round applies fixes that do not overlap and that passed a trial alone. If they cause new
 /// diagnostics together, the round tries only the first half of them.
-pub fn fix(path: &str, reader: &mut dyn Reader, limits: Limits, levels: &LintLevels) -> Fixed {
-    let mut again = |texts: &mut dyn Reader| check_with(path, texts, limits, levels);
+pub fn fix(
+    path: &str,
+    reader: &mut dyn Reader,
+    limits: Limits,
+    levels: &LintLevels,
+    changes: Changes<'_>,
+) -> Fixed {
+    let mut again = |texts: &mut dyn Reader| check_changed(path, texts, limits, levels, changes);
     let before = again(reader);
     let mut now: Option<Checked> = None;
     let mut changes = 0;

@@ -1,7 +1,8 @@
 //! The stages of a check.
 use rustc_hash::FxHashMap;
-use stochc_grammar::tree::{Item, ItemKind, Tree};
+use stochc_grammar::tree::{Item, ItemKind, Let, Name, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
+use stochc_ir::scene::Scene;
 use stochc_ir::scene::scalars::{self, ScalarChange};
 use stochc_ir::scene::warnings::Stepping;
 
@@ -12,7 +13,7 @@ use crate::check::{short_timeout, trial};
 use crate::diagnostic::lint_levels::{FileLevels, LintLevels};
 use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, report};
 use crate::expand::{
-    Declarations, DeclaredItems, ExpansionBounds, Limits, duplicate, expand_aggregate,
+    Declarations, DeclaredItems, ExpansionSettings, Limits, duplicate, expand_aggregate,
 };
 use crate::names::{Keep, Names};
 use crate::scene::scene_check;
@@ -34,26 +35,37 @@ pub fn check_with(
     limits: Limits,
     levels: &LintLevels,
 ) -> Checked {
-    check_changed(path, reader, limits, levels, "", &[])
+    check_changed(path, reader, limits, levels, Changes::NONE)
 }
 
-/// Checks a program like [`check_with`], with other scene parameters for one assembly.
-pub(crate) fn check_changed(
+/// Values that replace parameters of programs and scenes.
+#[derive(Clone, Copy, Debug)]
+pub struct Changes<'a> {
+    /// Name of the assembly to change. `None` changes every assembly, and ignores values whose
+    /// parameter an assembly lacks.
+    pub assembly: Option<&'a str>,
+    /// New values of the parameters.
+    pub values: &'a [ScalarChange],
+}
+
+impl Changes<'_> {
+    /// No changes.
+    pub const NONE: Changes<'static> = Changes {
+        assembly: None,
+        values: &[],
+    };
+}
+
+/// Checks a program like [`check_with`], with other values of parameters.
+pub fn check_changed(
     path: &str,
     reader: &mut dyn Reader,
     limits: Limits,
     levels: &LintLevels,
-    assembly: &str,
-    changes: &[ScalarChange],
+    changes: Changes<'_>,
 ) -> Checked {
-    let bounds = unhurried(limits);
-    to_its_end(check_verified(
-        path,
-        reader,
-        bounds,
-        levels,
-        (assembly, changes),
-    ))
+    let settings = unhurried(limits);
+    to_its_end(check_verified(path, reader, settings, levels, changes))
 }
 
 /// Checks a program like [`check`], and can be cancelled.
@@ -67,17 +79,25 @@ pub fn check_cancellable(
     limits: Limits,
     cancellation: Cancellation<'_>,
 ) -> Result<Checked, Cancelled> {
-    let bounds = ExpansionBounds {
+    let settings = ExpansionSettings {
         limits,
+        parameters: &[],
         cancellation,
     };
-    check_verified(path, reader, bounds, &LintLevels::default(), ("", &[]))
+    check_verified(
+        path,
+        reader,
+        settings,
+        &LintLevels::default(),
+        Changes::NONE,
+    )
 }
 
-/// Returns bounds of an expansion that cannot be cancelled.
-fn unhurried(limits: Limits) -> ExpansionBounds<'static> {
-    ExpansionBounds {
+/// Returns the settings of an expansion that cannot be cancelled.
+fn unhurried(limits: Limits) -> ExpansionSettings<'static> {
+    ExpansionSettings {
         limits,
+        parameters: &[],
         cancellation: Cancellation::NEVER,
     }
 }
@@ -95,12 +115,20 @@ fn to_its_end<T>(result: Result<T, Cancelled>) -> T {
 fn check_verified(
     path: &str,
     reader: &mut dyn Reader,
-    bounds: ExpansionBounds<'_>,
+    settings: ExpansionSettings<'_>,
     levels: &LintLevels,
-    changes: (&str, &[ScalarChange]),
+    changes: Changes<'_>,
 ) -> Result<Checked, Cancelled> {
     let check_all = |texts: &mut dyn Reader, is_trial: bool| {
-        check_all(path, texts, bounds, levels, changes, is_trial, &mut |_| {})
+        check_all(
+            path,
+            texts,
+            settings,
+            levels,
+            changes,
+            is_trial,
+            &mut |_| {},
+        )
     };
     let mut checked = check_all(reader, false)?;
     trial::verify_fixes(&mut checked, reader, &mut |texts| {
@@ -120,8 +148,8 @@ pub fn check_observed(
     levels: &LintLevels,
     done: &mut dyn FnMut(Stage),
 ) -> Checked {
-    let bounds = unhurried(limits);
-    let checked = check_all(path, reader, bounds, levels, ("", &[]), false, done);
+    let settings = unhurried(limits);
+    let checked = check_all(path, reader, settings, levels, Changes::NONE, false, done);
     let mut checked = to_its_end(checked);
     trial::distrust(&mut checked);
     checked
@@ -133,9 +161,9 @@ pub fn check_observed(
 fn check_all(
     path: &str,
     reader: &mut dyn Reader,
-    bounds: ExpansionBounds<'_>,
+    settings: ExpansionSettings<'_>,
     levels: &LintLevels,
-    changes: (&str, &[ScalarChange]),
+    changes: Changes<'_>,
     is_trial: bool,
     done: &mut dyn FnMut(Stage),
 ) -> Result<Checked, Cancelled> {
@@ -145,7 +173,7 @@ fn check_all(
         path,
         reader,
         &mut sources,
-        bounds.cancellation,
+        settings.cancellation,
         &mut diagnostics,
     )?;
     let readable = !diagnostics.iter().any(Diagnostic::is_error);
@@ -155,14 +183,14 @@ fn check_all(
     let about = About {
         sources: &sources,
         readable,
-        bounds,
+        settings,
         changes,
         stepping: levels.stepping(),
         is_trial,
     };
     let trees = loaded.modules.iter();
     let trees = trees.map(|module| (module.file, &module.tree));
-    let names = Names::from_trees(trees, Keep::Declarations, bounds.cancellation)?;
+    let names = Names::from_trees(trees, Keep::Declarations, settings.cancellation)?;
     let mut programs = programs(&mut loaded, &names, &about, &mut diagnostics, done)?;
     if !diagnostics.iter().any(Diagnostic::is_error) {
         unused::check(
@@ -227,16 +255,45 @@ struct About<'a> {
     sources: &'a Sources,
     /// Whether all files could be read.
     readable: bool,
-    bounds: ExpansionBounds<'a>,
-    /// Name of an assembly, and the scene parameters to replace in its scene.
-    changes: (&'a str, &'a [ScalarChange]),
+    settings: ExpansionSettings<'a>,
+    /// Values that replace parameters.
+    changes: Changes<'a>,
     /// Model and time steps for the check of scenes. `None` if runs have no physics.
     stepping: Option<Stepping>,
     /// Whether a fix is being tried. Diagnostics of a trial need no help.
     is_trial: bool,
 }
 
-impl About<'_> {
+impl<'a> About<'a> {
+    /// Returns the values that replace parameters of an assembly or of its scene.
+    fn values(&self, assembly: Name, symbols: &Symbols) -> &'a [ScalarChange] {
+        let changed = self.changes.assembly;
+        if changed.is_none_or(|changed| changed == symbols.word(assembly.symbol)) {
+            self.changes.values
+        } else {
+            &[]
+        }
+    }
+
+    /// Returns the values that replace scene parameters of an assembly with these `parameters`.
+    fn scene_changes(
+        &self,
+        assembly: Name,
+        parameters: &[Let],
+        scene: &Scene,
+        symbols: &Symbols,
+    ) -> Vec<ScalarChange> {
+        let is_own = |change: &ScalarChange| {
+            let mut parameters = parameters.iter();
+            parameters.any(|it| symbols.word(it.name.symbol) == change.name)
+        };
+        let is_optional = self.changes.assembly.is_none();
+        let values = self.values(assembly, symbols).iter();
+        let values = values.filter(|change| !is_own(change));
+        let values = values.filter(|it| !is_optional || scalars::find(scene, &it.name).is_ok());
+        values.cloned().collect()
+    }
+
     /// Returns the codes and titles of the errors after these changes of the first file. Returns
     /// `None` if the changes overlap, or if the check was cancelled.
     fn errors_with(&self, fixes: &[&Fix]) -> Option<Vec<(Code, String)>> {
@@ -251,7 +308,7 @@ impl About<'_> {
         let checked = check_all(
             &own.name,
             &mut reader,
-            self.bounds,
+            self.settings,
             &levels,
             self.changes,
             true,
@@ -309,14 +366,15 @@ fn programs(
             );
         }
         let scene = scenes.get(scene, own.file, symbols, diagnostics);
-        let (changed, changes) = about.changes;
-        let scene = match scene {
-            Some(scene) if symbols.word(name.symbol) == changed => {
-                let wrong = |error| report(diagnostics, scene::diagnostic(&error, location));
-                scalars::changed(scene, changes).map_err(wrong).ok()
-            }
-            scene => scene,
+        let parameters = match &item.kind {
+            ItemKind::Assembly(assembly) => &assembly.parameters[..],
+            _ => &[],
         };
+        let scene = scene.and_then(|scene| {
+            let changes = about.scene_changes(name, parameters, &scene, symbols);
+            let wrong = |error| report(diagnostics, scene::diagnostic(&error, location));
+            scalars::changed(scene, &changes).map_err(wrong).ok()
+        });
         let About {
             sources, readable, ..
         } = *about;
@@ -346,7 +404,10 @@ fn programs(
             file: own.file,
             assembly,
             sources,
-            bounds: about.bounds,
+            settings: ExpansionSettings {
+                parameters: about.values(name, symbols),
+                ..about.settings
+            },
             readable,
             trial: (!about.is_trial).then_some(&trial),
             stepping: about.stepping,

@@ -1,9 +1,7 @@
 //! Checks sources that are held in memory.
-use stochc_ir::scene::scalars::ScalarChange;
-
 use crate::check::checked::Checked;
 use crate::check::model_check;
-use crate::check::program::check_changed;
+use crate::check::program::{Changes, check_changed};
 use crate::diagnostic::lint_levels::LintLevels;
 use crate::expand::Limits;
 
@@ -15,19 +13,13 @@ use crate::expand::Limits;
 /// assert_eq!(checked.diagnostics[0].code.name(), "unknown-name");
 /// ```
 pub fn check_text(name: &str, text: &str) -> Checked {
-    check_texts(&[(name, text)], &LintLevels::default(), "", &[])
+    check_texts(&[(name, text)], &LintLevels::default(), Changes::NONE)
 }
 
-/// Checks texts in memory. The first text is the program's own file. `changes` are applied to the
-/// scene of `assembly`.
+/// Checks texts in memory. The first text is the program's own file.
 ///
 /// Also explores small programs [in every order of events](model_check).
-pub fn check_texts(
-    texts: &[(&str, &str)],
-    levels: &LintLevels,
-    assembly: &str,
-    changes: &[ScalarChange],
-) -> Checked {
+pub fn check_texts(texts: &[(&str, &str)], levels: &LintLevels, changes: Changes<'_>) -> Checked {
     let mut reader = |path: &str| {
         let found = texts.iter().find(|(name, _)| *name == path);
         found
@@ -36,7 +28,7 @@ pub fn check_texts(
     };
     let root = texts.first().map_or("", |(name, _)| name);
     let limits = Limits::default();
-    let mut checked = check_changed(root, &mut reader, limits, levels, assembly, changes);
+    let mut checked = check_changed(root, &mut reader, limits, levels, changes);
     model_check::try_out(&mut checked);
     checked
 }

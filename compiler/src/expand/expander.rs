@@ -1,12 +1,13 @@
 //! State of an expansion, and the items of an assembly.
 use rustc_hash::FxHashMap;
-use stochc_grammar::tree::{Assembly, Item, ItemKind, Name, PhaseDeclaration, Quantity};
+use stochc_grammar::tree::{Assembly, Item, ItemKind, Let, Name, PhaseDeclaration, Quantity};
 use stochc_grammar::{Cancellation, Span, Symbol, Symbols};
+use stochc_ir::scene::scalars::ScalarChange;
 use stochc_ir::table::{Plate, RoleId};
 
 use super::declared_items::DeclaredItems;
 use super::duplicate::duplicate;
-use super::limits::{ExpansionBounds, Limits, MAX_NESTING};
+use super::limits::{ExpansionSettings, Limits, MAX_NESTING};
 use super::probe::Probe;
 use super::scope::{BoundValue, Scope};
 use super::uses;
@@ -94,6 +95,8 @@ pub(super) struct Expander<'a, 'f> {
     pub(super) errors: (usize, bool),
     pub(super) limits: Limits,
     pub(super) cancellation: Cancellation<'f>,
+    /// Values that replace the default values of parameters.
+    parameters: &'f [ScalarChange],
     pub(super) pass: Pass,
     pub(super) grown: ExpansionSize,
     /// Whether a limit is reached and expansion has stopped.
@@ -116,7 +119,7 @@ impl<'a, 'f> Expander<'a, 'f> {
         (file, name): (FileId, Name),
         sources: &'f Sources,
         symbols: &'f mut Symbols,
-        bounds: ExpansionBounds<'f>,
+        settings: ExpansionSettings<'f>,
         diagnostics: &'f mut Vec<Diagnostic>,
         probe: &'f mut Probe,
     ) -> Expander<'a, 'f> {
@@ -127,6 +130,7 @@ impl<'a, 'f> Expander<'a, 'f> {
                     file,
                     span: name.span,
                 },
+                parameters: Vec::new(),
                 plate: Plate { width: 0, depth: 0 },
                 seeds: Vec::new(),
                 roles: Roles::default(),
@@ -151,8 +155,9 @@ impl<'a, 'f> Expander<'a, 'f> {
             steps: 0,
             operations: 0,
             errors: (0, false),
-            limits: bounds.limits,
-            cancellation: bounds.cancellation,
+            limits: settings.limits,
+            cancellation: settings.cancellation,
+            parameters: settings.parameters,
             pass: Pass::Writing,
             grown: ExpansionSize::default(),
             exhausted: false,
@@ -179,7 +184,13 @@ impl<'a> Expander<'a, '_> {
     pub(super) fn assembly(&mut self, assembly: &'a Assembly) {
         // Patterns and shapes may be declared after their use.
         self.declare(&assembly.body);
+        let mark = self.scope.mark();
+        for parameter in &assembly.parameters {
+            self.parameter(parameter);
+        }
+        self.reject_hidden_parameters(assembly);
         self.items(&assembly.body);
+        self.scope.restore(mark);
         if self.plate.is_none() {
             self.diagnostics.push(
                 Diagnostic::new(
@@ -195,6 +206,36 @@ impl<'a> Expander<'a, '_> {
                 .label(self.plan.location, "it captures no blocks")
                 .help("add a phase, such as `phase grow { M.up -> A }`");
             self.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// Defines a parameter with its default value or with the value that replaces it.
+    fn parameter(&mut self, parameter: &Let) {
+        let default = self.evaluate(&parameter.value);
+        let word = self.symbols.word(parameter.name.symbol).to_owned();
+        let replaced = self.parameters.iter().find(|it| it.name == word);
+        let value = replaced.map(|it| it.value as i64).or(default);
+        self.define(
+            parameter.name,
+            value.map_or(BoundValue::Unknown, BoundValue::Number),
+        );
+        (self.plan.parameters).extend(value.map(|value| (word, value)));
+    }
+
+    /// Reports each `let` of an assembly that has the name of a parameter.
+    fn reject_hidden_parameters(&mut self, assembly: &Assembly) {
+        for item in &assembly.body {
+            let ItemKind::Let(let_) = &item.kind else {
+                continue;
+            };
+            let mut parameters = assembly.parameters.iter();
+            let name = let_.name;
+            if let Some(old) = parameters.find(|it| it.name.symbol == name.symbol) {
+                let [old, new] = [old.name, name].map(|name| self.location(name.span));
+                let word = self.symbols.word(name.symbol);
+                let diagnostic = duplicate(word, old, new, "a number", self.symbols);
+                report(self.diagnostics, diagnostic);
+            }
         }
     }
 

@@ -4,7 +4,7 @@ use stochc_grammar::{Cancellation, Cancelled, Symbols};
 
 use super::declared_items::Shapes;
 use super::expander::{Declarations, Expander, Pass};
-use super::limits::{ExpansionBounds, Limits, UNCOUNTED};
+use super::limits::{ExpansionSettings, Limits, UNCOUNTED};
 use super::probe::Probe;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::expanded::ExpandedProgram;
@@ -23,7 +23,7 @@ pub(crate) fn expand<'a>(
     assembly: (FileId, &'a Assembly),
     sources: &Sources,
     symbols: &mut Symbols,
-    bounds: ExpansionBounds<'_>,
+    settings: ExpansionSettings<'_>,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Result<Expanded<'a>, Cancelled> {
     let mut nowhere = Probe::default();
@@ -32,7 +32,7 @@ pub(crate) fn expand<'a>(
         assembly,
         sources,
         symbols,
-        bounds,
+        settings,
         diagnostics,
         &mut nowhere,
     )
@@ -44,14 +44,15 @@ pub(crate) fn expand_probed<'a>(
     (file, assembly): (FileId, &'a Assembly),
     sources: &Sources,
     symbols: &mut Symbols,
-    bounds: ExpansionBounds<'_>,
+    settings: ExpansionSettings<'_>,
     diagnostics: &mut Vec<Diagnostic>,
     probe: &mut Probe,
 ) -> Result<Expanded<'a>, Cancelled> {
-    let ExpansionBounds {
+    let ExpansionSettings {
         limits,
         cancellation,
-    } = bounds;
+        ..
+    } = settings;
     let mut attempt = |limits: Limits, pass: Pass, probe: &mut Probe| {
         let mut reported = Vec::new();
         let mut expander = Expander::new(
@@ -59,7 +60,7 @@ pub(crate) fn expand_probed<'a>(
             (file, assembly.name),
             sources,
             symbols,
-            ExpansionBounds { limits, ..bounds },
+            ExpansionSettings { limits, ..settings },
             &mut reported,
             probe,
         );
@@ -95,8 +96,9 @@ pub(crate) fn expand_aggregate(
     symbols: &mut Symbols,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> ExpandedProgram {
-    let bounds = ExpansionBounds {
+    let settings = ExpansionSettings {
         limits: Limits::default(),
+        parameters: &[],
         cancellation: Cancellation::NEVER,
     };
     let mut nowhere = Probe::default();
@@ -105,7 +107,7 @@ pub(crate) fn expand_aggregate(
         (file, aggregate.name),
         sources,
         symbols,
-        bounds,
+        settings,
         diagnostics,
         &mut nowhere,
     );

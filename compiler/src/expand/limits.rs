@@ -1,5 +1,6 @@
 //! Limits of an expansion.
 use stochc_grammar::Cancellation;
+use stochc_ir::scene::scalars::ScalarChange;
 
 /// Largest number of captures, releases and other results. A check of this size needs less than 300
 /// MB.
@@ -48,10 +49,12 @@ impl Default for Limits {
     }
 }
 
-/// Limits and cancellation of an expansion.
+/// Limits, cancellation and parameters of an expansion.
 #[derive(Clone, Copy, Debug)]
-pub struct ExpansionBounds<'c> {
+pub struct ExpansionSettings<'c> {
     pub limits: Limits,
+    /// Values that replace the default values of parameters.
+    pub parameters: &'c [ScalarChange],
     pub cancellation: Cancellation<'c>,
 }
 

@@ -23,5 +23,5 @@ pub use duplicate::duplicate;
 pub use expander::Declarations;
 pub(crate) use expansion::{expand, expand_aggregate, expand_probed};
 pub(crate) use limits::MAX_NESTING;
-pub use limits::{ExpansionBounds, Limits};
+pub use limits::{ExpansionSettings, Limits};
 pub(crate) use probe::Probe;

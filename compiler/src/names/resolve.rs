@@ -119,13 +119,15 @@ impl Resolver<'_> {
                     let named = self.declare(&assembly.body);
                     self.declared.own.push(named);
                     let mut own = OwnNumbers::default();
-                    for item in &assembly.body {
-                        if let ItemKind::Let(let_) = &item.kind {
-                            let word = let_.name.symbol;
-                            let definition = self.definitions.add(NameKind::Number, word);
-                            own.numbers.entry(word).or_default().push(definition);
-                            own.lets.insert(let_.name.span.start, definition);
-                        }
+                    let declared = assembly.body.iter().filter_map(|item| match &item.kind {
+                        ItemKind::Let(let_) => Some(&**let_),
+                        _ => None,
+                    });
+                    for let_ in assembly.parameters.iter().chain(declared) {
+                        let word = let_.name.symbol;
+                        let definition = self.definitions.add(NameKind::Number, word);
+                        own.numbers.entry(word).or_default().push(definition);
+                        own.lets.insert(let_.name.span.start, definition);
                     }
                     self.assemblies.push(own);
                 }
@@ -199,7 +201,13 @@ impl Resolver<'_> {
                 self.enclosing = EnclosingScope::Assembly(*number);
                 self.scope = self.new_scope();
                 *number += 1;
+                let mark = self.bindings.mark();
+                for parameter in &assembly.parameters {
+                    self.expr(&parameter.value);
+                    self.bind(NameKind::Number, parameter.name);
+                }
                 self.items(&assembly.body);
+                self.bindings.restore(mark);
             }
             ItemKind::Aggregate(aggregate) => {
                 let definition = (self.definitions).add(NameKind::Aggregate, aggregate.name.symbol);

@@ -6,7 +6,7 @@ use stochc_ir::table::RoleId;
 
 use crate::check::program::declarations;
 use crate::dependencies::graph::anchored_by;
-use crate::expand::{ExpansionBounds, Limits, Probe, expand_probed};
+use crate::expand::{ExpansionSettings, Limits, Probe, expand_probed};
 use crate::expanded::{EventId, EventKind};
 use crate::names::{Keep, Names};
 use crate::{Checked, FileId, Program};
@@ -64,8 +64,9 @@ pub fn blocks_at(
             (known.plan.location.file, assembly),
             &checked.sources,
             &mut symbols,
-            ExpansionBounds {
+            ExpansionSettings {
                 limits,
+                parameters: &[],
                 cancellation,
             },
             &mut diagnostics,

@@ -3,7 +3,7 @@ mod syntax_hints;
 
 use proptest::prelude::*;
 use stochc_compiler::diagnostic::{Code, Diagnostic, Fix, TextChange};
-use stochc_compiler::{Checked, FileId, Fixed, Limits, LintLevels, check};
+use stochc_compiler::{Changes, Checked, FileId, Fixed, Limits, LintLevels, check};
 
 /// Reads a text as `a.sa`, next to the files that the fixtures import.
 fn files(text: &str) -> impl FnMut(&str) -> std::io::Result<Vec<u8>> {
@@ -29,6 +29,7 @@ fn apply_fixes(text: &str) -> Fixed {
         &mut reader,
         Limits::default(),
         &LintLevels::default(),
+        Changes::NONE,
     )
 }
 

@@ -288,12 +288,18 @@ pub fn declare_with(reuse: Reuse, choices: Vec<u32>, faces: u8) -> Declared {
         }
         generator.text.push_str("pattern drop(x) { release x }\n");
     }
-    generator
-        .text
-        .push_str("assembly random in many {\n    seed plate 3 x 3 {\n");
-    for (name, x, y) in [("A", 0, 0), ("B", 2, 0), ("C", 1, 1)] {
-        let _ = writeln!(generator.text, "        {name} at ({x}, {y})");
-        let cell = Cell::new(x, y, 0);
+    // Half of the programs have parameters.
+    let (parameters, edge, places) = if generator.choices.len() % 2 == 0 {
+        ("", "3", ["0, 0", "2, 0", "1, 1"])
+    } else {
+        let places = ["last - 2, 0", "last, 0", "edge / 2, last / 2"];
+        ("(edge = 3, last = edge - 1)", "edge", places)
+    };
+    let _ = writeln!(generator.text, "assembly random{parameters} in many {{");
+    let _ = writeln!(generator.text, "    seed plate {edge} x {edge} {{");
+    let cells = [Cell::new(0, 0, 0), Cell::new(2, 0, 0), Cell::new(1, 1, 0)];
+    for ((name, place), cell) in ["A", "B", "C"].into_iter().zip(places).zip(cells) {
+        let _ = writeln!(generator.text, "        {name} at ({place})");
         generator.blocks.insert(
             name.into(),
             Block {

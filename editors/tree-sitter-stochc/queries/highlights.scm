@@ -35,6 +35,7 @@
 (instance pattern: (name) @function)
 
 (let name: (name) @variable)
+(default name: (name) @variable)
 (for counter: (name) @variable)
 (parameters (name) @variable)
 (expression (name) @variable)

@@ -3,6 +3,7 @@
 (for) @local.scope
 
 (let name: (name) @local.definition)
+(default name: (name) @local.definition)
 (for counter: (name) @local.definition)
 (parameters (name) @local.definition)
 

@@ -40,7 +40,10 @@ impl Breaks {
             _ => {}
         }
         // Positions and indices stay on one line. Lists of arguments may break.
-        let listed = u32::from(matches!(whole, Rule::instance | Rule::pattern_head));
+        let listed = u32::from(matches!(
+            whole,
+            Rule::instance | Rule::pattern_head | Rule::assembly_head
+        ));
         if self.brackets > 0 || self.parens > listed {
             return false;
         }

@@ -503,8 +503,13 @@ impl Parser<'_, '_> {
 
     fn assembly_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> Assembly {
         let names = self.names(pair.clone(), base);
+        let inner = pair.clone().into_inner();
+        let parameters = inner.filter(|part| part.as_rule() == Rule::parameters);
+        let parameters = parameters.flat_map(Pair::into_inner);
+        let parameters = parameters.filter(|part| part.as_rule() == Rule::parameter);
         Assembly {
             name: self.first_name_of(&names, &pair, base),
+            parameters: parameters.map(|part| self.let_(part, base)).collect(),
             scene: names.get(1).copied(),
             body: Vec::new(),
         }

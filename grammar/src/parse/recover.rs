@@ -189,6 +189,7 @@ impl Parser<'_, '_> {
             })),
             "assembly" => ItemKind::Assembly(Box::new(Assembly {
                 name,
+                parameters: Vec::new(),
                 scene: None,
                 body: Vec::new(),
             })),

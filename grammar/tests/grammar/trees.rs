@@ -353,10 +353,19 @@ fn assembly() -> BoxedStrategy<Item> {
         1 => level(),
     ];
     let body = prop::collection::vec(part, 0..4);
+    let parameter = (name(), expr()).prop_map(|(name, value)| Let { name, value });
+    let parameters = prop::collection::vec(parameter, 0..3);
     item(
-        (name(), prop::option::of(name()), body).prop_map(|(name, scene, body)| {
-            ItemKind::Assembly(Box::new(Assembly { name, scene, body }))
-        }),
+        (name(), parameters, prop::option::of(name()), body).prop_map(
+            |(name, parameters, scene, body)| {
+                ItemKind::Assembly(Box::new(Assembly {
+                    name,
+                    parameters,
+                    scene,
+                    body,
+                }))
+            },
+        ),
     )
 }
 

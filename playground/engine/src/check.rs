@@ -2,7 +2,7 @@
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::{diagnostics_json, program_json};
 use stochc_compiler::expanded::{EventId, EventKind, ExpandedProgram};
-use stochc_compiler::{Checked, LintLevels, MAX_ESTIMATED, Program, SourceLocation, check_texts};
+use stochc_compiler::{Changes, Checked, LintLevels, MAX_ESTIMATED, Program, SourceLocation, check_texts};
 use stochc_estimate::Rates;
 use stochc_ir::emit::{graph_json, shell_json, table_json};
 use stochc_ir::table::RoleId;
@@ -19,7 +19,7 @@ const MAX_CAPTURES: usize = 5;
 pub fn checked(text: &str) -> Checked {
     let mut texts = vec![(NAME, text)];
     texts.extend(EXAMPLES);
-    check_texts(&texts, &LintLevels::default(), "", &[])
+    check_texts(&texts, &LintLevels::default(), Changes::NONE)
 }
 
 /// Returns `{ diagnostics, programs }` as `stochc check --format json` does, with the `structure`

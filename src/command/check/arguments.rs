@@ -1,6 +1,7 @@
 //! Arguments of `check`.
 use crate::command::imports::ImportOptions;
 use crate::command::levels::LevelOptions;
+use crate::command::parameters::ParameterOptions;
 use crate::command::run_options::{JsonOption, count};
 use crate::diagnostics::Format;
 use clap::Args;
@@ -43,6 +44,8 @@ pub struct CheckArguments {
     pub(super) levels: LevelOptions,
     #[command(flatten)]
     pub(super) imports: ImportOptions,
+    #[command(flatten)]
+    pub(super) parameters: ParameterOptions,
 }
 
 impl CheckArguments {

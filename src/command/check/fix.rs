@@ -4,6 +4,7 @@ use stochc_text::{counted, visible};
 
 use super::super::terminal::{has_colour, message_width, print, warn, warn_drawn};
 use super::arguments::CheckArguments;
+use crate::SourceSettings;
 use crate::diagnostics::{Format, drawn};
 use crate::exit::{Exit, Failure};
 use crate::fix::{FixedFile, fix};
@@ -17,11 +18,12 @@ use crate::operations::programs::verdict;
 pub fn run(
     file: &str,
     options: &CheckArguments,
+    source: &SourceSettings,
     exit: &mut Exit,
     text: &mut Option<Vec<u8>>,
 ) -> Result<Option<Exit>, Failure> {
     // The check that follows reports files that cannot be read.
-    let Ok(fixed) = fix(file, &options.levels.levels, &options.imports.folders) else {
+    let Ok(fixed) = fix(file, source) else {
         return Ok(None);
     };
     let shown = visible(file);

@@ -1,7 +1,7 @@
 //! Checks programs and prints their diagnostics.
 
 use stochc_compiler::order::Order;
-use stochc_compiler::{Checked, Limits, Program, check_with};
+use stochc_compiler::{Checked, Program};
 use stochc_files::programs::{STDIN, STDIN_NAME, programs, read};
 use stochc_ir::emit::chain_text;
 use stochc_runtime::rates::Rates;
@@ -11,15 +11,18 @@ use super::arguments::CheckArguments;
 use super::cost::{cost_json, costs, summed_up};
 use super::fix;
 use super::scene::scenes;
+use crate::SourceSettings;
 use crate::command::terminal::{
     exit_of, has_colour, message_width, output_width, print, print_folded, warn, warn_drawn,
 };
 use crate::diagnostics::{CheckDocument, DiagnosticCounts, Format, SarifLog, show};
 use crate::exit::{Exit, Failure};
+use crate::facade::check_read;
 use crate::operations::programs::{cannot_read, is_readable, plan_advice, verdict};
 use crate::operations::rates::{UnusedRates, read_rate_files};
 use crate::operations::summary::{status_lines, warnings};
 use crate::reader::DiskReader;
+use crate::source_settings::UnusedValues;
 
 /// Checks each file and prints its diagnostics. Prints a summary of files without errors.
 pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
@@ -37,6 +40,10 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     document.scenes = options.physics.then(Vec::new);
     let mut log = SarifLog::new(std::env::current_dir().ok().as_deref());
     let mut tally = DiagnosticCounts::default();
+    let source = options
+        .parameters
+        .settings(&options.levels, &options.imports);
+    let mut unset = UnusedValues::new(&source);
     let (files, unread) = readable(&options.files);
     let are_many = files.len() + usize::from(unread) > 1;
     if unread {
@@ -46,7 +53,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     for file in &files {
         let mut text = None;
         if options.fix
-            && let Some(ended) = fix::run(file, options, &mut exit, &mut text)?
+            && let Some(ended) = fix::run(file, options, &source, &mut exit, &mut text)?
         {
             exit = exit.or_worse(ended);
             continue;
@@ -61,7 +68,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
                 print_folded(summary)
             }
         };
-        let checked = match check(file, text, options) {
+        let checked = match check(file, text, &source) {
             Ok(checked) => checked,
             Err(failure) => {
                 exit = exit.or_worse(exit_of(Err(failure)));
@@ -69,6 +76,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
                 continue;
             }
         };
+        unset.remove_used_by(&checked.programs);
         let name = if are_many {
             format!("{}: ", visible(file))
         } else {
@@ -110,6 +118,9 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
                 }
             }
         }
+    }
+    if exit == Exit::Success {
+        unset.check()?;
     }
     unused.notes().for_each(|note| warn(&note));
     match options.format() {
@@ -153,13 +164,12 @@ fn readable(arguments: &[String]) -> (Vec<String>, bool) {
 pub(super) fn check(
     file: &str,
     text: Option<Vec<u8>>,
-    options: &CheckArguments,
+    source: &SourceSettings,
 ) -> Result<Checked, Failure> {
     let text = text.map_or_else(|| read(file), Ok);
     let text = text.map_err(|reason| cannot_read(file, reason))?;
-    let mut reader = DiskReader::new(file, Some(&text), &options.imports.folders);
-    let levels = &options.levels.levels;
-    Ok(check_with(file, &mut reader, Limits::default(), levels))
+    let mut reader = DiskReader::new(file, Some(&text), &source.imports);
+    Ok(check_read(file, &mut reader, source))
 }
 
 /// Returns the summary of a file without errors. Each line begins with `name`.

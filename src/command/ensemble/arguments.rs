@@ -10,6 +10,7 @@ use stochc_text::share;
 
 use super::super::imports::ImportOptions;
 use super::super::levels::LevelOptions;
+use super::super::parameters::ParameterOptions;
 use super::super::run_options::{ResultsOptions, SeedOption, ThreadsOption};
 use crate::exit::Failure;
 
@@ -36,6 +37,8 @@ pub struct ProgramOptions {
     pub levels: LevelOptions,
     #[command(flatten)]
     pub imports: ImportOptions,
+    #[command(flatten)]
+    pub parameters: ParameterOptions,
 }
 
 /// Options that select how each run is computed.

@@ -9,6 +9,7 @@ use stochc_runtime::Model;
 use stochc_text::visible;
 
 use super::arguments::ProgramOptions;
+use crate::SourceSettings;
 use crate::exit::Failure;
 use crate::host::Host;
 use crate::operations::programs::programs;
@@ -35,7 +36,11 @@ pub fn from_programs(
         options.model.are_used(&settings)?;
     }
     let levels = &options.levels.levels.clone().for_runs(settings.stepping());
-    let mut programs = programs(&options.files, levels, &options.imports.folders, host)?;
+    let source = SourceSettings {
+        levels: levels.clone(),
+        ..(options.parameters).settings(&options.levels, &options.imports)
+    };
+    let mut programs = programs(&options.files, &source, host)?;
     if !axes.is_empty() {
         programs = sweep::points(axes, runs, &programs, levels, host)?;
     }

@@ -13,6 +13,7 @@ use stochc_text::{counted, listed, visible};
 use super::super::programs::{is_readable, verdict};
 use super::PlanOptions;
 use super::not_planned::refused;
+use crate::SourceSettings;
 use crate::exit::Failure;
 use crate::host::Host;
 use stochc_planner::Goal;
@@ -131,7 +132,11 @@ pub fn checked(options: &PlanOptions<'_>) -> Result<Checked, Failure> {
 /// Compiles a file. The result may contain errors.
 pub fn checked_file(file: &str, imports: &[PathBuf]) -> Result<Checked, Failure> {
     is_readable(file)?;
-    Ok(crate::check_within(file, &Default::default(), imports))
+    let settings = SourceSettings {
+        imports: imports.to_vec(),
+        ..SourceSettings::default()
+    };
+    Ok(crate::check_source(file, &settings))
 }
 
 pub fn is_name(name: &str) -> bool {

@@ -332,7 +332,11 @@ fn a_changed_scene_compiles_like_a_written_one() {
         let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
         let limits = crate::Limits::default();
         let levels = crate::LintLevels::default();
-        crate::check::program::check_changed("a.sa", &mut reader, limits, &levels, "a", &changes)
+        let changes = crate::Changes {
+            assembly: Some("a"),
+            values: &changes,
+        };
+        crate::check_changed("a.sa", &mut reader, limits, &levels, changes)
     };
     let timeout = |changes: &[(&str, f64)]| {
         let checked = checked(changes);

@@ -5,9 +5,11 @@ use stochc_ir::scene::units::WrittenQuantity;
 
 use stochc_results::{ChosenSetting, Varied};
 
+use super::parameter::Parameter;
+
 use super::error::{MAX_VALUES, RangeError};
 
-/// Axis of a sweep: a scene parameter or setting, with its values.
+/// Axis of a sweep: a parameter of a program or scene, or a setting, with its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Name of the parameter or setting, as the user wrote it.
@@ -63,7 +65,7 @@ impl Axis {
     }
 
     /// Returns the values of the setting that the axis varies. Returns `None` if the axis varies a
-    /// scene parameter.
+    /// parameter of a program or scene.
     pub fn settings(&self) -> Option<&[ChosenSetting]> {
         match &self.values {
             AxisValues::Settings(chosen) => Some(chosen),
@@ -71,18 +73,18 @@ impl Axis {
         }
     }
 
-    /// Returns the values of the axis for a scene parameter, each with its unit.
+    /// Returns the values of the axis for a parameter, each with its unit.
     ///
     /// # Errors
     ///
     /// If a value is out of range, is not an integer for an integer parameter, or occurs twice.
-    pub fn values(&self, number: &SchemaNumber) -> Result<Vec<Varied>, RangeError> {
+    pub fn values(&self, parameter: Parameter<'_>) -> Result<Vec<Varied>, RangeError> {
         let mut out: Vec<Varied> = Vec::new();
-        for given in self.given_values(number)? {
-            let varied = varied(number, given, &self.unit)?;
+        for given in self.given_values(parameter)? {
+            let varied = parameter.with_value(given, &self.unit)?;
             if out.iter().any(|other| other.value == varied.value) {
                 return Err(RangeError::ValueTwice {
-                    name: number.name(),
+                    name: varied.name.clone(),
                     value: varied.value(),
                 });
             }
@@ -91,21 +93,21 @@ impl Axis {
         Ok(out)
     }
 
-    fn given_values(&self, number: &SchemaNumber) -> Result<Vec<f64>, RangeError> {
+    fn given_values(&self, parameter: Parameter<'_>) -> Result<Vec<f64>, RangeError> {
         Ok(match self.values {
             AxisValues::Settings(_) => return Err(RangeError::Setting(self.name.clone())),
             AxisValues::List(ref values) => values.clone(),
             AxisValues::Even { from, to, n } => {
                 let values: Vec<f64> = (0..n).map(|i| even(from, to, n, i)).collect();
                 let broken = values.iter().find(|value| value.fract() != 0.0);
-                if let (true, Some(broken)) = (number.is_whole(), broken) {
-                    return Err(not_whole(number.name(), from, to, n, *broken));
+                if let (true, Some(broken)) = (parameter.is_whole(), broken) {
+                    return Err(not_whole(parameter.name(), from, to, n, *broken));
                 }
                 values
             }
             AxisValues::Geometric { from, to, n } => {
                 let round = |value: f64| {
-                    if number.is_whole() {
+                    if parameter.is_whole() {
                         value.round()
                     } else {
                         digits(value, 4)
@@ -161,7 +163,7 @@ pub(crate) fn varied(number: &SchemaNumber, given: f64, unit: &str) -> Result<Va
             unit: number.kind.example_unit(),
             error,
         },
-        _ => RangeError::Value(error),
+        _ => RangeError::SceneValue(error),
     })?;
     Ok(Varied {
         name: number.name().to_owned(),
@@ -188,7 +190,7 @@ pub(crate) fn digits(value: f64, n: usize) -> f64 {
 
 /// Returns the error for an integer parameter whose evenly spaced values are not all integers. The
 /// error suggests another number of values.
-fn not_whole(name: &'static str, from: f64, to: f64, n: u32, broken: f64) -> RangeError {
+fn not_whole(name: &str, from: f64, to: f64, n: u32, broken: f64) -> RangeError {
     let whole = |n: &u32| (1..n - 1).all(|i| even(from, to, *n, i).fract() == 0.0);
     let ends = from.fract() == 0.0 && to.fract() == 0.0;
     let mut fitting: Vec<u32> = (2..=60).filter(|n| ends && whole(n)).collect();
@@ -203,7 +205,7 @@ fn not_whole(name: &'static str, from: f64, to: f64, n: u32, broken: f64) -> Ran
         }
     };
     RangeError::NotWhole {
-        name,
+        name: name.to_owned(),
         n,
         from,
         to,
@@ -289,7 +291,7 @@ mod tests {
         let axis = Axis::parse(text)?;
         let scene = built_in("hemisphere").unwrap();
         let scalar = find(&scene, &axis.name)?;
-        let values = axis.values(scalar)?;
+        let values = axis.values(Parameter::Scene(scalar))?;
         let given = values.iter().map(|varied| varied.given).collect();
         Ok((given, values.iter().map(|varied| varied.value).collect()))
     }

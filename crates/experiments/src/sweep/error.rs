@@ -16,6 +16,9 @@ pub enum RangeError {
     /// An axis does not have the form `NAME=VALUES`.
     #[error("write NAME=VALUES, such as `free=50..600/6` or `bond.pull=2,4,8 N`")]
     Axis,
+    /// A parameter with one value does not have the form `NAME=VALUE`.
+    #[error("write NAME=VALUE with one value, such as `height=8` or `'bond.pull=10 N'`")]
+    Value,
     /// A prior does not have the form `NAME=FROM..TO`.
     #[error("write NAME=FROM..TO, such as `bond.pull=2..12 N` or `free=50..500 log`")]
     Prior,
@@ -67,7 +70,7 @@ pub enum RangeError {
     #[error("`{name}` has the value {value} twice; give fewer values")]
     ValueTwice {
         /// Name of the parameter.
-        name: &'static str,
+        name: String,
         /// The value with its unit.
         value: String,
     },
@@ -75,7 +78,7 @@ pub enum RangeError {
     #[error("`{0}` is swept twice")]
     AxisTwice(String),
     /// A setting is given, but a scene parameter is required.
-    #[error("`{0}` is a setting, not a scene parameter")]
+    #[error("`{0}` is a setting, not a parameter of a program or scene")]
     Setting(String),
     /// Evenly spaced values of an integer parameter are not integers.
     #[error(
@@ -84,7 +87,7 @@ pub enum RangeError {
     )]
     NotWhole {
         /// Name of the parameter.
-        name: &'static str,
+        name: String,
         /// Number of values in the range.
         n: u32,
         /// First value of the range.
@@ -101,6 +104,24 @@ pub enum RangeError {
         "`{0}` is a whole number, and a fit needs a range of five of them at least; `stochc sweep` tries a few"
     )]
     ShortRange(String),
+    /// Neither the program nor its scene has the parameter, but the program has a similar one.
+    #[error("`{program}` has no parameter `{name}`; did you mean `{suggestion}`?")]
+    NoParameter {
+        /// Name of the program.
+        program: String,
+        /// The unknown name.
+        name: String,
+        /// Parameter with a similar name.
+        suggestion: String,
+    },
+    /// The value of a program's parameter is not an integer, or has a unit.
+    #[error("`{name}` is a parameter of a program and requires a whole number, not {value}")]
+    ProgramParameter {
+        /// Name of the parameter.
+        name: String,
+        /// The value with its unit.
+        value: String,
+    },
     /// A sweep has too many points.
     #[error(
         "the sweep has {0} or more points, more than the limit of {MAX_POINTS}; give fewer values"
@@ -114,7 +135,7 @@ pub enum RangeError {
     },
     /// The scene parameter cannot have the value.
     #[error(transparent)]
-    Value(#[from] ScalarError),
+    SceneValue(#[from] ScalarError),
     /// The values have no unit, and the parameter needs one.
     #[error("{error}; write the unit after the last value, such as `2,4,8 {unit}`")]
     NoUnit {

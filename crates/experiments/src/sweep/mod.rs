@@ -1,4 +1,4 @@
-//! Sweeps: ensembles over scene parameters and settings, such as `sweep --vary 'bond.pull=2..12
+//! Sweeps: ensembles over parameters of programs and scenes, and over settings, such as `sweep --vary 'bond.pull=2..12
 //! N/5' --vary substeps=2,4`.
 //!
 //! An [`Axis`] has the values of one parameter or setting. [`points`] returns all combinations of
@@ -8,11 +8,13 @@ mod axis;
 mod data;
 mod error;
 mod outcome;
+mod parameter;
 mod points;
 
 pub use axis::Axis;
 pub(crate) use axis::{common, digits, logarithmic, value, varied};
 pub use error::{MAX_POINTS, RangeError};
 pub use outcome::{PointTally, Sweep, SweepPoint, SweepTally, SweptNumber, SweptValue};
+pub use parameter::{Parameter, ParameterValue};
 pub(crate) use points::number;
 pub use points::{Point, points};

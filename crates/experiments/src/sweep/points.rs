@@ -5,12 +5,13 @@ use stochc_ir::scene::schema::SchemaNumber;
 
 use super::axis::Axis;
 use super::error::{MAX_POINTS, RangeError};
-use stochc_results::{ChosenSetting, Varied};
+use super::parameter::Parameter;
+use stochc_results::{ChosenSetting, EnsembleProgram, Varied};
 
 /// Point of a sweep, with one value for each axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Point {
-    /// Values of the scene parameters.
+    /// Values of the parameters of the program and scene.
     pub varied: Vec<Varied>,
     /// Values of the settings.
     pub chosen: Vec<ChosenSetting>,
@@ -30,13 +31,13 @@ impl Point {
     }
 }
 
-/// Returns all combinations of the axes' values for a scene. The last axis changes fastest.
+/// Returns all combinations of the axes' values for a program. The last axis changes fastest.
 ///
 /// # Errors
 ///
-/// If the scene does not have a parameter, a value is not allowed, or there are more than
+/// If the program and its scene do not have a parameter, a value is not allowed, or there are more than
 /// [`MAX_POINTS`] points.
-pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Point>, RangeError> {
+pub fn points(axes: &[Axis], program: &EnsembleProgram) -> Result<Vec<Point>, RangeError> {
     let mut all = vec![Point::default()];
     let mut seen: Vec<&str> = Vec::new();
     for axis in axes {
@@ -46,9 +47,9 @@ pub fn points(axes: &[Axis], scene: &Scene) -> Result<Vec<Point>, RangeError> {
             let with = |point: &Point| chosen.iter().map(|it| point.with_setting(it)).collect();
             all.iter().flat_map::<Vec<Point>, _>(with).collect()
         } else {
-            let scalar = number(scene, &axis.name)?;
-            first_time(&mut seen, scalar.name())?;
-            let values = axis.values(scalar)?;
+            let parameter = Parameter::find(program, &axis.name)?;
+            first_time(&mut seen, parameter.name())?;
+            let values = axis.values(parameter)?;
             few(all.len(), values.len())?;
             let with = |point: &Point| values.iter().map(|it| point.with_number(it)).collect();
             all.iter().flat_map::<Vec<Point>, _>(with).collect()
@@ -92,13 +93,16 @@ pub(crate) fn number(scene: &Scene, name: &str) -> Result<&'static SchemaNumber,
 
 #[cfg(test)]
 mod tests {
-    use stochc_compiler::scene::built_in;
-
     use super::*;
 
     fn combined(axes: &[&str]) -> Result<Vec<String>, RangeError> {
         let axes: Vec<Axis> = axes.iter().map(|axis| Axis::parse(axis).unwrap()).collect();
-        let points = points(&axes, &built_in("hemisphere").unwrap())?;
+        let text = "assembly tower(height = 2) { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A[1..height] } }";
+        let mut checked = stochc_compiler::check_text("tower.sa", text);
+        let executable = checked.programs.remove(0).into_executable().unwrap();
+        let mut program = EnsembleProgram::new("tower", Vec::new(), executable);
+        program.parameters.insert("height".to_owned(), 2);
+        let points = points(&axes, &program)?;
         let text = |point: Point| {
             let numbers = point.varied.iter().map(Varied::text);
             let settings = point.chosen.iter().map(ChosenSetting::text);
@@ -127,6 +131,10 @@ mod tests {
                 "free=60 substeps=2"
             ]
         );
+        assert_eq!(
+            combined(&["height=2..4/3"]).unwrap(),
+            ["height=2", "height=3", "height=4"]
+        );
         let message = combined(&["model=rigid", "model=rate"])
             .unwrap_err()
             .to_string();
@@ -144,6 +152,16 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert_eq!(message, "`agitation.speed` is swept twice");
+        let message = combined(&["hight=1,2"]).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "`tower` has no parameter `hight`; did you mean `height`?"
+        );
+        let message = combined(&["height=2,2.5"]).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "`height` is a parameter of a program and requires a whole number, not 2.5"
+        );
         let message = combined(&["gravitty=1"]).unwrap_err().to_string();
         assert!(message.contains("it has tick, block.side"), "{message}");
     }

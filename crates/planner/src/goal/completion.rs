@@ -20,7 +20,7 @@ use stochc_ir::table::RoleId;
 
 use super::price::estimate;
 use super::{Planned, Unplanned};
-use stochc_compiler::check_texts;
+use stochc_compiler::{Changes, check_texts};
 
 /// A partial program with the shape to complete.
 #[derive(Debug)]
@@ -218,7 +218,7 @@ impl Completion {
         let texts: Vec<(&str, &str)> = std::iter::once((name.as_str(), text.as_str()))
             .chain(others.map(|(name, text)| (name.as_str(), text.as_str())))
             .collect();
-        let checked = check_texts(&texts, &LintLevels::default(), "", &[]);
+        let checked = check_texts(&texts, &LintLevels::default(), Changes::NONE);
         let untrue = untrue_claims(&checked).filter(|untrue| *untrue < self.untrue);
         let Some(untrue) = untrue else {
             return Err(Unplanned::Wrong(Box::new(checked)));

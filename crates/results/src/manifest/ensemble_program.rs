@@ -1,4 +1,5 @@
 //! Programs of an ensemble.
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -20,8 +21,12 @@ pub struct EnsembleProgram {
     pub compiled: Arc<Compiled>,
     /// Scene of the program.
     pub scene: Scene,
-    /// Scene parameters that a sweep has changed, in the order of the command line. Empty if all
-    /// are as in the source.
+    /// Parameters of the program with their values.
+    pub parameters: BTreeMap<String, i64>,
+    /// Parameters of the program or scene that the user has set, equal at all points of a sweep.
+    pub set: Vec<Varied>,
+    /// Parameters of the program or scene that a sweep has changed, in the order of the command
+    /// line. Empty if all are as in the source.
     pub varied: Vec<Varied>,
     /// Settings that a sweep has chosen for this program. All other settings are in the manifest.
     pub chosen: Vec<ChosenSetting>,
@@ -64,11 +69,16 @@ pub(super) struct ProgramIdentity<'a> {
 }
 
 impl EnsembleProgram {
-    /// Returns the varied values of the program's point in a sweep. They are appended to its name:
-    /// ` [free=50, tick=10 ms]`.
+    /// Returns the values that the user has set, and those of the program's point in a sweep. They
+    /// are appended to its name: ` [free=50, tick=10 ms]`.
     pub fn point(&self) -> String {
-        let numbers = self.varied.iter().map(Varied::text);
+        let numbers = self.changes().map(Varied::text);
         bracketed(numbers.chain(self.chosen.iter().map(ChosenSetting::text)))
+    }
+
+    /// Returns all parameters that differ from the source: the set ones, then the varied ones.
+    pub fn changes(&self) -> impl Iterator<Item = &Varied> {
+        self.set.iter().chain(&self.varied)
     }
 
     /// Returns whether the program is a point of a sweep.
@@ -79,14 +89,15 @@ impl EnsembleProgram {
     /// Returns the program's name without the values of scene parameters that a sweep appended.
     /// Values of settings remain.
     pub fn name_without_numbers(&self) -> String {
-        let settings = bracketed(self.chosen.iter().map(ChosenSetting::text));
+        let set = self.set.iter().map(Varied::text);
+        let settings = bracketed(set.chain(self.chosen.iter().map(ChosenSetting::text)));
         self.name.replace(&self.point(), &settings)
     }
 
     /// Returns the program's name without the values of settings that a sweep appended. Values of
     /// scene parameters remain.
     pub fn name_without_settings(&self) -> String {
-        let numbers = bracketed(self.varied.iter().map(Varied::text));
+        let numbers = bracketed(self.changes().map(Varied::text));
         self.name.replace(&self.point(), &numbers)
     }
 
@@ -131,6 +142,8 @@ impl EnsembleProgram {
             name: name.to_owned(),
             compiled: Arc::new(Compiled::new(tables, graph, jam_risks)),
             scene,
+            parameters: BTreeMap::new(),
+            set: Vec::new(),
             varied: Vec::new(),
             chosen: Vec::new(),
             sources,
@@ -225,6 +238,8 @@ impl EnsembleProgram {
         let (there, here) = (self.identity(), other.identity());
         let what = if there.texts != here.texts {
             "the text"
+        } else if self.set != other.set {
+            "the set of parameters"
         } else if there.scene != here.scene || there.varied != here.varied {
             "the scene"
         } else if there.chosen != here.chosen {

@@ -1,5 +1,5 @@
 //! Form of a manifest in `manifest.json`. Shared tables and sources are stored only once.
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -34,6 +34,10 @@ struct StoredProgram {
     /// Index of the program's tables in the list `compiled`.
     compiled: usize,
     scene: Scene,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    parameters: BTreeMap<String, i64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    set: Vec<Varied>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     varied: Vec<Varied>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -98,6 +102,8 @@ impl Manifest {
                 name: program.name.clone(),
                 compiled: place,
                 scene: program.scene.clone(),
+                parameters: program.parameters.clone(),
+                set: program.set.clone(),
                 varied: program.varied.clone(),
                 chosen: program.chosen.clone(),
                 sources: texts.collect(),
@@ -165,6 +171,8 @@ impl Manifest {
                 name,
                 compiled,
                 scene,
+                parameters: program.parameters,
+                set: program.set,
                 varied: program.varied,
                 chosen: program.chosen,
                 sources: sources.collect::<Option<_>>().ok_or_else(missing)?,

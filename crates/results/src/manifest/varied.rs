@@ -1,12 +1,12 @@
-//! Scene parameters that a sweep varies.
+//! Parameters of programs and scenes with values that replace those in the source.
 use serde::{Deserialize, Serialize};
 
-/// Scene parameter changed by a sweep.
+/// Parameter of a program or scene, with a value that replaces the one in the source.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Varied {
-    /// Name of the scene parameter, such as `bond.pull`.
+    /// Name of the parameter, such as `height` or `bond.pull`.
     pub name: String,
-    /// Value of the scene parameter in SI units.
+    /// Value in SI units.
     pub value: f64,
     /// Value in `unit`, as the user wrote it.
     pub given: f64,
@@ -17,7 +17,7 @@ pub struct Varied {
 /// Axes of a sweep.
 #[derive(Clone, Debug, Default)]
 pub struct SweepAxes<'a> {
-    /// Scene parameters that the sweep varies.
+    /// Parameters that the sweep varies.
     pub numbers: &'a [Varied],
     /// Names of the settings that the sweep varies.
     pub settings: Vec<&'a str>,
@@ -32,12 +32,12 @@ impl Varied {
         }
     }
 
-    /// Returns the name and value of the scene parameter, such as `bond.pull=4.5 N`.
+    /// Returns the name and value of the parameter, such as `bond.pull=4.5 N`.
     pub fn text(&self) -> String {
         format!("{}={}", self.name, self.value())
     }
 
-    /// Returns the name of the scene parameter's column in tables, such as `scene_bond_pull`.
+    /// Returns the name of the parameter's column in tables, such as `scene_bond_pull`.
     pub fn column(&self) -> String {
         format!("scene_{}", self.name.replace('.', "_"))
     }

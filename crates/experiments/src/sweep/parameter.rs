@@ -1,0 +1,131 @@
+//! Parameters of programs and scenes that get other values than in the source.
+use stochc_ir::scene::scalars::{ScalarError, find};
+use stochc_ir::scene::schema::SchemaNumber;
+use stochc_results::{EnsembleProgram, Varied};
+use stochc_text::suggest::nearest;
+
+use super::axis::{value, varied};
+use super::error::RangeError;
+
+/// A parameter of a program or of its scene.
+#[derive(Clone, Copy, Debug)]
+pub enum Parameter<'a> {
+    /// Parameter of the assembly, with its name. Its value is an integer.
+    Program(&'a str),
+    /// Parameter of the scene.
+    Scene(&'static SchemaNumber),
+}
+
+impl<'a> Parameter<'a> {
+    /// Returns the parameter of a program or of its scene with this name. A parameter of the
+    /// program hides a scene parameter.
+    ///
+    /// # Errors
+    ///
+    /// If neither the program nor the scene has the parameter.
+    pub fn find(program: &EnsembleProgram, name: &'a str) -> Result<Parameter<'a>, RangeError> {
+        if program.parameters.contains_key(name) {
+            return Ok(Parameter::Program(name));
+        }
+        find(&program.scene, name)
+            .map(Parameter::Scene)
+            .map_err(|error| {
+                let own = || program.parameters.keys().map(String::as_str);
+                match (&error, nearest(name, own())) {
+                    (ScalarError::Unknown { .. }, Some(suggestion)) => RangeError::NoParameter {
+                        program: program.name.clone(),
+                        name: name.to_owned(),
+                        suggestion: suggestion.word,
+                    },
+                    _ => RangeError::Parameter { error },
+                }
+            })
+    }
+
+    /// Returns the full name of the parameter.
+    pub fn name(self) -> &'a str {
+        match self {
+            Parameter::Program(name) => name,
+            Parameter::Scene(number) => number.name(),
+        }
+    }
+
+    /// Returns whether the value of the parameter is an integer.
+    pub fn is_whole(self) -> bool {
+        match self {
+            Parameter::Program(_) => true,
+            Parameter::Scene(number) => number.is_whole(),
+        }
+    }
+
+    /// Returns the parameter with a value that is given in `unit`.
+    ///
+    /// # Errors
+    ///
+    /// If the parameter cannot have this value.
+    pub fn with_value(self, given: f64, unit: &str) -> Result<Varied, RangeError> {
+        let name = match self {
+            Parameter::Program(name) => name,
+            Parameter::Scene(number) => return varied(number, given, unit),
+        };
+        let varied = Varied {
+            name: name.to_owned(),
+            value: given,
+            given,
+            unit: unit.to_owned(),
+        };
+        if unit.is_empty() && given.fract() == 0.0 && given.abs() <= MAX_INTEGER {
+            Ok(varied)
+        } else {
+            Err(RangeError::ProgramParameter {
+                name: varied.name.clone(),
+                value: varied.value(),
+            })
+        }
+    }
+}
+
+/// Largest integer up to which every integer is a floating-point number.
+const MAX_INTEGER: f64 = 9_007_199_254_740_992.0;
+
+/// A parameter with one value, as the user has written it: `height=8`, `bond.pull=10 N`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterValue {
+    /// Name of the parameter.
+    pub name: String,
+    /// Value in `unit`.
+    given: f64,
+    unit: String,
+}
+
+impl ParameterValue {
+    /// Parses `NAME=VALUE`.
+    ///
+    /// # Errors
+    ///
+    /// If the form is wrong. Does not check whether a program or scene has the parameter.
+    pub fn parse(text: &str) -> Result<ParameterValue, RangeError> {
+        let (name, given) = text.split_once('=').ok_or(RangeError::Value)?;
+        if name.trim().is_empty() || given.contains(',') || given.contains("..") {
+            return Err(RangeError::Value);
+        }
+        let (given, unit) = value(given)?;
+        Ok(ParameterValue {
+            name: name.trim().to_owned(),
+            given,
+            unit,
+        })
+    }
+
+    /// Returns the value for a parameter of any program or scene.
+    ///
+    /// # Errors
+    ///
+    /// If the parameter cannot have this value.
+    pub fn for_any(&self) -> Result<Varied, RangeError> {
+        let mut all = stochc_ir::scene::scalars::all();
+        let scene = all.find(|number| number.names.contains(&&*self.name));
+        let parameter = scene.map_or(Parameter::Program(&self.name), Parameter::Scene);
+        parameter.with_value(self.given, &self.unit)
+    }
+}

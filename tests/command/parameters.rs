@@ -1,0 +1,95 @@
+//! Tests parameters of assemblies and the option `--set`.
+use std::fs;
+
+use serde_json::Value;
+
+use crate::stochc::{path, stochc_with};
+
+const POSTS: &str = "assembly posts(height = 3, count = height - 1) {
+    seed plate 2 * count - 1 x 1 {
+        for i in 1..count { S[i] at (2 * (i - 1), 0) }
+    }
+    phase grow {
+        for i in 1..count { S[i].up ->> T[i, 1..height] }
+    }
+}
+";
+
+/// Runs a command on the program. Returns its status, output and messages.
+fn posts(command: &str, options: &[&str]) -> (i32, String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "posts.sa");
+    fs::write(&file, POSTS).unwrap();
+    let mut arguments = vec![file.as_str()];
+    arguments.extend(options);
+    let outcome = stochc_with(command, &arguments);
+    let shown = |text: &str| text.replace(&file, "posts.sa");
+    (outcome.status, shown(&outcome.out), shown(&outcome.err))
+}
+
+#[test]
+fn defaults_are_expressions_that_set_values_replace() {
+    let captures = |options: &[&str]| {
+        let (status, out, err) = posts("check", options);
+        assert_eq!((status, err.as_str()), (0, ""), "{options:?}");
+        out.lines().next().unwrap().to_owned()
+    };
+    assert!(captures(&[]).contains("6 captures"));
+    // The default of `count` follows the new height.
+    assert!(captures(&["--set", "height=5"]).contains("20 captures"));
+    assert!(captures(&["--set", "height=5", "--set", "count=1"]).contains("5 captures"));
+    let (_, tables, _) = posts("compile", &["--set", "count=1"]);
+    insta::assert_snapshot!(tables);
+}
+
+#[test]
+fn unknown_and_invalid_values_are_reported() {
+    let error = |value: &str| {
+        let (status, _, err) = posts("check", &["--set", value]);
+        assert_eq!(status, 2, "{value}");
+        err
+    };
+    insta::assert_snapshot!(
+        ["hight=4", "height=2.5", "height=4 cm", "height=1,2", "height", "bond.pull=3 s"]
+            .map(error)
+            .join("\n")
+    );
+}
+
+#[test]
+fn a_value_that_breaks_the_program_is_reported_in_its_place() {
+    let (status, _, err) = posts("check", &["--set", "count=0"]);
+    assert_eq!(status, 1);
+    insta::assert_snapshot!(err);
+}
+
+#[test]
+fn a_parameter_and_a_constant_of_the_assembly_have_different_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "twice.sa");
+    let text = POSTS.replace("    phase", "    let height = 4\n    phase");
+    fs::write(&file, text).unwrap();
+    let outcome = stochc_with("check --format short", &[&file]);
+    assert_eq!(outcome.status, 1);
+    assert!(outcome.out.contains("duplicate-name"), "{}", outcome.out);
+}
+
+#[test]
+fn a_sweep_varies_parameters_and_stores_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = path(folder.path(), "out");
+    let (status, _, err) = posts(
+        "sweep --model shuffle --quiet --runs 2",
+        &["--vary", "height=2..4/3", "--set", "count=1", "--out", &out],
+    );
+    assert_eq!((status, err.as_str()), (0, ""));
+    let manifest = fs::read_to_string(folder.path().join("out/manifest.json")).unwrap();
+    let manifest: Value = serde_json::from_str(&manifest).unwrap();
+    let programs = manifest["programs"].as_array().unwrap();
+    for (program, height) in programs.iter().zip(2..) {
+        assert_eq!(program["name"], format!("posts [count=1, height={height}]"));
+        assert_eq!(program["parameters"]["height"], height);
+        assert_eq!(program["set"][0]["name"], "count");
+    }
+    assert_eq!(programs.len(), 3);
+}
