@@ -22,7 +22,7 @@ module.exports = grammar({
     _element: $ => choice(
       $.chain, $.seat, $.instance, $.release, $.yields, $.doc, $.level,
       $.let, $.import, $.aggregate,
-      $.phase, $.for, $.pattern, $.seed, $.assembly, $.scene, $.shape,
+      $.phase, $.for, $.if, $.pattern, $.seed, $.assembly, $.scene, $.shape,
     ),
 
     block: $ => seq('{', repeat($._element), '}'),
@@ -67,6 +67,9 @@ module.exports = grammar({
     seed: $ => seq('seed', 'plate', $.expression, $.times, $.expression, $.block),
     phase: $ => seq('phase', field('name', $.place), optional(seq('timeout', $.quantity)), $.block),
     for: $ => seq('for', field('counter', $.name), 'in', $.range, $.block),
+    if: $ => prec.right(seq('if', $.condition, $.block, repeat($._else_if), optional($._else))),
+    _else_if: $ => seq('else', 'if', $.condition, $.block),
+    _else: $ => seq('else', $.block),
     pattern: $ => seq('pattern', field('name', $.name), $.parameters, $.block),
     parameters: $ => seq('(', optional(list($.name)), ')'),
 
@@ -102,8 +105,18 @@ module.exports = grammar({
     index: $ => seq('[', list(choice($.range, $.expression)), ']'),
     range: $ => seq($.expression, '..', $.expression),
     expression: $ => seq($._operand, repeat(seq(choice('+', '-', '*', '/', '%'), $._operand))),
-    _operand: $ => seq(repeat('-'), choice($.integer, $.name, $.group)),
+    _operand: $ => seq(repeat('-'), choice($.integer, $.name, $.call, $.group)),
     group: $ => seq('(', $.expression, ')'),
+    call: $ => seq(field('function', $.name), '(', list($.expression), ')'),
+    condition: $ => seq($._condition_operand, repeat(seq($._condition_operator, $._condition_operand))),
+    _condition_operator: _ => choice(
+      '==', '!=', '<', '<=', '>', '>=', 'and', 'or', '+', '-', '*', '/', '%',
+    ),
+    _condition_operand: $ => choice(
+      seq('not', $.condition_group),
+      seq(repeat('-'), choice($.integer, $.name, $.call, $.condition_group)),
+    ),
+    condition_group: $ => seq('(', $.condition, ')'),
 
     // `allow` and `deny` are keywords at the start of a level only: blocks may have these names.
     _verdict: _ => choice('allow', 'deny'),

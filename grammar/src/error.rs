@@ -65,6 +65,15 @@ pub enum SyntaxErrorKind {
         /// Advice in the imperative.
         hint: &'static str,
     },
+    /// A number where a condition is required.
+    NumberAsCondition,
+    /// A condition where a number is required.
+    ConditionAsNumber,
+    /// A function that does not exist, or with the wrong number of arguments. The span is its name.
+    WrongFunction {
+        /// Name of the function.
+        word: String,
+    },
     /// An integer beyond 64 bits, or a number of a scene beyond double precision.
     NumberTooLarge,
     /// Blocks or parentheses nested deeper than [`crate::MAX_DEPTH`].
@@ -98,6 +107,9 @@ impl SyntaxErrorKind {
                 | SyntaxErrorKind::FaceMisused { .. }
                 | SyntaxErrorKind::DanglingDoc
                 | SyntaxErrorKind::MissingReason
+                | SyntaxErrorKind::NumberAsCondition
+                | SyntaxErrorKind::ConditionAsNumber
+                | SyntaxErrorKind::WrongFunction { .. }
                 | SyntaxErrorKind::NumberTooLarge
         )
     }

@@ -79,6 +79,15 @@ impl Printer<'_> {
                 self.range(&block.range.0, &block.range.1);
                 self.body(&block.body);
             }
+            ItemKind::If(block) => {
+                self.out.push_str(if block.is_else { "else" } else { "" });
+                if let Some(condition) = &block.condition {
+                    self.out
+                        .push_str(if block.is_else { " if " } else { "if " });
+                    self.expr(condition, 0);
+                }
+                self.body(&block.body);
+            }
             ItemKind::Phase(phase) => {
                 self.out.push_str("phase ");
                 self.place(&phase.name);
@@ -332,6 +341,16 @@ impl Printer<'_> {
                 self.out.push_str(if plain { "-" } else { "-(" });
                 self.expr(inner, 0);
                 self.out.push_str(if plain { "" } else { ")" });
+            }
+            ExprKind::Call(function, arguments) => {
+                put!(self, "{}(", function.word());
+                self.list(arguments, |printer, argument| printer.expr(argument, 0));
+                self.out.push(')');
+            }
+            ExprKind::Not(inner) => {
+                self.out.push_str("not (");
+                self.expr(inner, 0);
+                self.out.push(')');
             }
             ExprKind::Binary(operator, sides) => {
                 let precedence = operator.precedence();

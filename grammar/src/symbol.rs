@@ -10,9 +10,11 @@ use string_interner::{StringInterner, Symbol as _};
 pub struct Symbol(pub u32);
 
 /// Keywords that begin a statement or declaration. Only the last one may be a name.
-pub const BEGINNINGS: [&str; 13] = [
+pub const BEGINNINGS: [&str; 15] = [
     "assembly",
+    "else",
     "for",
+    "if",
     "import",
     "layer",
     "let",
@@ -27,7 +29,9 @@ pub const BEGINNINGS: [&str; 13] = [
 ];
 
 /// Keywords within a statement or declaration. Only the last one may be a name.
-pub const CONTINUATIONS: [&str; 8] = ["after", "as", "at", "from", "in", "plate", "timeout", "to"];
+pub const CONTINUATIONS: [&str; 11] = [
+    "after", "and", "as", "at", "from", "in", "not", "or", "plate", "timeout", "to",
+];
 
 const FACES: [&str; 6] = ["up", "down", "north", "south", "east", "west"];
 

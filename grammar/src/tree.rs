@@ -39,6 +39,8 @@ pub enum ItemKind {
     Seat(Box<Seat>),
     /// Loop: `for i in 1..4 { ... }`
     For(Box<For>),
+    /// Condition: `if n > 2 { ... }`, `else if n == 2 { ... }` or `else { ... }`
+    If(Box<If>),
     /// Named number: `let n = 6`
     Let(Box<Let>),
     /// Shape that the structure must have: `yields tower`
@@ -186,6 +188,18 @@ pub struct For {
     /// First and last value, both included.
     pub range: (Expr, Expr),
     /// Statements of the loop.
+    pub body: Vec<Item>,
+}
+
+/// Statements under a condition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct If {
+    /// Whether the block begins with `else`. It is then used only if the conditions of the blocks
+    /// before it are false.
+    pub is_else: bool,
+    /// Condition. `None` for an `else` without an `if`.
+    pub condition: Option<Expr>,
+    /// Statements of the block.
     pub body: Vec<Item>,
 }
 
@@ -360,7 +374,7 @@ pub struct Import {
     pub path_span: Span,
 }
 
-/// An integer expression.
+/// An integer expression or a condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expr {
     /// Content of the expression.
@@ -380,6 +394,45 @@ pub enum ExprKind {
     Negate(Box<Expr>),
     /// Operation: `n + 1`
     Binary(Operator, Box<(Expr, Expr)>),
+    /// `min(n, 4)`
+    Call(Function, Vec<Expr>),
+    /// `not (n > 2)`
+    Not(Box<Expr>),
+}
+
+/// Functions of integers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Function {
+    /// Smallest argument.
+    Min,
+    /// Largest argument.
+    Max,
+    /// Absolute value of the only argument.
+    Abs,
+}
+
+impl Function {
+    /// All functions.
+    pub const ALL: [Function; 3] = [Function::Min, Function::Max, Function::Abs];
+
+    /// Returns the name of the function.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Function::Min => "min",
+            Function::Max => "max",
+            Function::Abs => "abs",
+        }
+    }
+
+    /// Returns the result for these arguments. Returns `None` on overflow or without arguments.
+    pub fn apply(self, arguments: &[i64]) -> Option<i64> {
+        let arguments = arguments.iter().copied();
+        match self {
+            Function::Min => arguments.min(),
+            Function::Max => arguments.max(),
+            Function::Abs => arguments.last()?.checked_abs(),
+        }
+    }
 }
 
 /// Operators, with the usual precedence of arithmetic.
@@ -395,10 +448,27 @@ pub enum Operator {
     Divide,
     /// Remainder of [`Operator::Divide`]: `%`
     Remainder,
+    /// `==`
+    Equal,
+    /// `!=`
+    NotEqual,
+    /// `<`
+    Less,
+    /// `<=`
+    LessOrEqual,
+    /// `>`
+    Greater,
+    /// `>=`
+    GreaterOrEqual,
+    /// `and`
+    And,
+    /// `or`
+    Or,
 }
 
 impl Operator {
-    /// Returns the result of the operation. Returns `None` on overflow or division by zero.
+    /// Returns the result of the operation: 0 or 1 for conditions. Returns `None` on overflow or
+    /// division by zero.
     pub fn apply(self, left: i64, right: i64) -> Option<i64> {
         match self {
             Operator::Add => left.checked_add(right),
@@ -407,6 +477,14 @@ impl Operator {
             Operator::Divide => left.checked_div(right),
             // The remainder of the smallest number by -1 is 0, though the quotient does not fit.
             Operator::Remainder => (right != 0).then(|| left.wrapping_rem(right)),
+            Operator::Equal => Some((left == right).into()),
+            Operator::NotEqual => Some((left != right).into()),
+            Operator::Less => Some((left < right).into()),
+            Operator::LessOrEqual => Some((left <= right).into()),
+            Operator::Greater => Some((left > right).into()),
+            Operator::GreaterOrEqual => Some((left >= right).into()),
+            Operator::And => Some((left != 0 && right != 0).into()),
+            Operator::Or => Some((left != 0 || right != 0).into()),
         }
     }
 }
@@ -430,6 +508,14 @@ impl Operator {
             Operator::Multiply => "*",
             Operator::Divide => "/",
             Operator::Remainder => "%",
+            Operator::Equal => "==",
+            Operator::NotEqual => "!=",
+            Operator::Less => "<",
+            Operator::LessOrEqual => "<=",
+            Operator::Greater => ">",
+            Operator::GreaterOrEqual => ">=",
+            Operator::And => "and",
+            Operator::Or => "or",
         }
     }
 
@@ -437,17 +523,52 @@ impl Operator {
     /// associate to the left.
     pub const fn precedence(self) -> u8 {
         match self {
-            Operator::Add | Operator::Subtract => 1,
-            Operator::Multiply | Operator::Divide | Operator::Remainder => 2,
+            Operator::Or => 1,
+            Operator::And => 2,
+            Operator::Equal
+            | Operator::NotEqual
+            | Operator::Less
+            | Operator::LessOrEqual
+            | Operator::Greater
+            | Operator::GreaterOrEqual => 3,
+            Operator::Add | Operator::Subtract => 4,
+            Operator::Multiply | Operator::Divide | Operator::Remainder => 5,
+        }
+    }
+
+    /// Returns whether the operands are conditions.
+    pub const fn joins_conditions(self) -> bool {
+        matches!(self, Operator::And | Operator::Or)
+    }
+
+    /// Returns whether the result is a condition.
+    pub const fn is_condition(self) -> bool {
+        self.precedence() <= Operator::Equal.precedence()
+    }
+}
+
+impl Expr {
+    /// Returns whether the expression is a condition. Otherwise it is a number.
+    pub const fn is_condition(&self) -> bool {
+        match &self.kind {
+            ExprKind::Binary(operator, _) => operator.is_condition(),
+            ExprKind::Not(_) => true,
+            _ => false,
         }
     }
 }
 
 impl Item {
+    /// Returns whether the item contains the same kinds of items as the block around it.
+    pub const fn is_transparent(&self) -> bool {
+        matches!(self.kind, ItemKind::For(_) | ItemKind::If(_))
+    }
+
     /// Returns the statements of a block. Returns `None` for items without a block.
     pub(crate) fn body_mut(&mut self) -> Option<&mut Vec<Item>> {
         match &mut self.kind {
             ItemKind::For(block) => Some(&mut block.body),
+            ItemKind::If(block) => Some(&mut block.body),
             ItemKind::Phase(block) => Some(&mut block.body),
             ItemKind::Seed(block) => Some(&mut block.body),
             ItemKind::Pattern(block) => Some(&mut block.body),
@@ -460,6 +581,7 @@ impl Item {
     pub fn body(&self) -> &[Item] {
         match &self.kind {
             ItemKind::For(block) => &block.body,
+            ItemKind::If(block) => &block.body,
             ItemKind::Phase(block) => &block.body,
             ItemKind::Seed(block) => &block.body,
             ItemKind::Pattern(block) => &block.body,
@@ -476,6 +598,8 @@ impl Item {
             ItemKind::Instance(_) => "an instance of a pattern",
             ItemKind::Seat(_) => "a seed",
             ItemKind::For(_) => "a loop",
+            ItemKind::If(block) if block.is_else => "an `else`",
+            ItemKind::If(_) => "an `if`",
             ItemKind::Let(_) => "a `let`",
             ItemKind::Yields(_) => "a `yields`",
             ItemKind::Level(level) => match level.verdict {

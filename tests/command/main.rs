@@ -32,8 +32,8 @@ mod new;
 #[cfg(target_os = "linux")]
 #[path = "../pages/mod.rs"]
 mod pages;
-mod physical;
 mod parameters;
+mod physical;
 mod plan;
 mod plan_scene;
 mod plan_voxels;

@@ -50,9 +50,16 @@ fn unknown_and_invalid_values_are_reported() {
         err
     };
     insta::assert_snapshot!(
-        ["hight=4", "height=2.5", "height=4 cm", "height=1,2", "height", "bond.pull=3 s"]
-            .map(error)
-            .join("\n")
+        [
+            "hight=4",
+            "height=2.5",
+            "height=4 cm",
+            "height=1,2",
+            "height",
+            "bond.pull=3 s"
+        ]
+        .map(error)
+        .join("\n")
     );
 }
 

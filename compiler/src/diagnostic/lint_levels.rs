@@ -197,6 +197,7 @@ impl FileLevels {
                 ItemKind::Phase(block) => &block.body,
                 ItemKind::Seed(block) => &block.body,
                 ItemKind::For(block) => &block.body,
+                ItemKind::If(block) => &block.body,
                 ItemKind::Pattern(block) => {
                     // The pattern may never be used.
                     inner.reported = false;

@@ -4,6 +4,7 @@ use stochc_grammar::{
     SyntaxErrorKind as K, code, is_comment,
 };
 
+use stochc_grammar::tree::Function;
 use stochc_text::series;
 
 use super::syntax_hints::{SyntaxHint, spelt};
@@ -71,6 +72,27 @@ impl Diagnostic {
                 Diagnostic::new(Code::FaceMisused, title)
                     .label(location, "no face can stand here")
                     .help(*hint)
+            }
+            K::NumberAsCondition => {
+                Diagnostic::new(Code::WrongKind, "a condition is required, not a number")
+                    .label(location, "this is a number")
+                    .help("compare it with another number, such as `n > 0`")
+            }
+            K::ConditionAsNumber => {
+                Diagnostic::new(Code::WrongKind, "a number is required, not a condition")
+                    .label(location, "this is a condition")
+                    .help("join conditions by `and` or `or`, such as `1 < n and n < 4`")
+            }
+            K::WrongFunction { word } => {
+                let is_abs = word == Function::Abs.word();
+                let title = if is_abs {
+                    "`abs` has one argument".to_owned()
+                } else {
+                    format!("cannot find function `{word}`")
+                };
+                Diagnostic::new(Code::UnknownName, title)
+                    .label(location, "in this expression")
+                    .help("write `min(a, b)`, `max(a, b)` or `abs(a)`")
             }
             K::NumberTooLarge => {
                 let number = text.get(location.span.start as usize..location.span.end as usize);

@@ -43,11 +43,8 @@ const FIRST: [&str; 16] = [
 /// Keywords of other languages, with the advice.
 const FOREIGN: [(&[&str], &str); 4] = [
     (
-        &[
-            "if", "else", "elif", "elsif", "unless", "when", "match", "switch", "case",
-        ],
-        "programs have no conditions: repeat with `for i in 1..4 { ... }`, order with `after`, and \
-         write one assembly for each case",
+        &["elif", "elsif", "unless", "when", "match", "switch", "case"],
+        "write `if n > 2 { ... } else if n > 0 { ... } else { ... }`; conditions compare numbers",
     ),
     (
         &["while", "loop", "repeat", "until", "foreach"],

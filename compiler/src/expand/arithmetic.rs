@@ -28,9 +28,25 @@ impl Expander<'_, '_> {
                 let value = self.evaluate(inner)?;
                 self.in_range(value.checked_neg(), expr)
             }
+            ExprKind::Call(function, arguments) => {
+                self.operation();
+                let values: Vec<_> = arguments.iter().map(|it| self.evaluate(it)).collect();
+                let values: Option<Vec<i64>> = values.into_iter().collect();
+                self.in_range(function.apply(&values?), expr)
+            }
+            ExprKind::Not(inner) => {
+                let value = self.evaluate(inner)?;
+                Some((value == 0).into())
+            }
             ExprKind::Binary(operator, sides) => {
                 self.operation();
                 let left = self.evaluate(&sides.0);
+                // The right side of `n > 0 and 6 / n > 1` is evaluated only if `n` is not 0.
+                match (operator, left) {
+                    (Operator::And, Some(0)) => return left,
+                    (Operator::Or, Some(1)) => return left,
+                    _ => {}
+                }
                 let right = self.evaluate(&sides.1);
                 let (left, right) = (left?, right?);
                 if matches!(operator, Operator::Divide | Operator::Remainder) && right == 0 {

@@ -106,6 +106,8 @@ pub(super) struct Expander<'a, 'f> {
     pub(super) plate: Option<SourceLocation>,
     phase_sites: FxHashMap<String, SourceLocation>,
     pub(super) in_phase: bool,
+    /// Whether the current `if` or one of its `else if` is true. `None` if this is unknown.
+    pub(super) has_branch: Option<bool>,
     pub(super) seeding: Option<Seeding>,
     pub(super) sources: &'f Sources,
     pub(super) symbols: &'f mut Symbols,
@@ -165,6 +167,7 @@ impl<'a, 'f> Expander<'a, 'f> {
             plate: None,
             phase_sites: FxHashMap::default(),
             in_phase: false,
+            has_branch: None,
             seeding: None,
             sources,
             symbols,
@@ -268,12 +271,14 @@ impl<'a> Expander<'a, '_> {
         self.nesting += 1;
         self.blocks.push(items);
         let mark = self.scope.mark();
+        let outer = self.has_branch.take();
         for item in items {
             if self.exhausted || !self.step(item.span) {
                 break;
             }
             self.item(item);
         }
+        self.has_branch = outer;
         self.scope.restore(mark);
         self.blocks.pop();
         self.nesting -= 1;
@@ -340,7 +345,7 @@ impl<'a> Expander<'a, '_> {
             None => true,
             Some(Seeding::Seats) => !is_chain,
             Some(Seeding::Captures) => {
-                is_chain || matches!(item.kind, ItemKind::For(_) | ItemKind::Let(_))
+                is_chain || item.is_transparent() || matches!(item.kind, ItemKind::Let(_))
             }
         };
         if !belongs {
@@ -351,6 +356,7 @@ impl<'a> Expander<'a, '_> {
             ItemKind::Release(release) => self.release(release),
             ItemKind::Instance(instance) => self.instance(instance, item.span),
             ItemKind::For(block) => self.repeat(block),
+            ItemKind::If(block) => self.branch(block),
             ItemKind::Let(_) => self.declaration(item),
             ItemKind::Seed(seed) => self.seed_plate(seed, item.span),
             ItemKind::Seat(seat) => self.seat(seat, item),

@@ -15,7 +15,7 @@ use crate::expanded::{ExpandedPhase, ExpandedSeed};
 fn has_captures(items: &[Item]) -> bool {
     (items.iter()).any(|item| match &item.kind {
         ItemKind::Chain(_) => true,
-        ItemKind::For(block) => has_captures(&block.body),
+        ItemKind::For(_) | ItemKind::If(_) => has_captures(item.body()),
         _ => false,
     })
 }

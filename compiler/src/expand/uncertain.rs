@@ -31,8 +31,9 @@ impl Expander<'_, '_> {
                         .iter()
                         .for_each(|alias| self.mark_uncertain(alias));
                 }
-                ItemKind::For(block) => self.mark_all_uncertain(&block.body),
-                ItemKind::Phase(phase) => self.mark_all_uncertain(&phase.body),
+                ItemKind::For(_) | ItemKind::If(_) | ItemKind::Phase(_) => {
+                    self.mark_all_uncertain(item.body());
+                }
                 _ => {}
             }
         }

@@ -175,7 +175,7 @@ impl Resolver<'_> {
                         }
                     }
                 }
-                ItemKind::For(block) => self.capture_words(&block.body, scope),
+                ItemKind::For(_) | ItemKind::If(_) => self.capture_words(item.body(), scope),
                 _ => {}
             }
         }
@@ -296,6 +296,10 @@ impl Resolver<'_> {
                 self.bind(NameKind::Counter, block.counter);
                 self.items(&block.body);
                 self.bindings.restore(mark);
+            }
+            ItemKind::If(block) => {
+                block.condition.iter().for_each(|it| self.expr(it));
+                self.items(&block.body);
             }
             ItemKind::Let(let_) => {
                 self.expr(&let_.value);
@@ -518,7 +522,8 @@ impl Resolver<'_> {
                     self.used_as(definition, ValueKind::Number, expr.span);
                 }
             }
-            ExprKind::Negate(inner) => self.expr(inner),
+            ExprKind::Negate(inner) | ExprKind::Not(inner) => self.expr(inner),
+            ExprKind::Call(_, arguments) => arguments.iter().for_each(|it| self.expr(it)),
             ExprKind::Binary(_, sides) => {
                 self.expr(&sides.0);
                 self.expr(&sides.1);

@@ -191,7 +191,7 @@ fn find(items: &[Item], span: Span) -> Option<CaptureStatement<'_>> {
                 (parent.span.start, child.span.end) == (span.start, span.end)
             }),
         ItemKind::Phase(phase) => find(&phase.body, span),
-        ItemKind::For(block) => find(&block.body, span),
+        ItemKind::For(_) | ItemKind::If(_) => find(item.body(), span),
         ItemKind::Pattern(pattern) => find(&pattern.body, span),
         _ => None,
     })

@@ -286,6 +286,12 @@ fn constant(expr: &Expr) -> Option<i64> {
         ExprKind::Int(value) => Some(*value),
         ExprKind::Name(_) => None,
         ExprKind::Negate(inner) => constant(inner)?.checked_neg(),
+        ExprKind::Call(function, arguments) => {
+            let values: Option<Vec<i64>> = arguments.iter().map(constant).collect();
+            function.apply(&values?)
+        }
+        // A shape has no conditions.
+        ExprKind::Not(_) => None,
         ExprKind::Binary(operator, sides) => {
             operator.apply(constant(&sides.0)?, constant(&sides.1)?)
         }

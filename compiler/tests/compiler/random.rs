@@ -28,6 +28,8 @@ struct Generator {
     names: u32,
     spare: Vec<String>,
     reuse: Reuse,
+    /// Whether the program has parameters, which its conditions compare.
+    has_parameters: bool,
     text: String,
 }
 
@@ -178,11 +180,21 @@ impl Generator {
         name: String,
         after: &str,
     ) {
-        if after.is_empty() && self.reuse == Reuse::AtOnce && self.choose(4) == 0 {
-            let _ = writeln!(self.text, "        grow_{face}({parent}, {name})");
+        let statement = if after.is_empty() && self.reuse == Reuse::AtOnce && self.choose(4) == 0 {
+            format!("grow_{face}({parent}, {name})")
         } else {
-            let _ = writeln!(self.text, "        {parent}.{face} -> {name}{after}");
-        }
+            format!("{parent}.{face} -> {name}{after}")
+        };
+        // The other branch contains names that do not exist.
+        let (before, behind) = match self.text.len() % 4 {
+            0 if self.has_parameters => ("if edge > 2 and not (last == 0) {", "} else { drop() }"),
+            1 if self.has_parameters => (
+                "if edge % 2 == 0 { release Nothing } else if min(edge, 9) == abs(last + 1) {",
+                "} else { Nothing.up -> None }",
+            ),
+            _ => ("", ""),
+        };
+        let _ = writeln!(self.text, "        {before} {statement} {behind}");
         let cell = self.blocks[&parent].cell.across(face).unwrap();
         stage.filled.insert(cell);
         stage.busy.insert(parent.clone());
@@ -270,11 +282,13 @@ pub fn declare(choices: Vec<u32>, faces: u8) -> Declared {
 /// Returns such a program with names, cells and faces reused at this time.
 pub fn declare_with(reuse: Reuse, choices: Vec<u32>, faces: u8) -> Declared {
     let mut generator = Generator {
+        has_parameters: choices.len() % 2 == 1,
         choices: choices.into_iter(),
         blocks: BTreeMap::new(),
         names: 0,
         spare: Vec::new(),
         reuse,
+
         text: format!(
             "scene many from hemisphere {{ block cube {{ side 20cm mass 1kg faces {faces} }} }}\n"
         ),
@@ -289,11 +303,11 @@ pub fn declare_with(reuse: Reuse, choices: Vec<u32>, faces: u8) -> Declared {
         generator.text.push_str("pattern drop(x) { release x }\n");
     }
     // Half of the programs have parameters.
-    let (parameters, edge, places) = if generator.choices.len() % 2 == 0 {
-        ("", "3", ["0, 0", "2, 0", "1, 1"])
-    } else {
+    let (parameters, edge, places) = if generator.has_parameters {
         let places = ["last - 2, 0", "last, 0", "edge / 2, last / 2"];
         ("(edge = 3, last = edge - 1)", "edge", places)
+    } else {
+        ("", "3", ["0, 0", "2, 0", "1, 1"])
     };
     let _ = writeln!(generator.text, "assembly random{parameters} in many {{");
     let _ = writeln!(generator.text, "    seed plate {edge} x {edge} {{");

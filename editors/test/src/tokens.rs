@@ -68,9 +68,14 @@ impl Program {
         let text = pair.as_str();
         let mut parts = pair.into_inner().peekable();
         if parts.peek().is_some() {
-            parts
-                .enumerate()
-                .for_each(|(index, part)| self.add(part, outer, index));
+            let mut index = 0;
+            while let Some(part) = parts.next() {
+                let is_called = |next: &Pair<'_, Rule>| next.as_rule() == Rule::arguments;
+                let is_function = part.as_rule() == Rule::name && parts.peek().is_some_and(is_called);
+                let parent = if is_function { Rule::arguments } else { outer };
+                self.add(part, parent, index);
+                index += 1;
+            }
             return;
         }
         let kind = match rule {
@@ -82,7 +87,7 @@ impl Program {
                 }
                 Rule::yields | Rule::phase_head => "type",
                 Rule::pattern_head if index == 1 => "function",
-                Rule::instance => "function",
+                Rule::instance | Rule::arguments => "function",
                 _ => "name",
             },
             Rule::word => "word",
@@ -98,6 +103,8 @@ impl Program {
             | Rule::equals
             | Rule::times
             | Rule::dots => "operator",
+            Rule::condition_operator if matches!(text.trim(), "and" | "or") => "keyword",
+            Rule::condition_operator => "operator",
             Rule::unit_operator if text.trim().is_empty() => return,
             Rule::unit_operator => "operator",
             Rule::comma => "delimiter",

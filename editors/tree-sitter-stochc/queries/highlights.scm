@@ -11,11 +11,11 @@
 (scene_block (word) @attribute)
 
 [
-  "after" "aggregate" "allow" "as" "assembly" "at" "deny" "for" "from" "import" "in" "layer" "let" "pattern" "phase"
-  "plate" "release" "scene" "seed" "shape" "timeout" "to" "yields"
+  "after" "aggregate" "allow" "and" "as" "assembly" "at" "deny" "else" "for" "from" "if" "import" "in" "layer" "let"
+  "not" "or" "pattern" "phase" "plate" "release" "scene" "seed" "shape" "timeout" "to" "yields"
 ] @keyword
 
-[(arrow) (times) "=" "+" "-" "*" "/" "%" "^" ".."] @operator
+[(arrow) (times) "=" "==" "!=" "<" "<=" ">" ">=" "+" "-" "*" "/" "%" "^" ".."] @operator
 ["," "."] @punctuation.delimiter
 ["{" "}" "(" ")" "[" "]"] @punctuation.bracket
 
@@ -33,12 +33,14 @@
 
 (pattern name: (name) @function)
 (instance pattern: (name) @function)
+(call function: (name) @function)
 
 (let name: (name) @variable)
 (default name: (name) @variable)
 (for counter: (name) @variable)
 (parameters (name) @variable)
 (expression (name) @variable)
+(condition (name) @variable)
 (chain (place (name) @variable))
 (after (place (name) @variable))
 (release (place (name) @variable))

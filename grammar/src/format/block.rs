@@ -96,9 +96,14 @@ impl LineLayout<'_, '_> {
         let piece = &source.pieces[at];
         match piece.rule {
             Rule::close => {
+                let alternative = self.alternative(at + 1);
+                let text = alternative
+                    .as_ref()
+                    .map_or_else(|| "}".to_owned(), |head| format!("}} {head}"));
                 self.lines
-                    .push(FormattedLine::code(LineKind::Brace, self.depth, "}"));
-                at + 1
+                    .push(FormattedLine::code(LineKind::Brace, self.depth, text));
+                self.depth += usize::from(alternative.is_some());
+                at + 1 + usize::from(alternative.is_some())
             }
             Rule::doc => {
                 let mut line = FormattedLine::code(LineKind::Comment, self.depth, "");
@@ -114,6 +119,19 @@ impl LineLayout<'_, '_> {
                 at + 1
             }
         }
+    }
+
+    /// Returns the head of an `else` that can stand on the line of the brace before it.
+    fn alternative(&self, at: usize) -> Option<String> {
+        let source = self.source;
+        let head = source
+            .pieces
+            .get(at)
+            .filter(|it| it.rule == Rule::if_head)?;
+        let has_comments = source.is_commented(head) || !source.first(head).notes.is_empty();
+        let room = WIDTH.saturating_sub(INDENT * self.depth + "} ".len());
+        (statement::short_text(source, head, room))
+            .filter(|text| !has_comments && text.starts_with("else"))
     }
 
     fn statement(&mut self, at: usize) {
@@ -311,6 +329,7 @@ fn opens(rule: Rule) -> bool {
         Rule::assembly_head
             | Rule::phase_head
             | Rule::for_head
+            | Rule::if_head
             | Rule::pattern_head
             | Rule::seed_head
             | Rule::scene_head

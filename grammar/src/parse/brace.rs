@@ -68,7 +68,7 @@ impl Parser<'_, '_> {
             return false;
         }
         let head = match head {
-            Rule::for_head => self.holder(self.frames.len()),
+            Rule::for_head | Rule::if_head => self.holder(self.frames.len()),
             head => Some(head),
         };
         self.next_piece(at, mode)
@@ -118,12 +118,12 @@ impl Parser<'_, '_> {
         pairs.next().map(|piece| piece.as_rule())
     }
 
-    /// Returns the rule of the head of the innermost block that is not a loop, among the first
+    /// Returns the rule of the head of the innermost block that is neither a loop nor a condition, among the first
     /// `depth` blocks. Returns `None` if there is no such block.
     fn holder(&self, depth: usize) -> Option<Rule> {
         (self.frames[..depth].iter().rev())
             .map(head)
-            .find(|&head| head != Rule::for_head)
+            .find(|&head| !matches!(head, Rule::for_head | Rule::if_head))
     }
 }
 
@@ -134,6 +134,7 @@ fn head(frame: &OpenBlock) -> Rule {
             ItemKind::Seed(_) => Rule::seed_head,
             ItemKind::Phase(_) => Rule::phase_head,
             ItemKind::For(_) => Rule::for_head,
+            ItemKind::If(_) => Rule::if_head,
             _ => Rule::pattern_head,
         },
         OpenBlockContent::Scene(..) | OpenBlockContent::SceneBlock(_) => Rule::scene_head,
@@ -148,7 +149,12 @@ fn is_head(rule: Rule) -> bool {
     use Rule as R;
     matches!(
         rule,
-        R::assembly_head | R::seed_head | R::phase_head | R::for_head | R::pattern_head
+        R::assembly_head
+            | R::seed_head
+            | R::phase_head
+            | R::for_head
+            | R::if_head
+            | R::pattern_head
     ) || matches!(rule, R::scene_head | R::shape_head | R::layer_head)
 }
 
@@ -169,13 +175,16 @@ fn holds(head: Option<Rule>, next: Rule) -> bool {
             )
             | (
                 Some(R::assembly_head),
-                R::seed_head | R::phase_head | R::for_head
+                R::seed_head | R::phase_head | R::for_head | R::if_head
             )
-            | (Some(R::seed_head), R::seat | R::chain | R::for_head)
+            | (
+                Some(R::seed_head),
+                R::seat | R::chain | R::for_head | R::if_head
+            )
             | (Some(R::phase_head), R::yields)
             | (
                 Some(R::phase_head | R::pattern_head),
-                R::chain | R::release | R::instance | R::for_head,
+                R::chain | R::release | R::instance | R::for_head | R::if_head,
             )
             | (
                 Some(R::scene_head),

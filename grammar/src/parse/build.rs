@@ -11,9 +11,9 @@ use super::spans::{end_of, span_of};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::{
-    Aggregate, Argument, Arrow, Assembly, Chain, EventReference, Expr, For, Import, Instance, Item,
-    ItemKind, Let, Link, LintDirective, LintDirectiveKind, Name, Pattern, PhaseDeclaration, Place,
-    Release, SceneDeclaration, Seat, Seed, Segment, Shape,
+    Aggregate, Argument, Arrow, Assembly, Chain, EventReference, Expr, For, If, Import, Instance,
+    Item, ItemKind, Let, Link, LintDirective, LintDirectiveKind, Name, Pattern, PhaseDeclaration,
+    Place, Release, SceneDeclaration, Seat, Seed, Segment, Shape,
 };
 
 impl Parser<'_, '_> {
@@ -37,6 +37,7 @@ impl Parser<'_, '_> {
             Rule::aggregate => ItemKind::Aggregate(Box::new(self.aggregate(pair, base))),
             Rule::import => ItemKind::Import(Box::new(import(pair, base))),
             Rule::for_head => ItemKind::For(Box::new(self.for_head(pair, base))),
+            Rule::if_head => ItemKind::If(Box::new(self.if_head(pair, base))),
             Rule::phase_head => ItemKind::Phase(Box::new(self.phase_head(pair, base))),
             Rule::seed_head => ItemKind::Seed(Box::new(self.seed_head(pair, base))),
             Rule::pattern_head => ItemKind::Pattern(Box::new(self.pattern_head(pair, base))),
@@ -56,6 +57,7 @@ impl Parser<'_, '_> {
             }
             Rule::shape_head => self.open(OpenBlockContent::Shape(Box::new(item)), span),
             Rule::for_head
+            | Rule::if_head
             | Rule::phase_head
             | Rule::seed_head
             | Rule::pattern_head
@@ -89,18 +91,17 @@ impl Parser<'_, '_> {
             Some(OpenBlockContent::Items(outer)) => Some(outer),
             Some(_) => return,
         };
-        // A loop can contain the same items as the block around it.
+        // Loops and conditions can contain the same items as the block around them.
         let outer = match outer {
-            Some(inner) if matches!(inner.kind, ItemKind::For(_)) => self
-                .frames
-                .iter()
-                .rev()
-                .find_map(|frame| match &frame.content {
-                    OpenBlockContent::Items(outer) if !matches!(outer.kind, ItemKind::For(_)) => {
-                        Some(outer)
-                    }
-                    _ => None,
-                }),
+            Some(inner) if inner.is_transparent() => {
+                self.frames
+                    .iter()
+                    .rev()
+                    .find_map(|frame| match &frame.content {
+                        OpenBlockContent::Items(outer) if !outer.is_transparent() => Some(outer),
+                        _ => None,
+                    })
+            }
             other => other,
         };
         use ItemKind as K;
@@ -113,7 +114,10 @@ impl Parser<'_, '_> {
             ),
             (K::Yields(_), outer) => (matches!(outer, Some(K::Phase(_))), "a phase"),
             (K::Seat(_), outer) => (matches!(outer, Some(K::Seed(_))), "`seed plate`"),
-            (K::For(_), outer) => (outer.is_some(), "an assembly"),
+            (K::If(block), _) if block.is_else && !self.follows_if() => {
+                (false, "the line of the `}` that ends an `if`")
+            }
+            (K::For(_) | K::If(_), outer) => (outer.is_some(), "an assembly"),
             (K::Let(_) | K::Level(_), _) => (true, ""),
             (K::Phase(_) | K::Seed(_), outer) => {
                 (matches!(outer, Some(K::Assembly(_))), "an assembly")
@@ -153,6 +157,13 @@ impl Parser<'_, '_> {
                 span,
             );
         }
+    }
+
+    /// Returns whether the last item is an `if`, or an `else` with a condition.
+    fn follows_if(&self) -> bool {
+        let items = self.frames.last().map_or(&self.root, |frame| &frame.body);
+        matches!(items.last().map(|last| &last.kind),
+            Some(ItemKind::If(block)) if block.condition.is_some())
     }
 
     pub fn name(&mut self, pair: &Pair<'_, Rule>, base: usize) -> Name {
@@ -460,6 +471,19 @@ impl Parser<'_, '_> {
         For {
             counter: self.first_name(pair, base),
             range,
+            body: Vec::new(),
+        }
+    }
+
+    fn if_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> If {
+        let mut parts = pair.into_inner().peekable();
+        let is_else = parts
+            .next_if(|part| part.as_rule() == Rule::kw_else)
+            .is_some();
+        let condition = parts.find(|part| part.as_rule() == Rule::condition);
+        If {
+            is_else,
+            condition: condition.map(|condition| self.condition(condition, base)),
             body: Vec::new(),
         }
     }

@@ -1,11 +1,11 @@
-//! Builds trees of integer arithmetic from flat lists of terms and operators.
+//! Builds trees of integer arithmetic and conditions from flat lists of terms and operators.
 use pest::iterators::{Pair, Pairs};
 
 use super::parser::Parser;
 use super::spans::span_of;
 use super::{MAX_DEPTH, MAX_TERMS, Rule};
 use crate::error::SyntaxErrorKind;
-use crate::tree::{Expr, ExprKind, Operator, Subscript};
+use crate::tree::{Expr, ExprKind, Function, Operator, Subscript};
 
 impl Parser<'_, '_> {
     pub fn expr(&mut self, pair: Pair<'_, Rule>, base: usize) -> Expr {
@@ -24,6 +24,38 @@ impl Parser<'_, '_> {
             }
         }
         self.expr_at(pair, base, 0)
+    }
+
+    /// Builds a `condition`.
+    pub fn condition(&mut self, pair: Pair<'_, Rule>, base: usize) -> Expr {
+        let condition = self.expr(pair, base);
+        self.check_types(&condition, true);
+        condition
+    }
+
+    /// Reports each number where a condition is required, and each condition where a number is
+    /// required.
+    fn check_types(&mut self, expr: &Expr, requires_condition: bool) {
+        if expr.is_condition() != requires_condition {
+            return self.error(
+                if requires_condition {
+                    SyntaxErrorKind::NumberAsCondition
+                } else {
+                    SyntaxErrorKind::ConditionAsNumber
+                },
+                expr.span,
+            );
+        }
+        match &expr.kind {
+            // The arguments of a function cannot contain conditions.
+            ExprKind::Int(_) | ExprKind::Name(_) | ExprKind::Call(..) => {}
+            ExprKind::Negate(inner) => self.check_types(inner, false),
+            ExprKind::Not(inner) => self.check_types(inner, true),
+            ExprKind::Binary(operator, sides) => {
+                self.check_types(&sides.0, operator.joins_conditions());
+                self.check_types(&sides.1, operator.joins_conditions());
+            }
+        }
     }
 
     fn expr_at(&mut self, pair: Pair<'_, Rule>, base: usize, depth: usize) -> Expr {
@@ -62,7 +94,7 @@ impl Parser<'_, '_> {
 
     /// Builds one term with the signs before it.
     fn operand(&mut self, pairs: &mut Pairs<'_, Rule>, base: usize, depth: usize) -> Option<Expr> {
-        let mut negative = false;
+        let (mut negative, mut negated) = (false, false);
         let (mut first, mut open) = (None, None);
         loop {
             let pair = pairs.next()?;
@@ -73,12 +105,26 @@ impl Parser<'_, '_> {
                     negative = !negative;
                     continue;
                 }
+                Rule::kw_not => {
+                    negated = true;
+                    continue;
+                }
                 Rule::paren_open => {
                     open = Some(span);
                     continue;
                 }
                 Rule::integer => ExprKind::Int(self.integer(pair.as_str(), span)),
-                Rule::name => ExprKind::Name(self.name(&pair, base).symbol),
+                Rule::name => {
+                    let is_arguments = |next: &Pair<'_, Rule>| next.as_rule() == Rule::arguments;
+                    match pairs.peek().filter(is_arguments) {
+                        None => ExprKind::Name(self.name(&pair, base).symbol),
+                        Some(arguments) => {
+                            pairs.next();
+                            span = span.to(span_of(&arguments, base));
+                            self.call(&pair, arguments, base, depth)
+                        }
+                    }
+                }
                 _ => {
                     let inside = self.expr_at(pair, base, depth + 1);
                     let close = pairs.next().map(|close| span_of(&close, base));
@@ -91,7 +137,12 @@ impl Parser<'_, '_> {
                 }
             };
             let plain = Expr { kind, span };
-            return Some(if negative {
+            return Some(if negated {
+                Expr {
+                    kind: ExprKind::Not(Box::new(plain)),
+                    span: first.to(span),
+                }
+            } else if negative {
                 let kind = match plain.kind {
                     ExprKind::Int(value) => ExprKind::Int(-value),
                     _ => ExprKind::Negate(Box::new(plain)),
@@ -103,6 +154,30 @@ impl Parser<'_, '_> {
             } else {
                 plain
             });
+        }
+    }
+
+    /// Builds a function with its `arguments`.
+    fn call(
+        &mut self,
+        name: &Pair<'_, Rule>,
+        arguments: Pair<'_, Rule>,
+        base: usize,
+        depth: usize,
+    ) -> ExprKind {
+        let is_expr = |pair: &Pair<'_, Rule>| pair.as_rule() == Rule::expr;
+        let arguments: Vec<Expr> = (arguments.into_inner().filter(is_expr))
+            .map(|argument| self.expr_at(argument, base, depth + 1))
+            .collect();
+        let word = name.as_str();
+        let function = Function::ALL.into_iter().find(|it| it.word() == word);
+        match function.filter(|&it| it != Function::Abs || arguments.len() == 1) {
+            Some(function) => ExprKind::Call(function, arguments),
+            None => {
+                let word = word.to_owned();
+                self.error(SyntaxErrorKind::WrongFunction { word }, span_of(name, base));
+                ExprKind::Int(0)
+            }
         }
     }
 
@@ -151,7 +226,15 @@ fn operator(sign: &str) -> Operator {
         "-" => Operator::Subtract,
         "*" => Operator::Multiply,
         "/" => Operator::Divide,
-        _ => Operator::Remainder,
+        "%" => Operator::Remainder,
+        "==" => Operator::Equal,
+        "!=" => Operator::NotEqual,
+        "<" => Operator::Less,
+        "<=" => Operator::LessOrEqual,
+        ">" => Operator::Greater,
+        ">=" => Operator::GreaterOrEqual,
+        "and" => Operator::And,
+        _ => Operator::Or,
     }
 }
 

@@ -62,6 +62,10 @@ impl Parser<'_, '_> {
                         .collect();
                     expected.sort_unstable();
                     expected.dedup();
+                    // A name in a list is more often complete than the name of a function.
+                    if expected.contains(&"`,`") {
+                        expected.retain(|word| *word != "`(`");
+                    }
                     // After a keyword, its own alternatives are listed, not those of the block.
                     if self.is_behind_keyword(start, at) && expected.len() > 1 {
                         expected.retain(|word| !matches!(*word, "`(`" | "`->`" | "`at`"));

@@ -38,7 +38,11 @@ pub fn word(rule: Rule) -> Option<&'static str> {
         Rule::aggregate | Rule::kw_aggregate => "`aggregate`",
         Rule::kw_to => "`to`",
         Rule::assembly_head | Rule::kw_assembly => "`assembly`",
+        Rule::condition => "a condition such as `n > 2`",
+        Rule::condition_operator => "a comparison such as `>`",
+        Rule::kw_else => "`else`",
         Rule::for_head | Rule::kw_for => "`for`",
+        Rule::if_head | Rule::kw_if => "`if`",
         Rule::import | Rule::kw_import => "`import`",
         Rule::layer_head | Rule::kw_layer => "`layer`",
         Rule::let_ | Rule::kw_let => "`let`",
@@ -69,17 +73,19 @@ pub fn beginnings(frame: Option<&OpenBlock>) -> &'static [&'static str] {
     };
     match &frame.content {
         OpenBlockContent::Items(item) => match item.kind {
-            ItemKind::Assembly(_) => &["`seed`", "`phase`", "`let`", "`for`", "`}`"],
+            ItemKind::Assembly(_) => &["`seed`", "`phase`", "`let`", "`for`", "`if`", "`}`"],
             ItemKind::Seed(_) => &[
                 "a seed such as `A at (0, 0)`",
                 "a pre-attached block such as `A.up -> E`",
                 "`for`",
+                "`if`",
                 "`}`",
             ],
             _ => &[
                 "a capture such as `A.up -> E`",
                 "`release`",
                 "`for`",
+                "`if`",
                 "`let`",
                 "a pattern",
                 "`}`",

@@ -142,8 +142,10 @@ fn scrawl_line(code: &str, inside: Within, dice: &mut Dice<'_>, out: &mut String
                 ']' => brackets -= 1,
                 _ => {}
             }
-            if matches!(sign, '(' | '[' | ',' | '{' | '=') || (sign == '>' && !word.contains(">>"))
-            {
+            let may_follow = matches!(sign, '(' | '[' | ',' | '{')
+                || (sign == '=' && word.len() <= 2)
+                || (sign == '>' && !word.contains(">>") && !word.contains('='));
+            if may_follow {
                 out.push_str(&dice.trivia());
             }
         }

@@ -2,10 +2,10 @@
 use proptest::prelude::*;
 use proptest::sample::select;
 use stochc_grammar::tree::{
-    Aggregate, Argument, Arrow, Assembly, Chain, Docs, EventReference, Expr, ExprKind, For, Import,
-    Instance, Item, ItemKind, Layer, LayerRow, Let, Link, LintDirective, LintDirectiveKind, Name,
-    Operator, Pattern, PhaseDeclaration, Place, Quantity, Release, SceneDeclaration, Seat, Seed,
-    Segment, Shape, Subscript, Term, Tree, UnitFactor,
+    Aggregate, Argument, Arrow, Assembly, Chain, Docs, EventReference, Expr, ExprKind, For,
+    Function, If, Import, Instance, Item, ItemKind, Layer, LayerRow, Let, Link, LintDirective,
+    LintDirectiveKind, Name, Operator, Pattern, PhaseDeclaration, Place, Quantity, Release,
+    SceneDeclaration, Seat, Seed, Segment, Shape, Subscript, Term, Tree, UnitFactor,
 };
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::Face;
@@ -71,9 +71,46 @@ fn expr() -> impl Strategy<Value = Expr> {
                 ExprKind::Int(value) => ExprKind::Int(-value),
                 _ => ExprKind::Negate(Box::new(inner)),
             })),
-            (operator.clone(), inner.clone(), inner).prop_map(move |(operator, left, right)| kind(
-                ExprKind::Binary(operator, Box::new((left, right)))
-            )),
+            (operator.clone(), inner.clone(), inner.clone()).prop_map(
+                move |(operator, left, right)| kind(ExprKind::Binary(
+                    operator,
+                    Box::new((left, right))
+                ))
+            ),
+            (
+                select(&Function::ALL[..2]),
+                prop::collection::vec(inner.clone(), 1..4)
+            )
+                .prop_map(move |(function, arguments)| kind(ExprKind::Call(function, arguments))),
+            inner.prop_map(move |inner| kind(ExprKind::Call(Function::Abs, vec![inner]))),
+        ]
+    })
+}
+
+/// Generates a condition.
+fn condition() -> impl Strategy<Value = Expr> {
+    let kind = |kind| Expr {
+        kind,
+        span: Span::default(),
+    };
+    let comparison = select(vec![
+        Operator::Equal,
+        Operator::NotEqual,
+        Operator::Less,
+        Operator::LessOrEqual,
+        Operator::Greater,
+        Operator::GreaterOrEqual,
+    ]);
+    let leaf = (comparison, expr(), expr()).prop_map(move |(operator, left, right)| {
+        kind(ExprKind::Binary(operator, Box::new((left, right))))
+    });
+    leaf.prop_recursive(3, 12, 2, move |inner| {
+        let joined = select(vec![Operator::And, Operator::Or]);
+        prop_oneof![
+            (inner.clone()).prop_map(move |inner| kind(ExprKind::Not(Box::new(inner)))),
+            (joined, inner.clone(), inner).prop_map(move |(operator, left, right)| {
+                kind(ExprKind::Binary(operator, Box::new((left, right))))
+            }),
         ]
     })
 }
@@ -240,18 +277,28 @@ fn level() -> BoxedStrategy<Item> {
     }))
 }
 
-/// Generates a loop over some items, nested or not.
+/// Generates loops and conditions around some items, nested or not.
 fn repeated(inner: BoxedStrategy<Item>) -> BoxedStrategy<Item> {
     inner
         .prop_recursive(3, 12, 3, |inner| {
             let body = prop::collection::vec(inner, 0..3);
-            item((name(), range(), body).prop_map(|(counter, range, body)| {
+            let repeat = (name(), range(), body.clone()).prop_map(|(counter, range, body)| {
                 ItemKind::For(Box::new(For {
                     counter,
                     range,
                     body,
                 }))
-            }))
+            });
+            let branch = (prop::option::of(condition()), any::<bool>(), body).prop_map(
+                |(condition, is_else, body)| {
+                    ItemKind::If(Box::new(If {
+                        is_else: is_else || condition.is_none(),
+                        condition,
+                        body,
+                    }))
+                },
+            );
+            prop_oneof![item(repeat), item(branch)]
         })
         .boxed()
 }
@@ -406,5 +453,44 @@ pub fn tree() -> impl Strategy<Value = Tree> {
         1 => level(),
         1 => import,
     ];
-    prop::collection::vec(top, 0..4).prop_map(|items| Tree { items })
+    prop::collection::vec(top, 0..4).prop_map(|mut items| {
+        items.iter_mut().for_each(remove_misplaced_else);
+        Tree { items }
+    })
+}
+
+/// Turns each `else` that does not follow an `if` into an `if`.
+fn remove_misplaced_else(item: &mut Item) {
+    let body = match &mut item.kind {
+        ItemKind::For(block) => &mut block.body,
+        ItemKind::If(block) => &mut block.body,
+        ItemKind::Phase(block) => &mut block.body,
+        ItemKind::Seed(block) => &mut block.body,
+        ItemKind::Pattern(block) => &mut block.body,
+        ItemKind::Assembly(block) => &mut block.body,
+        _ => return,
+    };
+    let mut follows_if = false;
+    for item in body {
+        remove_misplaced_else(item);
+        if let ItemKind::If(block) = &mut item.kind {
+            block.is_else &= follows_if;
+            if !block.is_else {
+                block.condition.get_or_insert_with(is_zero);
+            }
+        }
+        follows_if = matches!(&item.kind, ItemKind::If(block) if block.condition.is_some());
+    }
+}
+
+/// Returns the condition `0 == 0`.
+fn is_zero() -> Expr {
+    let zero = || Expr {
+        kind: ExprKind::Int(0),
+        span: Span::default(),
+    };
+    Expr {
+        kind: ExprKind::Binary(Operator::Equal, Box::new((zero(), zero()))),
+        span: Span::default(),
+    }
 }

@@ -96,12 +96,18 @@ fn symbol(item: &Item, words: &Symbols, lines: &LineIndex<'_>) -> Option<Documen
             (word(&name.name), SymbolKind::Field, "seed")
         }
         ItemKind::For(it) => (word(&it.counter), SymbolKind::Variable, "for"),
+        ItemKind::If(it) => {
+            let keyword = if it.is_else { "else" } else { "if" };
+            let start = item.span.start;
+            let span = Span::new(start, start + keyword.len() as u32);
+            ((keyword.to_owned(), span), SymbolKind::Boolean, "")
+        }
         // Captures and other actions are not declarations, and imports have no names.
         _ => return None,
     };
     let children = symbols(item.body(), words, lines);
-    // Loops are included only for their declarations.
-    if matches!(item.kind, ItemKind::For(_)) && children.is_empty() {
+    // Loops and conditions are included only for their declarations.
+    if item.is_transparent() && children.is_empty() {
         return None;
     }
     #[allow(deprecated, reason = "the protocol has a deprecated field")]
