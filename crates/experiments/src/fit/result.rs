@@ -43,8 +43,8 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Returns the horizon, in the unit of the table: the upper limit of the times that count.
-    /// Returns `None` if all times count.
+    /// Returns the horizon, in the unit of the table. Longer times are replaced by the horizon.
+    /// Returns `None` if all times are used unchanged.
     pub fn horizon(&self) -> Option<f64> {
         self.observed.as_ref()?.horizon
     }
