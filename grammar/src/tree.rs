@@ -394,9 +394,9 @@ pub enum ExprKind {
     Negate(Box<Expr>),
     /// Operation: `n + 1`
     Binary(Operator, Box<(Expr, Expr)>),
-    /// `min(n, 4)`
+    /// Function: `min(n, 4)`
     Call(Function, Vec<Expr>),
-    /// `not (n > 2)`
+    /// Negated condition: `not (n > 2)`
     Not(Box<Expr>),
 }
 
@@ -448,21 +448,21 @@ pub enum Operator {
     Divide,
     /// Remainder of [`Operator::Divide`]: `%`
     Remainder,
-    /// `==`
+    /// Equal: `==`
     Equal,
-    /// `!=`
+    /// Not equal: `!=`
     NotEqual,
-    /// `<`
+    /// Less: `<`
     Less,
-    /// `<=`
+    /// Less or equal: `<=`
     LessOrEqual,
-    /// `>`
+    /// Greater: `>`
     Greater,
-    /// `>=`
+    /// Greater or equal: `>=`
     GreaterOrEqual,
-    /// `and`
+    /// Both conditions: `and`
     And,
-    /// `or`
+    /// At least one condition: `or`
     Or,
 }
 
