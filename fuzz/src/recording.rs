@@ -82,7 +82,7 @@ pub fn read(bytes: &[u8]) {
     // Displaying the recording must not panic.
     if recording.header().bodies <= 1000 {
         for frame in recording.frames().take(1000) {
-            assert!(frame.tick <= end && frame.places.len() == recording.header().bodies as usize);
+            assert!(frame.tick <= end && frame.poses.len() == recording.header().bodies as usize);
         }
     }
     assert!(recording.events().iter().all(|event| event.tick <= end));

@@ -1,7 +1,7 @@
 //! Error of the time step in a scene: collisions and captures, each at the chosen step and at much
 //! shorter ones.
 use nalgebra::Vector3;
-use stochc_ir::scene::groups::{BlockUnits, speed};
+use stochc_ir::scene::dimensionless::{BlockUnits, speed};
 use stochc_ir::scene::{Bond, ContactLaw, Scene, Substeps};
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};

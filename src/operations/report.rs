@@ -7,7 +7,7 @@ use stochc_files::address::address;
 use stochc_files::atomic::{self, Draft, Replaces, begins_with};
 use stochc_files::{budget, disk, open, read_file};
 use stochc_report::ensemble_report::{
-    CHAINS, Figures, Input, MARK, Report, ReportError, ReportLocation, report,
+    CRITICAL_PATHS, Figures, Input, MARK, Report, ReportError, ReportLocation, report,
 };
 use stochc_results::{Folder, Manifest, recording};
 use stochc_text::visible;
@@ -96,7 +96,7 @@ fn write_page(
         },
     };
     let refuse = |error: io::Error| Failure::not_written(&page, error);
-    let mut chains = beside.begin(CHAINS).map_err(refuse)?;
+    let mut chains = beside.begin(CRITICAL_PATHS).map_err(refuse)?;
     let report = report(&inputs, &surroundings, &mut chains).map_err(|error| match error {
         ReportError::Write(error) => refuse(error),
         ReportError::Runs(error) => Failure::usage(error),
@@ -235,7 +235,7 @@ fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Res
         let extension = Path::new(&name).extension();
         let is_figure =
             extension.is_some_and(|it| ["svg", "pdf", "csv"].iter().any(|one| it == *one));
-        let stays = (report.has_chains && name == CHAINS)
+        let stays = (report.has_critical_paths && name == CRITICAL_PATHS)
             || report.files.iter().any(|(file, _)| name == file.as_str());
         // Files that the earlier page does not mention are kept.
         let address = format!("/{}\"", name.to_string_lossy());
@@ -248,7 +248,7 @@ fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Res
     }
     let ours = Replaces::Ours(|file| begins_with(file, MARK.as_bytes()));
     atomic::replace(page, report.page.as_bytes(), ours)?;
-    if report.has_chains {
+    if report.has_critical_paths {
         chains.keep()
     } else {
         Ok(())

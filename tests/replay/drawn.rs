@@ -175,8 +175,8 @@ fn check_overview(page: &mut impl Page, recording: &Recording, tables: &Tables) 
             })
             .collect();
         let plate = (tables.plate.width * tables.plate.depth) as usize;
-        assert_eq!(dots.len(), frame.places.len() + plate);
-        for (body, place) in (0..).zip(&frame.places) {
+        assert_eq!(dots.len(), frame.poses.len() + plate);
+        for (body, place) in (0..).zip(&frame.poses) {
             let is_pulled = moment.pulled.contains(&body);
             let colour = match moment.structure.get(&body) {
                 Some(&number) => phase(number as usize),
@@ -375,8 +375,8 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
         let sunk = |place: &&[f64; 7]| reach(place) - place[2] >= 0.05;
         let out = |place: &&[f64; 7]| place[..3].iter().map(|x| x * x).sum::<f64>().sqrt() >= 24.5;
         let counts = [
-            frame.places.iter().filter(sunk).count(),
-            frame.places.iter().filter(out).count(),
+            frame.poses.iter().filter(sunk).count(),
+            frame.poses.iter().filter(out).count(),
         ];
         let parts: Vec<String> = (counts.iter().zip(["into the floor", "outside of the wall"]))
             .filter(|(count, _)| **count > 0)
@@ -397,7 +397,7 @@ fn check_beyond(page: &mut impl Page, recording: &Recording) {
         assert_eq!(outcome, expected, "at {}", frame.tick);
         for (kind, word) in ["into the floor", "outside of the wall"].iter().enumerate() {
             let is_so = |place: &&[f64; 7]| if kind == 0 { sunk(place) } else { out(place) };
-            let Some(body) = frame.places.iter().position(|place| is_so(&place)) else {
+            let Some(body) = frame.poses.iter().position(|place| is_so(&place)) else {
                 continue;
             };
             let why = page.value(&format!(

@@ -60,7 +60,7 @@ fn a_table_has_every_block_at_every_tick() {
             (tick, body),
             (40 * (at / bodies) as i64, (at % bodies) as i32)
         );
-        let place = frames[&(tick as u64)].places[body as usize];
+        let place = frames[&(tick as u64)].poses[body as usize];
         for (axis, stored) in place[..3].iter().enumerate() {
             let number = f64::from(row.get_float(2 + axis).unwrap());
             assert!((number - stored).abs() <= ROUNDED, "{number} at {tick}");
@@ -171,7 +171,7 @@ fn an_animation_moves_every_block_as_in_the_run() {
         let path = channel["target"]["path"].as_str().unwrap();
         for (i, second) in seconds.iter().enumerate() {
             let tick = (second / 0.02).round() as u64;
-            let place = frames[&tick].places[body];
+            let place = frames[&tick].poses[body];
             if path == "translation" {
                 for axis in 0..3 {
                     assert!((numbers[3 * i + axis] - place[axis]).abs() <= ROUNDED);

@@ -228,7 +228,7 @@ fn firefox_shows_the_same() {
     let frame = recording.frames().nth(500).unwrap();
     let state = firefox.value(&format!("replay.seek({})", frame.tick));
     let shown = state["places"].as_array().unwrap();
-    for (shown, recorded) in shown.iter().zip(frame.places.iter().flatten()) {
+    for (shown, recorded) in shown.iter().zip(frame.poses.iter().flatten()) {
         assert!((shown.as_f64().unwrap() - recorded).abs() < 1e-12);
     }
     // The last block has the same colour in every browser.

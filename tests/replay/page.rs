@@ -56,14 +56,14 @@ fn the_page_shows_the_recording() {
         assert_eq!(state["end"], recording.record().ticks);
         let frame = frames.iter().find(|frame| frame.tick == tick).unwrap();
         let places = numbers(&state["places"]);
-        assert_eq!(places.len(), 7 * frame.places.len());
-        for (shown, stored) in places.iter().zip(frame.places.iter().flatten()) {
+        assert_eq!(places.len(), 7 * frame.poses.len());
+        for (shown, stored) in places.iter().zip(frame.poses.iter().flatten()) {
             assert!(
                 (shown - stored).abs() < 1e-12,
                 "{shown} and {stored} at {tick}"
             );
         }
-        let blocks = frame.places.len() as u64;
+        let blocks = frame.poses.len() as u64;
         let plate = u64::from(tables.plate.width * tables.plate.depth);
         assert_eq!(state["cubes"], blocks + plate);
         let names: Vec<Value> = (structure(&recording, tick).into_iter())
@@ -87,9 +87,9 @@ fn the_page_shows_the_recording() {
         .find(|pair| pair[1].tick == pair[0].tick + 4)
         .unwrap();
     let places = numbers(&seek(&mut browser, pair[0].tick + 1)["places"]);
-    for (body, place) in pair[0].places.iter().enumerate() {
+    for (body, place) in pair[0].poses.iter().enumerate() {
         for axis in 0..3 {
-            let there = pair[1].places[body][axis];
+            let there = pair[1].poses[body][axis];
             let expected = place[axis] + (there - place[axis]) / 4.0;
             assert!((places[7 * body + axis] - expected).abs() < 1e-9);
         }

@@ -81,7 +81,7 @@ fn anchored_blocks_are_at_their_cells() {
             if bond.docked != frame.tick {
                 continue;
             }
-            let [x, y, z, ..] = frame.places[bond.body as usize];
+            let [x, y, z, ..] = frame.poses[bond.body as usize];
             let centre = |n: i32, blocks: u32| f64::from(n) - (f64::from(blocks) - 1.0) / 2.0;
             let cell = [
                 centre(bond.cell.x, tables.plate.width),

@@ -174,9 +174,10 @@ fn the_reynolds_number_uses_the_expected_speed() {
     let with = |viscosity: f64| {
         let clauses = format!("fluid {{ viscosity {viscosity} mPa s }}");
         let scene = scene(&program(&clauses, ""));
-        let groups = stochc_ir::scene::groups::groups(&scene, Substeps::DEFAULT);
-        let found = groups.iter().find(|it| it.symbol == "m v / (a² η)");
-        let speed = stochc_ir::scene::groups::speed(&scene).rms.unwrap();
+        let numbers =
+            stochc_ir::scene::dimensionless::dimensionless_numbers(&scene, Substeps::DEFAULT);
+        let found = numbers.iter().find(|it| it.symbol == "m v / (a² η)");
+        let speed = stochc_ir::scene::dimensionless::speed(&scene).rms.unwrap();
         (found.unwrap().value, speed / (0.04 * viscosity * 1e-3))
     };
     for viscosity in [1.0, 1e3, 1e5] {

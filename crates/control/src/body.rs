@@ -26,7 +26,7 @@ pub struct BlockFace {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Docking {
     /// Face that captured the block.
-    pub site: BlockFace,
+    pub block_face: BlockFace,
     /// Captured block.
     pub child: u32,
     /// Face of the captured block that touches the parent.

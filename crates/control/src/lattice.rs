@@ -41,7 +41,7 @@ impl Lattice {
 
     /// Returns the cell and orientation of an anchored block. Returns `None` if the block is not
     /// anchored.
-    pub fn place(&self, body: Body) -> Option<LatticePose> {
+    pub fn pose(&self, body: Body) -> Option<LatticePose> {
         match body {
             Body::Seed(cell) => Some(LatticePose {
                 cell,
@@ -52,8 +52,8 @@ impl Lattice {
     }
 
     /// Returns the block that a face holds. Returns `None` if it holds none.
-    pub fn held(&self, site: BlockFace) -> Option<u32> {
-        self.holds.get(&site).copied()
+    pub fn held(&self, block_face: BlockFace) -> Option<u32> {
+        self.holds.get(&block_face).copied()
     }
 
     /// Returns whether a formerly free block is anchored.
@@ -61,27 +61,27 @@ impl Lattice {
         self.placed.contains_key(&id)
     }
 
-    /// Returns the cell that a block captured at `site` would occupy. Returns `None` if no block
+    /// Returns the cell that a block captured at `block_face` would occupy. Returns `None` if no block
     /// can be captured there.
-    pub fn target(&self, site: BlockFace) -> Option<Cell> {
-        let parent = self.place(site.body)?;
+    pub fn target(&self, block_face: BlockFace) -> Option<Cell> {
+        let parent = self.pose(block_face.body)?;
         let cell = parent
             .cell
-            .across(parent.orientation.to_structure(site.face))?;
+            .across(parent.orientation.to_structure(block_face.face))?;
         (cell.z >= 1 && !self.cells.contains_key(&cell)).then_some(cell)
     }
 
     /// Switches a face on unless it holds a block.
-    pub fn magnetize(&mut self, site: BlockFace) {
-        if self.place(site.body).is_some() && !self.holds.contains_key(&site) {
-            self.active.insert(site);
+    pub fn magnetize(&mut self, block_face: BlockFace) {
+        if self.pose(block_face.body).is_some() && !self.holds.contains_key(&block_face) {
+            self.active.insert(block_face);
         }
     }
 
     /// Switches a face off and releases its block with all descendants.
-    pub fn switch_off(&mut self, site: BlockFace) {
-        self.active.remove(&site);
-        let Some(id) = self.holds.remove(&site) else {
+    pub fn switch_off(&mut self, block_face: BlockFace) {
+        self.active.remove(&block_face);
+        let Some(id) = self.holds.remove(&block_face) else {
             return;
         };
         if let Some(placed) = self.placed.remove(&id) {
@@ -95,18 +95,23 @@ impl Lattice {
 
     /// Anchors a captured block if its cell is empty.
     pub fn dock(&mut self, docking: &Docking) {
-        let site = docking.site;
-        let (Some(parent), Some(cell)) = (self.place(site.body), self.target(site)) else {
+        let block_face = docking.block_face;
+        let (Some(parent), Some(cell)) = (self.pose(block_face.body), self.target(block_face))
+        else {
             return;
         };
         let Docking {
             child, child_face, ..
         } = *docking;
-        let orientation =
-            Orientation::docked(parent.orientation, site.face, child_face, docking.turn);
+        let orientation = Orientation::docked(
+            parent.orientation,
+            block_face.face,
+            child_face,
+            docking.turn,
+        );
         self.placed.insert(child, LatticePose { cell, orientation });
         self.cells.insert(cell, child);
-        self.active.remove(&site);
-        self.holds.insert(site, child);
+        self.active.remove(&block_face);
+        self.holds.insert(block_face, child);
     }
 }

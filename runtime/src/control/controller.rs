@@ -175,8 +175,8 @@ impl<'t> Controller<'t> {
     /// Attaches all pre-attached blocks within the current tick. They belong to the first phases.
     fn plant(&mut self, world: &mut impl World) {
         while self.structure.is_planting() {
-            while let Some((site, child)) = self.structure.next_to_plant() {
-                let Some(docking) = world.plant(site) else {
+            while let Some((block_face, child)) = self.structure.next_to_plant() {
+                let Some(docking) = world.plant(block_face) else {
                     let name = self.tables.name(child);
                     self.fault = Some(format!("no free block is left to pre-attach as {name}"));
                     return;
@@ -195,7 +195,7 @@ impl<'t> Controller<'t> {
         let mut waiting = Vec::new();
         for block in self.structure.blocks() {
             for open in block.open() {
-                let site = BlockFace {
+                let block_face = BlockFace {
                     body: block.body(),
                     face: open.own,
                 };
@@ -206,7 +206,7 @@ impl<'t> Controller<'t> {
                     child: open.child,
                     cell: open.cell,
                     magnetized: open.mark,
-                    entries: world.entries(site),
+                    entries: world.entries(block_face),
                 });
             }
         }

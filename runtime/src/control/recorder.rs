@@ -87,20 +87,20 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
     /// Tick when a face was switched on.
     type Mark = u64;
 
-    fn magnetize(&mut self, site: BlockFace, capture: &PlannedCapture) -> u64 {
+    fn magnetize(&mut self, block_face: BlockFace, capture: &PlannedCapture) -> u64 {
         self.recorder.log.note(|| ObservedEvent::Magnetized {
-            body: site.body,
+            body: block_face.body,
             by: capture.parent,
             face: capture.face,
             child: capture.child,
             cell: capture.cell,
         });
-        self.world.magnetize(site);
+        self.world.magnetize(block_face);
         self.recorder.tick
     }
 
-    fn switch_off(&mut self, site: BlockFace) {
-        self.world.switch_off(site);
+    fn switch_off(&mut self, block_face: BlockFace) {
+        self.world.switch_off(block_face);
     }
 
     fn send(&mut self, from: Body, to: Body, message: Message) {
@@ -133,7 +133,7 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
         } = self.recorder;
         log.note(|| ObservedEvent::Captured {
             body: docking.child,
-            on: docking.site.body,
+            on: docking.block_face.body,
             face: capture.face,
             role: capture.child,
             cell: capture.cell,
@@ -163,7 +163,7 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
         });
         self.recorder.log.note(|| ObservedEvent::Unplanned {
             body: docking.child,
-            on: docking.site.body,
+            on: docking.block_face.body,
             face,
             by,
         });

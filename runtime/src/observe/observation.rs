@@ -81,8 +81,8 @@ impl<O: Observer> State for EventObservation<'_, O> {
 impl<A: SpatialWorld, O: Observer> StepObserver<A> for EventObservation<'_, O> {
     fn observe(&mut self, arena: &A, log: Vec<ObservedEvent>) {
         let mut inside: Vec<_> = (arena.in_reach().into_iter())
-            .filter_map(|(site, body, entered)| {
-                let (of, face) = in_structure(arena, site)?;
+            .filter_map(|(block_face, body, entered)| {
+                let (of, face) = in_structure(arena, block_face)?;
                 Some((body, of, face, entered))
             })
             .collect();

@@ -2,7 +2,7 @@
 //!
 //! Single precision and contact settings then suit blocks of 10 um and of 20 cm alike.
 use nalgebra::Vector3;
-use stochc_ir::scene::groups::BlockUnits;
+use stochc_ir::scene::dimensionless::BlockUnits;
 use stochc_ir::scene::schema::SchemaNumber;
 use stochc_ir::scene::schema::numbers::*;
 use stochc_ir::scene::{

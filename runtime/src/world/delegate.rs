@@ -47,14 +47,14 @@ macro_rules! delegate {
         impl World for $world {
             delegate!(@read $by
                 tick() -> u64,
-                entries(site: BlockFace) -> u32,
+                entries(block_face: BlockFace) -> u32,
                 largest_group() -> u32
             );
             delegate!(@change $by
                 place_seeds(cells: &[Cell]) -> (),
-                magnetize(site: BlockFace) -> (),
-                switch_off(site: BlockFace) -> (),
-                plant(site: BlockFace) -> Option<Docking>,
+                magnetize(block_face: BlockFace) -> (),
+                switch_off(block_face: BlockFace) -> (),
+                plant(block_face: BlockFace) -> Option<Docking>,
                 step(dockings: &mut Vec<Docking>) -> Result<(), Fault>
             );
         }

@@ -46,9 +46,9 @@ impl FreeBonds {
     /// Applies the attraction between free blocks to their velocities, and to their spins unless
     /// `turns` is false.
     pub fn pull(&self, free: &[u32], blocks: &mut impl Blocks, dt: f64, turns: bool) {
-        let places = places(free, blocks);
-        for (a, b) in close(&places, self.passive.within) {
-            let (a, b) = (places[a].0, places[b].0);
+        let positions = positions(free, blocks);
+        for (a, b) in close(&positions, self.passive.within) {
+            let (a, b) = (positions[a].0, positions[b].0);
             if self.groups.same(a, b) {
                 continue;
             }
@@ -115,23 +115,23 @@ impl FreeBonds {
     /// Skips pairs whose bond would dissipate more energy than it can absorb. Returns whether any
     /// pair bonded and was moved into place.
     pub fn join(&mut self, free: &[u32], blocks: &mut impl Blocks, dt: f64) -> bool {
-        let places = places(free, blocks);
+        let positions = positions(free, blocks);
         let mut parting = BTreeSet::new();
         let mut ready = Vec::new();
         // Blocks that were close during the step are now at most the sum of their paths apart.
-        let fastest = places
+        let fastest = positions
             .iter()
             .map(|&(id, _)| blocks.motion(id).velocity.norm());
         let distance = 2.0 * dt * fastest.fold(0.0, f64::max);
-        for (i, j) in close(&places, self.magnet.anchoring() + distance) {
-            let (a, b) = (places[i].0, places[j].0);
+        for (i, j) in close(&positions, self.magnet.anchoring() + distance) {
+            let (a, b) = (positions[i].0, positions[j].0);
             let (first, second) = (blocks.pose(a), blocks.pose(b));
             let (one, other) = (blocks.motion(a), blocks.motion(b));
             let pair = FacePair::new(&first, &second);
             if pair.bonds(&self.magnet, [(&first, &one), (&second, &other)], dt) {
                 // A broken pair may bond again once it separates no faster than its magnets can
                 // stop in a step, after drag.
-                let direction = (places[j].1 - places[i].1).normalize();
+                let direction = (positions[j].1 - positions[i].1).normalize();
                 let turning = other.spin - one.spin;
                 // Separation speed of the centres, or of two edges.
                 let opening = (other.velocity - one.velocity).dot(&direction)
@@ -182,10 +182,10 @@ impl FreeBonds {
     }
 }
 
-fn places(free: &[u32], blocks: &mut impl Blocks) -> Vec<(u32, Vector3<f64>)> {
-    let place = |&id: &u32| {
+fn positions(free: &[u32], blocks: &mut impl Blocks) -> Vec<(u32, Vector3<f64>)> {
+    let located = |&id: &u32| {
         let Pose { position, .. } = blocks.pose(id);
         (id, position)
     };
-    free.iter().map(place).collect()
+    free.iter().map(located).collect()
 }

@@ -182,7 +182,7 @@ impl<T: Copy> ChunkedGrid<T> {
 
     #[inline]
     pub fn get(&self, cell: Cell) -> T {
-        let (key, offset) = place(cell);
+        let (key, offset) = chunk_and_offset(cell);
         match self.find(key).start {
             ABSENT => self.default,
             start => self.cells[start as usize + offset],
@@ -205,7 +205,7 @@ impl<T: Copy> ChunkedGrid<T> {
     /// Sets or clears the mark of a cell and returns its value.
     #[inline(always)]
     pub fn mark(&mut self, cell: Cell, is_marked: bool) -> &mut T {
-        let (key, offset) = place(cell);
+        let (key, offset) = chunk_and_offset(cell);
         let chunk = self.chunk(key);
         if is_marked {
             chunk.marks |= 1 << offset
@@ -336,7 +336,7 @@ impl<T: Copy> ChunkedGrid<T> {
 
     #[inline(always)]
     pub fn get_mut(&mut self, cell: Cell) -> &mut T {
-        let (key, offset) = place(cell);
+        let (key, offset) = chunk_and_offset(cell);
         let start = self.chunk(key).start as usize;
         &mut self.cells[start + offset]
     }
@@ -344,7 +344,7 @@ impl<T: Copy> ChunkedGrid<T> {
 
 /// Returns the chunk of a cell, and the cell's index in it.
 #[inline]
-fn place(cell: Cell) -> (ChunkKey, usize) {
+fn chunk_and_offset(cell: Cell) -> (ChunkKey, usize) {
     let at = [cell.x, cell.y, cell.z];
     let offset = number(at.map(|of| of & (SIDE - 1)));
     (at.map(|of| of >> SIDE_BITS), offset)

@@ -36,11 +36,11 @@ pub(super) fn blocks(
 fn ring(inside: Interior, count: u32, radius: f64) -> Vec<BodyState> {
     let height = inside.halfway();
     let angle = std::f64::consts::TAU / f64::from(count);
-    let place = |i: u32| {
+    let position = |i: u32| {
         let (sin, cos) = libm::sincos(angle * f64::from(i));
         Vector3::new(radius * cos, radius * sin, height)
     };
-    (0..count).map(place).map(BodyState::at_rest).collect()
+    (0..count).map(position).map(BodyState::at_rest).collect()
 }
 
 /// Returns `count` blocks at rest on a regular lattice, aligned with the structure and apart from
@@ -60,9 +60,9 @@ fn uniform(inside: Interior, count: u32, obstacles: &Obstacles) -> Vec<BodyState
             fails = middle;
         }
     }
-    let sites: Vec<_> = lattice(fits).map(Vector3::from).collect();
+    let points: Vec<_> = lattice(fits).map(Vector3::from).collect();
     // Surplus sites are omitted evenly.
-    let chosen = (0..count).map(|i| sites[i * sites.len() / count]);
+    let chosen = (0..count).map(|i| points[i * points.len() / count]);
     chosen.map(BodyState::at_rest).collect()
 }
 

@@ -52,18 +52,18 @@ pub trait World: State {
     ///
     /// Has no effect on a face that is on or holds a block. If faces always attract, restarts the
     /// entry count of the face.
-    fn magnetize(&mut self, site: BlockFace);
+    fn magnetize(&mut self, block_face: BlockFace);
 
     /// Switches a face off. Releases the block that it holds and all descendants of that block, at
     /// rest.
-    fn switch_off(&mut self, site: BlockFace);
+    fn switch_off(&mut self, block_face: BlockFace);
 
     /// Attaches the free block with the highest number to a face, and switches the face on. The
     /// block is aligned with the structure.
     ///
     /// Used for pre-attached blocks, before the first tick. Returns `None` if there is no free
     /// block or the face already holds a block.
-    fn plant(&mut self, site: BlockFace) -> Option<Docking>;
+    fn plant(&mut self, block_face: BlockFace) -> Option<Docking>;
 
     /// Returns the number of entries into the reach of an open face so far, including re-entries.
     ///

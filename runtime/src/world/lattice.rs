@@ -72,7 +72,7 @@ pub(super) fn occupied_cells(tables: &Tables) -> impl Iterator<Item = Cell> {
 }
 
 /// Returns the seat and the face of a [`number`].
-pub(super) fn site(number: usize) -> (usize, Face) {
+pub(super) fn block_face(number: usize) -> (usize, Face) {
     let faces = Face::ALL.len();
     (number / faces, Face::ALL[number % faces])
 }
@@ -196,7 +196,7 @@ impl LatticeStructure {
     #[inline]
     pub fn docking(&self, seat: usize, face: Face, child: u32, pose: u8, tick: u64) -> Docking {
         Docking {
-            site: BlockFace {
+            block_face: BlockFace {
                 body: self.body(seat),
                 face,
             },

@@ -67,7 +67,7 @@ pub(crate) trait Integrator: Sized + State {
     fn near(
         &self,
         blocks: &Self::Blocks,
-        place: Vector3<Self::Real>,
+        position: Vector3<Self::Real>,
         reach: Self::Real,
         found: &mut Vec<u32>,
     );
@@ -523,8 +523,8 @@ impl<I: Integrator> World for Stepper<I> {
         }
     }
 
-    fn magnetize(&mut self, site: BlockFace) {
-        let (centre, orientation) = match site.body {
+    fn magnetize(&mut self, block_face: BlockFace) {
+        let (centre, orientation) = match block_face.body {
             Body::Seed(cell) => (cast(self.cells.centre(cell)), Orientation::IDENTITY),
             Body::Free(id) => {
                 let Some(orientation) = self.blocks.anchored(id) else {
@@ -534,17 +534,17 @@ impl<I: Integrator> World for Stepper<I> {
             }
         };
         if let Some(faces) = &mut self.faces
-            && faces.magnetize(site, centre, orientation)
+            && faces.magnetize(block_face, centre, orientation)
         {
             (self.stale, self.blind) = (true, true);
         }
     }
 
-    fn switch_off(&mut self, site: BlockFace) {
+    fn switch_off(&mut self, block_face: BlockFace) {
         let Some(faces) = &mut self.faces else {
             return;
         };
-        if let Some(ReleasedBlock { body: id, impulse }) = faces.switch_off(site) {
+        if let Some(ReleasedBlock { body: id, impulse }) = faces.switch_off(block_face) {
             self.blocks.release(id);
             if let Some(bonds) = &mut self.free_bonds {
                 bonds.reject(id, cast(impulse));
@@ -559,18 +559,20 @@ impl<I: Integrator> World for Stepper<I> {
         }
     }
 
-    fn plant(&mut self, site: BlockFace) -> Option<Docking> {
-        self.magnetize(site);
+    fn plant(&mut self, block_face: BlockFace) -> Option<Docking> {
+        self.magnetize(block_face);
         let id = (0..self.count())
             .rev()
             .find(|&id| self.blocks.is_free(id))?;
-        let (held, docking) = self.faces.as_mut()?.plant(site, id, self.tick)?;
+        let (held, docking) = self.faces.as_mut()?.plant(block_face, id, self.tick)?;
         self.anchor(&held);
         Some(docking)
     }
 
-    fn entries(&self, site: BlockFace) -> u32 {
-        self.faces.as_ref().map_or(0, |faces| faces.entries(site))
+    fn entries(&self, block_face: BlockFace) -> u32 {
+        self.faces
+            .as_ref()
+            .map_or(0, |faces| faces.entries(block_face))
     }
 
     fn largest_group(&self) -> u32 {

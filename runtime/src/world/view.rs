@@ -13,10 +13,13 @@ pub fn pose(arena: &impl SpatialWorld, id: u32) -> [f32; 7] {
 }
 
 /// Returns a face of an anchored block in the structure's frame, or `None` for a free block.
-pub(crate) fn in_structure(arena: &impl SpatialWorld, site: BlockFace) -> Option<(Body, Face)> {
-    let sits = match site.body {
+pub(crate) fn in_structure(
+    arena: &impl SpatialWorld,
+    block_face: BlockFace,
+) -> Option<(Body, Face)> {
+    let sits = match block_face.body {
         Body::Seed(_) => Orientation::IDENTITY,
         Body::Free(id) => arena.anchored(id)?,
     };
-    Some((site.body, sits.to_structure(site.face)))
+    Some((block_face.body, sits.to_structure(block_face.face)))
 }

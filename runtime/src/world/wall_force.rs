@@ -52,17 +52,17 @@ impl<R: Real> WallForce<R> {
 
     /// Returns the acceleration that the walls give a block at a position \[block lengths /
     /// tick^2\].
-    pub fn push(&self, place: Vector3<R>) -> Vector3<R> {
-        let pull = self.pull(place);
+    pub fn push(&self, position: Vector3<R>) -> Vector3<R> {
+        let pull = self.pull(position);
         pull.map_or_else(Vector3::zeros, |(way, pull)| way * -pull)
     }
 
     /// Returns a vector along the outward normal and the inward acceleration per length of this
     /// vector \[1 / tick^2\]. Returns `None` if no wall acts on the block.
-    pub fn pull(&self, place: Vector3<R>) -> Option<(Vector3<R>, R)> {
+    pub fn pull(&self, position: Vector3<R>) -> Option<(Vector3<R>, R)> {
         let beyond = match self.shape {
             WallShape::Ball { radius, height } => {
-                let way = place - Vector3::z() * height;
+                let way = position - Vector3::z() * height;
                 // Fast path without a square root: most blocks are far inside.
                 if way.norm_squared() < R::from_double(0.99) * radius * radius {
                     return None;
@@ -72,19 +72,19 @@ impl<R: Real> WallForce<R> {
                 return (depth > R::zero()).then(|| (way, self.stiffness * depth / distance));
             }
             WallShape::Box { half, low, high } => Vector3::new(
-                outside(place.x, -half[0], half[0]),
-                outside(place.y, -half[1], half[1]),
-                outside(place.z, low, high),
+                outside(position.x, -half[0], half[0]),
+                outside(position.y, -half[1], half[1]),
+                outside(position.z, low, high),
             ),
             WallShape::Cylinder { radius, low, high } => {
-                let across = (place.x * place.x + place.y * place.y).sqrt();
+                let across = (position.x * position.x + position.y * position.y).sqrt();
                 let part = if across > radius {
                     (across - radius) / across
                 } else {
                     R::zero()
                 };
-                let z = outside(place.z, low, high);
-                Vector3::new(place.x * part, place.y * part, z)
+                let z = outside(position.z, low, high);
+                Vector3::new(position.x * part, position.y * part, z)
             }
         };
         (beyond != Vector3::zeros()).then_some((beyond, self.stiffness))
@@ -92,8 +92,8 @@ impl<R: Real> WallForce<R> {
 }
 
 /// Returns how far a coordinate is above `high`, or below `low` as a negative number.
-fn outside<R: Real>(place: R, low: R, high: R) -> R {
-    (place - high).max(R::zero()) - (low - place).max(R::zero())
+fn outside<R: Real>(position: R, low: R, high: R) -> R {
+    (position - high).max(R::zero()) - (low - position).max(R::zero())
 }
 
 #[cfg(test)]
@@ -124,16 +124,16 @@ mod tests {
             });
             for n in 0..4096 {
                 let at = |digit: u32| f64::from(n >> (4 * digit) & 15) - 7.3;
-                let place = Vector3::new(at(0), at(1), at(2));
-                let distance = |place: Vector3<f64>| interior.distance(place.into());
-                let depth = distance(place).max(0.0);
+                let position = Vector3::new(at(0), at(1), at(2));
+                let distance = |position: Vector3<f64>| interior.distance(position.into());
+                let depth = distance(position).max(0.0);
                 let slope = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| {
                     let h = 1e-6;
-                    (distance(place + axis * h) - distance(place - axis * h)) / (2.0 * h)
+                    (distance(position + axis * h) - distance(position - axis * h)) / (2.0 * h)
                 });
                 let expected = Vector3::from(slope) * (-0.7 * depth);
-                let error = (wall.push(place) - expected).norm();
-                assert!(error < 1e-5, "{interior:?} {place}: {error}");
+                let error = (wall.push(position) - expected).norm();
+                assert!(error < 1e-5, "{interior:?} {position}: {error}");
             }
         }
     }

@@ -37,10 +37,10 @@ fn effective_area(reach: f64) -> f64 {
     let mut dice = Dice::new(12);
     let (mut bare, samples) = (0, 20_000);
     for _ in 0..samples {
-        let place = dice.direction() * reach + Vector3::new(0.5, 0.0, 0.0);
+        let position = dice.direction() * reach + Vector3::new(0.5, 0.0, 0.0);
         let covered = Face::ALL.iter().any(|face| {
             let centre = Vector3::from(face.normal()).cast::<f64>() * 0.5;
-            (place - centre).norm() < reach * (1.0 - 1e-9)
+            (position - centre).norm() < reach * (1.0 - 1e-9)
         });
         bare += usize::from(!covered);
     }
@@ -58,8 +58,8 @@ fn entries_into_the_reach_of_a_face_are_a_quarter_of_density_speed_and_area<W: S
         &gas(count, radius),
     );
     let face = Face::Up;
-    for site in 0..9 {
-        let body = Body::Seed(Cell::new(site % 3, site / 3, 0));
+    for block_face in 0..9 {
+        let body = Body::Seed(Cell::new(block_face % 3, block_face / 3, 0));
         world.magnetize(BlockFace { body, face });
     }
     pass(&mut world, 1);

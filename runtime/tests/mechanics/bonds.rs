@@ -82,8 +82,8 @@ fn two_blocks_find_each_other_and_bond<W: SpatialWorld>() {
 
 /// Returns a world with two blocks that have just bonded and then get these velocities.
 fn pair<W: SpatialWorld>(scene: &Scene, first: Vector3<f64>, second: Vector3<f64>) -> W {
-    let places = [at(0.0, 0.0, 10.0), at(1.01, 0.0, 10.0)];
-    let mut world: W = world(scene, &places.map(BodyState::at_rest));
+    let positions = [at(0.0, 0.0, 10.0), at(1.01, 0.0, 10.0)];
+    let mut world: W = world(scene, &positions.map(BodyState::at_rest));
     dockings(&mut world, 2);
     assert_eq!(world.groups(), [[0, 1]]);
     for (id, velocity) in [(0, first), (1, second)] {
@@ -229,13 +229,13 @@ fn every_face_of_a_planted_block_attracts<W: SpatialWorld>() {
     ];
     let mut world: W = world(&reject(0.1, 0.0), &blocks);
     let docking = world.plant(SEED).expect("a free block");
-    assert_eq!((docking.child, docking.site), (1, SEED));
+    assert_eq!((docking.child, docking.block_face), (1, SEED));
     assert!((world.state(1).position - at(0.0, 0.0, 0.5)).norm() < 1e-6);
     let body = Body::Free(1);
     let mut on: Vec<Face> = world
         .active()
         .into_iter()
-        .map(|(site, _)| site.face)
+        .map(|(block_face, _)| block_face.face)
         .collect();
     on.sort();
     // The lower face of the planted block is attached to the plate.
@@ -245,7 +245,12 @@ fn every_face_of_a_planted_block_attracts<W: SpatialWorld>() {
         .collect();
     faces.sort();
     assert_eq!(on, faces);
-    assert!(world.active().iter().all(|(site, _)| site.body == body));
+    assert!(
+        world
+            .active()
+            .iter()
+            .all(|(block_face, _)| block_face.body == body)
+    );
 }
 
 /// Returns a world with a planted block, number 1, and another block before its east face.
@@ -267,7 +272,7 @@ fn a_rejected_block_leaves_with_the_impulse_and_may_come_back_later<W: SpatialWo
     let mut world: W = with_pair(&reject(0.01, 0.028), 0.03);
     let docked = dockings(&mut world, 1);
     assert_eq!(docked.len(), 1);
-    assert_eq!((docked[0].site, docked[0].child), (east, 0));
+    assert_eq!((docked[0].block_face, docked[0].child), (east, 0));
     world.switch_off(east);
     assert!(world.anchored(0).is_none());
     assert_eq!(world.state(0).velocity, Vector3::zeros());
@@ -279,7 +284,7 @@ fn a_rejected_block_leaves_with_the_impulse_and_may_come_back_later<W: SpatialWo
     // The total work of the magnets, 0.01 * 0.2 / 3, exceeds its energy, so it returns and docks.
     let again = dockings(&mut world, 400);
     assert_eq!(again.len(), 1);
-    assert_eq!(again[0].site, east);
+    assert_eq!(again[0].block_face, east);
 }
 
 fn a_block_that_is_rejected_from_a_corner_is_not_taken_by_the_other_side<W: SpatialWorld>() {
@@ -299,7 +304,7 @@ fn a_block_that_is_rejected_from_a_corner_is_not_taken_by_the_other_side<W: Spat
     }
     let docked = dockings(&mut world, 1);
     assert_eq!(docked.len(), 1);
-    world.switch_off(docked[0].site);
+    world.switch_off(docked[0].block_face);
     assert!(dockings(&mut world, 10).is_empty());
     let away = world.state(0).position - at(1.0, 0.0, 0.5);
     assert!(away.norm() > 0.2, "{away}");

@@ -155,8 +155,8 @@ fn a_corner_that_hits_a_face_pushes_both_blocks_as_the_closed_form_says<K: Kind>
     let mut cases = 0;
     for case in 0..80 {
         let (orientation, corner) = on_a_corner(&mut dice);
-        let mut place = || 0.8 * dice.unit() - 0.4;
-        let spot = at(place(), place(), 0.5 - 0.5 * DEPTH);
+        let mut inside = || 0.8 * dice.unit() - 0.4;
+        let spot = at(inside(), inside(), 0.5 - 0.5 * DEPTH);
         let upper = spot - corner - at(0.0, 0.0, 0.5 * DEPTH);
         let arms = [spot - upper, spot];
         cases += usize::from(pair_as_closed_form::<K>(
@@ -183,9 +183,9 @@ fn two_edges_that_cross_push_both_blocks_as_the_closed_form_says<K: Kind>() {
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.6 + dice.unit());
         let upper = yaw * lower;
         let along = yaw * Vector3::x();
-        let mut place = || 0.8 * dice.unit() - 0.4;
-        let spot = at(place(), 0.0, high - 0.5 * DEPTH);
-        let above = spot - place() * along + at(0.0, 0.0, high - 0.5 * DEPTH);
+        let mut inside = || 0.8 * dice.unit() - 0.4;
+        let spot = at(inside(), 0.0, high - 0.5 * DEPTH);
+        let above = spot - inside() * along + at(0.0, 0.0, high - 0.5 * DEPTH);
         cases += usize::from(pair_as_closed_form::<K>(
             &mut dice,
             RESTITUTIONS[case % 4],

@@ -137,9 +137,9 @@ fn compliant_contacts_keep_angular_momentum_to_the_last_digits<K: Kind>() {
     assert!(drift.collisions > 20, "{drift:?}");
     assert!(drift.momentum < rounding::<K>(), "{drift:?}");
     // Positions up to 8 block lengths from the origin are rounded to 8 units; velocities are 0.1.
-    let places = 8.0 * BLOCKS as f64 * 0.1 * K::ROUNDING;
+    let positions = 8.0 * BLOCKS as f64 * 0.1 * K::ROUNDING;
     assert!(
-        drift.angular < RADIUS * rounding::<K>() + 4.0 * places,
+        drift.angular < RADIUS * rounding::<K>() + 4.0 * positions,
         "{drift:?}"
     );
 }

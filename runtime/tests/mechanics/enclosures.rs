@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 
 use crate::scenes::{Dice, PLATE, at, contact, empty, in_steps, kicks, moving, pass, states};
 use nalgebra::Vector3;
-use stochc_ir::scene::groups::BlockUnits;
+use stochc_ir::scene::dimensionless::BlockUnits;
 use stochc_ir::scene::{Arrangement, Drag, Enclosure, Free, Interior, Scene};
 use stochc_runtime::world::SpatialWorld;
 use stochc_runtime::{Model, Settings};
@@ -73,17 +73,17 @@ fn measures(interior: Interior) -> (f64, f64) {
 }
 
 /// Returns whether a position is beyond each of the walls.
-fn walls(interior: Interior, place: Vector3<f64>) -> Vec<bool> {
-    let vertical = |low: f64, high: f64| [place.z < low, place.z > high];
+fn walls(interior: Interior, position: Vector3<f64>) -> Vec<bool> {
+    let vertical = |low: f64, high: f64| [position.z < low, position.z > high];
     match interior {
-        Interior::Ball { .. } => vec![interior.distance(place.into()) > 0.0],
+        Interior::Ball { .. } => vec![interior.distance(position.into()) > 0.0],
         Interior::Box { half, low, high } => {
-            let sides = [place.x.abs() > half[0], place.y.abs() > half[1]];
+            let sides = [position.x.abs() > half[0], position.y.abs() > half[1]];
             [sides, vertical(low, high)].concat()
         }
         Interior::Cylinder { radius, low, high } => {
             let mut walls = vertical(low, high).to_vec();
-            walls.push(place.x.hypot(place.y) > radius);
+            walls.push(position.x.hypot(position.y) > radius);
             walls
         }
     }
@@ -100,9 +100,9 @@ fn a_gas_hits_walls_as_often_as_kinetic_theory_says<W: SpatialWorld>() {
         let reach = interior.reach();
         while gas.len() < blocks {
             let mut along = || reach * (2.0 * dice.unit() - 1.0);
-            let place = at(along(), along(), along());
-            if interior.distance(place.into()) < 0.0 {
-                gas.push(moving(place, speed * dice.direction()));
+            let position = at(along(), along(), along());
+            if interior.distance(position.into()) < 0.0 {
+                gas.push(moving(position, speed * dice.direction()));
             }
         }
         let mut world: W = in_steps(&tank(&enclosure), &gas);

@@ -2,7 +2,7 @@
 
 use crate::scenes::{at, empty, kicks, pass, states, world};
 use nalgebra::Vector3;
-use stochc_ir::scene::groups::speed;
+use stochc_ir::scene::dimensionless::speed;
 use stochc_ir::scene::{
     Agitation, BOLTZMANN, Enclosure, Flow, Fluid, Jets, Scene, Stir, Strength, Turbulence,
 };
@@ -381,9 +381,9 @@ fn blocks_follow_eddies_and_disperse_as_taylor_says<W: SpatialWorld>() {
         let mut world =
             W::with_blocks(&scene, &plate, &settings(1), 7, run, &start).expect("a valid scene");
         pass(&mut world, ticks);
-        let place = world.state(0).position;
-        level += (place.x * place.x + place.y * place.y) / 2.0 / runs as f64;
-        upright += place.z * place.z / runs as f64;
+        let position = world.state(0).position;
+        level += (position.x * position.x + position.y * position.y) / 2.0 / runs as f64;
+        upright += position.z * position.z / runs as f64;
     }
     // Each tick an amplitude keeps exp(-1 / memory): the sum of a geometric series replaces the
     // integral.

@@ -33,12 +33,12 @@ fn nearest(world: &impl SpatialWorld) -> f64 {
 }
 
 fn a_face_takes_one_block<W: SpatialWorld>() {
-    let places = [
+    let positions = [
         at(0.0, 0.0, 10.0),
         at(1.02, 0.0, 10.0),
         at(1.03, 0.01, 10.0),
     ];
-    let mut world: W = in_steps(&reject(1e-6, 0.0), &places.map(BodyState::at_rest));
+    let mut world: W = in_steps(&reject(1e-6, 0.0), &positions.map(BodyState::at_rest));
     dockings(&mut world, 3);
     assert_eq!(world.groups(), [[0, 1]]);
 }
@@ -60,8 +60,8 @@ fn blocks_of_a_group_sit_side_by_side<W: SpatialWorld>() {
 }
 
 fn a_block_does_not_dock_by_a_face_that_holds_another_one<W: SpatialWorld>() {
-    let places = [at(1.03, 0.0, 0.5), at(0.03, 0.0, 0.5), at(0.0, 5.0, 5.0)];
-    let mut world: W = in_steps(&reject(1e-6, 0.01), &places.map(BodyState::at_rest));
+    let positions = [at(1.03, 0.0, 0.5), at(0.03, 0.0, 0.5), at(0.0, 5.0, 5.0)];
+    let mut world: W = in_steps(&reject(1e-6, 0.01), &positions.map(BodyState::at_rest));
     dockings(&mut world, 1);
     assert_eq!(world.groups(), [[0, 1]]);
     world.plant(SEED).expect("a free block");
@@ -110,8 +110,9 @@ fn a_pair_bonds_wherever_a_step_ends_and_however_fast_both_move<W: SpatialWorld>
     for start in 0..16 {
         for common in [Vector3::zeros(), at(0.3, 0.2, -0.4)] {
             let gap = 0.1 + 0.024 * f64::from(start) / 16.0;
-            let places = [at(0.0, 0.0, 10.0), at(1.0 + gap, 0.0, 10.0)];
-            let mut world: W = in_steps(&scene, &places.map(|place| moving(place, common)));
+            let positions = [at(0.0, 0.0, 10.0), at(1.0 + gap, 0.0, 10.0)];
+            let mut world: W =
+                in_steps(&scene, &positions.map(|position| moving(position, common)));
             dockings(&mut world, 5);
             assert_eq!(world.groups(), [[0, 1]], "{start} {common}");
         }
@@ -123,8 +124,8 @@ fn blocks_bond_from_beyond_the_reach_of_their_magnets<W: SpatialWorld>() {
     if let Some(Bond::Reject { magnets, .. }) = &mut scene.bond {
         magnets.within = 0.01;
     }
-    let places = [at(0.0, 0.0, 10.0), at(1.03, 0.0, 10.0)];
-    let mut world: W = in_steps(&scene, &places.map(BodyState::at_rest));
+    let positions = [at(0.0, 0.0, 10.0), at(1.03, 0.0, 10.0)];
+    let mut world: W = in_steps(&scene, &positions.map(BodyState::at_rest));
     dockings(&mut world, 1);
     assert_eq!(world.groups(), [[0, 1]]);
 }

@@ -6,7 +6,7 @@ use crate::scenes::{
     viscous,
 };
 use nalgebra::{UnitQuaternion, Vector3};
-use stochc_ir::scene::groups::{BlockUnits, speed};
+use stochc_ir::scene::dimensionless::{BlockUnits, speed};
 use stochc_ir::scene::room::Obstacles;
 use stochc_ir::scene::{
     Agitation, Arrangement, Drag, Enclosure, Free, Interior, Planar, Scene, Strength, Turbulence,
@@ -76,8 +76,8 @@ fn gas(count: usize, size: [f64; 2], speed: f64) -> Vec<BodyState> {
     while gas.len() < count {
         let [x, y] = size.map(|length| (length - 2.0) * (dice.unit() - 0.5));
         let (sin, cos) = (2.0 * PI * dice.unit()).sin_cos();
-        let place = at(x, y, 0.5);
-        if gas.iter().all(|b| (b.position - place).norm() > 1.5) {
+        let pose = at(x, y, 0.5);
+        if gas.iter().all(|b| (b.position - pose).norm() > 1.5) {
             let velocity = speed * at(cos, sin, 0.0);
             gas.push(sliding(x, y, velocity, 6.0 * dice.unit(), 0.0));
         }
@@ -125,16 +125,16 @@ fn a_wall_is_met_as_often_as_kinetic_theory_says<W: SpatialWorld>() {
         let mut gas = Vec::new();
         while gas.len() < count {
             let mut along = || interior.reach() * (2.0 * dice.unit() - 1.0);
-            let place = at(along(), along(), 0.5);
-            if interior.distance(place.into()) < 0.0 {
+            let pose = at(along(), along(), 0.5);
+            if interior.distance(pose.into()) < 0.0 {
                 let (sin, cos) = (2.0 * PI * dice.unit()).sin_cos();
-                gas.push(moving(place, speed * at(cos, sin, 0.0)));
+                gas.push(moving(pose, speed * at(cos, sin, 0.0)));
             }
         }
         let mut world: W = in_steps(&scene, &gas);
-        let walls = |place: Vector3<f64>| match interior {
-            Interior::Box { half, .. } => [place.x.abs() > half[0], place.y.abs() > half[1]],
-            _ => [place.x.hypot(place.y) > 7.5, false],
+        let walls = |pose: Vector3<f64>| match interior {
+            Interior::Box { half, .. } => [pose.x.abs() > half[0], pose.y.abs() > half[1]],
+            _ => [pose.x.hypot(pose.y) > 7.5, false],
         };
         let mut before = vec![[false; 2]; count];
         let mut hits = 0;
@@ -452,9 +452,9 @@ fn blocks_start_apart_from_seeds() {
         scene.enclosure = enclosure;
         let interior = interior(&scene);
         let obstacles = Obstacles::new(&scene, &plate, &seeds);
-        let sites: Vec<_> = obstacles.apart(interior.lattice(1.2)).collect();
-        assert!(sites.len() > 50, "{}", sites.len());
-        for [x, y, z] in &sites {
+        let block_faces: Vec<_> = obstacles.apart(interior.lattice(1.2)).collect();
+        assert!(block_faces.len() > 50, "{}", block_faces.len());
+        for [x, y, z] in &block_faces {
             assert_eq!(*z, 0.5);
             assert!(interior.distance([*x, *y, *z]) < -0.4999);
             for seed in &seeds {

@@ -47,14 +47,14 @@ fn an_impulse_moves_a_block_in_a_viscous_fluid_by_j_over_m_gamma_at_every_step<W
 /// In a row of three, the middle block gets the whole impulse, and the others follow it.
 fn what_hangs_on_a_docked_block_leaves_in_one_piece_with_the_impulse<W: SpatialWorld>() {
     let impulse = 0.05;
-    let places = [
+    let positions = [
         at(1.04, 0.0, 0.5),
         at(2.04, 0.0, 0.5),
         at(2.04, 1.0, 0.5),
         at(2.04, -1.0, 0.5),
         at(0.0, 5.0, 5.0),
     ];
-    let mut world: W = in_steps(&reject(0.002, impulse), &places.map(BodyState::at_rest));
+    let mut world: W = in_steps(&reject(0.002, impulse), &positions.map(BodyState::at_rest));
     dockings(&mut world, 1);
     assert_eq!(world.groups(), [[0, 1, 2, 3]]);
     world.plant(SEED).expect("a free block");
@@ -72,8 +72,8 @@ fn what_hangs_on_a_docked_block_leaves_in_one_piece_with_the_impulse<W: SpatialW
 /// Returns two planted blocks, 1 and 2. The east face of block 1 and the south face of block 2
 /// adjoin the same cell. Block 0 waits far away.
 fn corner<W: SpatialWorld>() -> (W, BlockFace, BlockFace) {
-    let places = [at(0.0, 9.0, 9.0), at(-5.0, 0.0, 5.0), at(0.0, 5.0, 5.0)];
-    let mut world: W = in_steps(&reject(1e-6, 0.5), &places.map(BodyState::at_rest));
+    let positions = [at(0.0, 9.0, 9.0), at(-5.0, 0.0, 5.0), at(0.0, 5.0, 5.0)];
+    let mut world: W = in_steps(&reject(1e-6, 0.5), &positions.map(BodyState::at_rest));
     let other = BlockFace {
         body: Body::Seed(Cell::new(2, 2, 0)),
         face: Face::Up,
@@ -95,8 +95,8 @@ fn corner<W: SpatialWorld>() -> (W, BlockFace, BlockFace) {
 
 /// Moves block 0 into the reach of the faces before the cell east of the middle, and away again.
 fn visit(world: &mut impl SpatialWorld) {
-    for place in [at(1.5, 0.0, 0.5), at(0.0, 9.0, 9.0)] {
-        world.set_state(0, &BodyState::at_rest(place));
+    for position in [at(1.5, 0.0, 0.5), at(0.0, 9.0, 9.0)] {
+        world.set_state(0, &BodyState::at_rest(position));
         assert!(dockings(world, 1).is_empty());
     }
 }
@@ -114,7 +114,7 @@ fn a_face_keeps_its_entries_while_a_stray_fills_its_cell<W: SpatialWorld>() {
     };
     world.set_state(0, &stray);
     let docked = dockings(&mut world, 1);
-    assert_eq!((docked.len(), docked[0].site), (1, south));
+    assert_eq!((docked.len(), docked[0].block_face), (1, south));
     assert_eq!(world.entries(east), 3);
     world.switch_off(south);
     assert!(dockings(&mut world, 1).is_empty());

@@ -482,7 +482,11 @@ fn a_seed_that_captures_nothing_attracts_as_well<W: SpatialWorld>() {
     let block = BodyState::at_rest(at(0.0, 0.0, 0.8));
     let mut world: W = in_steps(&reject(0.1, 0.0), &[block]);
     Controller::new(&tables, None, 5, 0).start(&mut world);
-    let on: Vec<BlockFace> = world.active().into_iter().map(|(site, _)| site).collect();
+    let on: Vec<BlockFace> = world
+        .active()
+        .into_iter()
+        .map(|(block_face, _)| block_face)
+        .collect();
     let up = |x| BlockFace {
         body: Body::Seed(Cell::new(x, 1, 0)),
         face: Face::Up,

@@ -201,7 +201,7 @@ fn a_captured_block_sits_on_the_lattice_and_a_released_one_starts_from_rest() {
         assert!(world.tick() < 200, "it never docks");
     }
     let docking = dockings[0];
-    assert_eq!((docking.site.body, docking.child), (body, 0));
+    assert_eq!((docking.block_face.body, docking.child), (body, 0));
     assert_eq!((docking.child_face, docking.entries), (Face::Down, 1));
     let seated = world.state(0);
     assert_eq!(seated.position, world.centre(Cell::new(2, 2, 1)));
@@ -228,18 +228,18 @@ fn the_closer_block_docks_and_none_docks_twice() {
     let above = |x: f64, z: f64| BodyState::at_rest(Vector3::new(x, 0.0, z));
     let blocks = [above(-0.9, 0.75), above(-0.9, 0.7), above(0.45, 0.6)];
     let mut world: RapierWorld = world(&scene, &Settings::new(Model::Rapier, 1), &blocks);
-    let site = |x| BlockFace {
+    let block_face = |x| BlockFace {
         body: Body::Seed(Cell::new(x, 1, 0)),
         face: Face::Up,
     };
     for x in 0..3 {
-        world.magnetize(site(x));
+        world.magnetize(block_face(x));
     }
     let mut dockings = Vec::new();
     world.step(&mut dockings).expect("the physics is stable");
-    let pairs: Vec<_> = dockings.iter().map(|d| (d.site, d.child)).collect();
+    let pairs: Vec<_> = dockings.iter().map(|d| (d.block_face, d.child)).collect();
     // Blocks 0 and 1 are near face 0. Block 2 is within reach of faces 1 and 2.
-    assert_eq!(pairs, [(site(0), 1), (site(1), 2)]);
+    assert_eq!(pairs, [(block_face(0), 1), (block_face(1), 2)]);
     pass(&mut world, 5);
 }
 

@@ -281,14 +281,14 @@ impl<W: World> World for Patient<W> {
     fn tick(&self) -> u64 {
         self.0.tick()
     }
-    fn magnetize(&mut self, site: BlockFace) {
-        self.0.magnetize(site);
+    fn magnetize(&mut self, block_face: BlockFace) {
+        self.0.magnetize(block_face);
     }
-    fn switch_off(&mut self, site: BlockFace) {
-        self.0.switch_off(site);
+    fn switch_off(&mut self, block_face: BlockFace) {
+        self.0.switch_off(block_face);
     }
-    fn plant(&mut self, site: BlockFace) -> Option<Docking> {
-        self.0.plant(site)
+    fn plant(&mut self, block_face: BlockFace) -> Option<Docking> {
+        self.0.plant(block_face)
     }
     fn step(&mut self, dockings: &mut Vec<Docking>) -> Result<(), Fault> {
         self.0.step(dockings)

@@ -34,18 +34,18 @@ impl Plain {
         (0..self.count).filter(is_free).collect()
     }
 
-    fn magnetize(&mut self, site: BlockFace) {
-        self.lattice.magnetize(site);
+    fn magnetize(&mut self, block_face: BlockFace) {
+        self.lattice.magnetize(block_face);
     }
 
-    fn plant(&mut self, site: BlockFace) -> Option<Docking> {
-        self.magnetize(site);
-        self.lattice.target(site)?;
+    fn plant(&mut self, block_face: BlockFace) -> Option<Docking> {
+        self.magnetize(block_face);
+        self.lattice.target(block_face)?;
         let child = *self.free().last()?;
-        let parent = self.lattice.place(site.body)?.orientation;
-        let (child_face, turn) = Orientation::IDENTITY.as_docked(parent, site.face)?;
+        let parent = self.lattice.pose(block_face.body)?.orientation;
+        let (child_face, turn) = Orientation::IDENTITY.as_docked(parent, block_face.face)?;
         let docking = Docking {
-            site,
+            block_face,
             child,
             child_face,
             turn,
@@ -59,27 +59,32 @@ impl Plain {
     fn exposed(&self) -> Vec<BlockFace> {
         let seeds = self.seeds.iter().map(|&cell| Body::Seed(cell));
         let blocks = self.lattice.cells().values().map(|&id| Body::Free(id));
-        let sites = seeds.chain(blocks).flat_map(|body| {
+        let block_faces = seeds.chain(blocks).flat_map(|body| {
             let faces = match body {
                 Body::Seed(_) => &[Face::Up][..],
                 Body::Free(_) => &Face::ALL,
             };
             faces.iter().map(move |&face| BlockFace { body, face })
         });
-        let is_off = |site: &BlockFace| !self.lattice.active().contains(site);
-        let has_room = |site: &BlockFace| self.lattice.target(*site).is_some();
-        sites.filter(is_off).filter(has_room).collect()
+        let is_off = |block_face: &BlockFace| !self.lattice.active().contains(block_face);
+        let has_room = |block_face: &BlockFace| self.lattice.target(*block_face).is_some();
+        block_faces.filter(is_off).filter(has_room).collect()
     }
 
-    fn dock_one(&mut self, sites: &[BlockFace], words: [u32; 3], dockings: &mut Vec<Docking>) {
+    fn dock_one(
+        &mut self,
+        block_faces: &[BlockFace],
+        words: [u32; 3],
+        dockings: &mut Vec<Docking>,
+    ) {
         let free = self.free();
-        if sites.is_empty() || free.is_empty() {
+        if block_faces.is_empty() || free.is_empty() {
             return;
         }
         let [which, which_block, how] = words;
         let pose = below(how, 24) as u8;
         let docking = Docking {
-            site: sites[below(which, sites.len() as u32) as usize],
+            block_face: block_faces[below(which, block_faces.len() as u32) as usize],
             child: free[below(which_block, free.len() as u32) as usize],
             child_face: Face::ALL[usize::from(pose / 4)],
             turn: pose % 4,
@@ -98,7 +103,7 @@ impl Plain {
         }
         let open = self.lattice.active().iter().copied();
         let open: Vec<_> = open
-            .filter(|&site| self.lattice.target(site).is_some())
+            .filter(|&block_face| self.lattice.target(block_face).is_some())
             .collect();
         let [which, which_block, how, _] = self.draws.step(self.tick).block(0);
         self.tick += 1;
@@ -156,17 +161,17 @@ proptest! {
             let seeds = plate.map(|(x, y)| Body::Seed(Cell::new(x, y, 0)));
             let blocks = plain.lattice.cells().values().map(|id| Body::Free(*id));
             let bodies: Vec<Body> = seeds.into_iter().chain(blocks).collect();
-            let site = BlockFace { body: bodies[which.index(bodies.len())], face };
+            let block_face = BlockFace { body: bodies[which.index(bodies.len())], face };
             match deed {
                 Operation::Magnetize => {
-                    plain.magnetize(site);
-                    world.magnetize(site);
+                    plain.magnetize(block_face);
+                    world.magnetize(block_face);
                 }
                 Operation::SwitchOff => {
-                    plain.lattice.switch_off(site);
-                    world.switch_off(site);
+                    plain.lattice.switch_off(block_face);
+                    world.switch_off(block_face);
                 }
-                Operation::Plant => prop_assert_eq!(plain.plant(site), world.plant(site)),
+                Operation::Plant => prop_assert_eq!(plain.plant(block_face), world.plant(block_face)),
                 Operation::Step => {
                     let mut dockings = Vec::new();
                     prop_assert_eq!(world.step(&mut dockings), Ok(()));
@@ -176,8 +181,8 @@ proptest! {
             prop_assert_eq!(plain.lattice.cells(), &world.cells());
         }
         for &id in plain.lattice.cells().values() {
-            let place = plain.lattice.place(Body::Free(id));
-            prop_assert_eq!(place.map(|place| place.orientation), world.orientation(Body::Free(id)));
+            let pose = plain.lattice.pose(Body::Free(id));
+            prop_assert_eq!(pose.map(|pose| pose.orientation), world.orientation(Body::Free(id)));
         }
     }
 }

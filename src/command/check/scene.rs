@@ -5,8 +5,8 @@ use serde_json::{Value as Json, json};
 use stochc_compiler::Checked;
 use stochc_compiler::diagnostic::Code;
 use stochc_ir::scene::describe::{AbsentTerm, DescribedTerm, DescribedValue, absent, terms};
-use stochc_ir::scene::groups::{
-    AdvisedRange, BlockUnits, DimensionlessNumber, Speed, SpeedFrom, groups, speed,
+use stochc_ir::scene::dimensionless::{
+    AdvisedRange, BlockUnits, DimensionlessNumber, Speed, SpeedFrom, dimensionless_numbers, speed,
 };
 use stochc_ir::scene::warnings::{SceneWarning, SceneWarningKind, short, structure_group};
 use stochc_ir::scene::{ContactLaw, Scene, Substeps};
@@ -24,7 +24,7 @@ pub struct InForce<'a> {
     terms: Vec<DescribedTerm>,
     absent: Vec<AbsentTerm>,
     speed: Speed,
-    groups: Vec<DimensionlessNumber>,
+    numbers: Vec<DimensionlessNumber>,
     /// Smallest density of free blocks at the heights of the assemblies' captures.
     at_structure: Option<DimensionlessNumber>,
     /// Default number of substeps of the scene.
@@ -53,7 +53,7 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
                 terms: terms(scene),
                 absent: absent(scene),
                 speed: speed(scene),
-                groups: groups(scene, steps),
+                numbers: dimensionless_numbers(scene, steps),
                 at_structure: None,
                 steps,
                 warnings: Vec::new(),
@@ -96,8 +96,8 @@ impl<'a> InForce<'a> {
             || group.is_unusual()
     }
 
-    fn groups(&self) -> impl Iterator<Item = &DimensionlessNumber> {
-        self.groups.iter().chain(&self.at_structure)
+    fn numbers(&self) -> impl Iterator<Item = &DimensionlessNumber> {
+        self.numbers.iter().chain(&self.at_structure)
     }
 
     /// Returns the listing of `--physics` as one JSON object: `{ file, scene, assemblies, terms,
@@ -145,7 +145,7 @@ impl<'a> InForce<'a> {
                 "si": self.speed.rms,
                 "block": self.speed.rms.map(|rms| units.speed(rms)),
             },
-            "groups": self.groups().map(group).collect::<Vec<_>>(),
+            "groups": self.numbers().map(group).collect::<Vec<_>>(),
             "steps": {
                 "taken": self.steps.to_string(),
                 "needed": self.needed(),
@@ -178,7 +178,7 @@ impl<'a> InForce<'a> {
             "\n  expected speed of a free block, rms\n    {}\n",
             self.expected()
         );
-        self.list_groups(&mut out);
+        self.list_numbers(&mut out);
         self.list_step_errors(&mut out);
         out.push('\n');
         let _ = writeln!(out, "  {}", self.verdict());
@@ -243,7 +243,7 @@ impl<'a> InForce<'a> {
         }
     }
 
-    fn list_groups(&self, out: &mut String) {
+    fn list_numbers(&self, out: &mut String) {
         let row = |group: &DimensionlessNumber| {
             let limit = (most(group).map(|most| format!("at most {}", short(most))))
                 .or(least(group).map(|least| format!("at least {}", short(least))));
@@ -261,7 +261,7 @@ impl<'a> InForce<'a> {
         };
         let head = ["", "value", "limit, about", ""].map(str::to_owned);
         let rows: Vec<_> = std::iter::once(head)
-            .chain(self.groups().map(row))
+            .chain(self.numbers().map(row))
             .collect();
         let mut lines = aligned(&rows).into_iter();
         let _ = writeln!(
@@ -270,7 +270,7 @@ impl<'a> InForce<'a> {
             self.steps.in_words(),
             lines.next().unwrap_or_default()
         );
-        for (group, line) in self.groups().zip(lines) {
+        for (group, line) in self.numbers().zip(lines) {
             let _ = writeln!(out, "    {line}\n      {}", group.meaning);
         }
     }
@@ -342,7 +342,10 @@ impl<'a> InForce<'a> {
     /// Returns the smallest number of substeps per tick that keeps all dimensionless numbers within
     /// their limits. Ignores limits that no number of substeps can satisfy.
     fn needed(&self) -> u32 {
-        let needed = self.groups.iter().filter_map(DimensionlessNumber::substeps);
+        let needed = self
+            .numbers
+            .iter()
+            .filter_map(DimensionlessNumber::substeps);
         needed.max().unwrap_or(1)
     }
 

@@ -64,7 +64,8 @@ fn the_critical_path_includes_messages() {
     let simulate = "simulate --quiet --model rate --runs 3";
     assert_eq!(stochc_with(simulate, &[&file, "--out", &out]).status, 0);
     assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
-    let chains = fs::read_to_string(path(out.as_ref(), "report-figures/chains.csv")).unwrap();
+    let chains =
+        fs::read_to_string(path(out.as_ref(), "report-figures/critical-paths.csv")).unwrap();
     let mut ends = [0; 3];
     let mut notifications = 0;
     for line in chains.lines().skip(1) {
@@ -275,7 +276,7 @@ fn an_interrupted_report_is_rewritten() {
     assert!(!draft.exists() && Path::new(&out).join("report.html").exists());
     let figure = fs::read_to_string(figures.join("survival.svg")).unwrap();
     assert!(figure.ends_with("</svg>\n"), "{figure}");
-    assert!(figures.join("chains.csv").exists());
+    assert!(figures.join("critical-paths.csv").exists());
 }
 
 #[test]

@@ -73,7 +73,7 @@ fn maps_are_sums_over_recordings() {
                 .iter()
                 .find(|frame| frame.tick >= bond.docked - 200)
                 .unwrap();
-            let at = cell(frame.places[bond.body as usize]);
+            let at = cell(frame.poses[bond.body as usize]);
             captures += 1;
             if (at[2] - f64::from(bond.cell.z)).abs() <= 1.0 {
                 let east = (at[0] - f64::from(bond.cell.x)).round() as i32;
@@ -84,7 +84,7 @@ fn maps_are_sums_over_recordings() {
         let mut last = 0;
         for frame in &frames {
             ticks += frame.tick - last;
-            for (body, place) in frame.places.iter().enumerate() {
+            for (body, place) in frame.poses.iter().enumerate() {
                 // In this program, no block is released.
                 let held = |bond: &&stochc::ir::record::BondRecord| {
                     bond.body as usize == body && bond.docked <= frame.tick

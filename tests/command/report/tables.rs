@@ -148,7 +148,7 @@ fn a_report_agrees_with_the_tables() {
     assert_eq!(reported, released);
 
     // The share of a capture is the sum of its segments divided by the total time.
-    let chains = csv(&out, "chains.csv");
+    let chains = csv(&out, "critical-paths.csv");
     let total: u64 = runs.values().sum();
     for row in &waits {
         let links = chains.iter();
@@ -246,7 +246,7 @@ fn critical_paths_cover_whole_runs() {
     let outcome = stochc_with("simulate --quiet --model shuffle --runs 5", &arguments);
     assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
-    let chains = csv(&out, "chains.csv");
+    let chains = csv(&out, "critical-paths.csv");
     let mut programs: Vec<&String> = chains.iter().map(|link| &link["program"]).collect();
     programs.dedup();
     assert_eq!(programs.len(), files.len());

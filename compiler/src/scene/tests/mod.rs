@@ -1,4 +1,4 @@
 mod describe;
-mod groups;
+mod dimensionless;
 mod scalars;
 mod written;

@@ -71,8 +71,8 @@ impl PropertyChecker<'_> {
         if !context.tables.bond.is_passive() || !context.faults.is_none() {
             return None;
         }
-        let site = state.unsettled(context)?;
-        let face = self.describer.face_of(state, site);
+        let block_face = state.unsettled(context)?;
+        let face = self.describer.face_of(state, block_face);
         let what = format!("an unplanned bond on {face} is not undone");
         Some((Property::Unplanned, what))
     }
@@ -115,7 +115,7 @@ impl PropertyChecker<'_> {
     fn structure(&self, state: &ProgramState<'_>, stage: &PhaseGoal) -> Option<Breach> {
         let built: BTreeMap<RoleId, Cell> = (state.structure.blocks())
             .filter_map(|block| {
-                let placed = state.lattice.place(block.body())?;
+                let placed = state.lattice.pose(block.body())?;
                 Some((block.role(), placed.cell))
             })
             .collect();

@@ -53,14 +53,14 @@ impl Describer<'_> {
         effects: &Effects,
     ) -> String {
         let mut line = match transition {
-            Transition::Capture(site) => match self.face(before, site) {
+            Transition::Capture(block_face) => match self.face(before, block_face) {
                 Some((parent, face, child)) => {
                     format!("{}.{face} captures {}", self.name(parent), self.name(child))
                 }
                 None => "a face that is off captures a block".to_owned(),
             },
             Transition::Arrive(transit) => self.arrival(before, transit, effects),
-            Transition::CaptureMistaken(site, _) => match self.face(before, site) {
+            Transition::CaptureMistaken(block_face, _) => match self.face(before, block_face) {
                 Some((parent, face, child)) => format!(
                     "{}.{face} captures {}, which misjudges its orientation",
                     self.name(parent),
@@ -81,8 +81,8 @@ impl Describer<'_> {
                 let (what, from, to) = self.hop(before, transit);
                 format!("{from} sends {what} to {to} again")
             }
-            Transition::Stray(site) => {
-                let face = self.face_of(before, site);
+            Transition::Stray(block_face) => {
+                let face = self.face_of(before, block_face);
                 format!("{face} captures a block, though it is off")
             }
             Transition::Die(role) => format!("{} dies", self.name(role)),
@@ -95,10 +95,10 @@ impl Describer<'_> {
     }
 
     /// Describes a face by the name of its block: `A.up`.
-    pub fn face_of(&self, state: &ProgramState<'_>, site: BlockFace) -> String {
-        let face = state.lattice.place(site.body).map(|p| p.orientation);
-        let face = face.map_or("", |seat| seat.to_structure(site.face).word());
-        format!("{}.{face}", self.body(state, site.body))
+    pub fn face_of(&self, state: &ProgramState<'_>, block_face: BlockFace) -> String {
+        let face = state.lattice.pose(block_face.body).map(|p| p.orientation);
+        let face = face.map_or("", |seat| seat.to_structure(block_face.face).word());
+        format!("{}.{face}", self.body(state, block_face.body))
     }
 
     /// Describes a hop: message, sender and receiver.
@@ -164,10 +164,13 @@ impl Describer<'_> {
     fn face(
         &self,
         state: &ProgramState<'_>,
-        site: BlockFace,
+        block_face: BlockFace,
     ) -> Option<(RoleId, stochc_ir::Face, RoleId)> {
-        let block = state.structure.block(site.body)?;
-        let open = block.open().iter().find(|open| open.own == site.face)?;
+        let block = state.structure.block(block_face.body)?;
+        let open = block
+            .open()
+            .iter()
+            .find(|open| open.own == block_face.face)?;
         Some((block.role(), open.face, open.child))
     }
 
@@ -213,11 +216,11 @@ impl Describer<'_> {
         for block in state.structure.blocks() {
             let body = block.body();
             for open in block.open() {
-                let site = BlockFace {
+                let block_face = BlockFace {
                     body,
                     face: open.own,
                 };
-                let why = match state.lattice.target(site) {
+                let why = match state.lattice.target(block_face) {
                     Some(_) => "which no block can reach",
                     None => "which is occupied",
                 };

@@ -52,17 +52,17 @@ impl StateEnvironment<'_> {
 impl Environment for StateEnvironment<'_> {
     type Mark = ();
 
-    fn magnetize(&mut self, site: BlockFace, _capture: &PlannedCapture) {
-        self.effects.opened.push(site);
-        self.lattice.magnetize(site);
+    fn magnetize(&mut self, block_face: BlockFace, _capture: &PlannedCapture) {
+        self.effects.opened.push(block_face);
+        self.lattice.magnetize(block_face);
     }
 
-    fn switch_off(&mut self, site: BlockFace) {
-        self.effects.closed.push(site);
-        let held = self.lattice.held(site);
+    fn switch_off(&mut self, block_face: BlockFace) {
+        self.effects.closed.push(block_face);
+        let held = self.lattice.held(block_face);
         let holds_stray = held.is_some_and(|id| id >= self.first_stray);
         if !(self.faults.stuck && holds_stray) {
-            self.lattice.switch_off(site);
+            self.lattice.switch_off(block_face);
         }
     }
 

@@ -49,7 +49,7 @@ impl ProgramGoals {
     pub fn new(tables: &Tables) -> ProgramGoals {
         let mut events = Vec::new();
         for duty in tables.duties() {
-            for (place, rule) in duty.rules().enumerate() {
+            for (index, rule) in duty.rules().enumerate() {
                 let (event, cell) = match rule.then {
                     Action::Magnetize { child, cell, .. } => {
                         (Notification::Anchored(child), Some(cell))
@@ -73,7 +73,7 @@ impl ProgramGoals {
                     waits_for: waits_for.collect(),
                     turn: (
                         needed.unwrap_or(0),
-                        duty.given_before(place)
+                        duty.given_before(index)
                             .map(Notification::Anchored)
                             .collect(),
                     ),
@@ -116,10 +116,10 @@ impl ProgramGoals {
             let reports = duty.rules().enumerate();
             let reports = reports.filter(|(_, rule)| rule.then == Action::Report);
             let stage = &mut phases[duty.phase.0 as usize];
-            stage.reports.extend(reports.map(|(place, _)| Reporter {
+            stage.reports.extend(reports.map(|(index, _)| Reporter {
                 role: duty.role,
                 trigger: duty.trigger,
-                rule: place as u32,
+                rule: index as u32,
             }));
         }
         let mut structure: BTreeMap<RoleId, Cell> = tables.seeds().collect();

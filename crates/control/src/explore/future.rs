@@ -165,7 +165,7 @@ impl<'t> Forecast<'_, 't> {
             let body = block.body();
             if let Some(duty) = self.tables.duty(block.role(), self.phase, block.trigger()) {
                 let open = (0..duty.rules().len())
-                    .map(|place| !block.has_fired(place))
+                    .map(|index| !block.has_fired(index))
                     .collect();
                 self.open_duties.push(OpenDuty { duty, open });
             }
@@ -182,11 +182,11 @@ impl<'t> Forecast<'_, 't> {
                 self.arrive(block.role(), message);
             }
             for open in block.open() {
-                let site = BlockFace {
+                let block_face = BlockFace {
                     body,
                     face: open.own,
                 };
-                if !without.contains(&Transition::Capture(site)) {
+                if !without.contains(&Transition::Capture(block_face)) {
                     self.capture(block.role(), open.child, open.cell);
                 }
             }
@@ -209,13 +209,13 @@ impl<'t> Forecast<'_, 't> {
         while i < self.open_duties.len() {
             let duty = self.open_duties[i].duty;
             self.future.looked_at += duty.rules().len() as u64;
-            for (place, rule) in duty.rules().enumerate() {
-                let ready = self.open_duties[i].open[place]
+            for (index, rule) in duty.rules().enumerate() {
+                let ready = self.open_duties[i].open[index]
                     && (rule.when.iter()).all(|&when| {
-                        duty.is_true(place, when, |when| self.may_see(duty.role, when))
+                        duty.is_true(index, when, |when| self.may_see(duty.role, when))
                     });
                 if ready {
-                    self.open_duties[i].open[place] = false;
+                    self.open_duties[i].open[index] = false;
                     self.fire(duty.role, rule.then);
                     changed = true;
                 }

@@ -205,10 +205,10 @@ impl<'t> PersistentSets<'t> {
             }
         }
         match transition {
-            Transition::Capture(site) => {
-                cell = state.lattice.target(site);
+            Transition::Capture(block_face) => {
+                cell = state.lattice.target(block_face);
                 touched.extend_with(effects.captured.iter().copied());
-                touched.extend_with(state.role(site.body));
+                touched.extend_with(state.role(block_face.body));
             }
             Transition::Die(role) => {
                 released.insert(role);
@@ -225,7 +225,7 @@ impl<'t> PersistentSets<'t> {
         let closing = effects
             .closed
             .iter()
-            .filter_map(|site| state.role(site.body));
+            .filter_map(|block_face| state.role(block_face.body));
         let freed = effects.released.iter().flat_map(|&(by, role)| [by, role]);
         for role in closing.chain(freed) {
             released.insert(role);

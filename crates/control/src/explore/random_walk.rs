@@ -121,10 +121,12 @@ fn draw(
             if let Some(&transit) = state.in_transit.get(i) {
                 return (Some(Transition::Arrive(transit)), 1);
             }
-            let site = state.lattice.active().iter().nth(i - transits);
-            if let Some(&site) = site.filter(|site| state.lattice.target(**site).is_some()) {
+            let block_face = state.lattice.active().iter().nth(i - transits);
+            if let Some(&block_face) =
+                block_face.filter(|block_face| state.lattice.target(**block_face).is_some())
+            {
                 // Reaching the i-th face has a small cost.
-                return (Some(Transition::Capture(site)), 1 + i as u64 / 16);
+                return (Some(Transition::Capture(block_face)), 1 + i as u64 / 16);
             }
         }
     }

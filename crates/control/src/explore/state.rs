@@ -45,10 +45,10 @@ impl<'t> ProgramState<'t> {
         });
         // Pre-attached blocks are present before any other event.
         while state.structure.is_planting() {
-            while let Some((site, _)) = state.structure.next_to_plant() {
+            while let Some((block_face, _)) = state.structure.next_to_plant() {
                 effects
                     .faults
-                    .append(&mut state.capture(context, site, 0).faults);
+                    .append(&mut state.capture(context, block_face, 0).faults);
             }
             let mut ended = state.make(context, Transition::EndPhase);
             effects.faults.append(&mut ended.faults);
@@ -66,13 +66,13 @@ impl<'t> ProgramState<'t> {
         for block in self.structure.blocks() {
             for face in Face::ALL {
                 let body = block.body();
-                let site = BlockFace { body, face };
+                let block_face = BlockFace { body, face };
                 let is_open = block.open().iter().any(|open| open.own == face);
-                if is_open || block.is_dead() || self.lattice.target(site).is_none() {
+                if is_open || block.is_dead() || self.lattice.target(block_face).is_none() {
                     continue;
                 }
-                first = first.or(Some(site));
-                let docking = docking(site, context.first_stray(), 0);
+                first = first.or(Some(block_face));
+                let docking = docking(block_face, context.first_stray(), 0);
                 state.lattice.dock(&docking);
                 let effects = state.carry_out(context, |structure, environment| {
                     structure.dock(&docking, environment)
@@ -81,8 +81,8 @@ impl<'t> ProgramState<'t> {
                     || !effects.faults.is_empty()
                     || !effects.captured.is_empty()
                     || !effects.opened.is_empty();
-                if is_noticed || effects.closed != [site] {
-                    return Some(site);
+                if is_noticed || effects.closed != [block_face] {
+                    return Some(block_face);
                 }
             }
         }
@@ -132,15 +132,19 @@ impl<'t> ProgramState<'t> {
             (Some(reach), Some(occupied)) => reach(occupied, cell),
             _ => true,
         };
-        for &site in self.lattice.active() {
-            let Some(_) = self.lattice.target(site).filter(|cell| can_come(*cell)) else {
+        for &block_face in self.lattice.active() {
+            let Some(_) = self
+                .lattice
+                .target(block_face)
+                .filter(|cell| can_come(*cell))
+            else {
                 continue;
             };
-            let child = self.opened(site);
+            let child = self.opened(block_face);
             if child.is_some_and(|child| context.struck.mistaken.contains(&child)) {
-                transitions.extend((1..24).map(|how| Transition::CaptureMistaken(site, how)));
+                transitions.extend((1..24).map(|how| Transition::CaptureMistaken(block_face, how)));
             } else {
-                transitions.push(Transition::Capture(site));
+                transitions.push(Transition::Capture(block_face));
             }
         }
         for &cell in &context.struck.strays {
@@ -150,12 +154,12 @@ impl<'t> ProgramState<'t> {
             for block in self.structure.blocks() {
                 for face in Face::ALL {
                     let body = block.body();
-                    let site = BlockFace { body, face };
-                    if self.lattice.target(site) == Some(cell)
-                        && !self.lattice.active().contains(&site)
+                    let block_face = BlockFace { body, face };
+                    if self.lattice.target(block_face) == Some(cell)
+                        && !self.lattice.active().contains(&block_face)
                         && can_come(cell)
                     {
-                        transitions.push(Transition::Stray(site));
+                        transitions.push(Transition::Stray(block_face));
                     }
                 }
             }
@@ -191,18 +195,18 @@ impl<'t> ProgramState<'t> {
                 });
                 Effects::default()
             }
-            Transition::Capture(site) => self.capture(context, site, 0),
-            Transition::CaptureMistaken(site, how) => self.capture(context, site, how),
-            Transition::Stray(site) => {
-                self.strayed.extend(self.lattice.target(site));
-                let cell = self.lattice.target(site);
-                let place = context
+            Transition::Capture(block_face) => self.capture(context, block_face, 0),
+            Transition::CaptureMistaken(block_face, how) => self.capture(context, block_face, how),
+            Transition::Stray(block_face) => {
+                self.strayed.extend(self.lattice.target(block_face));
+                let cell = self.lattice.target(block_face);
+                let index = context
                     .struck
                     .strays
                     .iter()
                     .position(|at| Some(*at) == cell);
-                let number = context.first_stray() + place.unwrap_or(0) as u32;
-                let docking = docking(site, number, 0);
+                let number = context.first_stray() + index.unwrap_or(0) as u32;
+                let docking = docking(block_face, number, 0);
                 self.lattice.dock(&docking);
                 self.carry_out(context, |structure, environment| {
                     structure.dock(&docking, environment)
@@ -276,10 +280,15 @@ impl<'t> ProgramState<'t> {
 
     /// Captures a block at an open face. The block gets the number of its role, so that equal
     /// structures are equal states.
-    fn capture(&mut self, context: &ExplorationContext<'t>, site: BlockFace, how: u8) -> Effects {
-        let child = self.opened(site);
-        let truth = docking(site, child.map_or(u32::MAX, |child| child.0), 0);
-        let belief = docking(site, truth.child, how);
+    fn capture(
+        &mut self,
+        context: &ExplorationContext<'t>,
+        block_face: BlockFace,
+        how: u8,
+    ) -> Effects {
+        let child = self.opened(block_face);
+        let truth = docking(block_face, child.map_or(u32::MAX, |child| child.0), 0);
+        let belief = docking(block_face, truth.child, how);
         let held = child.is_some_and(|child| self.structure.holder(child).is_some());
         self.lattice.dock(&truth);
         let mut effects = self.carry_out(context, |structure, environment| {
@@ -294,9 +303,12 @@ impl<'t> ProgramState<'t> {
 
     /// Returns the role of the block that an open face expects. Returns `None` if the face is not
     /// open.
-    fn opened(&self, site: BlockFace) -> Option<RoleId> {
-        let block = self.structure.block(site.body)?;
-        let open = block.open().iter().find(|open| open.own == site.face)?;
+    fn opened(&self, block_face: BlockFace) -> Option<RoleId> {
+        let block = self.structure.block(block_face.body)?;
+        let open = block
+            .open()
+            .iter()
+            .find(|open| open.own == block_face.face)?;
         Some(open.child)
     }
 
@@ -329,8 +341,8 @@ impl<'t> ProgramState<'t> {
             effects: &mut effects,
         };
         act(&mut self.structure, &mut environment);
-        for site in &effects.opened {
-            let block = self.structure.block(site.body);
+        for block_face in &effects.opened {
+            let block = self.structure.block(block_face.body);
             let spare = usize::from(context.tables.faces.max(1));
             if let Some(block) = block.filter(|block| block.open().len() > spare) {
                 let fault = Mistake::TooManyFaces(block.role());
@@ -359,10 +371,10 @@ impl<'t> ProgramState<'t> {
 
 /// Returns the capture of a block at a face. `how` is the index of the block's orientation, from 0
 /// to 23.
-fn docking(site: BlockFace, child: u32, how: u8) -> Docking {
+fn docking(block_face: BlockFace, child: u32, how: u8) -> Docking {
     let how = (how + 5) % 24;
     Docking {
-        site,
+        block_face,
         child,
         child_face: Face::ALL[usize::from(how / 4)],
         turn: how % 4,

@@ -228,13 +228,13 @@ impl<M: Copy> StructureBlock<M> {
         let rule = tables.rule(self.rules, first);
         // Fast path: most rules tried by a new block have no condition.
         let is_first = rule.when.is_empty() && !self.has_fired(first);
-        let (place, action) = if is_first {
+        let (index, action) = if is_first {
             (first, rule.then)
         } else {
             self.next_ready(tables)?
         };
-        self.mark_fired(place);
-        Some((place as u32, action))
+        self.mark_fired(index);
+        Some((index as u32, action))
     }
 
     /// Marks the first rule of the duty as fired. Returns `false` if the rule has fired before or
@@ -249,16 +249,16 @@ impl<M: Copy> StructureBlock<M> {
     }
 
     #[inline]
-    fn mark_fired(&mut self, place: usize) {
-        match place / 64 {
+    fn mark_fired(&mut self, index: usize) {
+        match index / 64 {
             0 => {
-                self.fired |= 1 << place;
+                self.fired |= 1 << index;
                 // Skips the following rules that have already fired.
-                self.next = place as u32 + (self.fired >> place).trailing_ones();
+                self.next = index as u32 + (self.fired >> index).trailing_ones();
             }
             word => {
-                self.next = place as u32 + 1;
-                self.mark_fired_later(word - 1, place % 64);
+                self.next = index as u32 + 1;
+                self.mark_fired_later(word - 1, index % 64);
             }
         }
     }
@@ -282,14 +282,14 @@ impl<M: Copy> StructureBlock<M> {
     fn next_ready(&mut self, tables: &Tables) -> Option<(usize, Action)> {
         let count = self.rules.count();
         let has = |when| self.has_seen(when);
-        for place in self.next as usize..count as usize {
-            if self.has_fired(place) {
+        for index in self.next as usize..count as usize {
+            if self.has_fired(index) {
                 continue;
             }
-            let rule = tables.rule(self.rules, place);
-            let is_true = |when: &Condition| tables.is_true(self.rules, place, *when, has);
+            let rule = tables.rule(self.rules, index);
+            let is_true = |when: &Condition| tables.is_true(self.rules, index, *when, has);
             if rule.when.iter().all(is_true) {
-                return Some((place, rule.then));
+                return Some((index, rule.then));
             }
         }
         self.next = count;

@@ -13,11 +13,11 @@ pub trait Environment {
     type Mark: Copy;
 
     /// Switches a face on for a planned capture. Faces that always attract need no switching.
-    fn magnetize(&mut self, site: BlockFace, capture: &PlannedCapture) -> Self::Mark;
+    fn magnetize(&mut self, block_face: BlockFace, capture: &PlannedCapture) -> Self::Mark;
 
     /// Switches a face off and releases its block. A face that always attracts rejects its block
     /// with an impulse instead.
-    fn switch_off(&mut self, site: BlockFace);
+    fn switch_off(&mut self, block_face: BlockFace);
 
     /// Sends a message to a neighbour, over one hop. The driver later delivers the message by
     /// [`Structure::receive`](super::Structure::receive).

@@ -58,12 +58,12 @@ impl<M> Slots<M> {
             return;
         }
         // Ranks are distinct, so a counting sort works.
-        let mut places = vec![BlockSlot::NONE; count];
+        let mut by_rank = vec![BlockSlot::NONE; count];
         for slot in &*slots {
-            places[self.rank(*slot)] = *slot;
+            by_rank[self.rank(*slot)] = *slot;
         }
         slots.clear();
-        slots.extend(places.iter().filter(|slot| **slot != BlockSlot::NONE));
+        slots.extend(by_rank.iter().filter(|slot| **slot != BlockSlot::NONE));
     }
 
     /// Returns the rank of a block among all bodies.
@@ -92,21 +92,21 @@ impl<M> Slots<M> {
     #[inline]
     pub fn put(&mut self, slot: BlockSlot, block: StructureBlock<M>) {
         match self.blocks.get_mut(slot.0 as usize) {
-            Some(place) => *place = Some(block),
+            Some(entry) => *entry = Some(block),
             None => self.blocks.push(Some(block)),
         }
     }
 
     /// Removes a formerly free block.
     pub fn remove(&mut self, slot: BlockSlot) {
-        let Some(place) = self.blocks.get_mut(slot.0 as usize) else {
+        let Some(entry) = self.blocks.get_mut(slot.0 as usize) else {
             return;
         };
-        let Some(block) = place else { return };
+        let Some(block) = entry else { return };
         if let Body::Free(id) = block.body {
             self.of_free[id as usize] = BlockSlot::NONE;
         }
-        *place = None;
+        *entry = None;
         self.vacant.push(slot);
     }
 

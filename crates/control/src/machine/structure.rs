@@ -126,10 +126,10 @@ impl<'t, M: Copy> Structure<'t, M> {
     /// Removes the next face that needs a pre-attached block. Returns it with the block's role.
     /// Returns `None` if no face is left.
     pub fn next_to_plant(&mut self) -> Option<(BlockFace, RoleId)> {
-        let site = self.to_plant.pop_first()?;
-        let open = self.block(site.body)?.open();
-        let child = open.iter().find(|open| open.own == site.face)?.child;
-        Some((site, child))
+        let block_face = self.to_plant.pop_first()?;
+        let open = self.block(block_face.body)?.open();
+        let child = open.iter().find(|open| open.own == block_face.face)?.child;
+        Some((block_face, child))
     }
 
     /// Begins the first phase.
@@ -172,7 +172,7 @@ impl<'t, M: Copy> Structure<'t, M> {
 
     /// Processes the capture of a block.
     pub fn dock(&mut self, docking: &Docking, environment: &mut impl Environment<Mark = M>) {
-        let BlockFace { body, face } = docking.site;
+        let BlockFace { body, face } = docking.block_face;
         // An earlier capture in the same tick may have released the parent, and with it this block.
         // A failed parent does not react.
         let Some(at) = self.slots.find(&self.index, body) else {
@@ -189,7 +189,7 @@ impl<'t, M: Copy> Structure<'t, M> {
                 let face = parent.orientation.to_structure(face);
                 environment.unplanned(parent.role, face, docking);
             }
-            return environment.switch_off(docking.site);
+            return environment.switch_off(docking.block_face);
         };
         let orientation =
             Orientation::docked(parent.orientation, face, docking.child_face, docking.turn);
@@ -349,9 +349,9 @@ impl<'t, M: Copy> Structure<'t, M> {
                     child,
                     cell,
                 };
-                let site = magnetize(block, &capture, environment);
+                let block_face = magnetize(block, &capture, environment);
                 if self.is_planting() {
-                    self.to_plant.insert(site);
+                    self.to_plant.insert(block_face);
                 }
             }
             Action::SwitchOff { face, child } => {
@@ -490,11 +490,11 @@ fn magnetize<M: Copy>(
     environment: &mut impl Environment<Mark = M>,
 ) -> BlockFace {
     let own = block.orientation.to_own(capture.face);
-    let site = BlockFace {
+    let block_face = BlockFace {
         body: block.body,
         face: own,
     };
-    let mark = environment.magnetize(site, capture);
+    let mark = environment.magnetize(block_face, capture);
     block.switch_on(ActiveFace {
         own,
         face: capture.face,
@@ -502,7 +502,7 @@ fn magnetize<M: Copy>(
         cell: capture.cell,
         mark,
     });
-    site
+    block_face
 }
 
 impl<M: Copy + Hash + Eq> PartialEq for Structure<'_, M> {

@@ -93,15 +93,16 @@ impl<'a> TimedPhase<'a> {
         if scarce.is_none() && steps.iter().all(|step| head_starts(step).is_empty()) {
             return None;
         }
-        let places: FxHashMap<u32, usize> = (0..).zip(steps).map(|(i, it)| (it.event, i)).collect();
+        let indices: FxHashMap<u32, usize> =
+            (0..).zip(steps).map(|(i, it)| (it.event, i)).collect();
         let mut followers = vec![SmallVec::new(); steps.len()];
         let mut near: FxHashMap<u32, Vec<_>> = FxHashMap::default();
         for (i, step) in (0..).zip(steps) {
             for before in &step.before {
-                followers[places[before]].push(i);
+                followers[indices[before]].push(i);
             }
             for (release, nearby) in head_starts(step) {
-                if places.contains_key(&release.0) {
+                if indices.contains_key(&release.0) {
                     near.entry(release.0).or_default().push((i, *nearby));
                 }
             }

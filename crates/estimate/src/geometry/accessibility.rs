@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use rustc_hash::FxHashMap;
 use stochc_ir::{Cell, Face};
 
-use crate::geometry::neighbourhood::{CELLS, Neighbourhood, SIGHT, all, place};
+use crate::geometry::neighbourhood::{CELLS, Neighbourhood, SIGHT, all, index};
 
 /// Number of grid points across the sphere around a face.
 const ACROSS: usize = 16;
@@ -61,8 +61,8 @@ fn left_open(direction: Face, around: Neighbourhood) -> f64 {
     for (part, words) in all_words.iter_mut().enumerate() {
         // Kept in registers.
         let mut found = [0; AT_ONCE];
-        for place in around.places() {
-            let (_, points) = &blockers[usize::from(numbers[place])];
+        for index in around.indices() {
+            let (_, points) = &blockers[usize::from(numbers[index])];
             let (more, _) = points.as_chunks::<AT_ONCE>();
             for (word, more) in found.iter_mut().zip(&more[part]) {
                 *word |= more;
@@ -104,7 +104,7 @@ static NUMBERS: LazyLock<[[u8; CELLS]; 6]> = LazyLock::new(|| {
     Face::ALL.map(|direction| {
         let mut numbers = [0; CELLS];
         for (number, offset) in (0..).zip(offsets(direction)) {
-            numbers[place(offset)] = number;
+            numbers[index(offset)] = number;
         }
         numbers
     })

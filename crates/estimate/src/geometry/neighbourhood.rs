@@ -44,8 +44,8 @@ impl Neighbourhood {
         is_full: impl Fn(Cell) -> bool,
     ) -> Neighbourhood {
         let mut found = Neighbourhood::on_ground(cell).within(which);
-        for place in which.without(found).places() {
-            let offset = offset(place);
+        for index in which.without(found).indices() {
+            let offset = offset(index);
             if cell.offset(offset).is_some_and(&is_full) {
                 found.block(offset);
             }
@@ -92,12 +92,12 @@ impl Neighbourhood {
     }
 
     /// Returns the indices of the blocked cells, below [`CELLS`].
-    pub(crate) fn places(self) -> impl Iterator<Item = usize> {
+    pub(crate) fn indices(self) -> impl Iterator<Item = usize> {
         let mut left = self.0;
         std::iter::from_fn(move || {
-            let place = left.trailing_zeros() as usize;
+            let index = left.trailing_zeros() as usize;
             left &= left.wrapping_sub(1);
-            (place < CELLS).then_some(place)
+            (index < CELLS).then_some(index)
         })
     }
 
@@ -125,18 +125,18 @@ pub(crate) fn all() -> impl Iterator<Item = [i32; 3]> {
 }
 
 fn bit(offset: [i32; 3]) -> u128 {
-    1 << place(offset)
+    1 << index(offset)
 }
 
 /// Returns the index of a cell.
-pub(crate) fn place(offset: [i32; 3]) -> usize {
+pub(crate) fn index(offset: [i32; 3]) -> usize {
     let [x, y, z] = offset.map(|step| step + SIGHT);
     (x + EDGE * (y + EDGE * z)) as usize
 }
 
-fn offset(place: usize) -> [i32; 3] {
-    let place = place as i32;
-    [place, place / EDGE, place / (EDGE * EDGE)].map(|part| part % EDGE - SIGHT)
+fn offset(index: usize) -> [i32; 3] {
+    let index = index as i32;
+    [index, index / EDGE, index / (EDGE * EDGE)].map(|part| part % EDGE - SIGHT)
 }
 
 #[cfg(test)]
@@ -153,7 +153,7 @@ mod tests {
                 let near = Cell::new(7 + dx, dy - 3, z + dz);
                 let expected = near.z < 1 || is_full(near);
                 assert_eq!(found.is_blocked([dx, dy, dz]), expected, "{near}");
-                assert_eq!(offset(place([dx, dy, dz])), [dx, dy, dz]);
+                assert_eq!(offset(index([dx, dy, dz])), [dx, dy, dz]);
             }
             let some = Neighbourhood::from_cells(all().filter(|[dx, ..]| *dx > 0));
             let part = Neighbourhood::around(some, cell, |near| {

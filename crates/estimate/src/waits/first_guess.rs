@@ -2,7 +2,7 @@
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
-use stochc_ir::scene::groups::{BlockUnits, Gas, speed};
+use stochc_ir::scene::dimensionless::{BlockUnits, Gas, speed};
 use stochc_ir::scene::{Bond, Enclosure, Scene};
 
 use crate::geometry::accessibility::RADIUS;

@@ -1,7 +1,7 @@
 //! Head starts: captures of blocks released near an open face, or one that opens soon.
 use serde::{Deserialize, Serialize};
 use stochc_ir::scene::Scene;
-use stochc_ir::scene::groups::kick;
+use stochc_ir::scene::dimensionless::kick;
 use stochc_ir::{Cell, Face};
 
 use crate::geometry::accessibility::RADIUS;
@@ -89,10 +89,10 @@ impl<'r> HeadStarts<'r> {
     pub fn nearby(&self, cell: Cell, direction: Face, from: Cell) -> Option<ReleaseNearby> {
         let (squared_distance, before) = relative(cell, direction, from)?;
         let at = |late: bool| {
-            let place = (squared_distance, before, late);
+            let index = (squared_distance, before, late);
             let mut known = self.known.iter();
             known
-                .find(|it| (it.squared_distance, it.before, it.late) == place)
+                .find(|it| (it.squared_distance, it.before, it.late) == index)
                 .copied()
         };
         let at_once = at(false)?;

@@ -110,10 +110,10 @@ impl Cases<'_> {
 
     /// Returns a quantile, or `None` if it is infinite or there are no cases.
     fn quantile(self, q: f64) -> Option<f64> {
-        let place = q.clamp(0.0, 1.0) * self.count().checked_sub(1)? as f64;
-        let at = |place: f64| self.sorted.get(place as usize).copied();
-        let (below, above) = (at(place.floor())?, at(place.ceil())?);
-        Some(below + (above - below) * place.fract())
+        let index = q.clamp(0.0, 1.0) * self.count().checked_sub(1)? as f64;
+        let at = |index: f64| self.sorted.get(index as usize).copied();
+        let (below, above) = (at(index.floor())?, at(index.ceil())?);
+        Some(below + (above - below) * index.fract())
     }
 
     /// Returns the half-width for a quantile. Returns `None` if an end of the interval is beyond

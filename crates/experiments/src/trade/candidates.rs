@@ -92,7 +92,7 @@ pub(super) fn flags(settings: &Settings) -> String {
 /// of [`ChosenSetting::all_of`].
 fn written(settings: &Settings, labels: [&str; 5]) -> String {
     let labelled = |chosen: &ChosenSetting| {
-        let label = labels[chosen.place()];
+        let label = labels[chosen.index()];
         format!("{label}{}", chosen.value())
     };
     let all = ChosenSetting::all_of(settings);

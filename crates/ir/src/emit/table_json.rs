@@ -54,8 +54,8 @@ pub fn table_json(tables: &Tables) -> Json<'_> {
 
 fn duty<'a>(tables: &'a Tables, duty: Duty<'a>) -> Json<'a> {
     let rules = move || {
-        duty.rules().enumerate().map(move |(place, rule)| {
-            let when = move |&when: &Condition| condition(tables, duty, place, when).into();
+        duty.rules().enumerate().map(move |(index, rule)| {
+            let when = move |&when: &Condition| condition(tables, duty, index, when).into();
             let when = Json::each(rule.when, when);
             Json::object([("when", when), ("then", action(tables, rule.then).into())])
         })
@@ -83,11 +83,11 @@ fn verbs(bond: BondKind) -> (&'static str, &'static str) {
     }
 }
 
-fn condition(tables: &Tables, duty: Duty<'_>, place: usize, condition: Condition) -> Value {
+fn condition(tables: &Tables, duty: Duty<'_>, index: usize, condition: Condition) -> Value {
     match condition {
         Condition::Turn(needed) => {
             let of: Vec<&str> = duty
-                .given_before(place)
+                .given_before(index)
                 .map(|role| tables.name(role))
                 .collect();
             json!({ "turn": { "enough": needed, "of": of } })

@@ -117,13 +117,13 @@ fn write_duty(tables: &Tables, duty: Duty<'_>, out: &mut impl Write) -> fmt::Res
         Trigger::Anchored => "when anchored in",
     };
     writeln!(out, "    {trigger} {phase}")?;
-    for (place, rule) in duty.rules().enumerate() {
-        writeln!(out, "        {}", rule_text(tables, duty, place, rule))?;
+    for (index, rule) in duty.rules().enumerate() {
+        writeln!(out, "        {}", rule_text(tables, duty, index, rule))?;
     }
     Ok(())
 }
 
-fn rule_text(tables: &Tables, duty: Duty<'_>, place: usize, rule: Rule<'_>) -> String {
+fn rule_text(tables: &Tables, duty: Duty<'_>, index: usize, rule: Rule<'_>) -> String {
     let mut text = String::new();
     for (i, condition) in rule.when.iter().enumerate() {
         text.push_str(if i == 0 { "once " } else { " and " });
@@ -138,7 +138,7 @@ fn rule_text(tables: &Tables, duty: Duty<'_>, place: usize, rule: Rule<'_>) -> S
                 notification_text(tables, notification)
             ),
             Condition::Turn(needed) => {
-                let given: Vec<&str> = duty.given_before(place).map(name).collect();
+                let given: Vec<&str> = duty.given_before(index).map(name).collect();
                 let have = if needed == 1 { "has" } else { "have" };
                 write!(text, "{needed} of {} {have} docked", given.join(", "))
             }

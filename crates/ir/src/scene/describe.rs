@@ -2,7 +2,7 @@
 use serde::Serialize;
 
 use super::Scene;
-use super::groups::BlockUnits;
+use super::dimensionless::BlockUnits;
 use super::quantity::QuantityKind;
 use super::schema::{CLAUSES, Equation, EquationSymbol, SchemaEntry, SchemaPart};
 

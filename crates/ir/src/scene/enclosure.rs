@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use super::groups::BlockUnits;
+use super::dimensionless::BlockUnits;
 use crate::Cell;
 use crate::table::plate::Plate;
 
@@ -507,9 +507,9 @@ mod tests {
                 let h = 1e-6;
                 let slope = [0, 1, 2].map(|axis| {
                     let at = |shift: f64| {
-                        let mut place = point;
-                        place[axis] += shift;
-                        interior.distance(place)
+                        let mut position = point;
+                        position[axis] += shift;
+                        interior.distance(position)
                     };
                     (at(h) - at(-h)) / (2.0 * h)
                 });

@@ -4,8 +4,8 @@
 //! runtime must not compute it, not even as zero.
 mod bond;
 pub mod describe;
+pub mod dimensionless;
 mod enclosure;
-pub mod groups;
 mod medium;
 pub mod quantity;
 pub mod room;

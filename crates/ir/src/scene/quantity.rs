@@ -1,5 +1,5 @@
 //! Kinds of quantities in a scene, with their names and units.
-use super::groups::BlockUnits;
+use super::dimensionless::BlockUnits;
 use super::units::{Dimension, to_si};
 
 /// Kind of a quantity.

@@ -2,7 +2,7 @@
 use std::f64::consts::{SQRT_2, TAU};
 use std::fmt;
 
-use super::groups::BlockUnits;
+use super::dimensionless::BlockUnits;
 use super::{Arrangement, Interior, Scene};
 use crate::Cell;
 use crate::table::plate::Plate;
@@ -92,11 +92,11 @@ impl Row {
         }
     }
 
-    fn at(self, site: i64) -> f64 {
-        (site as f64 + self.offset) * self.spacing
+    fn at(self, step: i64) -> f64 {
+        (step as f64 + self.offset) * self.spacing
     }
 
-    fn sites(self) -> impl Iterator<Item = i64> {
+    fn points(self) -> impl Iterator<Item = i64> {
         self.first..self.end
     }
 }
@@ -133,9 +133,11 @@ impl Interior {
             }
         };
         let [x, y, z] = rows;
-        let lines = z.sites().flat_map(move |k| y.sites().map(move |j| (j, k)));
+        let lines = z
+            .points()
+            .flat_map(move |k| y.points().map(move |j| (j, k)));
         lines
-            .flat_map(move |(j, k)| x.sites().map(move |i| [x.at(i), y.at(j), z.at(k)]))
+            .flat_map(move |(j, k)| x.points().map(move |i| [x.at(i), y.at(j), z.at(k)]))
             .filter(move |[_, _, z]| *z >= lowest)
             .filter(move |[x, y, z]| (x * x + y * y + z * z).sqrt() <= radius[0])
             .filter(move |[x, y, _]| (x * x + y * y).sqrt() <= radius[1])
@@ -174,9 +176,9 @@ impl Interior {
                 if self.is_roomy(count.saturating_add(9 * obstacles.0.len() as u32)) {
                     return Ok(());
                 }
-                let sites = obstacles.apart(self.lattice(MIN_SPACING));
-                let sites = sites.take(count as usize);
-                match sites.count() as u32 {
+                let points = obstacles.apart(self.lattice(MIN_SPACING));
+                let points = points.take(count as usize);
+                match points.count() as u32 {
                     fits if fits < count => Err(NoRoom::DoesNotFit { count, fits }),
                     _ => Ok(()),
                 }
@@ -187,14 +189,14 @@ impl Interior {
                 let touches = count > 1 && apart < MIN_SPACING * SQRT_2;
                 let is_outside = [[radius, 0.0, height], [0.0, radius, height]]
                     .into_iter()
-                    .any(|place| self.distance(place) > 0.0);
-                let place = |i: u32| {
+                    .any(|position| self.distance(position) > 0.0);
+                let position = |i: u32| {
                     let (sin, cos) = (TAU / f64::from(count) * f64::from(i)).sin_cos();
                     [radius * cos, radius * sin, height]
                 };
                 let is_blocked = || {
                     let blocks = if obstacles.0.is_empty() { 0 } else { count };
-                    obstacles.apart((0..blocks).map(place)).count() < blocks as usize
+                    obstacles.apart((0..blocks).map(position)).count() < blocks as usize
                 };
                 if touches || is_outside || is_blocked() || (height < MARGIN && !self.is_flat()) {
                     Err(NoRoom::OnRing { count })
@@ -209,7 +211,7 @@ impl Interior {
     /// counted. Their number might exceed the memory.
     fn is_roomy(&self, count: u32) -> bool {
         let along = |length: f64| (length / MIN_SPACING - 1.0).max(0.0);
-        let sites = match *self {
+        let points = match *self {
             Interior::Ball { radius, .. } => {
                 let radius = radius - MARGIN;
                 along(radius).powi(2) * along(radius / 2.0 - MARGIN)
@@ -221,7 +223,7 @@ impl Interior {
                 along(SQRT_2 * (radius - GAP)).powi(2) * layers.end as f64
             }
         };
-        sites > f64::from(count)
+        points > f64::from(count)
     }
 }
 
@@ -257,13 +259,13 @@ impl Obstacles {
         let centre = |edge: u32| (f64::from(edge) - 1.0) / 2.0;
         let middle = [centre(plate.width), centre(plate.depth)];
         let seeds = seeds.iter().filter(|_| scene.planar.is_some());
-        let place = |cell: &Cell| [f64::from(cell.x) - middle[0], f64::from(cell.y) - middle[1]];
-        Obstacles(seeds.map(place).collect())
+        let position = |cell: &Cell| [f64::from(cell.x) - middle[0], f64::from(cell.y) - middle[1]];
+        Obstacles(seeds.map(position).collect())
     }
 
     /// Returns the sites where an aligned block does not touch an obstacle.
-    pub fn apart(&self, sites: impl Iterator<Item = [f64; 3]>) -> impl Iterator<Item = [f64; 3]> {
-        sites.filter(|[x, y, _]| {
+    pub fn apart(&self, points: impl Iterator<Item = [f64; 3]>) -> impl Iterator<Item = [f64; 3]> {
+        points.filter(|[x, y, _]| {
             let distance = |[u, v]: &[f64; 2]| (x - u).abs().max((y - v).abs());
             self.0.iter().all(|seed| distance(seed) >= MIN_SPACING)
         })
@@ -319,18 +321,18 @@ mod tests {
             ),
         ] {
             for spacing in [1.1, 1.3, 2.0] {
-                let sites: Vec<_> = interior.lattice(spacing).collect();
-                assert!(sites.len() > 3, "{interior:?} {spacing}");
-                for (i, one) in sites.iter().enumerate() {
+                let points: Vec<_> = interior.lattice(spacing).collect();
+                assert!(points.len() > 3, "{interior:?} {spacing}");
+                for (i, one) in points.iter().enumerate() {
                     assert!(interior.distance(*one) < 1e-9 - gap, "{interior:?} {one:?}");
-                    for other in &sites[..i] {
+                    for other in &points[..i] {
                         let apart = [0, 1, 2].map(|axis| one[axis] - other[axis]);
                         let apart = apart.iter().map(|it| it * it).sum::<f64>().sqrt();
                         assert!(apart > spacing - 1e-9, "{interior:?} {spacing}: {apart}");
                     }
                 }
                 for axis in [0, 1] {
-                    let sum = sites.iter().map(|site| site[axis]).sum::<f64>();
+                    let sum = points.iter().map(|step| step[axis]).sum::<f64>();
                     assert!(sum.abs() < 1e-9, "{interior:?}: {sum}");
                 }
             }

@@ -90,8 +90,8 @@ pub fn changed(mut scene: Scene, changes: &[ScalarChange]) -> Result<Scene, Scal
     for change in changes {
         found.push((find(&scene, &change.name)?, change.value));
     }
-    let place = |name: &str| all().position(|number| number.name() == name);
-    found.sort_by_key(|(number, _)| place(number.name()));
+    let rank = |name: &str| all().position(|number| number.name() == name);
+    found.sort_by_key(|(number, _)| rank(number.name()));
     for (number, value) in found {
         number.set(&mut scene, value)?;
     }

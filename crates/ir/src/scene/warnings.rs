@@ -1,9 +1,9 @@
 //! Warnings about scenes that do not work, or whose time step is too long.
 use std::ops::RangeInclusive;
 
-use super::groups::{
+use super::dimensionless::{
     AdvisedRange, DRAG_SYMBOL, DimensionlessNumber, ExpectedRange, ResolutionLimit, Settling,
-    carried, groups, speed, turn_in_steps,
+    carried, dimensionless_numbers, speed, turn_in_steps,
 };
 pub use super::warning_kind::SceneWarningKind;
 use super::{Agitation, Bond, Scene, Substeps};
@@ -72,16 +72,16 @@ pub fn scene_warnings(
     layers: Option<RangeInclusive<i32>>,
 ) -> Vec<SceneWarning> {
     let steps = stepping.steps.in_scene(scene);
-    let groups = groups(scene, steps);
+    let numbers = dimensionless_numbers(scene, steps);
     let taken = |group: &DimensionlessNumber| group.steps_of(steps);
-    let exceeded = groups
+    let exceeded = numbers
         .iter()
         .filter(|group| group.is_exceeded(taken(group)));
     let resolving = resolving(exceeded, steps);
     let mut found = Vec::new();
     found.extend(no_agitation(scene));
     found.extend(layers.and_then(|layers| buoyant(scene, &layers)));
-    found.extend(groups.iter().filter_map(|group| {
+    found.extend(numbers.iter().filter_map(|group| {
         let steps = taken(group);
         let limit = group.limit.filter(|_| group.is_exceeded(steps))?;
         Some(coarse(group, limit, steps, resolving))
@@ -89,7 +89,7 @@ pub fn scene_warnings(
     found.extend(digits(scene, stepping.smallest_turn, steps));
     let disappointing =
         |group: &DimensionlessNumber| Some(out_of_range(group, group.disappoints()?));
-    found.extend(groups.iter().filter_map(disappointing));
+    found.extend(numbers.iter().filter_map(disappointing));
     found.sort_by_key(|warning| warning.kind);
     found
 }

@@ -131,9 +131,9 @@ impl StoredTables {
     }
 
     fn validate_roles(&self) -> Result<(), InvalidTables> {
-        let mut places = BTreeMap::new();
+        let mut indices = BTreeMap::new();
         for (second, role) in self.roles.iter().enumerate() {
-            if let Some(first) = places.insert(&*role.name, second) {
+            if let Some(first) = indices.insert(&*role.name, second) {
                 return Err(InvalidTables::RoleName { first, second });
             }
         }
@@ -209,9 +209,9 @@ impl StoredTables {
             match rule.then {
                 Action::Magnetize { child, cell, .. } => {
                     self.known(child)?;
-                    let place = child.0 as usize;
-                    if self.roles[place].seed.is_some() {
-                        return Err(InvalidTables::CapturedSeed(place));
+                    let index = child.0 as usize;
+                    if self.roles[index].seed.is_some() {
+                        return Err(InvalidTables::CapturedSeed(index));
                     }
                     let far = |at: i32| at.unsigned_abs() > FARTHEST as u32;
                     if far(cell.x) || far(cell.y) || far(cell.z) {

@@ -113,7 +113,7 @@ impl<'a> Duty<'a> {
     #[inline]
     pub fn rules(&self) -> impl ExactSizeIterator<Item = Rule<'a>> + use<'a> {
         let Duty { tables, rules, .. } = *self;
-        (0..rules.count() as usize).map(move |place| tables.rule(rules, place))
+        (0..rules.count() as usize).map(move |index| tables.rule(rules, index))
     }
 
     /// Returns the range of the duty's rules.
@@ -122,15 +122,15 @@ impl<'a> Duty<'a> {
         self.rules
     }
 
-    /// Returns the roles that earlier rules of the duty assign. `place` is the index of a rule.
-    pub fn given_before(&self, place: usize) -> impl Iterator<Item = RoleId> + use<'a> {
-        self.tables.given_before(self.rules, place)
+    /// Returns the roles that earlier rules of the duty assign. `index` is the index of a rule.
+    pub fn given_before(&self, index: usize) -> impl Iterator<Item = RoleId> + use<'a> {
+        self.tables.given_before(self.rules, index)
     }
 
-    /// Returns whether a condition of the rule at `place` holds for a block with the observations
+    /// Returns whether a condition of the rule at `index` holds for a block with the observations
     /// `has`.
-    pub fn is_true(&self, place: usize, when: Condition, has: impl Fn(Condition) -> bool) -> bool {
-        self.tables.is_true(self.rules, place, when, has)
+    pub fn is_true(&self, index: usize, when: Condition, has: impl Fn(Condition) -> bool) -> bool {
+        self.tables.is_true(self.rules, index, when, has)
     }
 }
 
@@ -299,8 +299,8 @@ impl Tables {
 
     /// Returns a rule by its index in a range.
     #[inline]
-    pub fn rule(&self, rules: RuleRange, place: usize) -> Rule<'_> {
-        let number = rules.first as usize + place;
+    pub fn rule(&self, rules: RuleRange, index: usize) -> Rule<'_> {
+        let number = rules.first as usize + index;
         let end = self.rules.get(number + 1);
         let end = end.map_or(self.conditions.len(), |next| next.when as usize);
         let RuleRow { when, then } = self.rules[number];
@@ -310,8 +310,8 @@ impl Tables {
         }
     }
 
-    fn given_before(&self, rules: RuleRange, place: usize) -> impl Iterator<Item = RoleId> {
-        (0..place).filter_map(move |place| match self.rule(rules, place).then {
+    fn given_before(&self, rules: RuleRange, index: usize) -> impl Iterator<Item = RoleId> {
+        (0..index).filter_map(move |index| match self.rule(rules, index).then {
             Action::Magnetize { child, .. } => Some(child),
             _ => None,
         })
@@ -322,13 +322,13 @@ impl Tables {
     pub fn is_true(
         &self,
         rules: RuleRange,
-        place: usize,
+        index: usize,
         when: Condition,
         has: impl Fn(Condition) -> bool,
     ) -> bool {
         match when {
             Condition::Turn(needed) => {
-                let given = self.given_before(rules, place);
+                let given = self.given_before(rules, index);
                 given.filter(|&role| has(Condition::Docked(role))).count() >= usize::from(needed)
             }
             seen => has(seen),

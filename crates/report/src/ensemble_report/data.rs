@@ -26,7 +26,7 @@ fn probability(p: f64) -> String {
 pub(super) type NamedFile = (String, String);
 
 /// Name of the table of critical paths.
-pub const CHAINS: &str = "chains.csv";
+pub const CRITICAL_PATHS: &str = "critical-paths.csv";
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Table {
@@ -34,7 +34,7 @@ pub(super) enum Table {
     Means,
     Waits,
     Origins,
-    Chains,
+    CriticalPaths,
     Sizes,
     Differences,
     Sweeps,
@@ -50,7 +50,7 @@ impl Table {
             Table::Means => "means.csv",
             Table::Waits => "waits.csv",
             Table::Origins => "origins.csv",
-            Table::Chains => CHAINS,
+            Table::CriticalPaths => CRITICAL_PATHS,
             Table::Sizes => "sizes.csv",
             Table::Differences => "differences.csv",
             Table::Sweeps => "sweeps.csv",
@@ -75,7 +75,7 @@ pub(super) fn tables(
         (Table::Means, true),
         (Table::Waits, captures),
         (Table::Origins, captures),
-        (Table::Chains, captures),
+        (Table::CriticalPaths, captures),
         (Table::Sizes, sizes),
         (Table::Differences, differences),
         (Table::Sweeps, sweeps),
@@ -86,7 +86,7 @@ pub(super) fn tables(
     present.map(|(table, _)| table).collect()
 }
 
-/// Returns all tables of a report except [`CHAINS`], in the order of [`tables`]. `last` is the
+/// Returns all tables of a report except [`CRITICAL_PATHS`], in the order of [`tables`]. `last` is the
 /// latest observed time, in the unit of the report.
 pub(super) fn files(
     subjects: &[ReportedProgram],
@@ -105,7 +105,7 @@ pub(super) fn files(
             Table::Waits => captures(subjects, waits),
             Table::Origins => origins(subjects, waits),
             // Written run by run.
-            Table::Chains => return None,
+            Table::CriticalPaths => return None,
             Table::Sizes => sizes(subjects),
             Table::Differences => differences(subjects, pairwise_tests, clock),
             Table::Sweeps => swept(sweeps),
@@ -285,12 +285,12 @@ fn origins(subjects: &[ReportedProgram], waits: &[Vec<ReportedCapture>]) -> Stri
     table.finish()
 }
 
-/// Returns the first line of [`CHAINS`].
+/// Returns the first line of [`CRITICAL_PATHS`].
 pub(super) fn chains_header() -> String {
     CsvTable::new(["program", "run", "phase", "event", "from", "to"]).finish()
 }
 
-/// Returns the rows of [`CHAINS`] for one run.
+/// Returns the rows of [`CRITICAL_PATHS`] for one run.
 pub(super) fn chains(subject: &ReportedProgram, run: &FinishedRun) -> String {
     let mut table = CsvTable::part();
     for segment in &run.critical_path {

@@ -14,6 +14,6 @@ pub use crate::analysis::maps::RecordingReader;
 pub use crate::analysis::reported_program::{Input, ReportError};
 pub use crate::figures::{FigureFormat, Figures};
 pub use crate::svg::Medium;
-pub use data::CHAINS;
+pub use data::CRITICAL_PATHS;
 pub use location::{MARK, ReportLocation};
 pub use report::{Report, report};

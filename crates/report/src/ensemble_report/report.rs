@@ -17,14 +17,14 @@ pub struct Report {
     /// HTML of the page. It is self-contained and without scripts.
     pub page: String,
     /// Name and content of each file: figures and their data (CSV), except
-    /// [`CHAINS`](super::CHAINS).
+    /// [`CRITICAL_PATHS`](super::CRITICAL_PATHS).
     pub files: Vec<(String, Vec<u8>)>,
-    /// Whether the report includes [`CHAINS`](super::CHAINS). Without captures, this table would
+    /// Whether the report includes [`CRITICAL_PATHS`](super::CRITICAL_PATHS). Without captures, this table would
     /// have no rows.
-    pub has_chains: bool,
+    pub has_critical_paths: bool,
 }
 
-/// Creates the report of one or several results folders. Writes [`CHAINS`](super::CHAINS) directly
+/// Creates the report of one or several results folders. Writes [`CRITICAL_PATHS`](super::CRITICAL_PATHS) directly
 /// to `chains`, because this table has rows for every run.
 ///
 /// # Errors
@@ -86,10 +86,11 @@ pub fn report(
         files.extend(surroundings.figures.files(drawing)?);
     }
     files.sort();
-    let has_chains = subjects.is_empty() || !subjects.iter().all(ReportedProgram::is_aggregate);
+    let has_critical_paths =
+        subjects.is_empty() || !subjects.iter().all(ReportedProgram::is_aggregate);
     Ok(Report {
         page,
         files,
-        has_chains,
+        has_critical_paths,
     })
 }

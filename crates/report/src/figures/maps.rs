@@ -75,16 +75,16 @@ fn panel(
     let upward = Scale::linear(ends(low, high), (bottom, top));
     let corner =
         |(x, y): (i32, i32)| (across.at(f64::from(x) - 0.5), upward.at(f64::from(y) + 0.5));
-    for (place, ratio) in map.places.iter().filter(|(_, ratio)| ratio.value > 0.0) {
-        let corner = corner(*place);
+    for (position, ratio) in map.places.iter().filter(|(_, ratio)| ratio.value > 0.0) {
+        let corner = corner(*position);
         let colour = sequential((unit * ratio.value / most).min(1.0));
         let interval = ratio
             .interval
             .map(|(from, to)| format!(", {} to {}", number(unit * from), number(unit * to)));
         let tooltip = format!(
             "{} east, {} {}: {}{}",
-            place.0,
-            place.1,
+            position.0,
+            position.1,
             map.slice.up(),
             number(unit * ratio.value),
             interval.unwrap_or_default()
@@ -98,8 +98,8 @@ fn panel(
     }
     let is_inside =
         |&&(x, y): &&(i32, i32)| (west..=east).contains(&x) && (low..=high).contains(&y);
-    for place in map.structure.iter().filter(is_inside) {
-        let (x, y) = corner(*place);
+    for position in map.structure.iter().filter(is_inside) {
+        let (x, y) = corner(*position);
         let corners = [
             (x, y),
             (x + side, y),

@@ -38,7 +38,7 @@ pub(crate) fn origins(
     }
     let mut roles: Vec<(RoleId, usize)> = totals.into_iter().collect();
     roles.sort_by_key(|&(role, n)| (std::cmp::Reverse(n), role));
-    let place = |role: RoleId| roles.iter().position(|other| other.0 == role);
+    let position = |role: RoleId| roles.iter().position(|other| other.0 == role);
     let bottom = TOP + ROW * rows.len() as f64;
     let mut out = Drawing::new(
         medium,
@@ -70,10 +70,10 @@ pub(crate) fn origins(
             from = to;
         };
         let mut released = wait.released().to_vec();
-        released.sort_by_key(|&(role, _)| place(role));
+        released.sort_by_key(|&(role, _)| position(role));
         for (role, n) in released {
             let tooltip = format!("released as {}", program.role(role));
-            match place(role).filter(|&i| i < ROLES) {
+            match position(role).filter(|&i| i < ROLES) {
                 Some(i) => bar(class(i), i, n, &tooltip),
                 None => bar("rest", 0, n, &tooltip),
             }

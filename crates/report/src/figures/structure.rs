@@ -103,18 +103,18 @@ fn cube(
         Some(block) if block.since == phase => (Rgb(0, 0, 0), 1.6),
         _ => (Rgb(0xff, 0xff, 0xff), 0.8),
     };
-    let place = |(x, y): (f64, f64)| (x + right, y + down);
+    let position = |(x, y): (f64, f64)| (x + right, y + down);
     for (light, side) in SIDES {
         let style = Style {
             stroke: Some(Paint::Colour(rim)),
             ..Style::line(width)
         };
         let style = Style::area(colour.shaded(light)).then(style);
-        out.polygon(&corners(cell, side).map(place), style);
+        out.polygon(&corners(cell, side).map(position), style);
     }
     if let Some(block) = block {
         let low = [cell.x, cell.y, cell.z].map(f64::from);
-        let top = place(project([low[0] + 0.5, low[1] + 0.5, low[2] + 1.0]));
+        let top = position(project([low[0] + 0.5, low[1] + 0.5, low[2] + 1.0]));
         let name = fitted(&block.name, 0.8 * WIDTH);
         out.label((top.0, top.1 + 4.0), &name, colour.ink());
     }

@@ -229,10 +229,10 @@ fn front(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
         .filter(|point| point.candidate.front)
         .collect();
     best.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let place = |point: &&PlottedSetting| (axes.cost.at(point.cost), axes.y(point.bias));
-    let places: Vec<(f64, f64)> = best.iter().map(place).collect();
-    if places.len() > 1 {
-        out.curve("mark", &places, FRONT);
+    let position = |point: &&PlottedSetting| (axes.cost.at(point.cost), axes.y(point.bias));
+    let path: Vec<(f64, f64)> = best.iter().map(position).collect();
+    if path.len() > 1 {
+        out.curve("mark", &path, FRONT);
     }
 }
 
@@ -277,12 +277,12 @@ fn draw(out: &mut Drawing, axes: &Axes, point: &PlottedSetting) {
 
 /// Draws the number of each mark at the place with the least overlap.
 fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
-    let places: Vec<(f64, f64)> = points
+    let path: Vec<(f64, f64)> = points
         .iter()
         .map(|p| (axes.cost.at(p.cost), axes.y(p.bias)))
         .collect();
-    let mut taken: Vec<(f64, f64, f64)> = places.iter().map(|&(x, y)| (x, y, MARK + 1.0)).collect();
-    for (point, &(x, y)) in points.iter().zip(&places) {
+    let mut taken: Vec<(f64, f64, f64)> = path.iter().map(|&(x, y)| (x, y, MARK + 1.0)).collect();
+    for (point, &(x, y)) in points.iter().zip(&path) {
         let label = point.number.to_string();
         let half = width(&label) / 2.0;
         let (dx, dy) = (MARK + half + 4.0, MARK + 9.0);
@@ -309,8 +309,8 @@ fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
         };
         let (dx, dy) = candidates.min_by_key(covered).unwrap_or((dx, 0.0));
         taken.push((x + dx, y + dy, half));
-        let place = (x + dx, y + dy + 4.0);
-        out.text_around("ink halo", place, &label);
+        let position = (x + dx, y + dy + 4.0);
+        out.text_around("ink halo", position, &label);
     }
 }
 

@@ -186,7 +186,7 @@ fn shown(waits: &[ReportedCapture]) -> Vec<&ReportedCapture> {
         b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1))
     });
     ranked.truncate(SHOWN);
-    ranked.sort_by_key(|&(place, _)| place);
+    ranked.sort_by_key(|&(position, _)| position);
     ranked.into_iter().map(|(_, wait)| wait).collect()
 }
 

@@ -96,32 +96,32 @@ impl Drawing {
         self.push(class, own, Form::Line(from, to), "");
     }
 
-    /// Draws a line of text that starts at `place`.
-    pub(crate) fn text(&mut self, class: &str, place: Point, content: &str) {
-        self.words(class, place, TextAnchor::Start, content);
+    /// Draws a line of text that starts at `point`.
+    pub(crate) fn text(&mut self, class: &str, point: Point, content: &str) {
+        self.words(class, point, TextAnchor::Start, content);
     }
 
-    /// Draws a line of text that ends at `place`.
-    pub(crate) fn text_before(&mut self, class: &str, place: Point, content: &str) {
-        self.words(class, place, TextAnchor::End, content);
+    /// Draws a line of text that ends at `point`.
+    pub(crate) fn text_before(&mut self, class: &str, point: Point, content: &str) {
+        self.words(class, point, TextAnchor::End, content);
     }
 
-    /// Draws a line of text centred at `place`.
-    pub(crate) fn text_around(&mut self, class: &str, place: Point, content: &str) {
-        self.words(class, place, TextAnchor::Middle, content);
+    /// Draws a line of text centred at `point`.
+    pub(crate) fn text_around(&mut self, class: &str, point: Point, content: &str) {
+        self.words(class, point, TextAnchor::Middle, content);
     }
 
-    fn words(&mut self, class: &str, place: Point, anchor: TextAnchor, content: &str) {
-        let form = Form::Text(place, anchor, content.to_owned());
+    fn words(&mut self, class: &str, point: Point, anchor: TextAnchor, content: &str) {
+        let form = Form::Text(point, anchor, content.to_owned());
         self.push(class, Style::default(), form, "");
     }
 
-    /// Breaks text into lines with a width of at most `most`, and draws them. `place` is the start
+    /// Breaks text into lines with a width of at most `most`, and draws them. `point` is the start
     /// of the first line. Returns the baseline after the last line.
-    pub(crate) fn paragraph(&mut self, class: &str, place: Point, most: f64, content: &str) -> f64 {
-        let mut y = place.1;
+    pub(crate) fn paragraph(&mut self, class: &str, point: Point, most: f64, content: &str) -> f64 {
+        let mut y = point.1;
         for line in wrapped(content, most) {
-            self.text(class, (place.0, y), &line);
+            self.text(class, (point.0, y), &line);
             y += LINE;
         }
         y
@@ -229,30 +229,30 @@ impl Drawing {
         self.push("", own, Form::Area(points.to_vec()), "");
     }
 
-    /// Draws a line of text centred at `place`, in the same colour on light and dark backgrounds.
-    pub(crate) fn label(&mut self, place: Point, content: &str, colour: Rgb) {
-        let form = Form::Text(place, TextAnchor::Middle, content.to_owned());
+    /// Draws a line of text centred at `point`, in the same colour on light and dark backgrounds.
+    pub(crate) fn label(&mut self, point: Point, content: &str, colour: Rgb) {
+        let form = Form::Text(point, TextAnchor::Middle, content.to_owned());
         self.push("", Style::area(colour), form, "");
     }
 
-    /// Draws a legend in columns, up to the horizontal position `right`. `place` is the start of
+    /// Draws a legend in columns, up to the horizontal position `right`. `point` is the start of
     /// the first line of text. Returns the baseline after the last line.
-    pub(crate) fn keys(&mut self, place: Point, right: f64, keys: &[LegendEntry]) -> f64 {
+    pub(crate) fn keys(&mut self, point: Point, right: f64, keys: &[LegendEntry]) -> f64 {
         const ROW: f64 = 19.0;
         const APART: f64 = 16.0;
         let sample = |key: &LegendEntry| match key.sample {
             LegendSymbol::Line(_) => 42.0,
             _ => 18.0,
         };
-        let room = right - place.0;
+        let room = right - point.0;
         let widths = keys
             .iter()
             .map(|key| sample(key) + letters::width(&key.meaning) + APART);
         let column = widths.fold(1.0, f64::max).min(room);
         let columns = ((room + APART) / column).floor().max(1.0) as usize;
         for (i, key) in keys.iter().enumerate() {
-            let x = place.0 + column * (i % columns) as f64;
-            let y = place.1 + ROW * (i / columns) as f64;
+            let x = point.0 + column * (i % columns) as f64;
+            let y = point.1 + ROW * (i / columns) as f64;
             match key.sample {
                 LegendSymbol::Bar(kind) => {
                     let (corner, size) = ((x, y - 10.0), (12.0, 12.0));
@@ -269,7 +269,7 @@ impl Drawing {
             let meaning = fitted(&key.meaning, column - sample(key));
             self.text("ink", (x + sample(key), y), &meaning);
         }
-        place.1 + ROW * keys.len().div_ceil(columns) as f64
+        point.1 + ROW * keys.len().div_ceil(columns) as f64
     }
 }
 

@@ -89,17 +89,17 @@ fn write(out: &mut String, shape: &DrawnShape) {
                 from.0, from.1, to.0, to.1
             ),
         ),
-        Form::Curve(places, dashes) => {
+        Form::Curve(points, dashes) => {
             let dashes = match *dashes {
                 "" => String::new(),
                 dashes => format!(" stroke-dasharray=\"{dashes}\""),
             };
             (
                 "polyline",
-                format!("{class} points=\"{}\"{dashes}", joined(places)),
+                format!("{class} points=\"{}\"{dashes}", joined(points)),
             )
         }
-        Form::Area(places) => ("polygon", format!("{class} points=\"{}\"", joined(places))),
+        Form::Area(points) => ("polygon", format!("{class} points=\"{}\"", joined(points))),
         Form::Rectangle((x, y), (width, height)) => (
             "rect",
             format!(
@@ -149,9 +149,9 @@ fn write(out: &mut String, shape: &DrawnShape) {
     };
 }
 
-fn joined(places: &[(f64, f64)]) -> String {
-    let places = places.iter().map(|(x, y)| format!("{x:.1},{y:.1}"));
-    places.collect::<Vec<_>>().join(" ")
+fn joined(points: &[(f64, f64)]) -> String {
+    let points = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}"));
+    points.collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

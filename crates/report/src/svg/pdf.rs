@@ -90,9 +90,9 @@ impl PdfPage {
         let painted = self.prepare(style, dashes);
         match &shape.form {
             Form::Line(from, to) => self.path(&[*from, *to]),
-            Form::Curve(places, _) => self.path(places),
-            Form::Area(places) => {
-                self.path(places);
+            Form::Curve(points, _) => self.path(points),
+            Form::Area(points) => {
+                self.path(points);
                 self.content.close_path();
             }
             Form::Rectangle((x, y), (width, height)) => {
@@ -101,7 +101,7 @@ impl PdfPage {
                 self.content.rect(left, bottom, width, height);
             }
             Form::Disc(centre, radius) => self.circle(*centre, *radius),
-            Form::Text(place, anchor, text) => self.text(*place, *anchor, text, painted),
+            Form::Text(point, anchor, text) => self.text(*point, *anchor, text, painted),
             Form::PlotAxis | Form::AxisEnd => {}
         }
         if !matches!(shape.form, Form::Text(..)) {
@@ -116,9 +116,9 @@ impl PdfPage {
     }
 
     /// Adds a path through several points.
-    fn path(&mut self, places: &[Point]) {
-        for (i, &place) in places.iter().enumerate() {
-            let (x, y) = self.at(place);
+    fn path(&mut self, points: &[Point]) {
+        for (i, &point) in points.iter().enumerate() {
+            let (x, y) = self.at(point);
             match i {
                 0 => self.content.move_to(x, y),
                 _ => self.content.line_to(x, y),
@@ -131,16 +131,16 @@ impl PdfPage {
     fn circle(&mut self, (x, y): Point, radius: f64) {
         const REACH: f64 = 0.552_284_75;
         let corners = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
-        let place = |(dx, dy): Point| self.at((x + radius * dx, y + radius * dy));
+        let point = |(dx, dy): Point| self.at((x + radius * dx, y + radius * dy));
         let curves: Vec<_> = (0..4)
             .map(|i| {
                 let (from, to) = (corners[i], corners[(i + 1) % 4]);
-                let first = place((from.0 + REACH * to.0, from.1 + REACH * to.1));
-                let second = place((to.0 + REACH * from.0, to.1 + REACH * from.1));
-                (first, second, place(to))
+                let first = point((from.0 + REACH * to.0, from.1 + REACH * to.1));
+                let second = point((to.0 + REACH * from.0, to.1 + REACH * from.1));
+                (first, second, point(to))
             })
             .collect();
-        let start = place(corners[0]);
+        let start = point(corners[0]);
         self.content.move_to(start.0, start.1);
         for (first, second, to) in curves {
             self.content
@@ -184,7 +184,7 @@ impl PdfPage {
 
     fn text(
         &mut self,
-        place: Point,
+        point: Point,
         anchor: TextAnchor,
         text: &str,
         (_, is_outlined): (bool, bool),
@@ -194,7 +194,7 @@ impl PdfPage {
             TextAnchor::Middle => letters::width(text) / 2.0,
             TextAnchor::End => letters::width(text),
         };
-        let (x, y) = self.at((place.0 - before, place.1));
+        let (x, y) = self.at((point.0 - before, point.1));
         let codes = self.codes(text);
         let size = self.length(TYPE);
         let modes: &[TextRenderingMode] = if is_outlined {

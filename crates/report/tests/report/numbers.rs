@@ -68,7 +68,7 @@ fn a_censored_mean_is_a_lower_bound() {
 #[test]
 fn the_critical_path_names_the_deciding_captures() {
     let report = report_of(&[five(0.2)]);
-    let chains = rows(&report, "chains.csv");
+    let chains = rows(&report, "critical-paths.csv");
     let of = |run: &str| -> Vec<(String, f64)> {
         let links = chains.iter().filter(|row| row["run"] == run);
         let link = |row: &std::collections::BTreeMap<String, String>| {

@@ -5,7 +5,9 @@ use stochc_compiler::{Limits, LintLevels};
 use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 use stochc_ir::{Cell, Executable, Face};
-use stochc_report::ensemble_report::{CHAINS, Figures, Input, Report, ReportLocation, report};
+use stochc_report::ensemble_report::{
+    CRITICAL_PATHS, Figures, Input, Report, ReportLocation, report,
+};
 use stochc_results::{EnsembleProgram, Finished, Manifest, Source};
 use stochc_runtime::{Model, Settings};
 
@@ -198,7 +200,9 @@ pub fn drawn(inputs: &[Input], figures: &Figures) -> Report {
     let mut chains = Vec::new();
     let mut report = report(inputs, &surroundings, &mut chains).unwrap();
     let chains = String::from_utf8(chains).unwrap();
-    report.files.push((CHAINS.to_owned(), chains.into_bytes()));
+    report
+        .files
+        .push((CRITICAL_PATHS.to_owned(), chains.into_bytes()));
     report.files.sort();
     report
 }

@@ -145,8 +145,8 @@ pub fn run(
                         progress,
                         checkpoints: folder.checkpoints().map(Arc::as_ref),
                     };
-                    let places = journaled(pending, journal, 0, tracker, stop, simulate)?;
-                    Some(folder.records([existing.places(), &places].concat())?)
+                    let locations = journaled(pending, journal, 0, tracker, stop, simulate)?;
+                    Some(folder.records([existing.locations(), &locations].concat())?)
                 }
             };
             let known = finished.as_ref().unwrap_or(existing);
@@ -186,21 +186,21 @@ pub(crate) fn journaled(
     stop: &AtomicBool,
     simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
 ) -> Result<Vec<LineLocation>, JournalError> {
-    let places = Mutex::new(Vec::new());
+    let locations = Mutex::new(Vec::new());
     let store = |done: Finished| {
-        let place = done.at(file, journal.append(&done)?);
+        let location = done.at(file, journal.append(&done)?);
         if let Some(checkpoints) = tracker.checkpoints {
             checkpoints.remove(done.program, done.record.run, || journal.sync())?;
         }
-        let mut places = places.lock().expect("no panic while it is locked");
-        places.push(place);
+        let mut locations = locations.lock().expect("no panic while it is locked");
+        locations.push(location);
         Ok(())
     };
     let done: Result<(), JournalError> = new_runs(pending, tracker, stop, simulate, store);
     // The error of the writer itself is more specific than the errors that result from it.
     journal.close()?;
     done?;
-    Ok(places.into_inner().expect("no thread has panicked"))
+    Ok(locations.into_inner().expect("no thread has panicked"))
 }
 
 /// Makes runs and stores each at once. The first storage error stops the other runs.

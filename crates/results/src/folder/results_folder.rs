@@ -380,15 +380,15 @@ impl Folder {
         Ok(journal)
     }
 
-    /// Returns the runs whose lines are at `places` in the journal of the folder.
+    /// Returns the runs whose lines are at `locations` in the journal of the folder.
     ///
     /// # Errors
     ///
     /// Errors of the file system.
-    pub(crate) fn records(&self, places: Vec<LineLocation>) -> Result<Records, JournalError> {
+    pub(crate) fn records(&self, locations: Vec<LineLocation>) -> Result<Records, JournalError> {
         let file = files::open(&self.path.join(JOURNAL))?;
         let most = journal::most_line(&self.manifest);
-        Ok(Records::at(places, vec![file], most))
+        Ok(Records::at(locations, vec![file], most))
     }
 
     /// Writes the manifest if it has changed.

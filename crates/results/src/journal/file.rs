@@ -116,7 +116,7 @@ pub(crate) fn read(
     identity: &str,
 ) -> Result<StoredJournal, JournalError> {
     let mut stored = StoredJournal::default();
-    let mut places = Vec::new();
+    let mut locations = Vec::new();
     let (mut shortest, mut damage) = (Shortest::default(), Vec::new());
     let most = most_line(manifest);
     let validator = RecordValidator::new(manifest);
@@ -124,7 +124,7 @@ pub(crate) fn read(
     stored.whole = read_lines(path, &header, most, |line| {
         match run(line.text, &validator) {
             Ok(finished) => {
-                places.push(finished.at(0, line.at));
+                locations.push(finished.at(0, line.at));
                 shortest.offer(finished);
             }
             Err(reason) => {
@@ -135,12 +135,12 @@ pub(crate) fn read(
             }
         }
     })?;
-    let files = if places.is_empty() {
+    let files = if locations.is_empty() {
         Vec::new()
     } else {
         vec![files::open(path)?]
     };
-    stored.finished = Records::at(places, files, most);
+    stored.finished = Records::at(locations, files, most);
     stored.shortest = shortest.0;
     stored.damage = damage;
     Ok(stored)

@@ -98,9 +98,9 @@ impl ChosenSetting {
     }
 
     /// Returns the position of the setting's name in the order of [`ChosenSetting::all_of`].
-    pub fn place(&self) -> usize {
-        let place = NAMES.iter().position(|it| *it == self.name);
-        place.unwrap_or(NAMES.len())
+    pub fn index(&self) -> usize {
+        let index = NAMES.iter().position(|it| *it == self.name);
+        index.unwrap_or(NAMES.len())
     }
 
     /// Returns the name of the setting, such as `substeps`.

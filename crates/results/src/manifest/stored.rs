@@ -76,7 +76,7 @@ impl Manifest {
         let (mut sources, mut compiled) = (Vec::new(), Vec::new());
         let (mut known_sources, mut known_compiled) = (HashMap::new(), HashMap::new());
         let programs = self.programs.iter().map(|program| {
-            let (place, is_new) = number(&mut known_compiled, Arc::as_ptr(&program.compiled));
+            let (index, is_new) = number(&mut known_compiled, Arc::as_ptr(&program.compiled));
             if is_new {
                 let Compiled {
                     tables,
@@ -92,15 +92,15 @@ impl Manifest {
                 compiled.push(raw.expect("tables are plain data"));
             }
             let texts = program.sources.iter().map(|source| {
-                let (place, is_new) = number(&mut known_sources, (&source.path, &source.text));
+                let (index, is_new) = number(&mut known_sources, (&source.path, &source.text));
                 if is_new {
                     sources.push(source.clone());
                 }
-                place
+                index
             });
             StoredProgram {
                 name: program.name.clone(),
-                compiled: place,
+                compiled: index,
                 scene: program.scene.clone(),
                 parameters: program.parameters.clone(),
                 set: program.set.clone(),
@@ -157,7 +157,7 @@ impl Manifest {
         let programs = stored.programs.into_iter().map(|program| {
             let missing = || corrupted(&"a part of it is missing");
             let sources = program.sources.iter();
-            let sources = sources.map(|&place| stored.sources.get(place).cloned());
+            let sources = sources.map(|&index| stored.sources.get(index).cloned());
             let (scene, name) = (program.scene, program.name);
             scene.validate().map_err(|reason| corrupted(&reason))?;
             let mut chosen = program.chosen.iter();

@@ -39,14 +39,14 @@ pub(super) struct PoseChunk {
 }
 
 impl PoseChunk {
-    /// Quantizes positions. `places` contains [`NUMBERS`] values per block, tick by tick.
-    pub fn quantize(ticks: Vec<u64>, places: &[f32], bodies: usize) -> PoseChunk {
+    /// Quantizes positions. `poses` contains [`NUMBERS`] values per block, tick by tick.
+    pub fn quantize(ticks: Vec<u64>, poses: &[f32], bodies: usize) -> PoseChunk {
         let frames = ticks.len();
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
-        for place in places.chunks_exact(NUMBERS) {
+        for pose in poses.chunks_exact(NUMBERS) {
             for axis in 0..3 {
-                let x = f64::from(place[axis]);
+                let x = f64::from(pose[axis]);
                 low[axis] = low[axis].min(x);
                 high[axis] = high[axis].max(x);
             }
@@ -71,20 +71,20 @@ impl PoseChunk {
             let mut before = [0.0f32; 4];
             for frame in 0..frames {
                 let at = (frame * bodies + body) * NUMBERS;
-                let place = &places[at..at + NUMBERS];
+                let pose = &poses[at..at + NUMBERS];
                 let mut put = |number: usize, value: u16| {
                     numbers[(number * bodies + body) * frames + frame] = value;
                 };
                 for axis in 0..3 {
-                    let steps = ((f64::from(place[axis]) - corner[axis]) / step).round();
+                    let steps = ((f64::from(pose[axis]) - corner[axis]) / step).round();
                     // Conversion to an integer saturates, and NaN is never recorded.
                     put(axis, steps as u16);
                 }
                 // q and -q are the same rotation. The nearer one gives smaller differences.
-                let product: f32 = (0..4).map(|i| before[i] * place[3 + i]).sum();
+                let product: f32 = (0..4).map(|i| before[i] * pose[3 + i]).sum();
                 let sign = if product < 0.0 { -1.0 } else { 1.0 };
                 for i in 0..4 {
-                    before[i] = sign * place[3 + i];
+                    before[i] = sign * pose[3 + i];
                     let value = (f64::from(before[i]) * UNIT).round() as i16;
                     put(3 + i, value.cast_unsigned());
                 }
@@ -99,7 +99,7 @@ impl PoseChunk {
     }
 
     /// Returns the position of a block: x, y, z \[block lengths\], and a unit quaternion.
-    pub fn place(&self, body: usize, frame: usize, bodies: usize) -> [f64; NUMBERS] {
+    pub fn pose(&self, body: usize, frame: usize, bodies: usize) -> [f64; NUMBERS] {
         let frames = self.ticks.len();
         let number = |number: usize| self.numbers[(number * bodies + body) * frames + frame];
         let coordinate = |axis: usize| self.corner[axis] + self.step * f64::from(number(axis));
@@ -261,29 +261,29 @@ mod tests {
     #[test]
     fn positions_are_rounded_by_at_most_half_a_step() {
         let (bodies, frames) = (3, 50);
-        let mut places = Vec::new();
+        let mut poses = Vec::new();
         for frame in 0..frames {
             for body in 0..bodies {
                 let angle = 0.4 * frame as f32 + body as f32;
                 let (sin, cos) = (angle / 2.0).sin_cos();
                 let x = 20.0 * (0.3 * frame as f32).sin();
-                places.extend([x, -x + body as f32, 3.0, 0.0, 0.6 * sin, 0.8 * sin, cos]);
+                poses.extend([x, -x + body as f32, 3.0, 0.0, 0.6 * sin, 0.8 * sin, cos]);
             }
         }
         let ticks = (0..frames as u64).collect();
-        let chunk = PoseChunk::quantize(ticks, &places, bodies);
+        let chunk = PoseChunk::quantize(ticks, &poses, bodies);
         // 42 block lengths in 65535 steps, rounded to a power of two.
         assert_eq!(chunk.step, 1.0 / 1024.0);
         for frame in 0..frames {
             for body in 0..bodies {
-                let place = &places[(frame * bodies + body) * NUMBERS..][..NUMBERS];
-                let decoded = chunk.place(body, frame, bodies);
+                let pose = &poses[(frame * bodies + body) * NUMBERS..][..NUMBERS];
+                let decoded = chunk.pose(body, frame, bodies);
                 for axis in 0..3 {
-                    let error = (decoded[axis] - f64::from(place[axis])).abs();
+                    let error = (decoded[axis] - f64::from(pose[axis])).abs();
                     assert!(error <= chunk.step / 2.0, "{error}");
                 }
-                let product: f64 = (3..7).map(|i| decoded[i] * f64::from(place[i])).sum();
-                let length: f64 = (3..7).map(|i| f64::from(place[i]).powi(2)).sum();
+                let product: f64 = (3..7).map(|i| decoded[i] * f64::from(pose[i])).sum();
+                let length: f64 = (3..7).map(|i| f64::from(pose[i]).powi(2)).sum();
                 let product = product / length.sqrt();
                 // Half a step in each of four components is an angle of at most one step. 1 - cos
                 // of this angle is half its square.
@@ -295,9 +295,9 @@ mod tests {
     #[test]
     fn a_block_at_rest_is_the_same_in_every_chunk() {
         let rest = [0.123_456, 7.0, 0.5, 0.0, 0.0, 0.0, 1.0];
-        let places = |other: f32| [rest, [other, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0]].concat();
-        let chunks = [-20.3, 21.7].map(|other| PoseChunk::quantize(vec![0], &places(other), 2));
-        assert_eq!(chunks[0].place(0, 0, 2), chunks[1].place(0, 0, 2));
+        let poses = |other: f32| [rest, [other, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0]].concat();
+        let chunks = [-20.3, 21.7].map(|other| PoseChunk::quantize(vec![0], &poses(other), 2));
+        assert_eq!(chunks[0].pose(0, 0, 2), chunks[1].pose(0, 0, 2));
     }
 
     #[test]

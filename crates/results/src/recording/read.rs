@@ -44,7 +44,7 @@ pub struct Frame {
     pub tick: u64,
     /// Position of each block: x, y, z \[block lengths\], and the quaternion x, y, z, w from block
     /// to structure axes.
-    pub places: Vec<[f64; 7]>,
+    pub poses: Vec<[f64; 7]>,
 }
 
 impl Outline {
@@ -103,8 +103,8 @@ impl Places<'_> {
     }
 
     /// Returns x, y and z of a block from the centre of the plate's upper side \[block lengths\].
-    pub fn place(&self, body: usize) -> [f64; 3] {
-        let [x, y, z, ..] = self.chunk.place(body, self.frame, self.bodies);
+    pub fn pose(&self, body: usize) -> [f64; 3] {
+        let [x, y, z, ..] = self.chunk.pose(body, self.frame, self.bodies);
         [x, y, z]
     }
 }
@@ -277,8 +277,8 @@ impl Recording {
                 .enumerate()
                 .map(move |(frame, &tick)| Frame {
                     tick,
-                    places: (0..bodies)
-                        .map(|body| chunk.place(body, frame, bodies))
+                    poses: (0..bodies)
+                        .map(|body| chunk.pose(body, frame, bodies))
                         .collect(),
                 })
         })

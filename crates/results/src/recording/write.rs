@@ -66,7 +66,7 @@ pub struct Recorder<W: Output> {
     bodies: usize,
     seeds: EventRows,
     ticks: Vec<u64>,
-    places: Vec<f32>,
+    poses: Vec<f32>,
     rows: Vec<serde_json::Value>,
     /// First error of writing. `None` if there was none.
     broken: Option<io::Error>,
@@ -87,7 +87,7 @@ impl<W: Output> Recorder<W> {
             bodies: header.bodies as usize,
             seeds: EventRows::new(tables),
             ticks: Vec::new(),
-            places: Vec::new(),
+            poses: Vec::new(),
             rows: Vec::new(),
             broken: None,
         })
@@ -113,7 +113,7 @@ impl<W: Output> Recorder<W> {
         let ticks = self.ticks.len();
         let next = unpacked(self.bodies as u32, ticks as u32 + 1);
         ticks >= MAX_TICKS
-            || (self.places.len() >= ENOUGH && ticks >= FEWEST_TICKS)
+            || (self.poses.len() >= ENOUGH && ticks >= FEWEST_TICKS)
             || next > RECORDING_PART
             || self.rows.len() >= MAX_EVENTS
     }
@@ -127,9 +127,9 @@ impl<W: Output> Recorder<W> {
         }
         if !self.ticks.is_empty() {
             let ticks = std::mem::take(&mut self.ticks);
-            let chunk = PoseChunk::quantize(ticks, &self.places, self.bodies);
+            let chunk = PoseChunk::quantize(ticks, &self.poses, self.bodies);
             write_section(&mut self.out, POSES, &chunk.to_bytes()?)?;
-            self.places.clear();
+            self.poses.clear();
         }
         // Readers of the unfinished file can then see the chunk.
         self.out.flush()
@@ -159,9 +159,9 @@ impl<W: Output> Observer for Recorder<W> {
             return;
         }
         self.ticks.push(tick);
-        self.places.reserve(self.bodies * NUMBERS);
+        self.poses.reserve(self.bodies * NUMBERS);
         for id in 0..self.bodies as u32 {
-            self.places.extend(pose(arena, id));
+            self.poses.extend(pose(arena, id));
         }
         if self.is_full()
             && let Err(error) = self.write_chunk()
@@ -177,7 +177,7 @@ impl<W: Output> Observer for Recorder<W> {
             return Ok(());
         }
         to.put(&self.ticks)?;
-        to.put(&self.places)?;
+        to.put(&self.poses)?;
         to.put(&serde_json::to_string(&self.rows).map_err(io::Error::from)?)?;
         let (length, written) = self.out.written()?;
         to.copy(length, written)
@@ -195,7 +195,7 @@ impl<W: Output> Observer for Recorder<W> {
             return Ok(());
         }
         self.ticks = from.take()?;
-        self.places = from.take()?;
+        self.poses = from.take()?;
         let rows: String = from.take()?;
         self.rows = serde_json::from_str(&rows).map_err(io::Error::from)?;
         self.out.rewind()?;

@@ -26,7 +26,7 @@ enum Store {
 #[derive(Debug)]
 struct Lines {
     /// Positions of the lines, sorted.
-    places: Vec<LineLocation>,
+    locations: Vec<LineLocation>,
     files: Mutex<Vec<BufReader<File>>>,
     /// Exclusive upper limit on the length of a line \[bytes\].
     most: u64,
@@ -47,18 +47,18 @@ impl From<Vec<Finished>> for Records {
 }
 
 impl Records {
-    /// Returns the runs whose lines are at `places` in `files`. The places may be in any order.
+    /// Returns the runs whose lines are at `locations` in `files`. The places may be in any order.
     /// Each line has fewer than `most` bytes.
-    pub(crate) fn at(mut places: Vec<LineLocation>, files: Vec<File>, most: u64) -> Records {
+    pub(crate) fn at(mut locations: Vec<LineLocation>, files: Vec<File>, most: u64) -> Records {
         /// Size of a read buffer \[bytes\]. A small buffer suffices, because lines of consecutive
         /// runs are usually close together.
         const BUFFER: usize = 1 << 14;
-        places.sort_unstable();
-        places.dedup_by_key(|place| place.key());
+        locations.sort_unstable();
+        locations.dedup_by_key(|location| location.key());
         let files = files.into_iter();
         let files = files.map(|file| BufReader::with_capacity(BUFFER, file));
         Records(Arc::new(Store::Lines(Lines {
-            places,
+            locations,
             files: Mutex::new(files.collect()),
             most,
         })))
@@ -68,7 +68,7 @@ impl Records {
     pub fn len(&self) -> usize {
         match &*self.0 {
             Store::Memory(finished) => finished.len(),
-            Store::Lines(lines) => lines.places.len(),
+            Store::Lines(lines) => lines.locations.len(),
         }
     }
 
@@ -79,17 +79,17 @@ impl Records {
 
     /// Returns the program index and the number of each run.
     pub fn keys(&self) -> impl Iterator<Item = (usize, u64)> {
-        let (finished, places): (&[Finished], &[LineLocation]) = match &*self.0 {
+        let (finished, locations): (&[Finished], &[LineLocation]) = match &*self.0 {
             Store::Memory(finished) => (finished, &[]),
-            Store::Lines(lines) => (&[], &lines.places),
+            Store::Lines(lines) => (&[], &lines.locations),
         };
         let finished = finished.iter().map(|it| (it.program, it.record.run));
-        finished.chain(places.iter().map(LineLocation::key))
+        finished.chain(locations.iter().map(LineLocation::key))
     }
 
     /// Returns whether a run is present.
     pub fn contains(&self, program: usize, run: u64) -> bool {
-        self.place(program, run).is_some()
+        self.location(program, run).is_some()
     }
 
     /// Returns a run if it is present.
@@ -98,12 +98,12 @@ impl Records {
     ///
     /// If the files of its folder cannot be read.
     pub fn get(&self, program: usize, run: u64) -> Result<Option<Finished>, JournalError> {
-        let Some(number) = self.place(program, run) else {
+        let Some(number) = self.location(program, run) else {
             return Ok(None);
         };
         match &*self.0 {
             Store::Memory(finished) => Ok(Some(finished[number].clone())),
-            Store::Lines(lines) => lines.reader().read(lines.places[number]).map(Some),
+            Store::Lines(lines) => lines.reader().read(lines.locations[number]).map(Some),
         }
     }
 
@@ -141,7 +141,8 @@ impl Records {
             Store::Memory(finished) => finished.iter().map(Cow::Borrowed).try_for_each(take),
             Store::Lines(lines) => {
                 let mut reader = lines.reader();
-                (lines.places.iter()).try_for_each(|&place| take(Cow::Owned(reader.read(place)?)))
+                (lines.locations.iter())
+                    .try_for_each(|&location| take(Cow::Owned(reader.read(location)?)))
             }
         }
     }
@@ -156,12 +157,12 @@ impl Records {
         keys: impl Iterator<Item = (usize, u64)>,
         mut show: impl FnMut(&Finished) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut numbers = keys.filter_map(|(program, run)| self.place(program, run));
+        let mut numbers = keys.filter_map(|(program, run)| self.location(program, run));
         match &*self.0 {
             Store::Memory(finished) => numbers.try_for_each(|number| show(&finished[number])),
             Store::Lines(lines) => {
                 let mut reader = lines.reader();
-                numbers.try_for_each(|number| show(&reader.read(lines.places[number])?))
+                numbers.try_for_each(|number| show(&reader.read(lines.locations[number])?))
             }
         }
     }
@@ -180,7 +181,7 @@ impl Records {
             }
         }
         files.push(file);
-        Ok(Records::at([self.places(), more].concat(), files, most))
+        Ok(Records::at([self.locations(), more].concat(), files, most))
     }
 
     /// Returns the number of files.
@@ -206,18 +207,20 @@ impl Records {
     }
 
     /// Returns the positions of the runs. Empty if the runs are in memory.
-    pub(crate) fn places(&self) -> &[LineLocation] {
+    pub(crate) fn locations(&self) -> &[LineLocation] {
         match &*self.0 {
             Store::Memory(_) => &[],
-            Store::Lines(lines) => &lines.places,
+            Store::Lines(lines) => &lines.locations,
         }
     }
 
-    fn place(&self, program: usize, run: u64) -> Option<usize> {
+    fn location(&self, program: usize, run: u64) -> Option<usize> {
         let key = (program, run);
         match &*self.0 {
             Store::Memory(all) => all.binary_search_by_key(&key, |it| (it.program, it.record.run)),
-            Store::Lines(lines) => lines.places.binary_search_by_key(&key, LineLocation::key),
+            Store::Lines(lines) => lines
+                .locations
+                .binary_search_by_key(&key, LineLocation::key),
         }
         .ok()
     }
@@ -244,19 +247,19 @@ impl Lines {
 }
 
 impl LineReader<'_> {
-    fn read(&mut self, place: LineLocation) -> Result<Finished, JournalError> {
-        let number = place.file as usize;
+    fn read(&mut self, location: LineLocation) -> Result<Finished, JournalError> {
+        let number = location.file as usize;
         let (file, at) = (&mut self.files[number], &mut self.at[number]);
         match at.take() {
             // A relative seek keeps the buffer, so that bytes are not read twice.
-            Some(at) => file.seek_relative(place.at.wrapping_sub(at).cast_signed())?,
+            Some(at) => file.seek_relative(location.at.wrapping_sub(at).cast_signed())?,
             None => {
-                file.seek(SeekFrom::Start(place.at))?;
+                file.seek(SeekFrom::Start(location.at))?;
             }
         }
         let (finished, bytes) = read_at(file, self.most, &mut self.line)?;
-        *at = Some(place.at + bytes);
-        if (finished.program, finished.record.run) == place.key() {
+        *at = Some(location.at + bytes);
+        if (finished.program, finished.record.run) == location.key() {
             Ok(finished)
         } else {
             Err(JournalError::Changed)

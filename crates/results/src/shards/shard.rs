@@ -203,10 +203,11 @@ impl Shard {
             progress,
             checkpoints: self.checkpoints(),
         };
-        let places = journaled(pending, journal, file, tracker, stop, simulate).map_err(of_part)?;
+        let locations =
+            journaled(pending, journal, file, tracker, stop, simulate).map_err(of_part)?;
         let opened = files::open(&part).map_err(io)?;
         let most = journal::most_line(&self.manifest);
-        let all = self.existing.and(&places, opened, most).map_err(io)?;
+        let all = self.existing.and(&locations, opened, most).map_err(io)?;
         if (all.len() as u64) < self.jobs.end - self.jobs.start {
             return Ok(false);
         }
@@ -235,7 +236,7 @@ impl Shard {
 
     /// Collects the runs of the shard that other processes have finished.
     fn collect(&mut self) -> Result<(), ShardError> {
-        let (mut places, mut parts) = (Vec::new(), Vec::new());
+        let (mut locations, mut parts) = (Vec::new(), Vec::new());
         let mut shortest = Shortest::default();
         let most = journal::most_line(&self.manifest);
         let programs = self.manifest.programs.len() as u64;
@@ -246,9 +247,9 @@ impl Shard {
                 let Ok(done) = journal::run(line.text, &validator) else {
                     return;
                 };
-                let place = job_number(done.program, done.record.run, programs);
-                if place.is_some_and(|place| self.jobs.contains(&place)) {
-                    places.push(done.at(number, line.at));
+                let location = job_number(done.program, done.record.run, programs);
+                if location.is_some_and(|location| self.jobs.contains(&location)) {
+                    locations.push(done.at(number, line.at));
                     shortest.offer(done);
                 }
             });
@@ -260,11 +261,11 @@ impl Shard {
                 Ok(opened) => parts.push(opened),
                 // The file is of another ensemble, or was removed because its process has completed
                 // the shard.
-                Err(_) => places.retain(|place: &LineLocation| place.file != number),
+                Err(_) => locations.retain(|location: &LineLocation| location.file != number),
             }
         }
         self.shortest = shortest.0;
-        self.existing = Records::at(places, parts, most);
+        self.existing = Records::at(locations, parts, most);
         Ok(())
     }
 }

@@ -371,8 +371,8 @@ fn every_call_fails(work: Work, runs: u64, seed: u64) -> Count {
     } else {
         std::env::temp_dir()
     };
-    let place = tempfile::tempdir_in(above).unwrap();
-    let root = place.path().join("folder");
+    let root = tempfile::tempdir_in(above).unwrap();
+    let root = root.path().join("folder");
     let fresh = || {
         let _ = fs::remove_dir_all(&root);
         fs::create_dir(&root).unwrap();

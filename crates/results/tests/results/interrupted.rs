@@ -25,8 +25,8 @@ fn threads_change_nothing() {
 fn uncountable_runs_start_with_the_first() {
     let stop = AtomicBool::new(false);
     let manifest = manifest(u64::MAX);
-    let place = Destination::Memory(&manifest);
-    let results = run_on(1, place, &stop, |program, number, watch| {
+    let root = Destination::Memory(&manifest);
+    let results = run_on(1, root, &stop, |program, number, watch| {
         stop.fetch_or(number == 3, Ordering::Relaxed);
         simulate(program, number, watch)
     });

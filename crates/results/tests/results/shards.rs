@@ -366,12 +366,12 @@ fn foreign_shards_are_rejected() {
         ),
         (&more, 2, 1, "shard 1 is in fact shard 1 of 2, for 14 runs"),
     ] {
-        let place = other
+        let root = other
             .path()
             .join(format!("{shards}-{number}-{}-{}", of.seed, of.runs));
-        prepare(&place, of, shards).unwrap();
-        make(&place, number, 1);
-        fs::copy(place.join(format!("shards/{number}.jsonl")), &shard).unwrap();
+        prepare(&root, of, shards).unwrap();
+        make(&root, number, 1);
+        fs::copy(root.join(format!("shards/{number}.jsonl")), &shard).unwrap();
         refused(folder.path(), expected);
         let message = Shard::open(folder.path(), 1).unwrap_err().to_string();
         assert!(message.contains(expected), "{message}");
@@ -424,22 +424,22 @@ fn an_ensemble_of_another_build_is_not_split() {
 #[test]
 fn ensembles_that_cannot_be_split_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
-    let place = folder.path().join("new");
+    let root = folder.path().join("new");
     for requested in [0, 2 * RUNS + 1, 1_000_000_000, u64::MAX] {
-        let error = prepare(&place, &manifest(RUNS), requested).unwrap_err();
+        let error = prepare(&root, &manifest(RUNS), requested).unwrap_err();
         assert!(matches!(error, ShardError::InvalidSplit { .. }), "{error}");
-        assert!(!place.exists());
+        assert!(!root.exists());
     }
-    let many = prepare(&place, &manifest(10_000_000), MAX_SHARDS + 1);
-    assert!(many.is_err() && !place.exists());
-    cut(&place, 4);
+    let many = prepare(&root, &manifest(10_000_000), MAX_SHARDS + 1);
+    assert!(many.is_err() && !root.exists());
+    cut(&root, 4);
     assert_eq!(
-        prepare(&place, &manifest(RUNS), 4).unwrap(),
+        prepare(&root, &manifest(RUNS), 4).unwrap(),
         Prepared::Already
     );
-    let before = files(&place);
+    let before = files(&root);
     for (runs, shards) in [(RUNS, 3), (RUNS + 1, 4), (RUNS - 1, 4)] {
-        let message = prepare(&place, &manifest(runs), shards)
+        let message = prepare(&root, &manifest(runs), shards)
             .unwrap_err()
             .to_string();
         assert!(
@@ -448,14 +448,14 @@ fn ensembles_that_cannot_be_split_are_rejected() {
         );
     }
     for number in [4, u64::MAX] {
-        let message = Shard::open(&place, number).unwrap_err().to_string();
+        let message = Shard::open(&root, number).unwrap_err().to_string();
         assert!(message.ends_with("shards are 0 to 3"), "{message}");
     }
     for resume in [false, true] {
-        let error = Folder::open(&place, &manifest(RUNS), resume).unwrap_err();
+        let error = Folder::open(&root, &manifest(RUNS), resume).unwrap_err();
         assert!(matches!(error, FolderError::Split { .. }), "{error}");
     }
-    assert!(files(&place) == before);
+    assert!(files(&root) == before);
     // Test folders without shards, finished or not, and a missing folder.
     let plain = folder.path().join("plain");
     complete(&plain, &manifest(RUNS), 1);

@@ -246,8 +246,8 @@ fn large_tables_have_groups_of_rows() {
     const BONDS: usize = 2500;
     let (folder, never) = (tempfile::tempdir().unwrap(), AtomicBool::new(false));
     let manifest = manifest(40);
-    let place = Destination::Folder(Folder::open(folder.path(), &manifest, false).unwrap());
-    let results = run_on(1, place, &never, |program, run, watch| {
+    let root = Destination::Folder(Folder::open(folder.path(), &manifest, false).unwrap());
+    let results = run_on(1, root, &never, |program, run, watch| {
         let mut record = simulate(program, run, watch)?;
         if let Some(bond) = record.bonds.first().cloned() {
             record.bonds = vec![bond; BONDS];

@@ -3,7 +3,7 @@
 //! Each row is the scene `hemisphere_2005` with one change. No face is magnetized. Speeds are in
 //! block lengths per tick.
 use stochc_compiler::scene::built_in;
-use stochc_ir::scene::groups::{BlockUnits, Gas, speed};
+use stochc_ir::scene::dimensionless::{BlockUnits, Gas, speed};
 use stochc_ir::scene::{Agitation, Contact, ContactLaw, Drag, Scene};
 use stochc_ir::table::Plate;
 use stochc_runtime::world::rapier::RapierWorld;

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 use stochc_compiler::scene::built_in;
-use stochc_ir::scene::groups::BlockUnits;
+use stochc_ir::scene::dimensionless::BlockUnits;
 use stochc_ir::scene::{Agitation, ContactLaw, Enclosure, Scene};
 use stochc_ir::table::Plate;
 use stochc_runtime::world::rigid::RigidWorld;

@@ -53,7 +53,7 @@ pub(crate) struct ReleasedBlock<R: Real> {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Active<R: Real> {
-    site: BlockFace,
+    block_face: BlockFace,
     target: AttractingFace<R>,
     /// Number of entries of blocks into the face's reach.
     entries: u32,
@@ -94,10 +94,10 @@ stochc_ir::state! {
 }
 
 impl<R: Real> Active<R> {
-    fn new(site: BlockFace, centre: Vector3<R>, parent: Orientation) -> Active<R> {
-        let face = parent.to_structure(site.face);
+    fn new(block_face: BlockFace, centre: Vector3<R>, parent: Orientation) -> Active<R> {
+        let face = parent.to_structure(block_face.face);
         Active {
-            site,
+            block_face,
             target: AttractingFace::new(centre, face),
             entries: 0,
             inside: Vec::new(),
@@ -139,27 +139,36 @@ impl<R: Real> Faces<R> {
     ///
     /// If the faces of the scene always attract, all faces of the owner attract from now on.
     /// Returns whether new faces are on. They need a call of [`Faces::set_nearby`].
-    pub fn magnetize(&mut self, site: BlockFace, centre: Vector3<R>, parent: Orientation) -> bool {
+    pub fn magnetize(
+        &mut self,
+        block_face: BlockFace,
+        centre: Vector3<R>,
+        parent: Orientation,
+    ) -> bool {
         if let Attraction::Passive(_) = self.magnet.law {
-            let is_new = self.placed.insert(site.body, centre, parent) && self.expose();
-            self.restart_count(site);
+            let is_new = self.placed.insert(block_face.body, centre, parent) && self.expose();
+            self.restart_count(block_face);
             return is_new;
         }
-        if self.holds.contains_key(&site) {
+        if self.holds.contains_key(&block_face) {
             return false;
         }
-        let Err(at) = self.active.binary_search_by_key(&site, |on| on.site) else {
+        let Err(at) = self
+            .active
+            .binary_search_by_key(&block_face, |on| on.block_face)
+        else {
             return false;
         };
-        self.active.insert(at, Active::new(site, centre, parent));
+        self.active
+            .insert(at, Active::new(block_face, centre, parent));
         self.change();
         true
     }
 
     /// Restarts the entry count of a face that always attracts, as if it had been switched on.
-    fn restart_count(&mut self, site: BlockFace) {
+    fn restart_count(&mut self, block_face: BlockFace) {
         let mut faces = self.active.iter_mut().chain(&mut self.covered);
-        if let Some(face) = faces.find(|face| face.site == site) {
+        if let Some(face) = faces.find(|face| face.block_face == block_face) {
             face.entries = 0;
             face.inside.clear();
             self.change();
@@ -178,25 +187,28 @@ impl<R: Real> Faces<R> {
         self.change();
         let mut old = std::mem::take(&mut self.active);
         let mut is_new = false;
-        for (site, centre, parent) in self.placed.open_faces() {
-            if self.holds.contains_key(&site) {
+        for (block_face, centre, parent) in self.placed.open_faces() {
+            if self.holds.contains_key(&block_face) {
                 continue;
             }
             // Both lists are sorted by site.
-            if let Ok(at) = old.binary_search_by_key(&site, |on| on.site) {
+            if let Ok(at) = old.binary_search_by_key(&block_face, |on| on.block_face) {
                 self.active.push(old.remove(at));
                 continue;
             }
             is_new = true;
-            let known = self.covered.iter().position(|face| face.site == site);
+            let known = self
+                .covered
+                .iter()
+                .position(|face| face.block_face == block_face);
             self.active.push(match known {
                 Some(at) => self.covered.swap_remove(at),
-                None => Active::new(site, centre, parent),
+                None => Active::new(block_face, centre, parent),
             });
         }
         self.covered.append(&mut old);
         let (covered, placed) = (&mut self.covered, &self.placed);
-        covered.retain(|face| placed.has(face.site.body));
+        covered.retain(|face| placed.has(face.block_face.body));
         is_new
     }
 
@@ -204,18 +216,18 @@ impl<R: Real> Faces<R> {
     /// block.
     pub fn plant(
         &mut self,
-        site: BlockFace,
+        block_face: BlockFace,
         body: u32,
         tick: u64,
     ) -> Option<(Anchored<R>, Docking)> {
         let at = (self.active)
-            .binary_search_by_key(&site, |on| on.site)
+            .binary_search_by_key(&block_face, |on| on.block_face)
             .ok()?;
         let active = self.active.remove(at);
         let orientation = Orientation::IDENTITY;
-        let (child_face, turn) = orientation.as_docked(active.parent, site.face)?;
+        let (child_face, turn) = orientation.as_docked(active.parent, block_face.face)?;
         let docking = Docking {
-            site,
+            block_face,
             child: body,
             child_face,
             turn,
@@ -228,12 +240,12 @@ impl<R: Real> Faces<R> {
             seat,
             orientation,
         };
-        self.hold(site, &held);
+        self.hold(block_face, &held);
         Some((held, docking))
     }
 
-    fn hold(&mut self, site: BlockFace, held: &Anchored<R>) {
-        self.holds.insert(site, held.body);
+    fn hold(&mut self, block_face: BlockFace, held: &Anchored<R>) {
+        self.holds.insert(block_face, held.body);
         self.change();
         if let Attraction::Passive(_) = self.magnet.law {
             let body = Body::Free(held.body);
@@ -244,20 +256,23 @@ impl<R: Real> Faces<R> {
 
     /// Switches a face off and returns the block that it held. A face that always attracts stays on
     /// and rejects its block.
-    pub fn switch_off(&mut self, site: BlockFace) -> Option<ReleasedBlock<R>> {
+    pub fn switch_off(&mut self, block_face: BlockFace) -> Option<ReleasedBlock<R>> {
         self.change();
         let Attraction::Passive(passive) = self.magnet.law else {
-            if let Ok(at) = self.active.binary_search_by_key(&site, |on| on.site) {
+            if let Ok(at) = self
+                .active
+                .binary_search_by_key(&block_face, |on| on.block_face)
+            {
                 self.active.remove(at);
             }
             return Some(ReleasedBlock {
-                body: self.holds.remove(&site)?,
+                body: self.holds.remove(&block_face)?,
                 impulse: Vector3::zeros(),
             });
         };
-        let body = self.holds.remove(&site)?;
+        let body = self.holds.remove(&block_face)?;
         self.placed.remove(Body::Free(body));
-        let out = self.placed.outward(site);
+        let out = self.placed.outward(block_face);
         self.rejected.push(body);
         self.expose();
         Some(ReleasedBlock {
@@ -279,7 +294,7 @@ impl<R: Real> Faces<R> {
         let sink = |active: &Active<R>| Sink {
             centre: cast(active.target.centre),
             normal: cast(active.target.normal),
-            flow: self.drop(active.site) / suction.valve,
+            flow: self.drop(active.block_face) / suction.valve,
         };
         self.active.iter().map(sink).collect()
     }
@@ -287,16 +302,16 @@ impl<R: Real> Faces<R> {
     /// Updates the pressures if faces draw fluid and the structure has changed.
     fn solve(&mut self) {
         if let (Attraction::Suction(suction), None) = (self.magnet.law, &self.pressures) {
-            let open = self.active.iter().map(|active| active.site);
+            let open = self.active.iter().map(|active| active.block_face);
             self.pressures = Some(Pressures::new(&suction, open, &self.holds));
         }
     }
 
     /// Returns the pressure drop at a face, as the acceleration of a block. Returns 0 if faces draw
     /// no fluid.
-    fn drop(&self, site: BlockFace) -> f64 {
+    fn drop(&self, block_face: BlockFace) -> f64 {
         let pressures = self.pressures.as_ref();
-        pressures.map_or(0.0, |pressures| pressures.at(site.body))
+        pressures.map_or(0.0, |pressures| pressures.at(block_face.body))
     }
 
     /// Invalidates the candidates after blocks were moved outside a step.
@@ -308,14 +323,20 @@ impl<R: Real> Faces<R> {
     pub fn active(&self) -> impl Iterator<Item = (BlockFace, u32)> + '_ {
         self.active
             .iter()
-            .map(|active| (active.site, active.entries))
+            .map(|active| (active.block_face, active.entries))
     }
 
     /// Returns the number of entries into the reach of a face since it was switched on. Returns 0
     /// if it is off or holds a block.
-    pub fn entries(&self, site: BlockFace) -> u32 {
-        let at = self.active.binary_search_by_key(&site, |on| on.site);
-        let covered = || self.covered.iter().find(|face| face.site == site);
+    pub fn entries(&self, block_face: BlockFace) -> u32 {
+        let at = self
+            .active
+            .binary_search_by_key(&block_face, |on| on.block_face);
+        let covered = || {
+            self.covered
+                .iter()
+                .find(|face| face.block_face == block_face)
+        };
         let face = at.ok().map(|at| &self.active[at]).or_else(covered);
         face.map_or(0, |face| face.entries)
     }
@@ -323,9 +344,9 @@ impl<R: Real> Faces<R> {
     /// Returns the blocks within reach of each open face, with the tick of entry.
     pub fn in_reach(&self) -> impl Iterator<Item = (BlockFace, u32, u64)> + '_ {
         (self.active.iter()).flat_map(|active| {
-            let site = active.site;
+            let block_face = active.block_face;
             let inside = active.inside.iter();
-            inside.map(move |&(body, entered)| (site, body, entered))
+            inside.map(move |&(body, entered)| (block_face, body, entered))
         })
     }
 
@@ -397,9 +418,11 @@ impl<R: Real> Faces<R> {
         for candidate in &self.candidates {
             let id = candidate.body;
             if blocks.is_free(id) {
-                let Active { target, site, .. } = &self.active[candidate.active];
+                let Active {
+                    target, block_face, ..
+                } = &self.active[candidate.active];
                 let (position, rotation) = (blocks.position(id), blocks.rotation(id));
-                let (near, drop) = (&candidate.near, R::from_double(self.drop(*site)));
+                let (near, drop) = (&candidate.near, R::from_double(self.drop(*block_face)));
                 push(
                     id,
                     target.push(near, position, rotation, &self.magnet, drop),
@@ -465,20 +488,20 @@ impl<R: Real> Faces<R> {
         let mut docked = Vec::new();
         for candidate in ready {
             let active = &self.active[candidate.active];
-            if anchored.contains(&candidate.body) || taken.contains(&active.site) {
+            if anchored.contains(&candidate.body) || taken.contains(&active.block_face) {
                 continue;
             }
-            taken.push(active.site);
+            taken.push(active.block_face);
             anchored.push(candidate.body);
             let (turn, orientation) = best_turn(
                 active.parent,
-                active.site.face,
+                active.block_face.face,
                 candidate.near.face,
                 blocks.rotation(candidate.body),
             );
             let entry = active.inside.iter().find(|&&(id, _)| id == candidate.body);
             let docking = Docking {
-                site: active.site,
+                block_face: active.block_face,
                 child: candidate.body,
                 child_face: candidate.near.face,
                 turn,
@@ -493,9 +516,10 @@ impl<R: Real> Faces<R> {
             };
             docked.push((held, docking));
         }
-        self.active.retain(|active| !taken.contains(&active.site));
+        self.active
+            .retain(|active| !taken.contains(&active.block_face));
         for (held, docking) in docked {
-            self.hold(docking.site, &held);
+            self.hold(docking.block_face, &held);
             hold(held, docking);
         }
     }

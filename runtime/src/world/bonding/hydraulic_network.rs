@@ -36,11 +36,11 @@ impl Pressures {
             Body::Seed(_) => None,
             Body::Free(id) => Some(id),
         };
-        for site in open {
-            chambers.entry(key(site.body)).or_default().open += 1;
+        for block_face in open {
+            chambers.entry(key(block_face.body)).or_default().open += 1;
         }
-        for (site, &child) in holds {
-            let chamber = chambers.entry(key(site.body)).or_default();
+        for (block_face, &child) in holds {
+            let chamber = chambers.entry(key(block_face.body)).or_default();
             chamber.children.push(child);
         }
         // From the plate outwards. In reverse, children come before their holders.

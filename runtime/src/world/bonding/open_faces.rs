@@ -28,10 +28,10 @@ impl<R: Real> PlacedBlocks<R> {
     }
 
     /// Returns the outward normal of a face.
-    pub fn outward(&self, site: BlockFace) -> Vector3<R> {
-        let place = self.0.get(&site.body);
-        place.map_or_else(Vector3::zeros, |(_, orientation)| {
-            normal(orientation.to_structure(site.face).normal())
+    pub fn outward(&self, block_face: BlockFace) -> Vector3<R> {
+        let pose = self.0.get(&block_face.body);
+        pose.map_or_else(Vector3::zeros, |(_, orientation)| {
+            normal(orientation.to_structure(block_face.face).normal())
         })
     }
 
@@ -51,7 +51,7 @@ impl<R: Real> PlacedBlocks<R> {
                 }
             }
         }
-        open.sort_unstable_by_key(|&(site, ..)| site);
+        open.sort_unstable_by_key(|&(block_face, ..)| block_face);
         open
     }
 }

@@ -147,16 +147,16 @@ impl ExternalForces {
         motion.spin *= 1.0 - INVERSE_INERTIA * Planar::ARM * Planar::ARM * part;
     }
 
-    pub(super) fn wind(&self, place: Vector3<f64>, sinks: &[Sink]) -> LocalFlow {
+    pub(super) fn wind(&self, position: Vector3<f64>, sinks: &[Sink]) -> LocalFlow {
         let mut wind = LocalFlow::default();
         if let Some(flow) = &self.mean_flow {
-            mean_flow::add(flow, place, &mut wind);
+            mean_flow::add(flow, position, &mut wind);
         }
         if let Some(eddies) = &self.eddies {
-            eddies.add(place, &mut wind);
+            eddies.add(position, &mut wind);
         }
         for sink in sinks {
-            wind.velocity += sink.draw(place);
+            wind.velocity += sink.draw(position);
         }
         wind
     }
@@ -166,8 +166,8 @@ impl Sink {
     /// Returns the velocity of the fluid at a position, towards the face that draws it. The speed
     /// is Q / (2 pi d^2) at distance d from a face in a wall. Below half a block length, the
     /// smallest possible distance of a block's centre, the speed is constant.
-    fn draw(&self, place: Vector3<f64>) -> Vector3<f64> {
-        let displacement = self.centre - place;
+    fn draw(&self, position: Vector3<f64>) -> Vector3<f64> {
+        let displacement = self.centre - position;
         if displacement.dot(&self.normal) >= 0.0 {
             return Vector3::zeros();
         }

@@ -15,18 +15,18 @@ const CORE: f64 = 6.2;
 /// Half-width of a round turbulent jet, divided by the distance from its origin along its axis.
 const SPREAD: f64 = 0.094;
 
-pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut LocalFlow) {
+pub(super) fn add(stream: &MeanFlow, position: Vector3<f64>, wind: &mut LocalFlow) {
     match *stream {
         MeanFlow::Vortex { radius, rate } => {
-            let across = place.x.hypot(place.y);
+            let across = position.x.hypot(position.y);
             let turning = if across < radius {
                 rate
             } else {
                 rate * (radius / across) * (radius / across)
             };
-            wind.velocity += Vector3::new(-place.y, place.x, 0.0) * turning;
+            wind.velocity += Vector3::new(-position.y, position.x, 0.0) * turning;
             // Centripetal acceleration, provided by pressure.
-            wind.acceleration -= Vector3::new(place.x, place.y, 0.0) * (turning * turning);
+            wind.acceleration -= Vector3::new(position.x, position.y, 0.0) * (turning * turning);
             if across < radius {
                 wind.spin.z += rate;
             }
@@ -45,7 +45,7 @@ pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut LocalFlow) 
                 let out = Vector3::new(cos, sin, 0.0);
                 let distance = distance.min(walls[0] / cos.abs()).min(walls[1] / sin.abs());
                 let from = out * distance + Vector3::z() * height;
-                let displacement = place - from;
+                let displacement = position - from;
                 let along = -displacement.dot(&out);
                 if along <= 0.0 {
                     continue;
@@ -68,19 +68,19 @@ pub(super) fn add(stream: &MeanFlow, place: Vector3<f64>, wind: &mut LocalFlow) 
 mod tests {
     use super::*;
 
-    fn wind(stream: &MeanFlow, place: Vector3<f64>) -> LocalFlow {
+    fn wind(stream: &MeanFlow, position: Vector3<f64>) -> LocalFlow {
         let mut wind = LocalFlow::default();
-        add(stream, place, &mut wind);
+        add(stream, position, &mut wind);
         wind
     }
 
     /// Returns half of the curl of the velocity, by finite differences.
-    fn spin(stream: &MeanFlow, place: Vector3<f64>) -> Vector3<f64> {
+    fn spin(stream: &MeanFlow, position: Vector3<f64>) -> Vector3<f64> {
         let h = 1e-5;
         let slope = |axis: Vector3<f64>| {
             let (more, less) = (
-                wind(stream, place + axis * h),
-                wind(stream, place - axis * h),
+                wind(stream, position + axis * h),
+                wind(stream, position - axis * h),
             );
             (more.velocity - less.velocity) / (2.0 * h)
         };
@@ -103,18 +103,18 @@ mod tests {
         assert!((inside.velocity - Vector3::new(0.0, 0.1, 0.0)).norm() < 1e-12);
         let outside = wind(&VORTEX, Vector3::new(0.0, 4.0, 5.0));
         assert!((outside.velocity - Vector3::new(-0.1, 0.0, 0.0)).norm() < 1e-12);
-        for place in [Vector3::new(0.3, 1.0, 0.0), Vector3::new(3.0, -1.0, 2.0)] {
-            let computed = wind(&VORTEX, place);
+        for position in [Vector3::new(0.3, 1.0, 0.0), Vector3::new(3.0, -1.0, 2.0)] {
+            let computed = wind(&VORTEX, position);
             assert!(
-                (computed.spin - spin(&VORTEX, place)).norm() < 1e-8,
-                "{place}"
+                (computed.spin - spin(&VORTEX, position)).norm() < 1e-8,
+                "{position}"
             );
             // In steady flow, the acceleration is (u . grad) u.
             let (h, u) = (1e-5, computed.velocity);
-            let ahead = wind(&VORTEX, place + u * h).velocity;
-            let behind = wind(&VORTEX, place - u * h).velocity;
+            let ahead = wind(&VORTEX, position + u * h).velocity;
+            let behind = wind(&VORTEX, position - u * h).velocity;
             let slope = (ahead - behind) / (2.0 * h);
-            assert!((computed.acceleration - slope).norm() < 1e-8, "{place}");
+            assert!((computed.acceleration - slope).norm() < 1e-8, "{position}");
         }
     }
 
@@ -131,8 +131,8 @@ mod tests {
         // Momentum flow through a plane across the jet, as a sum over rings about the jet's axis.
         let momentum = |along: f64| {
             let ring = |aside: f64| {
-                let place = Vector3::new(6.0 - along, aside, 3.0);
-                let speed = wind(&jets, place).velocity.norm();
+                let position = Vector3::new(6.0 - along, aside, 3.0);
+                let speed = wind(&jets, position).velocity.norm();
                 TAU * aside * speed * speed * 1e-3
             };
             (0..4000)
@@ -144,10 +144,10 @@ mod tests {
         // Momentum flow out of the tube. The measured constants are accurate to a few percent.
         let tube = 0.5 * 0.5 * std::f64::consts::FRAC_PI_4 * 0.2 * 0.2;
         assert!((far / tube - 1.0).abs() < 0.1, "{far} {tube}");
-        for place in [Vector3::new(2.0, 0.3, 3.1), Vector3::new(-1.0, -0.5, 2.6)] {
+        for position in [Vector3::new(2.0, 0.3, 3.1), Vector3::new(-1.0, -0.5, 2.6)] {
             // The gradient along the jet is neglected.
-            let computed = wind(&jets, place).spin;
-            let exact = spin(&jets, place);
+            let computed = wind(&jets, position).spin;
+            let exact = spin(&jets, position);
             assert!(
                 (computed - exact).norm() < 0.2 * exact.norm(),
                 "{computed} {exact}"

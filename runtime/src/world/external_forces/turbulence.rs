@@ -93,8 +93,8 @@ impl TurbulenceField {
     ///
     /// The isotropic field u(x, y, z) is stretched to (u_x, u_y, v u_z)(x, y, z / v). The
     /// divergence of both fields is zero.
-    pub fn add(&self, place: Vector3<f64>, wind: &mut LocalFlow) {
-        let stretched = Vector3::new(place.x, place.y, place.z / self.vertical);
+    pub fn add(&self, position: Vector3<f64>, wind: &mut LocalFlow) {
+        let stretched = Vector3::new(position.x, position.y, position.z / self.vertical);
         let scale = |u: Vector3<f64>| Vector3::new(u.x, u.y, u.z * self.vertical);
         for wave in &self.waves {
             let (sin, cos) = libm::sincos(wave.number.dot(&stretched));
@@ -153,9 +153,9 @@ mod tests {
         }
     }
 
-    fn wind(field: &TurbulenceField, place: Vector3<f64>) -> LocalFlow {
+    fn wind(field: &TurbulenceField, position: Vector3<f64>) -> LocalFlow {
         let mut wind = LocalFlow::default();
-        field.add(place, &mut wind);
+        field.add(position, &mut wind);
         wind
     }
 
@@ -176,11 +176,11 @@ mod tests {
         let h = 1e-5;
         for vertical in [1.0, 0.4, 2.5] {
             let field = TurbulenceField::new(&eddies(vertical), 3, 5);
-            for place in [Vector3::new(1.0, -2.0, 3.0), Vector3::new(7.0, 0.3, 0.1)] {
+            for position in [Vector3::new(1.0, -2.0, 3.0), Vector3::new(7.0, 0.3, 0.1)] {
                 let slope = |axis: Vector3<f64>| {
                     let (more, less) = (
-                        wind(&field, place + axis * h),
-                        wind(&field, place - axis * h),
+                        wind(&field, position + axis * h),
+                        wind(&field, position - axis * h),
                     );
                     (more.velocity - less.velocity) / (2.0 * h)
                 };
@@ -189,11 +189,11 @@ mod tests {
                     slope(Vector3::y()),
                     slope(Vector3::z()),
                 );
-                assert!((x.x + y.y + z.z).abs() < 1e-8, "{vertical} {place}");
+                assert!((x.x + y.y + z.z).abs() < 1e-8, "{vertical} {position}");
                 let half = Vector3::new(y.z - z.y, z.x - x.z, x.y - y.x) / 2.0;
                 assert!(
-                    (half - wind(&field, place).spin).norm() < 1e-8,
-                    "{vertical} {place}"
+                    (half - wind(&field, position).spin).norm() < 1e-8,
+                    "{vertical} {position}"
                 );
             }
         }
@@ -201,16 +201,16 @@ mod tests {
 
     #[test]
     fn speed_memory_and_anisotropy_match_the_settings() {
-        let (mut field, place) = (
+        let (mut field, position) = (
             TurbulenceField::new(&eddies(0.5), 1, 2),
             Vector3::new(2.0, 1.0, 4.0),
         );
         let ticks = 40_000;
         let (mut squares, mut products) = (Vector3::zeros(), 0.0);
-        let mut before = wind(&field, place).velocity;
+        let mut before = wind(&field, position).velocity;
         for tick in 0..ticks {
             field.advance(tick);
-            let now = wind(&field, place).velocity;
+            let now = wind(&field, position).velocity;
             squares += now.component_mul(&now);
             products += now.x * before.x;
             before = now;

@@ -127,9 +127,9 @@ impl BlockGroups {
         bonds.push((a, b));
         let motions: Vec<Motion> = members.iter().map(|&id| blocks.motion(id)).collect();
         let (mut compound, turning) = RigidMotion::momenta(&motions, response);
-        let poses = members.iter().enumerate().map(|(place, &id)| {
+        let poses = members.iter().enumerate().map(|(index, &id)| {
             let pose = blocks.pose(id);
-            if place < stay {
+            if index < stay {
                 [pose, pose]
             } else {
                 [pose, pose.carried(&was, seat)]

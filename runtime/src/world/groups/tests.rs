@@ -11,8 +11,10 @@ use crate::world::rigid::Bodies;
 const INERTIA: f64 = 1.0 / 6.0;
 
 /// Returns blocks at rest at these positions.
-fn at(places: &[[f64; 3]]) -> Bodies<f64> {
-    let states = places.iter().map(|&place| BodyState::at_rest(place.into()));
+fn at(positions: &[[f64; 3]]) -> Bodies<f64> {
+    let states = positions
+        .iter()
+        .map(|&position| BodyState::at_rest(position.into()));
     Bodies::new(&states.collect::<Vec<_>>(), 1.0, 1.0)
 }
 
@@ -34,8 +36,8 @@ fn fly(blocks: &mut Bodies<f64>, dt: f64) {
 
 /// Returns blocks in a row along x, each bonded to the next.
 fn row(count: u32) -> (BlockGroups, Bodies<f64>) {
-    let places: Vec<[f64; 3]> = (0..count).map(|i| [f64::from(i), 0.0, 0.0]).collect();
-    let (mut groups, mut blocks) = (BlockGroups::default(), at(&places));
+    let positions: Vec<[f64; 3]> = (0..count).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+    let (mut groups, mut blocks) = (BlockGroups::default(), at(&positions));
     for b in 1..count {
         let seat = blocks.pose(b);
         groups.join(b - 1, b, &seat, &mut blocks, Response::FREE);
@@ -167,13 +169,13 @@ fn a_block_that_leaves_the_middle_splits_the_group() {
 
 #[test]
 fn a_group_joins_another_unchanged() {
-    let places = [
+    let positions = [
         [0.0; 3],
         [1.0, 0.0, 0.0],
         [2.02, 0.0, 0.0],
         [2.02, 1.0, 0.0],
     ];
-    let (mut groups, mut blocks) = (BlockGroups::default(), at(&places));
+    let (mut groups, mut blocks) = (BlockGroups::default(), at(&positions));
     let seat = blocks.pose(1);
     groups.join(0, 1, &seat, &mut blocks, Response::FREE);
     let seat = blocks.pose(3);
@@ -202,8 +204,8 @@ fn a_group_joins_another_unchanged() {
 
 #[test]
 fn bonding_conserves_centre_and_momenta() {
-    let places = [[0.0; 3], [1.03, -0.02, 0.01], [1.03, 0.98, 0.01]];
-    let (mut groups, mut blocks) = (BlockGroups::default(), at(&places));
+    let positions = [[0.0; 3], [1.03, -0.02, 0.01], [1.03, 0.98, 0.01]];
+    let (mut groups, mut blocks) = (BlockGroups::default(), at(&positions));
     let seat = blocks.pose(2);
     groups.join(1, 2, &seat, &mut blocks, Response::FREE);
     blocks.set_velocity(0, Vector3::new(0.1, 0.2, -0.3), Vector3::new(0.3, 0.1, 0.2));

@@ -9,7 +9,9 @@ use super::event_queue::{EventQueue, ScheduledCapture, ScheduledHeadStart};
 use super::open_face_hazards::{OpenFace, OpenFaceHazards, Slot};
 use super::waits::RateModel;
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
-use crate::world::lattice::{Changes, FaceChange, LatticeStructure, bit, occupied_cells, site};
+use crate::world::lattice::{
+    Changes, FaceChange, LatticeStructure, bit, block_face, occupied_cells,
+};
 use crate::world::{Fault, SceneError, World};
 
 /// Lattice world with random waiting times.
@@ -141,7 +143,7 @@ impl<'r> RateWorld<'r> {
 
     /// Closes a face if it was open. Returns the cell in front and its direction.
     pub(super) fn close(&mut self, face: usize) -> Option<(Cell, Face)> {
-        let (seat, own) = site(face);
+        let (seat, own) = block_face(face);
         let of = self.lattice.seats[seat];
         let cell = of.across(own)?;
         let slot = self.hazards.close(face, cell)?;
@@ -151,7 +153,7 @@ impl<'r> RateWorld<'r> {
 
     /// Opens a face. Its waiting time is not drawn yet.
     pub(super) fn open(&mut self, face: usize, changed: &mut Vec<Slot>) {
-        let (seat, own) = site(face);
+        let (seat, own) = block_face(face);
         let of = self.lattice.seats[seat];
         let Some(cell) = of.across(own) else { return };
         let direction = of.orientation.to_structure(own);
@@ -287,7 +289,7 @@ impl<'r> RateWorld<'r> {
         let Some(face) = self.hazards.face(slot) else {
             return;
         };
-        let (seat, face) = site(face.number);
+        let (seat, face) = block_face(face.number);
         let [which_block, how, whether, threshold] = self.draw();
         let free = self.lattice.free.len();
         let child = match scheduled {
@@ -352,20 +354,20 @@ impl World for RateWorld<'_> {
         self.tick
     }
 
-    fn magnetize(&mut self, site: BlockFace) {
-        if let Some(seat) = self.lattice.seat(site.body) {
-            let change = self.lattice.magnetize(seat, site.face);
+    fn magnetize(&mut self, block_face: BlockFace) {
+        if let Some(seat) = self.lattice.seat(block_face.body) {
+            let change = self.lattice.magnetize(seat, block_face.face);
             if let Some(change) = change {
                 self.note_face(change);
             }
         }
     }
 
-    fn switch_off(&mut self, site: BlockFace) {
-        let Some(seat) = self.lattice.seat(site.body) else {
+    fn switch_off(&mut self, block_face: BlockFace) {
+        let Some(seat) = self.lattice.seat(block_face.body) else {
             return;
         };
-        let mut going = vec![(seat, site.face)];
+        let mut going = vec![(seat, block_face.face)];
         while let Some((seat, face)) = going.pop() {
             if let Some(closed) = self.lattice.close(seat, face) {
                 self.note_face(closed);
@@ -387,11 +389,13 @@ impl World for RateWorld<'_> {
         self.follow_free_blocks();
     }
 
-    fn plant(&mut self, site: BlockFace) -> Option<Docking> {
-        self.magnetize(site);
-        let seat = self.lattice.seat(site.body)?;
-        let (_, docking) = self.lattice.pre_attached(seat, site.face, self.tick)?;
-        self.put(seat, site.face, &docking).then_some(docking)
+    fn plant(&mut self, block_face: BlockFace) -> Option<Docking> {
+        self.magnetize(block_face);
+        let seat = self.lattice.seat(block_face.body)?;
+        let (_, docking) = self
+            .lattice
+            .pre_attached(seat, block_face.face, self.tick)?;
+        self.put(seat, block_face.face, &docking).then_some(docking)
     }
 
     fn skip(&mut self, last: u64) {

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use stochc_control::Orientation;
 
-use super::motion_groups::{MotionGroup, gather, place, scatter};
+use super::motion_groups::{MotionGroup, gather, group_and_lane, scatter};
 use super::quaternion::{SMALL, columns, large, small, turned};
 use super::simd::{ABREAST, LANES, Lane, Wide, filled, square, transposed};
 use crate::world::blocks::{Blocks, Pose};
@@ -82,7 +82,7 @@ impl<R: Lane> Bodies<R> {
             dt,
         };
         for (id, block) in (0..).zip(blocks) {
-            let (group, lane) = place(id);
+            let (group, lane) = group_and_lane(id);
             bodies.groups[group].mobility[lane] = R::one();
             bodies.set_state(id, block);
         }
@@ -100,18 +100,18 @@ impl<R: Lane> Bodies<R> {
 
     /// Returns the length of a block's next step \[tick\].
     pub fn step(&self, id: u32) -> R {
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         self.groups[group].step[lane]
     }
 
     pub fn set_step(&mut self, id: u32, step: R) {
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         self.groups[group].step[lane] = step;
     }
 
     /// Sets the length of a block's last step \[tick\].
     pub fn set_last(&mut self, id: u32, step: R) {
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         self.groups[group].last[lane] = step;
     }
 
@@ -133,7 +133,7 @@ impl<R: Lane> Bodies<R> {
         let rotation = self.rotation(id);
         self.attitudes[id as usize].spin = spin;
         self.shift(id, displacement);
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         let group = &mut self.groups[group];
         for axis in 0..3 {
             group.velocity[axis][lane] += faster[axis];
@@ -144,32 +144,32 @@ impl<R: Lane> Bodies<R> {
 
     /// Sets the velocity without updating the rotation.
     pub fn set_moved(&mut self, id: u32, velocity: Vector3<R>) {
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         scatter(&mut self.groups[group].velocity, lane, velocity);
     }
 
     pub fn set_position(&mut self, id: u32, position: Vector3<R>) {
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         let group = &mut self.groups[group];
         scatter(&mut group.position, lane, position);
         scatter(&mut group.rounded, lane, Vector3::zeros());
     }
 
     pub fn shift(&mut self, id: u32, displacement: Vector3<R>) {
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         let MotionGroup {
             position, rounded, ..
         } = &mut self.groups[group];
         for axis in 0..3 {
-            let (place, rounded) = (&mut position[axis][lane], &mut rounded[axis][lane]);
-            (*place, *rounded) = add(*place, displacement[axis], *rounded);
+            let (coordinate, rounded) = (&mut position[axis][lane], &mut rounded[axis][lane]);
+            (*coordinate, *rounded) = add(*coordinate, displacement[axis], *rounded);
         }
     }
 
     /// Returns the time over which forces act before a block's next move \[tick\]. Velocities lag
     /// positions by half a step.
     pub fn span(&self, id: u32) -> R {
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         let group = &self.groups[group];
         (group.step[lane] + group.last[lane]) * R::from_double(0.5)
     }
@@ -178,7 +178,7 @@ impl<R: Lane> Bodies<R> {
     /// longer of their times. One block may be anchored.
     pub fn span_of_pair(&self, [a, b]: [u32; 2]) -> R {
         let steps = |id: u32| {
-            let (group, lane) = place(id);
+            let (group, lane) = group_and_lane(id);
             let group = &self.groups[group];
             [&group.step, &group.last].map(|of| of[lane] * group.mobility[lane])
         };
@@ -309,7 +309,7 @@ impl<R: Lane> Bodies<R> {
     fn set_exact_position(&mut self, id: u32, position: Vector3<f64>) {
         self.set_position(id, cast(position));
         let stored: Vector3<f64> = cast(self.position(id));
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         scatter(
             &mut self.groups[group].rounded,
             lane,
@@ -344,18 +344,18 @@ impl<R: Lane> Blocks for Bodies<R> {
     }
 
     fn position(&self, id: u32) -> Vector3<R> {
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         gather(&self.groups[group].position, lane)
     }
 
     fn exact_position(&self, id: u32) -> Vector3<f64> {
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         let rounded = gather(&self.groups[group].rounded, lane);
         cast::<R, f64>(self.position(id)) - cast(rounded)
     }
 
     fn velocity(&self, id: u32) -> Vector3<R> {
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         gather(&self.groups[group].velocity, lane)
     }
 
@@ -411,14 +411,14 @@ impl<R: Lane> Blocks for Bodies<R> {
         self.set_state(id, &state);
         let before = self.anchored[id as usize].replace(orientation);
         self.anchored_count += usize::from(before.is_none());
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         self.groups[group].mobility[lane] = R::zero();
     }
 
     fn release(&mut self, id: u32) {
         let before = self.anchored[id as usize].take();
         self.anchored_count -= usize::from(before.is_some());
-        let (group, lane) = place(id);
+        let (group, lane) = group_and_lane(id);
         self.groups[group].mobility[lane] = R::one();
         self.set_moved(id, Vector3::zeros());
     }
@@ -433,13 +433,13 @@ fn shown_bit(id: u32) -> (usize, u64) {
 /// previous rounding error.
 #[inline(always)]
 pub(super) fn add<W: Copy + Add<Output = W> + Sub<Output = W>>(
-    place: W,
+    coordinate: W,
     displacement: W,
     rounded: W,
 ) -> (W, W) {
     let displacement = displacement - rounded;
-    let moved = place + displacement;
-    (moved, (moved - place) - displacement)
+    let moved = coordinate + displacement;
+    (moved, (moved - coordinate) - displacement)
 }
 
 /// Returns `rotation` turned by a rotation vector. Exact for a constant spin.

@@ -53,7 +53,7 @@ pub(super) struct CellList<R: Lane> {
     ///
     /// The positions have [`ABREAST`] additional entries that are not blocks.
     sorted: Vec<(u32, Tag)>,
-    places: [Vec<R>; 3],
+    positions: [Vec<R>; 3],
     /// Buffer for pairs in the order of their discovery.
     #[serde(skip)]
     found: Vec<(u32, u32)>,
@@ -124,7 +124,7 @@ impl<R: Lane> CellList<R> {
             anchored: Vec::new(),
             cells: vec![0; count.next_multiple_of(LANES)],
             sorted: vec![(0, Tag::default()); count],
-            places: [(); 3].map(|()| vec![R::from_double(f64::NAN); count + ABREAST]),
+            positions: [(); 3].map(|()| vec![R::from_double(f64::NAN); count + ABREAST]),
             found: Vec::new(),
             ends: Vec::new(),
         }
@@ -151,16 +151,16 @@ impl<R: Lane> CellList<R> {
         }
         let sorted = &mut self.sorted[..cells.len()];
         let [to_x, to_y, to_z] = self
-            .places
+            .positions
             .each_mut()
-            .map(|places| &mut places[..cells.len()]);
+            .map(|positions| &mut positions[..cells.len()]);
         let groups = bodies.groups().iter().zip(cells.chunks(LANES));
         for (first, (group, cells)) in (0..).step_by(LANES).zip(groups) {
             let [x, y, z] = &group.position;
             for (lane, &cell) in cells.iter().enumerate().take(LANES) {
-                let place = &mut self.start[cell as usize + 1];
-                let at = *place as usize;
-                *place += 1;
+                let end = &mut self.start[cell as usize + 1];
+                let at = *end as usize;
+                *end += 1;
                 let is_anchored = group.mobility[lane] == R::zero();
                 sorted[at] = (cell, Tag::new(first + lane as u32, is_anchored));
                 (to_x[at], to_y[at], to_z[at]) = (x[lane], y[lane], z[lane]);
@@ -252,7 +252,7 @@ impl<R: Lane> CellList<R> {
         let [row, slab] = self.stride;
         let slabs = self.start.len() / slab;
         let start = &self.start[..];
-        let places = [0, 1, 2].map(|axis| &self.places[axis][..count + ABREAST]);
+        let positions = [0, 1, 2].map(|axis| &self.positions[axis][..count + ABREAST]);
         let near = R::Quad::splat(self.near * self.near);
         let mut edge = self.edge(0, slabs);
         let mut end = slab;
@@ -266,14 +266,14 @@ impl<R: Lane> CellList<R> {
                 continue;
             }
             let seeker = Seeker {
-                here: places.map(|x| R::Quad::splat(x[k])),
+                here: positions.map(|x| R::Quad::splat(x[k])),
                 near,
                 own,
             };
             let above = &start[cell + row - 1..][..4];
             self.meet(&seeker, [k as u32 + 1, start[cell + 2]], pairs);
             self.meet(&seeker, [above[0], above[3]], pairs);
-            if places[0][k] > edge {
+            if positions[0][k] > edge {
                 for other in [cell + slab - row, cell + slab, cell + slab + row] {
                     self.meet(&seeker, [start[other - 1], start[other + 2]], pairs);
                 }
@@ -315,9 +315,9 @@ impl<R: Lane> CellList<R> {
     #[inline(always)]
     fn meet(&self, seeker: &Seeker<R>, stretch: [u32; 2], pairs: &mut Vec<(u32, u32)>) {
         let [mut from, to] = stretch.map(|at| at as usize);
-        let places = [0, 1, 2].map(|axis| &self.places[axis][..self.sorted.len() + ABREAST]);
+        let positions = [0, 1, 2].map(|axis| &self.positions[axis][..self.sorted.len() + ABREAST]);
         loop {
-            let squares = squares(places, &seeker.here, from);
+            let squares = squares(positions, &seeker.here, from);
             let hits = seeker.near.above(squares).bits();
             // Blocks beyond the end of the range may be found twice.
             if hits != 0 {
@@ -355,7 +355,7 @@ impl<R: Lane> CellList<R> {
                 let [from, to] =
                     [ys[0], ys[1] + 1].map(|y| self.start[self.cell([x, y, z])] as usize);
                 let blocks = (from..to).filter(|&k| {
-                    (0..3).all(|axis| (self.places[axis][k] - centre[axis]).abs() <= reach)
+                    (0..3).all(|axis| (self.positions[axis][k] - centre[axis]).abs() <= reach)
                 });
                 found.extend(blocks.map(|k| self.sorted[k].1.id()));
             }
@@ -375,8 +375,8 @@ struct Seeker<R: Lane> {
 /// Returns the squared distances of [`ABREAST`] successive blocks from a position.
 #[inline(always)]
 fn squares<R: Lane>([x, y, z]: [&[R]; 3], here: &[R::Quad; 3], from: usize) -> R::Quad {
-    let square = |places: &[R], here: R::Quad| {
-        let group = places[from..from + ABREAST].first_chunk();
+    let square = |positions: &[R], here: R::Quad| {
+        let group = positions[from..from + ABREAST].first_chunk();
         let difference = R::Quad::load(group.expect("positions are padded to a full lane")) - here;
         difference * difference
     };
@@ -405,26 +405,26 @@ mod tests {
             let blocks: Vec<BodyState> = (0..40)
                 .map(|_| {
                     let mut along = |low: f64| dice.random_range(low..wide);
-                    let place = Vector3::new(along(-wide), along(-wide), along(1.3 * floor));
-                    BodyState::at_rest(place)
+                    let position = Vector3::new(along(-wide), along(-wide), along(1.3 * floor));
+                    BodyState::at_rest(position)
                 })
                 .collect();
             let mut bodies: Bodies<f64> = Bodies::new(&blocks, 1.0, 1.0);
             // A quarter or three quarters of the blocks are anchored.
             let anchored = |i: u32| i.is_multiple_of(4) == (case / 24 % 2 == 0);
             for i in (0..40).filter(|&i| anchored(i)) {
-                let place = blocks[i as usize].position;
-                bodies.anchor(i, place, Orientation::IDENTITY);
+                let position = blocks[i as usize].position;
+                bodies.anchor(i, position, Orientation::IDENTITY);
             }
             let top = [span, floor + 0.6][case / 48 % 2];
             let mut grid = CellList::new(blocks.len(), span, [floor, top], near);
             let mut found = Vec::new();
             grid.sort(&bodies);
             grid.close_pairs(&mut found);
-            let place = |i: u32| blocks[i as usize].position;
+            let position = |i: u32| blocks[i as usize].position;
             let pairs = (0..40).flat_map(|i| (i + 1..40).map(move |j| (i, j)));
             let expected: Vec<_> = pairs
-                .filter(|&(i, j)| (place(i) - place(j)).norm_squared() < near * near)
+                .filter(|&(i, j)| (position(i) - position(j)).norm_squared() < near * near)
                 .filter(|&(i, j)| !anchored(i) || !anchored(j))
                 .collect();
             assert_eq!(

@@ -74,11 +74,11 @@ impl<R: Lane> CollisionShape<R> {
 
     /// Calls `touch` with the contact between a block and the ground, if they overlap.
     fn on_ground(&self, bodies: &Bodies<R>, id: u32, mut touch: impl FnMut(&Manifold<R>)) {
-        let place = bodies.position(id);
+        let position = bodies.position(id);
         let on_plane = match &self.ground {
-            Ground::Plane if self.spheres => ball_on_ground(place),
-            Ground::Plane if self.compliant => face_on_ground(place, bodies.axes(id)),
-            Ground::Plane => cube_on_ground(place, bodies.axes(id)),
+            Ground::Plane if self.spheres => ball_on_ground(position),
+            Ground::Plane if self.compliant => face_on_ground(position, bodies.axes(id)),
+            Ground::Plane => cube_on_ground(position, bodies.axes(id)),
             Ground::Table => None,
             // A sphere at an edge of the plate is rare. It is treated as a cube.
             Ground::Plate(PlateBox { centre, axes, half }) => {

@@ -108,9 +108,9 @@ impl<R: Lane> FreeFlight<R> {
             if !bodies.is_free(id) {
                 continue;
             }
-            let (place, mut velocity) = (bodies.position(id), bodies.velocity(id));
+            let (position, mut velocity) = (bodies.position(id), bodies.velocity(id));
             if let Some(wall) = self.wall {
-                velocity += wall.push(place) * bodies.span(id);
+                velocity += wall.push(position) * bodies.span(id);
             }
             if let Some([_, drag]) = self.drag {
                 velocity *= drag;

@@ -128,9 +128,9 @@ impl<R: Lane> Integrator for Kernel<R> {
         self.local.as_ref().map_or(&[], |local| &local.blocks)
     }
 
-    fn near(&self, _bodies: &Bodies<R>, place: Vector3<R>, reach: R, found: &mut Vec<u32>) {
+    fn near(&self, _bodies: &Bodies<R>, position: Vector3<R>, reach: R, found: &mut Vec<u32>) {
         if let Some(neighbours) = &self.neighbours {
-            neighbours.around(place, reach, found);
+            neighbours.around(position, reach, found);
         }
     }
 
@@ -202,8 +202,8 @@ impl<R: Lane> Kernel<R> {
         };
         let (mut result, limits, wall) = (Ok(()), &self.limits, self.flight.wall);
         let acceleration = self.acceleration;
-        let push = |place| {
-            let inward = wall.map_or_else(Vector3::zeros, |wall| wall.push(place));
+        let push = |position| {
+            let inward = wall.map_or_else(Vector3::zeros, |wall| wall.push(position));
             inward + acceleration
         };
         (contacts.solver).solve(bodies, push, |id, motion, rotation| {

@@ -80,8 +80,8 @@ impl<R: Lane> LocalSteps<R> {
         };
         let mut found = std::mem::take(&mut self.found);
         for &id in in_field {
-            let place = bodies.position(id);
-            neighbours.around(place, reach(bodies, id) + most, &mut found);
+            let position = bodies.position(id);
+            neighbours.around(position, reach(bodies, id) + most, &mut found);
             found.retain(|&other| bodies.is_free(other) && near(bodies, id, other));
             self.blocks.extend_from_slice(&found);
         }
@@ -92,8 +92,8 @@ impl<R: Lane> LocalSteps<R> {
         }
         self.pairs.clear();
         for &id in &self.blocks {
-            let place = bodies.position(id);
-            neighbours.around(place, reach(bodies, id) + most, &mut found);
+            let position = bodies.position(id);
+            neighbours.around(position, reach(bodies, id) + most, &mut found);
             found.retain(|&other| {
                 let is_partner = if bodies.is_free(other) {
                     other > id && bodies.step(other) == self.short

@@ -49,7 +49,7 @@ impl<R: Real> MotionGroup<R> {
 
 /// Returns the index of a block's group and the block's index in the group.
 #[inline(always)]
-pub(super) fn place(id: u32) -> (usize, usize) {
+pub(super) fn group_and_lane(id: u32) -> (usize, usize) {
     let id = id as usize;
     (id / LANES, id % LANES)
 }

@@ -49,7 +49,7 @@ pub(super) struct NeighbourList<R: Lane> {
     /// lengths\].
     closer: R,
     /// Positions when the list was made, in SIMD groups. Empty if there is no list.
-    places: Vec<[[R; LANES]; 3]>,
+    positions: Vec<[[R; LANES]; 3]>,
     /// Steps until the next review.
     due: u32,
 }
@@ -72,7 +72,7 @@ impl<R: Lane> NeighbourList<R> {
             pairs: Vec::new(),
             distances: Vec::new(),
             closer: R::zero(),
-            places: Vec::new(),
+            positions: Vec::new(),
             due: 0,
         }
     }
@@ -83,14 +83,14 @@ impl<R: Lane> NeighbourList<R> {
             Some(due) => self.due = due,
             None => self.review(bodies),
         }
-        if !self.places.is_empty() && self.holds(bodies) {
+        if !self.positions.is_empty() && self.holds(bodies) {
             return false;
         }
         self.grid.sort(bodies);
         if self.skin > 0.0 {
-            self.places.clear();
-            let places = bodies.groups().iter().map(|group| group.position);
-            self.places.extend(places);
+            self.positions.clear();
+            let positions = bodies.groups().iter().map(|group| group.position);
+            self.positions.extend(positions);
             self.grid.close_pairs(&mut self.pairs);
             let displacement = |&(i, j): &(u32, u32)| bodies.position(i) - bodies.position(j);
             self.distances.clear();
@@ -103,7 +103,7 @@ impl<R: Lane> NeighbourList<R> {
 
     /// Invalidates the list after a release: pairs of a formerly anchored block may be missing.
     pub fn forget(&mut self) {
-        self.places.clear();
+        self.positions.clear();
     }
 
     /// Decides whether to keep a list of pairs between steps, and adapts the size of the grid to
@@ -144,7 +144,7 @@ impl<R: Lane> NeighbourList<R> {
     fn holds(&mut self, bodies: &Bodies<R>) -> bool {
         let load = |x: &[R; LANES]| R::Wide::load(x);
         let [mut farthest, mut second] = [R::Wide::splat(R::zero()); 2];
-        for (group, then) in bodies.groups().iter().zip(&self.places) {
+        for (group, then) in bodies.groups().iter().zip(&self.positions) {
             let moved = [0, 1, 2].map(|axis| load(&group.position[axis]) - load(&then[axis]));
             let moved = square(moved);
             second = second.maximum(moved.minimum(farthest));

@@ -9,7 +9,7 @@ use stochc_ir::{Cell, Face};
 use super::groups::DisjointSets;
 use super::unplanned_faces::ExposedFaces;
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
-use crate::world::lattice::{FaceChange, LatticeStructure, NO_BLOCK, bit, site};
+use crate::world::lattice::{FaceChange, LatticeStructure, NO_BLOCK, bit, block_face};
 use crate::world::ranked::RankedSet;
 use crate::world::{Fault, World};
 
@@ -154,11 +154,11 @@ impl ShuffleWorld {
         let [seeds, blocks] = &self.exposed;
         let all = seeds.len() + blocks.len();
         let rank = below(which, all);
-        let site = match rank.checked_sub(seeds.len()) {
+        let block_face = match rank.checked_sub(seeds.len()) {
             None => seeds.select(rank),
             Some(rank) => blocks.select(rank),
         };
-        if let Some((seat, face)) = site {
+        if let Some((seat, face)) = block_face {
             self.dock_one(seat as usize, face, [which_block, how], dockings);
         }
     }
@@ -198,21 +198,21 @@ impl World for ShuffleWorld {
         self.tick
     }
 
-    fn magnetize(&mut self, site: BlockFace) {
-        let Some(seat) = self.lattice.seat(site.body) else {
+    fn magnetize(&mut self, block_face: BlockFace) {
+        let Some(seat) = self.lattice.seat(block_face.body) else {
             return;
         };
-        if let Some(change) = self.lattice.magnetize(seat, site.face) {
+        if let Some(change) = self.lattice.magnetize(seat, block_face.face) {
             note(&mut self.open, change);
         }
         self.expose(self.lattice.seats[seat].cell);
     }
 
-    fn switch_off(&mut self, site: BlockFace) {
-        let Some(seat) = self.lattice.seat(site.body) else {
+    fn switch_off(&mut self, block_face: BlockFace) {
+        let Some(seat) = self.lattice.seat(block_face.body) else {
             return;
         };
-        let mut going: SmallVec<[_; 8]> = smallvec![(seat, site.face)];
+        let mut going: SmallVec<[_; 8]> = smallvec![(seat, block_face.face)];
         while let Some((seat, face)) = going.pop() {
             let mut emit = |change| note(&mut self.open, change);
             if let Some(closed) = self.lattice.close(seat, face) {
@@ -226,11 +226,13 @@ impl World for ShuffleWorld {
         }
     }
 
-    fn plant(&mut self, site: BlockFace) -> Option<Docking> {
-        self.magnetize(site);
-        let seat = self.lattice.seat(site.body)?;
-        let (cell, docking) = self.lattice.pre_attached(seat, site.face, self.tick)?;
-        self.dock(seat, site.face, cell, &docking);
+    fn plant(&mut self, block_face: BlockFace) -> Option<Docking> {
+        self.magnetize(block_face);
+        let seat = self.lattice.seat(block_face.body)?;
+        let (cell, docking) = self
+            .lattice
+            .pre_attached(seat, block_face.face, self.tick)?;
+        self.dock(seat, block_face.face, cell, &docking);
         Some(docking)
     }
 
@@ -245,7 +247,7 @@ impl World for ShuffleWorld {
         self.tick += 1;
         if self.open.len() > 0 {
             let [which, which_block, how, _] = self.draws.block(tick, 0);
-            let (seat, face) = site(self.open.select(below(which, self.open.len())));
+            let (seat, face) = block_face(self.open.select(below(which, self.open.len())));
             self.dock_one(seat, face, [which_block, how], dockings);
         }
         Ok(())

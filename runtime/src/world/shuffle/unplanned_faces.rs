@@ -35,22 +35,22 @@ impl ExposedFaces {
             self.runs.push((0, Vec::new()));
         }
         let (count, run) = &mut self.runs[at];
-        let place = run.binary_search_by_key(&cell, |exposed| exposed.cell);
+        let index = run.binary_search_by_key(&cell, |exposed| exposed.cell);
         let exposed = Exposed { cell, body, faces };
-        let before = match place {
-            Ok(place) => std::mem::replace(&mut run[place], exposed)
+        let before = match index {
+            Ok(index) => std::mem::replace(&mut run[index], exposed)
                 .faces
                 .count_ones(),
-            Err(place) => {
-                run.insert(place, exposed);
+            Err(index) => {
+                run.insert(index, exposed);
                 0
             }
         };
         *count = *count - before + faces.count_ones();
         if faces == 0
-            && let Ok(place) | Err(place) = place
+            && let Ok(index) | Err(index) = index
         {
-            run.remove(place);
+            run.remove(index);
         }
         if run.is_empty() {
             self.runs.remove(at);

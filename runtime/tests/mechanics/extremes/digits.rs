@@ -17,7 +17,7 @@ const TICKS: u64 = 2000;
 /// block units.
 fn blocks(far: f64, [speed, spin]: [f64; 2]) -> Vec<BodyState> {
     let mut dice = Dice::new(1);
-    let mut place = |_| {
+    let mut position = |_| {
         let orientation = dice.rotation();
         BodyState {
             orientation,
@@ -26,7 +26,7 @@ fn blocks(far: f64, [speed, spin]: [f64; 2]) -> Vec<BodyState> {
             ..BodyState::at_rest(far * dice.direction())
         }
     };
-    (0..BLOCKS).map(&mut place).collect()
+    (0..BLOCKS).map(&mut position).collect()
 }
 
 /// Brownian motion of 400 cubes of 10 um.

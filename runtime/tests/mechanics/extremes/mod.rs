@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 use crate::scenes::{PLATE, contact, hemisphere, paper};
 use nalgebra::Vector3;
-use stochc_ir::scene::groups::BlockUnits;
+use stochc_ir::scene::dimensionless::BlockUnits;
 use stochc_ir::scene::{Agitation, Bond, Contact, ContactLaw, Enclosure, Scene};
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
@@ -389,10 +389,10 @@ fn every_extreme_has_the_documented_outcome() {
 }
 
 /// Docks blocks on the given faces, one after the other. Each block starts at the given position.
-fn build<W: SpatialWorld>(world: &mut W, sites: &[(BlockFace, Vector3<f64>)]) {
+fn build<W: SpatialWorld>(world: &mut W, block_faces: &[(BlockFace, Vector3<f64>)]) {
     let mut dockings = Vec::new();
-    for (id, &(site, centre)) in sites.iter().enumerate() {
-        world.magnetize(site);
+    for (id, &(block_face, centre)) in block_faces.iter().enumerate() {
+        world.magnetize(block_face);
         world.set_state(id as u32, &BodyState::at_rest(centre));
         for _ in 0..50 {
             world.step(&mut dockings).expect("the physics is stable");
@@ -418,7 +418,7 @@ fn a_block_released_under_another<W: SpatialWorld>() {
     let seed = |x| Body::Seed(Cell::new(x, 1, 0));
     // There are two towers, one and two blocks high. A fourth block hangs on the upper block of the
     // second tower, above the first tower.
-    let sites = [
+    let block_faces = [
         (up(seed(0)), Vector3::new(-1.0, 0.0, 0.51)),
         (up(seed(1)), Vector3::new(0.0, 0.0, 0.51)),
         (up(Body::Free(1)), Vector3::new(0.0, 0.0, 1.51)),
@@ -430,11 +430,11 @@ fn a_block_released_under_another<W: SpatialWorld>() {
             Vector3::new(-1.01, 0.0, 1.5),
         ),
     ];
-    build(&mut world, &sites);
+    build(&mut world, &block_faces);
     // A block far from all others makes the grid look up all blocks again while those are anchored.
     world.set_state(4, &BodyState::at_rest(Vector3::new(3.0, 3.0, 5.0)));
     world.step(&mut Vec::new()).expect("the physics is stable");
-    world.switch_off(sites[0].0);
+    world.switch_off(block_faces[0].0);
     assert_eq!(world.anchored(0), None);
     for _ in 0..200 {
         world.step(&mut Vec::new()).expect("the physics is stable");

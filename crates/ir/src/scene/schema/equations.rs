@@ -1,5 +1,5 @@
 //! Physical laws of a scene's terms, in the symbols of their parameters.
-use super::super::groups::rms_of_range;
+use super::super::dimensionless::rms_of_range;
 use super::super::quantity::QuantityKind;
 use super::super::{
     Agitation, Anchor, BOLTZMANN, Flow, Fluid, Jets, Measure, Scene, Stir, Turbulence,

@@ -55,20 +55,20 @@ pub(super) enum Accessor<'a> {
 }
 
 impl<'a> From<&'a mut f64> for Accessor<'a> {
-    fn from(place: &'a mut f64) -> Accessor<'a> {
-        Accessor::Real(place)
+    fn from(target: &'a mut f64) -> Accessor<'a> {
+        Accessor::Real(target)
     }
 }
 
 impl<'a> From<&'a mut u8> for Accessor<'a> {
-    fn from(place: &'a mut u8) -> Accessor<'a> {
-        Accessor::Byte(place)
+    fn from(target: &'a mut u8) -> Accessor<'a> {
+        Accessor::Byte(target)
     }
 }
 
 impl<'a> From<&'a mut u32> for Accessor<'a> {
-    fn from(place: &'a mut u32) -> Accessor<'a> {
-        Accessor::Count(place)
+    fn from(target: &'a mut u32) -> Accessor<'a> {
+        Accessor::Count(target)
     }
 }
 
@@ -131,8 +131,8 @@ impl SchemaNumber {
 
     /// Returns whether a scene has the parameter.
     pub fn is_in(&self, scene: &Scene) -> bool {
-        let place = |place| !matches!(place, Accessor::Term(None));
-        (self.at)(&mut scene.clone()).is_some_and(place)
+        let target = |target| !matches!(target, Accessor::Term(None));
+        (self.at)(&mut scene.clone()).is_some_and(target)
     }
 
     /// Returns the value of the parameter in a scene, in SI units. Returns `None` if the scene does
@@ -207,19 +207,19 @@ impl SchemaNumber {
     pub fn put(&self, scene: &mut Scene, value: f64) {
         match (self.at)(scene) {
             // An integer within the range of its type.
-            Some(Accessor::Byte(place)) => *place = value as u8,
-            Some(Accessor::Count(place)) => *place = value as u32,
-            Some(Accessor::Real(place)) => *place = value,
-            Some(Accessor::Optional(place) | Accessor::Term(place)) => *place = Some(value),
-            Some(Accessor::High(place)) => {
-                let share = if place.0 < place.1 {
-                    place.0 / place.1
+            Some(Accessor::Byte(target)) => *target = value as u8,
+            Some(Accessor::Count(target)) => *target = value as u32,
+            Some(Accessor::Real(target)) => *target = value,
+            Some(Accessor::Optional(target) | Accessor::Term(target)) => *target = Some(value),
+            Some(Accessor::High(target)) => {
+                let share = if target.0 < target.1 {
+                    target.0 / target.1
                 } else {
                     1.0
                 };
-                *place = (share * value, value);
+                *target = (share * value, value);
             }
-            Some(Accessor::Low(place)) => place.0 = value,
+            Some(Accessor::Low(target)) => target.0 = value,
             None => {}
         }
     }

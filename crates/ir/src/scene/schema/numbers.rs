@@ -10,9 +10,9 @@ use Range::{Acute, AtLeast, Between, Positive, Whole};
 /// Expands to the location of a value in one variant of an enum. `None` if the enum has another
 /// variant.
 macro_rules! of {
-    ($it:expr, $variant:pat => $place:expr) => {
+    ($it:expr, $variant:pat => $target:expr) => {
         match $it {
-            $variant => Some($place.into()),
+            $variant => Some($target.into()),
             #[allow(unreachable_patterns, reason = "all enclosures have a wall")]
             _ => None,
         }

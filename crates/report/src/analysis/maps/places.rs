@@ -209,7 +209,7 @@ impl MapPlaces {
             if held.is_held(body as u32, places.tick()) {
                 continue;
             }
-            let cell = self.cell(places.place(body));
+            let cell = self.cell(places.pose(body));
             for (i, slice) in self.slices.iter().enumerate() {
                 let ((west, east), (low, high)) = self.ends[i];
                 if let Some((x, y)) = slice.place(cell)
@@ -240,7 +240,7 @@ impl MapPlaces {
         if late > AGES[queries.age] / 10 || queries.body as usize >= places.bodies() {
             return;
         }
-        let at = self.lattice(places.place(queries.body as usize));
+        let at = self.lattice(places.pose(queries.body as usize));
         let to = [queries.cell.x, queries.cell.y, queries.cell.z];
         let [x, y, z]: [f64; 3] = std::array::from_fn(|i| at[i] - f64::from(to[i]));
         let counts = &mut before[queries.age];

@@ -54,7 +54,7 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
         drawings,
         figure,
         caption,
-        &["waits.csv", "chains.csv"],
+        &["waits.csv", "critical-paths.csv"],
     );
     captures(subject, waits, out);
     origins(parts, index, out, drawings);

@@ -107,11 +107,11 @@ impl<'a> Panel<'a> {
         let values = || curves.iter().flat_map(|curve| &curve.points).map(|it| it.0);
         let least = values().fold(f64::INFINITY, f64::min);
         let most = values().fold(f64::NEG_INFINITY, f64::max);
-        let places = (left + 14.0, right - 14.0);
+        let ends = (left + 14.0, right - 14.0);
         let x = if least > 0.0 && most / least > DECADE {
-            Scale::logarithmic((least, most), places)
+            Scale::logarithmic((least, most), ends)
         } else {
-            Scale::linear((least, most), places)
+            Scale::linear((least, most), ends)
         };
         let y = scale.at((bottom, top));
         let foot = out.across(&x, (left, right), bottom, top, &self.axis(0));
@@ -144,10 +144,10 @@ pub(super) enum YScale {
 }
 
 impl YScale {
-    fn at(self, places: (f64, f64)) -> Scale {
+    fn at(self, ends: (f64, f64)) -> Scale {
         match self {
-            YScale::Linear(from, to) => Scale::linear((from, to), places),
-            YScale::Logarithmic(from, to) => Scale::logarithmic((from, to), places),
+            YScale::Linear(from, to) => Scale::linear((from, to), ends),
+            YScale::Logarithmic(from, to) => Scale::logarithmic((from, to), ends),
         }
     }
 }

@@ -60,8 +60,9 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
         &panel.axis(0).label(),
     );
     for (point, tooltip) in own().zip(&tooltip) {
-        let place = |of: &[SweptValue], i: usize| of.iter().position(|it| *it == point.values[i]);
-        let (Some(column), Some(row)) = (place(&across, 0), place(&up, 1)) else {
+        let position =
+            |of: &[SweptValue], i: usize| of.iter().position(|it| *it == point.values[i]);
+        let (Some(column), Some(row)) = (position(&across, 0), position(&up, 1)) else {
             continue;
         };
         let corner = (
@@ -84,8 +85,8 @@ pub(super) fn heat(panel: &Panel, name: &str, program: &str) -> Option<Drawing> 
         out.field("s0", corner, (width - 2.0, HEIGHT - 2.0), own, tooltip);
         // Text that does not fit into the field is only in its tooltip.
         if width_of(&text) + 4.0 <= width {
-            let place = (corner.0 + width / 2.0, corner.1 + HEIGHT / 2.0 + 3.0);
-            out.text_around("ink", place, &text);
+            let position = (corner.0 + width / 2.0, corner.1 + HEIGHT / 2.0 + 3.0);
+            out.text_around("ink", position, &text);
         }
     }
     let legend = format!(

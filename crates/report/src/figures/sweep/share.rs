@@ -23,15 +23,15 @@ pub(super) fn share(panel: &Panel) -> Option<Drawing> {
         (&notes, percent_number),
     );
     for (i, curve) in curves.iter().enumerate() {
-        let place = |value: f64| x.at(value) + aside(i, curves.len());
+        let position = |value: f64| x.at(value) + aside(i, curves.len());
         let known = (curve.points.iter())
-            .filter_map(|(value, point)| Some((place(*value), point.share?, point)));
+            .filter_map(|(value, point)| Some((position(*value), point.share?, point)));
         let known: Vec<_> = known.collect();
-        let places: Vec<_> = known
+        let path: Vec<_> = known
             .iter()
             .map(|(at, share, _)| (*at, y.at(*share)))
             .collect();
-        out.curve(class(i), &places, dashes(i));
+        out.curve(class(i), &path, dashes(i));
         for (at, share, point) in known {
             if let Some((low, high)) = point.share_interval {
                 out.stroke(

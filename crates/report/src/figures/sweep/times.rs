@@ -43,16 +43,16 @@ pub(super) fn times(panel: &Panel) -> Option<Drawing> {
         (&notes, number),
     );
     for (i, curve) in curves.iter().enumerate() {
-        let place = |value: f64| x.at(value) + aside(i, curves.len());
+        let position = |value: f64| x.at(value) + aside(i, curves.len());
         let mean = |(value, point): &(f64, &SweepPoint)| {
             let time = point.time.as_ref()?;
-            Some((place(*value), y.at(time.mean)))
+            Some((position(*value), y.at(time.mean)))
         };
-        let places: Vec<_> = curve.points.iter().filter_map(mean).collect();
-        out.curve(class(i), &places, dashes(i));
+        let path: Vec<_> = curve.points.iter().filter_map(mean).collect();
+        out.curve(class(i), &path, dashes(i));
         for (value, point) in &curve.points {
             let (at, tooltip) = (
-                place(*value),
+                position(*value),
                 format!("{}: {}", point.name, described(point, unit)),
             );
             let Some(time) = &point.time else {

@@ -53,11 +53,11 @@ fn manifold<R: Lane>(
         Direction::Edges { own, other } => {
             let across = a.axis(own).cross(&b.axis(other));
             let out = outward(across / across.norm(), offset);
-            let place = between(a, own, b, other, out);
+            let position = between(a, own, b, other, out);
             Some(Manifold {
                 normal: -out,
                 points: smallvec![ManifoldPoint {
-                    place,
+                    position,
                     depth: least.depth,
                 }],
                 slope: Vector3::zeros(),

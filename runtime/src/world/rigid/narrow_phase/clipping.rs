@@ -40,7 +40,7 @@ pub fn face_points<R: Real>(
         .filter_map(|&corner| {
             let depth = level - out.dot(&corner);
             (depth > R::zero()).then(|| ManifoldPoint {
-                place: corner + out * (depth * R::from_double(0.5)),
+                position: corner + out * (depth * R::from_double(0.5)),
                 depth,
             })
         })

@@ -66,9 +66,9 @@ pub fn ball_on_ground<R: Real>(centre: Vector3<R>) -> Option<Manifold<R>> {
 }
 
 /// Returns a contact halfway between a position below the ground and the ground.
-fn raised<R: Real>(place: Vector3<R>) -> ManifoldPoint<R> {
+fn raised<R: Real>(position: Vector3<R>) -> ManifoldPoint<R> {
     ManifoldPoint {
-        place: Vector3::new(place.x, place.y, place.z * R::from_double(0.5)),
-        depth: -place.z,
+        position: Vector3::new(position.x, position.y, position.z * R::from_double(0.5)),
+        depth: -position.z,
     }
 }

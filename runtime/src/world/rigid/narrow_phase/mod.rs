@@ -29,7 +29,7 @@ pub(super) struct Manifold<R: Real> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ManifoldPoint<R: Real> {
     /// Position in the middle of the overlap.
-    pub place: Vector3<R>,
+    pub position: Vector3<R>,
     /// Depth of the overlap, positive \[block lengths\].
     pub depth: R,
 }
@@ -47,10 +47,10 @@ pub(super) fn balls<R: Real>(a: Vector3<R>, b: Vector3<R>) -> Option<Manifold<R>
     } else {
         Vector3::z()
     };
-    let place = b + offset * R::from_double(0.5);
+    let position = b + offset * R::from_double(0.5);
     Some(Manifold {
         normal,
-        points: smallvec::smallvec![ManifoldPoint { place, depth }],
+        points: smallvec::smallvec![ManifoldPoint { position, depth }],
         slope: Vector3::zeros(),
     })
 }

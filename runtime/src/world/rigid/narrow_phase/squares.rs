@@ -56,24 +56,24 @@ pub fn squares<R: Real>(a: &Cuboid<'_, R>, b: &Cuboid<'_, R>) -> Option<Manifold
     let ends = [-half, half].map(|limit| (limit - start) / step);
     let from = ends[0].min(ends[1]).max(-R::one());
     let to = ends[0].max(ends[1]).min(R::one());
-    let depth_at = |place| own.half[axis] - out.dot(&(place - own.centre));
+    let depth_at = |position| own.half[axis] - out.dot(&(position - own.centre));
     let mut points = SmallVec::new();
     if from <= to {
         for end in [from, to] {
-            let place = middle + along * end;
-            let depth = depth_at(place);
+            let position = middle + along * end;
+            let depth = depth_at(position);
             if depth > R::zero() {
-                let place = place + out * (depth * R::from_double(0.5));
-                points.push(ManifoldPoint { place, depth });
+                let position = position + out * (depth * R::from_double(0.5));
+                points.push(ManifoldPoint { position, depth });
             }
         }
     }
     if points.is_empty() {
         // A corner of the own square is beyond the end of the side.
         let corner = across * (half * sign(start));
-        let place = own.centre + out * (own.half[axis] - least * R::from_double(0.5)) + corner;
+        let position = own.centre + out * (own.half[axis] - least * R::from_double(0.5)) + corner;
         points.push(ManifoldPoint {
-            place,
+            position,
             depth: least,
         });
     }
@@ -131,7 +131,7 @@ mod tests {
                 "{found:?} {expected:?}"
             );
             for point in &found.points {
-                assert_eq!(point.place.z, 0.5);
+                assert_eq!(point.position.z, 0.5);
                 assert!(point.depth > 0.0);
             }
             assert_eq!(found.normal.z, 0.0);

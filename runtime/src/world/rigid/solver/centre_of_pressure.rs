@@ -43,7 +43,8 @@ pub(super) fn centre_of_pressure<R: Real>(
     let requested = flat(middle) + manifold.slope / levelling;
     // A point is within the patch if it is on the same side of all edges.
     let nexts = points[1..].iter().chain(&points[..1]);
-    let edges = || (points.iter().zip(nexts.clone())).map(|(from, to)| (from.place, to.place));
+    let edges =
+        || (points.iter().zip(nexts.clone())).map(|(from, to)| (from.position, to.position));
     let (mut left, mut right) = (points.len() > 2, points.len() > 2);
     for (from, to) in edges() {
         if !left && !right {
@@ -52,13 +53,13 @@ pub(super) fn centre_of_pressure<R: Real>(
         let side = normal.dot(&flat(to - from).cross(&(requested - flat(from))));
         (left, right) = (left && side >= R::zero(), right && side <= R::zero());
     }
-    let place = if left || right {
+    let position = if left || right {
         let height = points
             .iter()
-            .fold(R::zero(), |sum, point| sum + normal.dot(&point.place));
+            .fold(R::zero(), |sum, point| sum + normal.dot(&point.position));
         requested + normal * (height / R::from_double(points.len() as f64))
     } else {
-        let mut best = (deepest.place, None);
+        let mut best = (deepest.position, None);
         for (from, to) in edges() {
             let (start, along) = (flat(from), flat(to - from));
             let length = along.norm_squared();
@@ -74,6 +75,6 @@ pub(super) fn centre_of_pressure<R: Real>(
         }
         best.0
     };
-    let depth = deepest.depth + manifold.slope.dot(&(place - deepest.place));
-    ManifoldPoint { place, depth }
+    let depth = deepest.depth + manifold.slope.dot(&(position - deepest.position));
+    ManifoldPoint { position, depth }
 }

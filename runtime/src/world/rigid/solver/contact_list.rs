@@ -54,13 +54,12 @@ impl<R: Real> ContactList<R> {
         };
         let one = normal.cross(&across).normalize();
         let from = self.points.len();
-        self.points.extend(points.iter().map(|point| {
-            ContactPoint {
-                depth: point.depth,
-                arms: centres.map(|centre| {
-                    centre.map_or_else(Vector3::zeros, |centre| point.place - centre)
+        self.points.extend(points.iter().map(|point| ContactPoint {
+            depth: point.depth,
+            arms:
+                centres.map(|centre| {
+                    centre.map_or_else(Vector3::zeros, |centre| point.position - centre)
                 }),
-            }
         }));
         self.list.push(TouchingBodies {
             bodies,

@@ -48,19 +48,19 @@ impl<R: Lane> Solver<R> {
 
     /// Adds the contact of block `a` with block `b` or an immovable body.
     pub fn add(&mut self, bodies: &Bodies<R>, a: u32, b: Option<u32>, manifold: &Manifold<R>) {
-        let places = [Some(a), b].map(|id| match id {
-            Some(id) if bodies.is_free(id) => self.moving.place(id),
+        let indices = [Some(a), b].map(|id| match id {
+            Some(id) if bodies.is_free(id) => self.moving.index(id),
             _ => GROUND,
         });
         let span = bodies.span_of_pair([a, b.unwrap_or(a)]);
         let centres = [Some(a), b].map(|id| id.map(|id| bodies.position(id)));
         if let Some(stiffness) = self.law.stiffness() {
-            let moving = [0, 1].map(|i| centres[i].filter(|_| places[i] != GROUND));
+            let moving = [0, 1].map(|i| centres[i].filter(|_| indices[i] != GROUND));
             let response = stiffness * span * span;
             let point = centre_of_pressure(manifold, moving, response);
-            (self.touches).add(places, centres, span, manifold.normal, &[point]);
+            (self.touches).add(indices, centres, span, manifold.normal, &[point]);
         } else {
-            (self.touches).add(places, centres, span, manifold.normal, &manifold.points);
+            (self.touches).add(indices, centres, span, manifold.normal, &manifold.points);
         }
     }
 
@@ -91,8 +91,8 @@ impl<R: Lane> Solver<R> {
         let rigid = self.law.restitution().is_some();
         self.moving.start(rigid, |id| {
             let velocity = bodies.velocity(id);
-            let place = bodies.position(id) - velocity * bodies.step(id);
-            let late = push(place) * (bodies.span(id) * R::from_double(0.5));
+            let position = bodies.position(id) - velocity * bodies.step(id);
+            let late = push(position) * (bodies.span(id) * R::from_double(0.5));
             [velocity, bodies.spin(id), late]
         });
         self.find_impulses();
@@ -186,7 +186,7 @@ mod tests {
             let single = id % 5 < 2;
             let middle = bodies.position(id) + vector(0.5);
             let points = (0..=id % 4).map(|n| ManifoldPoint {
-                place: middle + vector(0.5),
+                position: middle + vector(0.5),
                 depth: least + 0.01 * n as f32,
             });
             let points = points.collect();

@@ -20,7 +20,7 @@ pub(super) struct ParallelContacts<R: Lane, const N: usize> {
 #[derive(Clone, Debug)]
 struct Batch<R: Lane, const N: usize> {
     /// Indices of the bodies among all bodies.
-    places: [[usize; N]; ABREAST],
+    indices: [[usize; N]; ABREAST],
     /// Mask of the lanes with a contact.
     real: R::Quad,
     bodies: [BatchBody<R>; N],
@@ -135,7 +135,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
             inverse_inertia: all::<R>(0.0),
         };
         Batch {
-            places: [[0; N]; ABREAST],
+            indices: [[0; N]; ABREAST],
             real: all::<R>(0.0),
             bodies: [nothing; N],
             late: [all::<R>(0.0); 3],
@@ -157,7 +157,7 @@ impl<R: Lane, const N: usize> Batch<R, N> {
     ) -> R {
         let list = filled(numbers).map(|number| &touches.list[number]);
         self.real = first::<R>(numbers.len());
-        self.places = list.map(|touch| std::array::from_fn(|which| touch.bodies[which]));
+        self.indices = list.map(|touch| std::array::from_fn(|which| touch.bodies[which]));
         self.frame = [0, 1, 2].map(|row| transposed(list.map(|touch| touch.frame[row].into())));
         for which in 0..N {
             let motions = list.map(|touch| &moving.motions[touch.bodies[which]]);
@@ -364,10 +364,10 @@ impl<R: Lane, const N: usize> Batch<R, N> {
     fn store(&self, moving: &mut SolverBodies<R>, rigid: bool) {
         let count = self.real.bits().count_ones() as usize;
         for which in 0..N {
-            let places = self.places[..count].iter().map(|places| places[which]);
-            self.bodies[which].scatter(places.clone(), &mut moving.motions);
+            let indices = self.indices[..count].iter().map(|indices| indices[which]);
+            self.bodies[which].scatter(indices.clone(), &mut moving.motions);
             if rigid {
-                self.shifts[which].scatter(places, &mut moving.shifts);
+                self.shifts[which].scatter(indices, &mut moving.shifts);
             }
         }
     }
@@ -400,14 +400,14 @@ impl<R: Lane> BatchBody<R> {
     }
 
     /// Writes the motions back. Immovable bodies are skipped, because no impulse changes them.
-    fn scatter(&self, places: impl Iterator<Item = usize>, motions: &mut [SolverBody<R>]) {
+    fn scatter(&self, indices: impl Iterator<Item = usize>, motions: &mut [SolverBody<R>]) {
         let [velocity, spin] = [self.velocity, self.spin].map(|vector| vector.map(Wide::store));
-        for (lane, place) in places.enumerate() {
+        for (lane, index) in indices.enumerate() {
             let vector = |[x, y, z]: &[[R; ABREAST]; 3]| {
                 R::Quad::load(&[x[lane], y[lane], z[lane], R::zero()])
             };
-            motions[place].velocity = vector(&velocity);
-            motions[place].spin = vector(&spin);
+            motions[index].velocity = vector(&velocity);
+            motions[index].spin = vector(&spin);
         }
     }
 

@@ -135,28 +135,28 @@ impl<R: Lane> SequentialContacts<R> {
             }
         }
         let inertia = moving.inertia();
-        let of_chains = |place: &usize| chained[*place];
+        let of_chains = |index: &usize| chained[*index];
         let SolverBodies {
             motions, before, ..
         } = moving;
-        let before = |place: usize| (before[place].velocity, before[place].spin);
+        let before = |index: usize| (before[index].velocity, before[index].spin);
         // Twice the energy is E0 + 2 s work + s^2 square. Here s is the fraction of the impulses
         // that is kept.
         let mut sums = vec![(R::zero(), R::zero()); motions.len()];
-        for place in (1..motions.len()).filter(of_chains) {
-            let motion = &motions[place];
-            let (velocity, spin) = before(place);
+        for index in (1..motions.len()).filter(of_chains) {
+            let motion = &motions[index];
+            let (velocity, spin) = before(index);
             let (faster, livelier) = (motion.velocity - velocity, motion.spin - spin);
-            let (work, square) = &mut sums[groups.find(place)];
+            let (work, square) = &mut sums[groups.find(index)];
             *work += (velocity * faster + (spin * livelier).scaled(inertia)).sum();
             *square += (faster * faster + (livelier * livelier).scaled(inertia)).sum();
         }
-        for place in (1..motions.len()).filter(of_chains) {
-            let (work, square) = sums[groups.find(place)];
+        for index in (1..motions.len()).filter(of_chains) {
+            let (work, square) = sums[groups.find(index)];
             if work + work + square > R::zero() {
                 let part = (-(work + work) / square).max(R::zero());
-                let (velocity, spin) = before(place);
-                let motion = &mut motions[place];
+                let (velocity, spin) = before(index);
+                let motion = &mut motions[index];
                 motion.velocity = velocity + (motion.velocity - velocity).scaled(part);
                 motion.spin = spin + (motion.spin - spin).scaled(part);
             }
@@ -235,7 +235,7 @@ impl SequentialContact {
         law: &Law<R>,
         span: R,
     ) -> R {
-        let [a, b] = [self.a, self.b].map(|place| moving.motions[place]);
+        let [a, b] = [self.a, self.b].map(|index| moving.motions[index]);
         let late = moving.late[self.a] - moving.late[self.b];
         let mut fastest = R::zero();
         for point in spots {

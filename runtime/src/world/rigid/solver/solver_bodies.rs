@@ -33,7 +33,7 @@ pub(super) struct SolverBodies<R: Lane> {
     /// contacts.
     pub shifts: Vec<SolverBody<R>>,
     /// Index of the body of each block, or [`NO_BLOCK`].
-    place: Vec<u32>,
+    index: Vec<u32>,
     inverse_inertia: R,
 }
 
@@ -68,7 +68,7 @@ impl<R: Lane> SolverBodies<R> {
             before: Vec::new(),
             late: Vec::new(),
             shifts: Vec::new(),
-            place: vec![NO_BLOCK; count],
+            index: vec![NO_BLOCK; count],
             inverse_inertia: if turns {
                 R::from_double(INVERSE_INERTIA)
             } else {
@@ -79,7 +79,7 @@ impl<R: Lane> SolverBodies<R> {
 
     pub fn clear(&mut self) {
         for &id in self.blocks.iter().skip(1) {
-            self.place[id as usize] = NO_BLOCK;
+            self.index[id as usize] = NO_BLOCK;
         }
         self.blocks.clear();
         self.blocks.push(NO_BLOCK);
@@ -93,31 +93,31 @@ impl<R: Lane> SolverBodies<R> {
 
     /// Returns the index of a free block's body and counts a contact. Adds the body at its first
     /// contact.
-    pub fn place(&mut self, id: u32) -> usize {
-        let place = &mut self.place[id as usize];
-        if *place == NO_BLOCK {
-            *place = self.motions.len() as u32;
+    pub fn index(&mut self, id: u32) -> usize {
+        let index = &mut self.index[id as usize];
+        if *index == NO_BLOCK {
+            *index = self.motions.len() as u32;
             self.blocks.push(id);
             self.contacts.push(0);
             self.motions
                 .push(SolverBody::rest(R::one(), self.inverse_inertia));
             self.late.push(R::Quad::default());
         }
-        self.contacts[*place as usize] += 1;
-        *place as usize
+        self.contacts[*index as usize] += 1;
+        *index as usize
     }
 
     /// Records a velocity change of a block by a force. Half of the change acts in the second half
     /// of the step.
     pub fn pushed(&mut self, id: u32, change: Vector3<R>) {
-        if let Some(late) = self.late.get_mut(self.place[id as usize] as usize) {
+        if let Some(late) = self.late.get_mut(self.index[id as usize] as usize) {
             *late += R::Quad::pack(change * R::from_double(0.5));
         }
     }
 
     /// Returns whether these bodies have no other contact.
     pub fn is_alone(&self, bodies: [usize; 2]) -> bool {
-        bodies.iter().all(|&place| self.contacts[place] <= 1)
+        bodies.iter().all(|&index| self.contacts[index] <= 1)
     }
 
     /// Makes all bodies appear to have several contacts. For tests.
@@ -146,13 +146,13 @@ impl<R: Lane> SolverBodies<R> {
     }
 
     pub fn changes(&self) -> impl Iterator<Item = (u32, SolverBodyChange<R>)> + '_ {
-        let places = self.blocks.iter().enumerate().skip(1);
-        places.map(|(place, &id)| {
-            let motion = &self.motions[place];
+        let indices = self.blocks.iter().enumerate().skip(1);
+        indices.map(|(index, &id)| {
+            let motion = &self.motions[index];
             let change = SolverBodyChange {
-                velocity: (motion.velocity - self.before[place].velocity).unpack(),
+                velocity: (motion.velocity - self.before[index].velocity).unpack(),
                 spin: motion.spin.unpack(),
-                shift: self.shifts.get(place).map_or([Vector3::zeros(); 2], |by| {
+                shift: self.shifts.get(index).map_or([Vector3::zeros(); 2], |by| {
                     [by.velocity.unpack(), by.spin.unpack()]
                 }),
             };

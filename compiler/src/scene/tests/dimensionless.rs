@@ -1,5 +1,5 @@
-use stochc_ir::scene::groups::{
-    DimensionlessNumber, Settling, SpeedFrom, groups as groups_with, speed,
+use stochc_ir::scene::dimensionless::{
+    DimensionlessNumber, Settling, SpeedFrom, dimensionless_numbers, speed,
 };
 use stochc_ir::scene::{
     Agitation, BOLTZMANN, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid, Scene, Stir,
@@ -17,14 +17,14 @@ const ONE_STEP: Substeps = Substeps {
     away: None,
 };
 
-fn groups(scene: &Scene) -> Vec<DimensionlessNumber> {
-    groups_with(scene, ONE_STEP)
+fn numbers(scene: &Scene) -> Vec<DimensionlessNumber> {
+    dimensionless_numbers(scene, ONE_STEP)
 }
 
 /// Returns the dimensionless numbers of a scene by symbol.
 fn values(scene: &Scene) -> Vec<(&'static str, f64)> {
-    let groups = groups(scene);
-    groups.iter().map(|it| (it.symbol, it.value)).collect()
+    let numbers = numbers(scene);
+    numbers.iter().map(|it| (it.symbol, it.value)).collect()
 }
 
 fn close(computed: f64, expected: f64) -> bool {
@@ -107,8 +107,8 @@ fn strong_drag_needs_short_steps() {
             drag: Some(Drag { rate }),
             ..hemisphere()
         };
-        let all = groups(&scene).into_iter();
-        let mut of_drag = all.filter(|group| group.symbol == "γ τ");
+        let all = numbers(&scene).into_iter();
+        let mut of_drag = all.filter(|number| number.symbol == "γ τ");
         of_drag.next().unwrap().limit.unwrap().substeps
     };
     let tick = hemisphere().tick;
@@ -202,9 +202,9 @@ fn a_scaled_scene_has_the_same_numbers() {
 
 #[test]
 fn substeps_satisfy_each_limit() {
-    let exceeded: Vec<_> = (groups(&hemisphere()).iter())
-        .filter(|group| group.is_exceeded(1))
-        .map(|group| (group.symbol, group.substeps()))
+    let exceeded: Vec<_> = (numbers(&hemisphere()).iter())
+        .filter(|number| number.is_exceeded(1))
+        .map(|number| (number.symbol, number.substeps()))
         .collect();
     assert_eq!(exceeded, [("v τ / a", Some(3)), ("F τ² / (m d)", Some(3))]);
 }
@@ -213,9 +213,9 @@ fn substeps_satisfy_each_limit() {
 #[test]
 fn limits_grow_with_the_substeps_that_are_taken() {
     let limit = |steps: &str, symbol: &str| {
-        let all = groups_with(&hemisphere(), steps.parse().expect("steps"));
-        let found = all.iter().find(|group| group.symbol == symbol);
-        found.and_then(|group| group.limit).expect("a limit").most
+        let all = dimensionless_numbers(&hemisphere(), steps.parse().expect("steps"));
+        let found = all.iter().find(|number| number.symbol == symbol);
+        found.and_then(|number| number.limit).expect("a limit").most
     };
     for (steps, motion, pull) in [("1", 0.1, 1.0), ("4", 0.4, 16.0), ("2/8", 0.2, 64.0)] {
         assert!(close(limit(steps, "v τ / a"), motion), "{steps}");
@@ -255,8 +255,8 @@ fn microns() -> Scene {
 fn if_drag_dominates_a_step_is_as_long_as_its_motion() {
     let scene = microns();
     let found = |symbol: &str| {
-        let mut groups = groups(&scene).into_iter();
-        groups
+        let mut numbers = numbers(&scene).into_iter();
+        numbers
             .find(|it| it.symbol == symbol)
             .unwrap_or_else(|| panic!("{symbol}"))
     };
@@ -270,19 +270,19 @@ fn if_drag_dominates_a_step_is_as_long_as_its_motion() {
         ("v τ / a", 0.139607, 0.2),
     ];
     for (symbol, value, most) in values {
-        let group = found(symbol);
-        assert!(close(group.value, value), "{group:?}");
-        assert!((group.limit.unwrap().most / most - 1.0).abs() < 1e-4);
+        let number = found(symbol);
+        assert!(close(number.value, value), "{number:?}");
+        assert!((number.limit.unwrap().most / most - 1.0).abs() < 1e-4);
     }
     // 663, 615 and 695 ticks at 1, 4 and 16 steps per tick.
-    assert!(groups(&scene).iter().all(|group| !group.is_exceeded(1)));
+    assert!(numbers(&scene).iter().all(|number| !number.is_exceeded(1)));
     // In simulations, twice the tick takes twice as long: at its terminal speed a block moves twice
     // as far. At four times the tick heat alone moves it too far, by √4.
     let mut long = microns();
     long.tick = 20.0;
     let needed = |scene: &Scene, symbol: &str| {
-        let groups = groups(scene);
-        groups
+        let numbers = numbers(scene);
+        numbers
             .iter()
             .find(|it| it.symbol == symbol)
             .unwrap()
@@ -296,7 +296,7 @@ fn if_drag_dominates_a_step_is_as_long_as_its_motion() {
     let mut free = microns();
     free.fluid = None;
     free.agitation = None;
-    let flung = groups(&free);
+    let flung = numbers(&free);
     let flung = flung.iter().find(|it| it.symbol == "F τ² / (m d)").unwrap();
     assert!(close(flung.value, 1.904762e6), "{flung:?}");
     assert_eq!(flung.substeps(), Some(1381));
@@ -306,7 +306,7 @@ fn if_drag_dominates_a_step_is_as_long_as_its_motion() {
 fn slow_drag_does_not_shorten_steps() {
     let mut scene = microns();
     scene.tick = 1e-7;
-    let found = groups(&scene);
+    let found = numbers(&scene);
     let pull = found
         .iter()
         .find(|it| it.symbol == "φ F τ² / (m d)")
@@ -464,10 +464,10 @@ fn a_sphere_is_a_gas_as_a_hemisphere_is() {
 fn the_mean_flow_carries_blocks() {
     let tank = built_in("magnet_tank").unwrap();
     let carried = |scene: &Scene| {
-        let group = groups(scene)
+        let number = numbers(scene)
             .into_iter()
-            .find(|group| group.symbol == "u τ / a");
-        group.map(|group| (group.value, group.limit.unwrap().substeps))
+            .find(|number| number.symbol == "u τ / a");
+        number.map(|number| (number.value, number.limit.unwrap().substeps))
     };
     let Some(Flow::Stir(stir)) = &tank.flow else {
         panic!("it is stirred");
@@ -500,8 +500,8 @@ fn thermal_energies_do_not_depend_on_the_tick() {
             agitation: Some(Agitation::Brownian { temperature: 300.0 }),
             ..hemisphere()
         };
-        let all = groups(&scene).into_iter();
-        let mut works = all.filter(|group| group.symbol == "F r / (m v² / 2)");
+        let all = numbers(&scene).into_iter();
+        let mut works = all.filter(|number| number.symbol == "F r / (m v² / 2)");
         works.next().unwrap().value
     };
     let (short, long) = (work(1e-6), work(10.0));
@@ -530,10 +530,10 @@ fn heat_and_eddies_set_the_speed_of_blocks() {
     assert!(matches!(tank.flow, Some(Flow::Stir(_))));
 
     let value = |scene: &Scene, symbol| {
-        let group = groups(scene)
+        let number = numbers(scene)
             .into_iter()
-            .find(|group| group.symbol == symbol);
-        group.unwrap().value
+            .find(|number| number.symbol == symbol);
+        number.unwrap().value
     };
     tank.agitation = Some(Agitation::Brownian { temperature: 300.0 });
     let friction = Fluid::friction(0.06, 0.1);

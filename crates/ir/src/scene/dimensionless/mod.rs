@@ -10,7 +10,7 @@ mod softness;
 mod speed;
 
 pub(super) use all::DRAG_SYMBOL;
-pub use all::groups;
+pub use all::dimensionless_numbers;
 pub use block_units::BlockUnits;
 pub use gas::Gas;
 pub use number::{AdvisedRange, DimensionlessNumber, ExpectedRange, ResolutionLimit};

@@ -9,7 +9,7 @@ use crate::scene::warning_kind::SceneWarningKind;
 use crate::scene::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene, Substeps};
 
 /// Returns the dimensionless numbers of a scene's terms, with limits for these steps.
-pub fn groups(scene: &Scene, steps: Substeps) -> Vec<DimensionlessNumber> {
+pub fn dimensionless_numbers(scene: &Scene, steps: Substeps) -> Vec<DimensionlessNumber> {
     let units = BlockUnits::from_scene(scene);
     let v = speed(scene).rms.map(|rms| units.speed(rms));
     let v = v.filter(|&v| v > 0.0);
