@@ -44,6 +44,12 @@ impl Order {
         chain.iter().filter(|id| is_capture(plan, **id)).count()
     }
 
+    /// Returns the number of captures in the longest chains of all phases.
+    pub fn critical_path_length(&self, plan: &ExpandedProgram) -> usize {
+        let lengths = self.chains.iter().map(|chain| Order::length(plan, chain));
+        lengths.sum()
+    }
+
     /// Returns the phase with the longest chain, and the chain. Returns `None` for a program
     /// without phases.
     pub fn longest(&self, plan: &ExpandedProgram) -> Option<(usize, &[EventId])> {

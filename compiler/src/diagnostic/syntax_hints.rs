@@ -1,5 +1,5 @@
 //! Advice and fixes for the most frequent syntax errors.
-use stochc_grammar::is_unit;
+use stochc_grammar::{BEGINNINGS, is_unit};
 use stochc_ir::scene::quantity::QuantityKind;
 use stochc_ir::scene::units::{corrected, suggested_unit};
 use stochc_text::suggest::{Suggestion, nearest};
@@ -19,26 +19,6 @@ pub struct SyntaxHint<'a> {
     /// Source of the whole file.
     pub text: &'a str,
 }
-
-/// Words that begin a statement, and `after`.
-const FIRST: [&str; 16] = [
-    "after",
-    "aggregate",
-    "allow",
-    "assembly",
-    "deny",
-    "for",
-    "import",
-    "layer",
-    "let",
-    "pattern",
-    "phase",
-    "release",
-    "scene",
-    "seed",
-    "shape",
-    "yields",
-];
 
 /// Keywords of other languages, with the advice.
 const FOREIGN: [(&[&str], &str); 4] = [
@@ -162,7 +142,11 @@ impl SyntaxHint<'_> {
         }
         let fix = self.fix();
         let after = self.after;
-        if self.expects("`->`") && !after.is_empty() && !FIRST.contains(&after) && fix.is_none() {
+        if self.expects("`->`")
+            && !after.is_empty()
+            && !first_words().contains(&after)
+            && fix.is_none()
+        {
             let after = spelt(after);
             let help = format!(
                 "`{after}` alone is not a statement: add the missing comma or brace before it"
@@ -217,10 +201,10 @@ impl SyntaxHint<'_> {
             }
         }
         let word = self.word_behind()?;
-        if !self.expects("`->`") || FIRST.contains(&self.after) {
+        if !self.expects("`->`") || first_words().contains(&self.after) {
             return None;
         }
-        nearest(self.after, FIRST).map(|suggestion| (word, suggestion))
+        nearest(self.after, first_words()).map(|suggestion| (word, suggestion))
     }
 
     /// Returns whether a unit follows a number at the end of the previous line.
@@ -397,6 +381,11 @@ impl SyntaxHint<'_> {
             span: Span::new(start as u32, end as u32),
         }
     }
+}
+
+/// Returns the words that begin a statement or a directive, and `after`.
+fn first_words() -> Vec<&'static str> {
+    [BEGINNINGS.as_slice(), &["after", "allow", "deny"]].concat()
 }
 
 /// Returns text with escapes for invisible characters.

@@ -213,11 +213,7 @@ fn chains(program: &Program, checked: &Checked) -> String {
         return String::new();
     };
     let width = phases().map(|phase| phase.name.len()).max().unwrap_or(0);
-    let total: usize = order
-        .chains
-        .iter()
-        .map(|chain| Order::length(plan, chain))
-        .sum();
+    let total = order.critical_path_length(plan);
     let mut out = format!("  longest serial chain (critical path), {total} in total:\n");
     let chains = plan.phases.iter().zip(&order.chains);
     for (phase, chain) in chains.filter(|(phase, _)| !phase.pre_attached) {

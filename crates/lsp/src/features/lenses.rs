@@ -1,7 +1,6 @@
 //! Code lenses above programs: the critical path, and a command that simulates the file.
 use serde_json::{Value, json};
 use stochc_compiler::expanded::EventKind;
-use stochc_compiler::order::Order;
 use stochc_compiler::{FileId, Program};
 use stochc_estimate::Cost;
 use stochc_grammar::tree::ItemKind;
@@ -49,9 +48,6 @@ pub fn lenses(analysis: &Analysis, uri: &str) -> Vec<Value> {
 fn critical_path(program: &Program, cost: Option<&Cost>) -> Option<String> {
     let order = program.order.as_ref()?;
     let plan = &program.plan;
-    let longest: usize = (order.chains.iter())
-        .map(|chain| Order::length(plan, chain))
-        .sum();
     let is_capture = |id| matches!(plan.event(id).kind, EventKind::Capture { .. });
     let phases = plan.phases.iter().filter(|phase| !phase.pre_attached);
     let captures: usize = phases
@@ -61,7 +57,8 @@ fn critical_path(program: &Program, cost: Option<&Cost>) -> Option<String> {
         return None;
     }
     let path = format!(
-        "critical path: {longest} of {}",
+        "critical path: {} of {}",
+        order.critical_path_length(plan),
         counted(captures, "capture")
     );
     let mean = cost.and_then(|cost| Some((cost.lower_bound.prefix(), cost.total?.mean?)));
