@@ -1,6 +1,4 @@
 //! Events of the server.
-use serde_json::Value;
-
 use super::jobs::JobId;
 use super::wire::{Incoming, RequestFailure};
 use crate::workspace::programs::CheckedProgram;
@@ -15,7 +13,8 @@ pub enum ServerEvent {
 pub enum Done {
     Checked(CheckedProgram),
     /// Response to a request.
-    Answered(Result<Value, RequestFailure>),
+    /// Response to a request, as JSON.
+    Answered(Result<String, RequestFailure>),
 }
 
 impl From<CheckedProgram> for Done {

@@ -7,8 +7,8 @@ use gen_lsp_types::{
     DidSaveTextDocumentParams, DocumentDiagnosticParams, DocumentFormattingParams,
     DocumentHighlightParams, DocumentLinkParams, DocumentRangeFormattingParams,
     DocumentSymbolParams, FoldingRangeParams, HoverParams, InlayHintParams, Location, Position,
-    PrepareRenameParams, ReferenceParams, RenameParams, SemanticTokensParams,
-    TextDocumentPositionParams, TextEdit, WorkspaceSymbolParams,
+    PrepareRenameParams, ReferenceParams, RenameParams, SemanticTokens, SemanticTokensParams,
+    SemanticTokensRangeParams, TextDocumentPositionParams, TextEdit, WorkspaceSymbolParams,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -31,8 +31,8 @@ fn params<T: DeserializeOwned>(params: Value) -> Result<T, RequestFailure> {
         .map_err(|error| RequestFailure::new(Reason::InvalidParams, error.to_string()))
 }
 
-fn value(result: impl Serialize) -> Result<Value, RequestFailure> {
-    serde_json::to_value(result)
+fn json_text(result: impl Serialize) -> Result<String, RequestFailure> {
+    serde_json::to_string(&result)
         .map_err(|error| RequestFailure::new(Reason::InternalError, error.to_string()))
 }
 
@@ -106,7 +106,7 @@ pub struct Query {
 
 /// Function that computes a response.
 pub type RequestHandler =
-    Box<dyn FnOnce(&RequestContext<'_>) -> Result<Value, RequestFailure> + Send>;
+    Box<dyn FnOnce(&RequestContext<'_>) -> Result<String, RequestFailure> + Send>;
 
 /// Context of a request, for computing the response.
 pub struct RequestContext<'c> {
@@ -148,7 +148,7 @@ impl Query {
     fn new(
         uri: &str,
         needs: Needs,
-        answer: impl FnOnce(&RequestContext<'_>) -> Result<Value, RequestFailure> + Send + 'static,
+        answer: impl FnOnce(&RequestContext<'_>) -> Result<String, RequestFailure> + Send + 'static,
     ) -> Query {
         Query {
             path: uri::path(uri),
@@ -170,7 +170,7 @@ impl Query {
     fn at(
         it: TextDocumentPositionParams,
         needs: Needs,
-        answer: impl FnOnce(&RequestContext<'_>, &Analysis, usize) -> Result<Value, RequestFailure>
+        answer: impl FnOnce(&RequestContext<'_>, &Analysis, usize) -> Result<String, RequestFailure>
         + Send
         + 'static,
     ) -> Query {
@@ -192,7 +192,7 @@ impl Query {
                 let it = it.text_document_position_params;
                 Query::at(it, Needs::Recent, |context, analysis, at| {
                     let found = hover::hover(analysis, at, context.cancellation)?;
-                    value(found.map(|(text, location)| {
+                    json_text(found.map(|(text, location)| {
                         json!({
                             "contents": { "kind": "markdown", "value": text },
                             "range": analysis.range(location),
@@ -203,12 +203,12 @@ impl Query {
             "textDocument/definition" => {
                 let it: DefinitionParams = params(raw)?;
                 let it = it.text_document_position_params;
-                Query::at(it, Needs::Own, |context, analysis, at| {
+                Query::at(it, Needs::Recent, |context, analysis, at| {
                     let locations = definition::definitions(analysis, at, context.cancellation)?;
                     let places = locations.into_iter();
                     let places =
                         places.map(|location| analysis.location(location, &context.documents));
-                    value(places.collect::<Vec<Location>>())
+                    json_text(places.collect::<Vec<Location>>())
                 })
             }
             "textDocument/completion" => {
@@ -217,7 +217,7 @@ impl Query {
                 let position = it.position;
                 Query::at(it, Needs::Recent, move |_, analysis, at| {
                     let line = analysis.lines(FileId(0)).line_before(position);
-                    value(completion::completions(analysis, at, line))
+                    json_text(completion::completions(analysis, at, line))
                 })
             }
             "textDocument/references" => {
@@ -238,7 +238,7 @@ impl Query {
                     let shown = places
                         .into_iter()
                         .map(|(range, declares)| json!({ "range": range, "kind": kind(declares) }));
-                    value(shown.collect::<Vec<Value>>())
+                    json_text(shown.collect::<Vec<Value>>())
                 })
             }
             "textDocument/prepareRename" => {
@@ -247,7 +247,9 @@ impl Query {
                 Query::at(it, Needs::Own, |_, analysis, at| {
                     let location = rename::renameable(analysis, at)?;
                     let placeholder = analysis.checked.sources.text(location);
-                    value(json!({ "range": analysis.range(location), "placeholder": placeholder }))
+                    json_text(
+                        json!({ "range": analysis.range(location), "placeholder": placeholder }),
+                    )
                 })
             }
             "textDocument/rename" => {
@@ -257,7 +259,7 @@ impl Query {
                 Query::at(it, Needs::All, move |context, analysis, at| {
                     let all = context.all();
                     let (documents, cancellation) = (&context.documents, context.cancellation);
-                    value(rename::rename(
+                    json_text(rename::rename(
                         analysis,
                         &all,
                         at,
@@ -281,7 +283,7 @@ impl Query {
                     let analysis = context.own()?;
                     let lines = analysis.lines(FileId(0));
                     let checked = &analysis.checked;
-                    value(symbols::symbols(
+                    json_text(symbols::symbols(
                         &checked.tree.items,
                         &checked.symbols,
                         &lines,
@@ -291,23 +293,38 @@ impl Query {
             "textDocument/semanticTokens/full" => {
                 let it: SemanticTokensParams = params(raw)?;
                 Query::new(&it.text_document.uri.0, Needs::Recent, |context| {
-                    value(json!({ "data": tokens::tokens(context.own()?) }))
+                    let data = tokens::tokens(context.own()?, &(0..usize::MAX));
+                    json_text(SemanticTokens {
+                        result_id: None,
+                        data,
+                    })
+                })
+            }
+            "textDocument/semanticTokens/range" => {
+                let it: SemanticTokensRangeParams = params(raw)?;
+                Query::new(&it.text_document.uri.0, Needs::Recent, move |context| {
+                    let analysis = context.own()?;
+                    let within = analysis.lines(FileId(0)).offsets(it.range);
+                    let data = tokens::tokens(analysis, &within);
+                    json_text(SemanticTokens {
+                        result_id: None,
+                        data,
+                    })
                 })
             }
             "textDocument/inlayHint" => {
                 let it: InlayHintParams = params(raw)?;
                 Query::new(&it.text_document.uri.0, Needs::Recent, move |context| {
                     let analysis = context.own()?;
-                    let lines = analysis.lines(FileId(0));
-                    let within = lines.offset(it.range.start)..lines.offset(it.range.end) + 1;
-                    value(hints::hints(analysis, &within))
+                    let within = analysis.lines(FileId(0)).offsets(it.range);
+                    json_text(hints::hints(analysis, &within))
                 })
             }
             "textDocument/foldingRange" => {
                 let it: FoldingRangeParams = params(raw)?;
                 Query::new(&it.text_document.uri.0, Needs::Text, |context| {
                     let document = context.documents.get(&context.path).ok_or_else(not_open)?;
-                    value(folding::ranges(&document.program_text(context.encoding)))
+                    json_text(folding::ranges(&document.program_text(context.encoding)))
                 })
             }
             "textDocument/documentLink" => {
@@ -318,22 +335,22 @@ impl Query {
                         let target = context.documents.uri(analysis.path(file));
                         json!({ "range": analysis.range(path), "target": target })
                     });
-                    value(links.collect::<Vec<Value>>())
+                    json_text(links.collect::<Vec<Value>>())
                 })
             }
             "textDocument/codeLens" => {
                 let it: CodeLensParams = params(raw)?;
                 Query::new(&it.text_document.uri.0, Needs::Recent, |context| {
                     let uri = context.documents.uri(&context.path);
-                    value(lenses::lenses(context.own()?, &uri))
+                    json_text(lenses::lenses(context.own()?, &uri))
                 })
             }
             "textDocument/diagnostic" => {
                 let it: DocumentDiagnosticParams = params(raw)?;
-                Query::new(&it.text_document.uri.0, Needs::Own, |context| {
+                Query::new(&it.text_document.uri.0, Needs::Recent, |context| {
                     let path = &context.path;
                     let mut all = diagnostics::of(context.own()?, path, &context.documents);
-                    value(json!({ "kind": "full", "items": all.remove(path) }))
+                    json_text(json!({ "kind": "full", "items": all.remove(path) }))
                 })
             }
             "workspace/symbol" => {
@@ -344,7 +361,7 @@ impl Query {
                     has_edits: false,
                     answer: Box::new(move |context| {
                         let all = context.all();
-                        value(symbols::in_workspace(&all, &it.query, &context.documents))
+                        json_text(symbols::in_workspace(&all, &it.query, &context.documents))
                     }),
                 }
             }
@@ -357,7 +374,7 @@ impl Query {
             "textDocument/formatting" => {
                 let it: DocumentFormattingParams = params(raw)?;
                 Query::new(&it.text_document.uri.0, Needs::Text, |context| {
-                    value(formatted(context)?)
+                    json_text(formatted(context)?)
                 })
             }
             "textDocument/rangeFormatting" => {
@@ -366,17 +383,16 @@ impl Query {
                     let lines = it.range.start.line..=it.range.end.line;
                     let mut edits = formatted(context)?;
                     edits.retain(|edit| lines.contains(&edit.range.start.line));
-                    value(edits)
+                    json_text(edits)
                 })
             }
             "textDocument/codeAction" => {
                 let it: CodeActionParams = params(raw)?;
-                Query::new(&it.text_document.uri.0, Needs::Own, move |context| {
+                Query::new(&it.text_document.uri.0, Needs::Recent, move |context| {
                     let analysis = context.own()?;
-                    let lines = analysis.lines(FileId(0));
-                    let between = (lines.offset(it.range.start), lines.offset(it.range.end));
+                    let within = analysis.lines(FileId(0)).offsets(it.range);
                     let (path, documents) = (&context.path, &context.documents);
-                    value(actions::actions(analysis, path, between, documents))
+                    json_text(actions::actions(analysis, path, &within, documents))
                 })
                 .with_edits()
             }
@@ -403,9 +419,9 @@ fn references(
     analysis: &Analysis,
     at: usize,
     with_declaration: bool,
-) -> Result<Value, RequestFailure> {
+) -> Result<String, RequestFailure> {
     let Some(name) = analysis.name_at(at) else {
-        return value(json!([]));
+        return json_text(json!([]));
     };
     let all = context.all();
     let span = name.location.span;
@@ -421,5 +437,5 @@ fn references(
         let is_included = with_declaration || !name.declares;
         is_included.then(|| analysis.location(name.location, &context.documents))
     });
-    value(found.collect::<Vec<Location>>())
+    json_text(found.collect::<Vec<Location>>())
 }

@@ -22,18 +22,17 @@ use crate::workspace::position::Encoding;
 use crate::workspace::programs::{Knowledge, Programs};
 use crate::workspace::uri;
 
-/// Analyses that a request needs, and whether they belong to the current text.
-type NeededPrograms = (Vec<Arc<Analysis>>, Age);
-
 /// Idle time before a changed text is checked in the background.
 const PAUSE: Duration = Duration::from_millis(120);
+
+const REFRESH_DIAGNOSTICS: &str = "workspace/diagnostic/refresh";
 
 /// Capabilities of clients for refreshes, each with the request for the refresh.
 const REFRESHES: [(&str, &str); 4] = [
     ("semanticTokens", "workspace/semanticTokens/refresh"),
     ("inlayHint", "workspace/inlayHint/refresh"),
     ("codeLens", "workspace/codeLens/refresh"),
-    ("diagnostics", "workspace/diagnostic/refresh"),
+    ("diagnostics", REFRESH_DIAGNOSTICS),
 ];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,14 +76,7 @@ struct PendingRequest {
     work: Work,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Age {
-    Current,
-    /// The texts have changed since.
-    Outdated,
-}
-
-/// State of the work on a request.
+/// Progress of a request.
 enum Work {
     /// The request waits for analyses of programs.
     Waiting(RequestHandler),
@@ -147,7 +139,7 @@ impl<W: Write> Server<W> {
                 Ok(ServerEvent::Incoming(Incoming::Message(message))) => self.message(message),
                 Ok(ServerEvent::Incoming(Incoming::Garbage(why))) => {
                     let failure = RequestFailure::new(Reason::ParseError, why);
-                    self.send(&wire::answer(&Value::Null, Err(failure)));
+                    self.respond(&Value::Null, Err(failure));
                 }
                 Ok(ServerEvent::Done(job, done)) => self.done(job, done),
                 Err(RecvTimeoutError::Timeout) => {
@@ -182,7 +174,7 @@ impl<W: Write> Server<W> {
             return;
         }
         let result = match (method.as_str(), self.stage) {
-            ("initialize", SessionStage::Begun) => Ok(self.initialize(&params)),
+            ("initialize", SessionStage::Begun) => Ok(self.initialize(&params).to_string()),
             (_, SessionStage::Begun) => Err(RequestFailure::new(
                 Reason::ServerNotInitialized,
                 "`initialize` comes first",
@@ -192,7 +184,7 @@ impl<W: Write> Server<W> {
                 self.jobs.cancel_all();
                 self.programs = Programs::default();
                 self.fail(|_| true, &RequestFailure::cancelled());
-                Ok(Value::Null)
+                Ok("null".to_owned())
             }
             ("initialize", SessionStage::Serving) | (_, SessionStage::Leaving) => Err(
                 RequestFailure::new(Reason::InvalidRequest, format!("too late for `{method}`")),
@@ -212,11 +204,15 @@ impl<W: Write> Server<W> {
                 Err(failure) => Err(failure),
             },
         };
-        self.send(&wire::answer(&id, result));
+        self.respond(&id, result);
     }
 
     fn query(&self, method: &str, params: Value) -> Result<Query, RequestFailure> {
-        let query = Query::parse(method, params)?;
+        let mut query = Query::parse(method, params)?;
+        // Without a refresh, the client would keep outdated diagnostics.
+        if method == "textDocument/diagnostic" && !self.refreshes.contains(&REFRESH_DIAGNOSTICS) {
+            query.needs = Needs::Own;
+        }
         if query.path.is_empty() || self.documents.is_open(&query.path) {
             Ok(query)
         } else {
@@ -266,7 +262,7 @@ impl<W: Write> Server<W> {
             if let Work::Running(job) = request.work {
                 self.jobs.cancel(job);
             }
-            self.send(&wire::answer(&request.id, Err(why.clone())));
+            self.respond(&request.id, Err(why.clone()));
         }
     }
 
@@ -281,7 +277,7 @@ impl<W: Write> Server<W> {
                 Some(Done::Answered(result)) => self.compared_with_disk(&request, result),
                 _ => Err(failed(&request.method)),
             };
-            self.send(&wire::answer(&request.id, result));
+            self.respond(&request.id, result);
             return;
         }
         let checked = match done {
@@ -303,10 +299,9 @@ impl<W: Write> Server<W> {
     fn compared_with_disk(
         &mut self,
         request: &PendingRequest,
-        result: Result<Value, RequestFailure>,
-    ) -> Result<Value, RequestFailure> {
-        let is_empty = |answer: &Value| answer.as_array().is_some_and(Vec::is_empty);
-        if !request.has_edits || result.as_ref().map_or(true, is_empty) {
+        result: Result<String, RequestFailure>,
+    ) -> Result<String, RequestFailure> {
+        if !request.has_edits || result.as_ref().map_or(true, |answer| answer == "[]") {
             return result;
         }
         let outdated = self.changed_on_disk();
@@ -323,19 +318,19 @@ impl<W: Write> Server<W> {
         for mut request in std::mem::take(&mut self.requests) {
             if let Work::Waiting(answer) = request.work {
                 request.work = match self.needed(&request.path, request.needs) {
-                    Some(Ok((programs, age))) if self.jobs.has_room(JobTrigger::Requested) => {
-                        match self.work_out(request.path.clone(), programs, age, answer) {
+                    Some(Ok(programs)) if self.jobs.has_room(JobTrigger::Requested) => {
+                        match self.work_out(request.path.clone(), programs, answer) {
                             Some(job) => Work::Running(job),
                             None => {
                                 let why = failed(&request.method);
-                                self.send(&wire::answer(&request.id, Err(why)));
+                                self.respond(&request.id, Err(why));
                                 continue;
                             }
                         }
                     }
                     Some(Err(())) => {
                         let why = failed(&request.method);
-                        self.send(&wire::answer(&request.id, Err(why)));
+                        self.respond(&request.id, Err(why));
                         continue;
                     }
                     Some(Ok(_)) | None => Work::Waiting(answer),
@@ -350,7 +345,7 @@ impl<W: Write> Server<W> {
     ///
     /// Returns `None` if a check must run first. The check starts as soon as another job is
     /// allowed.
-    fn needed(&mut self, path: &str, needs: Needs) -> Option<Result<NeededPrograms, ()>> {
+    fn needed(&mut self, path: &str, needs: Needs) -> Option<Result<Vec<Arc<Analysis>>, ()>> {
         let paths: Vec<String> = match needs {
             Needs::Text => Vec::new(),
             Needs::Own | Needs::Recent => vec![path.to_owned()],
@@ -373,33 +368,27 @@ impl<W: Write> Server<W> {
                     if needs == Needs::Recent
                         && let Some(last) = self.programs.last(&path)
                     {
-                        return Some(Ok((vec![last], Age::Outdated)));
+                        return Some(Ok(vec![last]));
                     }
                     self.check(&path, JobTrigger::Requested);
                     programs = None;
                 }
             }
         }
-        programs.map(|programs| Ok((programs, Age::Current)))
+        programs.map(Ok)
     }
 
     /// Starts a job that computes a response. Returns `None` if no thread is available.
     fn work_out(
         &mut self,
         path: String,
-        mut programs: Vec<Arc<Analysis>>,
-        age: Age,
+        programs: Vec<Arc<Analysis>>,
         answer: RequestHandler,
     ) -> Option<JobId> {
         let (documents, encoding) = (self.documents.clone(), self.encoding);
         let job = self.jobs.start(move |cancellation| {
-            if age == Age::Outdated
-                && let Some(document) = documents.get(&path)
-            {
-                let text = document.program_text(encoding);
-                programs = (programs.iter())
-                    .map(|it| Arc::new(it.for_newer(text.clone())))
-                    .collect();
+            if let (Some(own), Some(document)) = (programs.first(), documents.get(&path)) {
+                own.set_newer(|| document.program_text(encoding));
             }
             let context = RequestContext {
                 path,
@@ -413,12 +402,14 @@ impl<W: Write> Server<W> {
         job.ok()
     }
 
-    /// Returns a program to check in the background, if another job is allowed.
+    /// Returns a program to check in the background, if another job is allowed. Running requests
+    /// end first.
     fn unchecked(&self) -> Option<String> {
+        let is_running = |request: &PendingRequest| matches!(request.work, Work::Running(_));
+        let may_start =
+            !self.requests.iter().any(is_running) && self.jobs.has_room(JobTrigger::Background);
         let unchecked = self.programs.unchecked();
-        unchecked
-            .filter(|_| self.jobs.has_room(JobTrigger::Background))
-            .cloned()
+        unchecked.filter(|_| may_start).cloned()
     }
 
     fn check(&mut self, path: &str, trigger: JobTrigger) {
@@ -481,6 +472,7 @@ impl<W: Write> Server<W> {
                 "semanticTokensProvider": {
                     "legend": { "tokenTypes": tokens::TYPES, "tokenModifiers": tokens::MODIFIERS },
                     "full": true,
+                    "range": true,
                 },
             },
             "serverInfo": { "name": "stochc", "version": env!("CARGO_PKG_VERSION") },
@@ -561,7 +553,15 @@ impl<W: Write> Server<W> {
         }));
     }
 
+    fn respond(&mut self, id: &Value, result: Result<String, RequestFailure>) {
+        self.write(&wire::answer(id, result));
+    }
+
     fn send(&mut self, message: &Value) {
+        self.write(&message.to_string());
+    }
+
+    fn write(&mut self, message: &str) {
         self.disconnected |= wire::write(&mut self.output, message).is_err();
     }
 }

@@ -84,8 +84,7 @@ fn body(input: &mut impl BufRead) -> io::Result<Vec<u8>> {
 /// # Errors
 ///
 /// Errors of the stream, such as a disconnected client.
-pub fn write(output: &mut impl Write, message: &Value) -> io::Result<()> {
-    let body = message.to_string();
+pub fn write(output: &mut impl Write, body: &str) -> io::Result<()> {
     write!(output, "Content-Length: {}\r\n\r\n{body}", body.len())?;
     output.flush()
 }
@@ -135,12 +134,13 @@ impl From<Cancelled> for RequestFailure {
     }
 }
 
-pub fn answer(id: &Value, result: Result<Value, RequestFailure>) -> Value {
+/// Returns a response. Its result is JSON.
+pub fn answer(id: &Value, result: Result<String, RequestFailure>) -> String {
     match result {
-        Ok(result) => json!({ "jsonrpc": "2.0", "id": id, "result": result }),
+        Ok(result) => format!(r#"{{"jsonrpc":"2.0","id":{id},"result":{result}}}"#),
         Err(failure) => {
             let error = json!({ "code": failure.reason as i32, "message": failure.message });
-            json!({ "jsonrpc": "2.0", "id": id, "error": error })
+            json!({ "jsonrpc": "2.0", "id": id, "error": error }).to_string()
         }
     }
 }

@@ -172,17 +172,19 @@ fn programs_have_lenses_with_critical_path_and_simulation() {
 /// program. Their positions are those of the edited text.
 #[test]
 fn a_long_program_is_answered_during_its_check() {
-    let captures = |i: usize| format!("        S.up -> A{i}  release A{i}\n");
-    let body: String = (0..800).map(captures).collect();
+    let capture = |i: usize| format!("        A{i}.up -> A{}\n", i + 1);
+    let body: String = (0..800).map(capture).collect();
     let text = format!(
-        "assembly long in hemisphere {{\n    seed plate 1 x 1 {{ S at (0, 0) }}\n    phase p {{\n{body}    }}\n}}\n"
+        "assembly long in hemisphere {{\n    seed plate 1 x 1 {{ A0 at (0, 0) }}\n    phase p {{\n{body}    }}\n}}\n\
+         assembly b in hemispher {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A }} }}\n"
     );
     let refresh = json!({ "refreshSupport": true });
     let mut client = Client::with(json!({
-        "workspace": { "inlayHint": refresh, "semanticTokens": {}, "codeLens": refresh },
+        "textDocument": { "diagnostic": {} },
+        "workspace": { "inlayHint": refresh, "semanticTokens": {}, "diagnostics": refresh },
     }));
     client.open(URI, &text);
-    client.diagnostics(URI);
+    client.ask("textDocument/diagnostic", document());
     // The check of these loops takes seconds.
     let loops = "for i in 1..1000 { for j in 1..8000 { } }";
     let seeds = "seed plate 1 x 1 { M at (0, 0) }";
@@ -199,20 +201,20 @@ fn a_long_program_is_answered_during_its_check() {
         }),
     );
     let slow = client.request(
-        "textDocument/definition",
+        "textDocument/prepareRename",
         json!({ "textDocument": { "uri": URI }, "position": start }),
     );
     let place =
-        json!({ "textDocument": { "uri": URI }, "position": { "line": 104, "character": 16 } });
+        json!({ "textDocument": { "uri": URI }, "position": { "line": 104, "character": 17 } });
     let hover = client.ask("textDocument/hover", place.clone());
     assert!(
         hover["result"]["contents"]["value"]
             .as_str()
             .unwrap()
-            .contains("**`A1`**"),
+            .contains("**`A2`**"),
         "{hover}"
     );
-    assert_eq!(shown(&hover["result"]["range"]), "104:16-104:18");
+    assert_eq!(shown(&hover["result"]["range"]), "104:17-104:19");
     let symbols = client.ask("textDocument/documentSymbol", document());
     assert_eq!(
         shown(&symbols["result"][0]["selectionRange"]),
@@ -220,15 +222,55 @@ fn a_long_program_is_answered_during_its_check() {
     );
     let tokens = client.ask("textDocument/semanticTokens/full", document());
     assert!(tokens["result"]["data"].as_array().unwrap().len() > 4000);
-    let completion = client.ask("textDocument/completion", place);
-    assert!(completion["result"].is_array(), "{completion}");
+    let mut range = json!({ "textDocument": { "uri": URI } });
+    range["range"] =
+        json!({ "start": { "line": 103, "character": 0 }, "end": { "line": 104, "character": 0 } });
+    let tokens = client.ask("textDocument/semanticTokens/range", range.clone());
+    assert_eq!(tokens["result"]["data"].as_array().unwrap().len(), 2 * 5);
+    let completion = client.ask("textDocument/completion", place.clone());
+    assert!(completion["result"]["items"].is_array(), "{completion}");
+    let definition = client.ask("textDocument/definition", place.clone());
+    assert_eq!(shown(&definition["result"][0]["range"]), "104:17-104:19");
+    let unknown_scene = |client: &mut Client| {
+        let found = client.ask("textDocument/diagnostic", document());
+        let found = found["result"]["items"].as_array().unwrap().iter();
+        let mut places = found.filter(|it| it["code"] == "unknown-scene");
+        places.next().map(|it| it["range"].clone())
+    };
+    range["range"] = unknown_scene(&mut client).unwrap();
+    assert_eq!(shown(&range["range"]), "905:14-905:23");
+    range["context"] = json!({ "diagnostics": [] });
+    let action = &client.ask("textDocument/codeAction", range.clone())["result"][0];
+    let edit = &action["edit"]["changes"][URI][0];
+    assert_eq!(shown(&edit["range"]), "905:14-905:23");
     client.notify("$/cancelRequest", json!({ "id": slow }));
     client.answer(&json!(slow));
-    // After the check, the client is asked to repeat its requests.
+
+    // An edited name has no hover text, no fix and no diagnostic before the next check.
+    for (version, range) in [
+        (3, hover["result"]["range"].clone()),
+        (4, range["range"].clone()),
+    ] {
+        client.notify(
+            "textDocument/didChange",
+            json!({
+                "textDocument": { "uri": URI, "version": version },
+                "contentChanges": [{ "range": range, "text": "" }],
+            }),
+        );
+    }
+    let hover = client.ask("textDocument/hover", place);
+    assert_eq!(hover["result"], Value::Null);
+    let actions = client.ask("textDocument/codeAction", range);
+    assert_eq!(actions["result"], json!([]));
+    assert_eq!(unknown_scene(&mut client), None);
+
+    // All edits and requests need a single check. After it, the client is asked to repeat its
+    // requests.
     client.notify(
         "textDocument/didChange",
         json!({
-            "textDocument": { "uri": URI, "version": 3 },
+            "textDocument": { "uri": URI, "version": 5 },
             "contentChanges": [{ "text": text }],
         }),
     );
@@ -236,8 +278,16 @@ fn a_long_program_is_answered_during_its_check() {
     requests.sort();
     assert_eq!(
         requests,
-        ["workspace/codeLens/refresh", "workspace/inlayHint/refresh"]
+        [
+            "workspace/diagnostic/refresh",
+            "workspace/inlayHint/refresh"
+        ]
     );
+    client.ask(
+        "textDocument/prepareRename",
+        json!({ "textDocument": { "uri": URI }, "position": start }),
+    );
+    assert!(client.requests_of_server().is_empty());
 }
 
 /// Returns the completions offered before `|`.
@@ -245,8 +295,8 @@ fn offered(text: &str) -> Vec<String> {
     let plain = text.replace('|', "");
     let mut params = place(URI, text, "|", 0);
     params["context"] = json!({ "triggerKind": 1 });
-    let items = ask(&plain, "completion", params);
-    let items = items.as_array().unwrap().iter();
+    let completions = ask(&plain, "completion", params);
+    let items = completions["items"].as_array().unwrap().iter();
     items
         .map(|item| item["label"].as_str().unwrap().to_owned())
         .collect()

@@ -156,8 +156,8 @@ fn hover_explains_the_clauses_of_a_scene() {
         }
     }
     let mut offered = |words: &str| -> Vec<String> {
-        let items = ask("completion", words);
-        let items = items.as_array().unwrap().iter();
+        let completions = ask("completion", words);
+        let items = completions["items"].as_array().unwrap().iter();
         items
             .map(|item| item["label"].as_str().unwrap().to_owned())
             .collect()

@@ -1,5 +1,6 @@
 //! Code actions that fix diagnostics.
 use std::collections::HashMap;
+use std::ops::Range;
 
 use gen_lsp_types::{CodeAction, CodeActionKind, TextEdit, Uri, WorkspaceEdit};
 use stochc_compiler::diagnostic::{Diagnostic, Fix};
@@ -8,11 +9,12 @@ use super::diagnostics::lsp_diagnostic;
 use crate::workspace::analysis::Analysis;
 use crate::workspace::documents::Documents;
 
-/// Returns the fixes of diagnostics between two bytes of a program's file.
+/// Returns the fixes of diagnostics in a range of bytes of a program's file. Excludes fixes that an
+/// edit after the analysis may have made wrong.
 pub fn actions(
     analysis: &Analysis,
     path: &str,
-    (start, end): (usize, usize),
+    within: &Range<usize>,
     documents: &Documents,
 ) -> Vec<CodeAction> {
     let file = analysis.file(path);
@@ -20,13 +22,17 @@ pub fn actions(
         diagnostic.labels.iter().any(|label| {
             let span = label.location.span;
             Some(label.location.file) == file
-                && span.start as usize <= end
-                && start <= span.end as usize
+                && (span.start as usize) < within.end
+                && within.start <= span.end as usize
         })
     };
     let diagnostics = analysis.checked.diagnostics.iter().filter(is_near);
     diagnostics
         .filter_map(|diagnostic| Some((diagnostic, diagnostic.fix.as_ref()?)))
+        .filter(|(_, fix)| {
+            let mut edits = fix.edits.iter();
+            !analysis.has_old_imports && edits.all(|edit| analysis.is_unchanged(edit.location))
+        })
         .map(|(diagnostic, fix)| CodeAction {
             title: fix.title.clone(),
             kind: Some(CodeActionKind::QuickFix),
@@ -86,7 +92,7 @@ mod tests {
         let checked = std::sync::Arc::get_mut(&mut analysis.checked).unwrap();
         checked.diagnostics = vec![diagnostic.clone().fix(fix), diagnostic];
 
-        let found = actions(&analysis, &path, (15, 15), &documents);
+        let found = actions(&analysis, &path, &(15..16), &documents);
         assert_eq!(found.len(), 1);
         let action = serde_json::to_value(&found[0]).unwrap();
         assert_eq!(action["title"], "call it `m`");
@@ -95,6 +101,6 @@ mod tests {
         assert_eq!(edit["newText"], "m");
         assert_eq!(edit["range"]["start"]["line"], 1);
         assert_eq!(edit["range"]["start"]["character"], 4);
-        assert_eq!(actions(&analysis, &path, (0, 3), &documents), []);
+        assert_eq!(actions(&analysis, &path, &(0..4), &documents), []);
     }
 }

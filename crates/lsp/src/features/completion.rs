@@ -30,10 +30,14 @@ const PLACES: [NameKind; 5] = [
 ];
 
 /// Returns the words that are allowed at a byte. `line` is the text of its line up to this byte.
-pub fn completions(analysis: &Analysis, at: usize, line: &str) -> Vec<Value> {
-    if let Some(items) = scene::completions(analysis, at) {
-        return items;
-    }
+pub fn completions(analysis: &Analysis, at: usize, line: &str) -> Value {
+    let items = scene::completions(analysis, at).unwrap_or_else(|| words(analysis, line));
+    // Makes the client repeat the request for further characters.
+    json!({ "isIncomplete": items.len() >= MAX_NAMES, "items": items })
+}
+
+/// Returns the words that are allowed at the end of a line, outside of scenes.
+fn words(analysis: &Analysis, line: &str) -> Vec<Value> {
     let before = line.trim_end_matches(|c: char| c.is_ascii_alphanumeric() || c == '_');
     let last = parts(before).last().map(|part| part.kind);
     let is_string = last == Some(PartKind::String { is_closed: false });
@@ -46,30 +50,31 @@ pub fn completions(analysis: &Analysis, at: usize, line: &str) -> Vec<Value> {
             .map(|face| item(face.word(), ENUM_MEMBER, "face"))
             .collect();
     }
+    let names = |kinds: &[NameKind]| names(analysis, kinds, &line[before.len()..]);
     let mut words = before.split_whitespace();
     let first = words.clone().next().unwrap_or_default();
     match words.next_back() {
         None => {
             let kinds = [PLACES.as_slice(), &[NameKind::Pattern]].concat();
             let keywords = BEGINNINGS.map(|word| item(word, KEYWORD, "keyword"));
-            [names(analysis, &kinds), keywords.into()].concat()
+            [names(&kinds), keywords.into()].concat()
         }
         // A new name follows.
         Some(
             "aggregate" | "as" | "assembly" | "for" | "let" | "pattern" | "phase" | "scene"
             | "shape",
         ) => Vec::new(),
-        Some("in") if first == "for" => names(analysis, &PLACES[2..]),
+        Some("in") if first == "for" => names(&PLACES[2..]),
         Some("in" | "from") => {
             let built_in = BUILT_IN.map(|(name, _)| item(name, CLASS, "built-in scene"));
-            [names(analysis, &[NameKind::Scene]), built_in.into()].concat()
+            [names(&[NameKind::Scene]), built_in.into()].concat()
         }
-        Some("yields") => names(analysis, &[NameKind::Shape]),
-        Some("after" | "release") => names(analysis, &PLACES),
-        Some(word) if word.ends_with(['>', ',', '(', '[', '=']) => names(analysis, &PLACES),
+        Some("yields") => names(&[NameKind::Shape]),
+        Some("after" | "release") => names(&PLACES),
+        Some(word) if word.ends_with(['>', ',', '(', '[', '=']) => names(&PLACES),
         Some(word) if word.ends_with(['{', '}']) => {
             let kinds = [PLACES.as_slice(), &[NameKind::Pattern]].concat();
-            names(analysis, &kinds)
+            names(&kinds)
         }
         Some(_) => CONTINUATIONS
             .map(|word| item(word, KEYWORD, "keyword"))
@@ -77,19 +82,27 @@ pub fn completions(analysis: &Analysis, at: usize, line: &str) -> Vec<Value> {
     }
 }
 
-/// Returns the program's names of some kinds, each word once.
-fn names(analysis: &Analysis, kinds: &[NameKind]) -> Vec<Value> {
+/// Returns the program's names of some kinds, each word once. If there are too many, words with the
+/// prefix are preferred.
+fn names(analysis: &Analysis, kinds: &[NameKind], prefix: &str) -> Vec<Value> {
     let (names, symbols) = (&analysis.names, &analysis.checked.symbols);
-    let mut found: BTreeMap<&str, NameKind> = BTreeMap::new();
+    let mut found: BTreeMap<(bool, &str), NameKind> = BTreeMap::new();
     for name in names.all() {
         let kind = names.kind(name.definition);
-        if kinds.contains(&kind) {
-            found
-                .entry(symbols.word(names.word(name.definition)))
-                .or_insert(kind);
+        if !kinds.contains(&kind) {
+            continue;
+        }
+        let word = symbols.word(names.word(name.definition));
+        let key = (!word.starts_with(prefix), word);
+        if found.len() < MAX_NAMES {
+            found.entry(key).or_insert(kind);
+        } else if found.last_key_value().is_some_and(|(last, _)| key < *last)
+            && found.insert(key, kind).is_none()
+        {
+            found.pop_last();
         }
     }
-    let shown = found.into_iter().take(MAX_NAMES).map(|(word, kind)| {
+    let shown = found.into_iter().map(|((_, word), kind)| {
         let shown_as = match kind {
             NameKind::Pattern => FUNCTION,
             NameKind::Shape | NameKind::Scene => CLASS,

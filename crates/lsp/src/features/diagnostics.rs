@@ -10,8 +10,8 @@ use stochc_compiler::diagnostic::{Diagnostic, Severity, visible};
 use crate::workspace::analysis::Analysis;
 use crate::workspace::documents::Documents;
 
-/// Returns the diagnostics of a program by file path. The result always contains the program's own
-/// file.
+/// Returns the diagnostics of a program by file path, except for text that was edited after the
+/// analysis. The result always contains the program's own file.
 pub fn of(
     analysis: &Analysis,
     path: &str,
@@ -19,8 +19,11 @@ pub fn of(
 ) -> BTreeMap<String, Vec<LspDiagnostic>> {
     let mut all = BTreeMap::from([(path.to_owned(), Vec::new())]);
     for diagnostic in &analysis.checked.diagnostics {
-        let file =
-            (diagnostic.labels.first()).map_or(path, |label| analysis.path(label.location.file));
+        let location = diagnostic.labels.first().map(|label| label.location);
+        if location.is_some_and(|location| !analysis.is_unchanged(location)) {
+            continue;
+        }
+        let file = location.map_or(path, |location| analysis.path(location.file));
         let diagnostic = lsp_diagnostic(diagnostic, analysis, documents);
         all.entry(file.to_owned()).or_default().push(diagnostic);
     }

@@ -24,8 +24,7 @@ pub fn hints(analysis: &Analysis, within: &Range<usize>) -> Vec<Value> {
             if !is_capture || location.file != FileId(0) || !within.contains(&end) {
                 continue;
             }
-            let range = lines.range(location.span);
-            if range.start == range.end {
+            if !analysis.is_unchanged(location) {
                 continue;
             }
             let text = sources.text(location);
@@ -39,15 +38,18 @@ pub fn hints(analysis: &Analysis, within: &Range<usize>) -> Vec<Value> {
                 .or_insert(Some((number, id)));
         }
     }
+    let mut waits: BTreeMap<usize, BTreeMap<EventId, f64>> = BTreeMap::new();
     let hints = found.into_iter().filter_map(|(at, capture)| {
         let (program, event) = capture?;
         let cells = &analysis.checked.programs[program].layout.cells;
         let mut label = cells.get(event.0 as usize)?.as_ref()?.to_string();
-        if let Some(cost) = analysis.cost(program)
-            && let Some(it) = cost.captures.iter().find(|it| it.event == event)
-        {
-            let (bound, wait) = (cost.lower_bound.prefix(), number(it.wait.round()));
-            label.push_str(&format!(", {bound}{wait} ticks"));
+        if let Some(cost) = analysis.cost(program) {
+            let captures = cost.captures.iter().map(|it| (it.event, it.wait));
+            let waits = (waits.entry(program)).or_insert_with(|| captures.collect());
+            if let Some(wait) = waits.get(&event) {
+                let (bound, wait) = (cost.lower_bound.prefix(), number(wait.round()));
+                label.push_str(&format!(", {bound}{wait} ticks"));
+            }
         }
         Some(json!({ "position": lines.position(at), "label": label, "paddingLeft": true }))
     });

@@ -1,4 +1,7 @@
 //! Semantic tokens: the kind of each name.
+use std::ops::Range;
+
+use gen_lsp_types::SemanticToken;
 use stochc_compiler::FileId;
 use stochc_compiler::names::NameKind;
 
@@ -8,16 +11,23 @@ pub const TYPES: [&str; 4] = ["type", "function", "parameter", "variable"];
 
 pub const MODIFIERS: [&str; 2] = ["declaration", "readonly"];
 
-/// Returns the names of the program's own file, five numbers each, as the protocol encodes them.
-pub fn tokens(analysis: &Analysis) -> Vec<u32> {
+/// Returns the names in a range of bytes of the program's own file.
+pub fn tokens(analysis: &Analysis, within: &Range<usize>) -> Vec<SemanticToken> {
     let lines = analysis.lines(FileId(0));
     let mut data = Vec::new();
     let (mut line, mut character) = (0, 0);
     let mut free = 0;
-    for name in analysis.names.all() {
+    let names = analysis.names.all();
+    let first = names.partition_point(|name| {
+        name.location.file == FileId(0) && (name.location.span.end as usize) < within.start
+    });
+    for name in &names[first..] {
         let span = name.location.span;
+        if name.location.file != FileId(0) || span.start as usize >= within.end {
+            break;
+        }
         // A name in a pattern may be several definitions.
-        if name.location.file != FileId(0) || span.start < free || span.is_empty() {
+        if span.start < free || span.is_empty() {
             continue;
         }
         free = span.end;
@@ -38,11 +48,13 @@ pub fn tokens(analysis: &Analysis) -> Vec<u32> {
         if start.line > line {
             character = 0;
         }
-        let length = range.end.character - start.character;
-        let modifiers = u32::from(name.declares) + 2 * u32::from(is_constant);
-        let position = [start.line - line, start.character - character];
-        data.extend(position);
-        data.extend([length, kind, modifiers]);
+        data.push(SemanticToken {
+            delta_line: start.line - line,
+            delta_start: start.character - character,
+            length: range.end.character - start.character,
+            token_type: kind,
+            token_modifiers_bitset: u32::from(name.declares) + 2 * u32::from(is_constant),
+        });
         (line, character) = (start.line, start.character);
     }
     data

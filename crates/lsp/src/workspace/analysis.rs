@@ -28,8 +28,10 @@ pub struct Analysis {
     lines: Arc<Vec<Vec<usize>>>,
     /// Estimated times of each program, computed on demand.
     costs: Arc<Vec<OnceLock<Option<Cost>>>>,
-    /// Newer text of the program's own file. `None` if the analysis is up to date.
-    newer: Option<Arc<NewerText>>,
+    /// Newer text of the program's own file, set on demand. `None` if the analysis is up to date.
+    newer: Option<Arc<OnceLock<NewerText>>>,
+    /// Whether imported files may have changed since the analysis.
+    pub has_old_imports: bool,
 }
 
 /// Text of a file that was edited after its analysis.
@@ -64,23 +66,40 @@ impl Analysis {
             lines: Arc::new(lines),
             costs: Arc::new(costs),
             newer: None,
+            has_old_imports: false,
         })
     }
 
-    /// Returns this analysis for a newer text of the program's own file. Bytes still count in the
-    /// old text, and positions count in the new one.
-    pub fn for_newer(&self, text: String) -> Analysis {
-        let files = self.checked.sources.files();
-        let change = Change::between(files.first().map_or("", |file| &file.text), &text);
-        let newer = NewerText {
-            lines: line_starts(&text),
-            text,
-            change,
-        };
+    /// Returns this analysis for a newer text of the program's own file or of an imported file. Bytes
+    /// still count in the old text, and positions count in the new one.
+    pub fn outdated(&self, is_own_text: bool) -> Analysis {
         Analysis {
-            newer: Some(Arc::new(newer)),
+            newer: Some(Arc::default()),
+            has_old_imports: self.has_old_imports || !is_own_text,
             ..self.clone()
         }
+    }
+
+    /// Sets the newer text of an outdated analysis, if it is not set.
+    pub fn set_newer(&self, text: impl FnOnce() -> String) {
+        let Some(newer) = &self.newer else {
+            return;
+        };
+        newer.get_or_init(|| {
+            let (files, text) = (self.checked.sources.files(), text());
+            NewerText {
+                lines: line_starts(&text),
+                change: Change::between(files.first().map_or("", |file| &file.text), &text),
+                text,
+            }
+        });
+    }
+
+    /// Returns whether the text of a location in the program's own file is the same as at the
+    /// analysis.
+    pub fn is_unchanged(&self, location: SourceLocation) -> bool {
+        let newer = self.newer.as_ref().and_then(|newer| newer.get());
+        newer.is_none_or(|newer| location.file != FileId(0) || !newer.change.touches(location.span))
     }
 
     /// Returns whether a check of the program takes so long that requests should not wait for it.
@@ -111,7 +130,8 @@ impl Analysis {
     }
 
     pub fn lines(&self, file: FileId) -> LineIndex<'_> {
-        if let Some(newer) = self.newer.as_ref().filter(|_| file == FileId(0)) {
+        let newer = self.newer.as_ref().filter(|_| file == FileId(0));
+        if let Some(newer) = newer.and_then(|newer| newer.get()) {
             let lines = LineIndex::known(&newer.text, newer.lines.as_slice(), self.encoding);
             return lines.changed(newer.change);
         }
@@ -132,9 +152,10 @@ impl Analysis {
     }
 
     /// Returns the name at a byte of the program's own file. Returns `None` if the byte is not part
-    /// of a name.
+    /// of a name, or if the name was edited after the analysis.
     pub fn name_at(&self, at: usize) -> Option<&Occurrence> {
-        self.names.at(FileId(0), at as u32)
+        let name = self.names.at(FileId(0), at as u32);
+        name.filter(|name| self.is_unchanged(name.location))
     }
 }
 

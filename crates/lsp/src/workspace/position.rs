@@ -64,6 +64,13 @@ impl Change {
         }
     }
 
+    /// Returns whether a span of the old text contains a difference, or borders on one.
+    pub fn touches(self, span: Span) -> bool {
+        self.start < self.old_end.max(self.new_end)
+            && span.start as usize <= self.old_end
+            && self.start <= span.end as usize
+    }
+
     /// Returns the byte of the new text for the end of a range of the old text.
     fn end(self, at: usize) -> usize {
         if at <= self.start {
@@ -155,6 +162,11 @@ impl<'t> LineIndex<'t> {
     /// end. A position within a character has the first byte of the character.
     pub fn offset(&self, position: Position) -> usize {
         self.change.old(self.offset_now(position))
+    }
+
+    /// Returns the bytes of a range, including the one after it.
+    pub fn offsets(&self, range: Range) -> std::ops::Range<usize> {
+        self.offset(range.start)..self.offset(range.end) + 1
     }
 
     /// Returns the text of a line up to a position.

@@ -113,11 +113,11 @@ impl Programs {
             if let AnalysisState::Running(job) = program.state {
                 jobs.cancel(job);
             }
-            if let AnalysisState::Known(analysis) = std::mem::take(&mut program.state)
-                && analysis.is_long()
-            {
-                program.last = Some(analysis);
-            }
+            let last = match std::mem::take(&mut program.state) {
+                AnalysisState::Known(analysis) => Some(analysis).filter(|it| it.is_long()),
+                _ => program.last.take(),
+            };
+            program.last = last.map(|last| Arc::new(last.outdated(path == changed)));
             program.is_unseen = true;
             program.is_refresh_due |= path != changed;
             outdated.insert(path.clone());
