@@ -5,8 +5,8 @@ use crate::Symbols;
 use crate::format::lay_out;
 use crate::parse::is_unit;
 use crate::tree::{
-    Argument, Arrow, Chain, EventReference, Expr, ExprKind, Instance, Item, ItemKind, Place,
-    Quantity, Subscript, Term, Tree,
+    Argument, Arrow, Assembly, Chain, EventReference, Expr, ExprKind, If, Instance, Item, ItemKind,
+    Place, Quantity, Subscript, Term, Tree,
 };
 
 /// Returns the source of a tree in the layout of [`crate::format()`]. Parsing it gives the same
@@ -79,15 +79,7 @@ impl Printer<'_> {
                 self.range(&block.range.0, &block.range.1);
                 self.body(&block.body);
             }
-            ItemKind::If(block) => {
-                self.out.push_str(if block.is_else { "else" } else { "" });
-                if let Some(condition) = &block.condition {
-                    self.out
-                        .push_str(if block.is_else { " if " } else { "if " });
-                    self.expr(condition, 0);
-                }
-                self.body(&block.body);
-            }
+            ItemKind::If(block) => self.condition(block),
             ItemKind::Phase(phase) => {
                 self.out.push_str("phase ");
                 self.place(&phase.name);
@@ -112,21 +104,7 @@ impl Printer<'_> {
                 self.out.push(')');
                 self.body(&pattern.body);
             }
-            ItemKind::Assembly(assembly) => {
-                put!(self, "assembly {}", self.word(assembly.name.symbol));
-                if !assembly.parameters.is_empty() {
-                    self.out.push('(');
-                    self.list(&assembly.parameters, |printer, parameter| {
-                        put!(printer, "{} = ", printer.word(parameter.name.symbol));
-                        printer.expr(&parameter.value, 0);
-                    });
-                    self.out.push(')');
-                }
-                if let Some(scene) = assembly.scene {
-                    put!(self, " in {}", self.word(scene.symbol));
-                }
-                self.body(&assembly.body);
-            }
+            ItemKind::Assembly(assembly) => self.assembly(assembly),
             ItemKind::Aggregate(aggregate) => {
                 put!(self, "aggregate {}", self.word(aggregate.name.symbol));
                 if let Some(scene) = aggregate.scene {
@@ -151,6 +129,32 @@ impl Printer<'_> {
             }
         }
         self.out.push('\n');
+    }
+
+    fn condition(&mut self, block: &If) {
+        self.out.push_str(if block.is_else { "else" } else { "" });
+        if let Some(condition) = &block.condition {
+            self.out
+                .push_str(if block.is_else { " if " } else { "if " });
+            self.expr(condition, 0);
+        }
+        self.body(&block.body);
+    }
+
+    fn assembly(&mut self, assembly: &Assembly) {
+        put!(self, "assembly {}", self.word(assembly.name.symbol));
+        if !assembly.parameters.is_empty() {
+            self.out.push('(');
+            self.list(&assembly.parameters, |printer, parameter| {
+                put!(printer, "{} = ", printer.word(parameter.name.symbol));
+                printer.expr(&parameter.value, 0);
+            });
+            self.out.push(')');
+        }
+        if let Some(scene) = assembly.scene {
+            put!(self, " in {}", self.word(scene.symbol));
+        }
+        self.body(&assembly.body);
     }
 
     fn chain(&mut self, chain: &Chain) {

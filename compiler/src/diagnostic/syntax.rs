@@ -73,26 +73,8 @@ impl Diagnostic {
                     .label(location, "no face can stand here")
                     .help(*hint)
             }
-            K::NumberAsCondition => {
-                Diagnostic::new(Code::WrongKind, "a condition is required, not a number")
-                    .label(location, "this is a number")
-                    .help("compare it with another number, such as `n > 0`")
-            }
-            K::ConditionAsNumber => {
-                Diagnostic::new(Code::WrongKind, "a number is required, not a condition")
-                    .label(location, "this is a condition")
-                    .help("join conditions by `and` or `or`, such as `1 < n and n < 4`")
-            }
-            K::WrongFunction { word } => {
-                let is_abs = word == Function::Abs.word();
-                let title = if is_abs {
-                    "`abs` has one argument".to_owned()
-                } else {
-                    format!("cannot find function `{word}`")
-                };
-                Diagnostic::new(Code::UnknownName, title)
-                    .label(location, "in this expression")
-                    .help("write `min(a, b)`, `max(a, b)` or `abs(a)`")
+            K::NumberAsCondition | K::ConditionAsNumber | K::WrongFunction { .. } => {
+                in_expression(location, &error.kind)
             }
             K::NumberTooLarge => {
                 let number = text.get(location.span.start as usize..location.span.end as usize);
@@ -412,4 +394,28 @@ fn fix(location: SourceLocation, error: &SyntaxError, text: &str) -> Option<Fix>
         K::Unopened | K::ClosedEarly { .. } => Fix::remove(location, "remove it").unsafe_if(true),
         _ => return None,
     })
+}
+
+/// Returns the diagnostic of an error in a condition or function.
+fn in_expression(location: SourceLocation, kind: &K) -> Diagnostic {
+    match kind {
+        K::NumberAsCondition => {
+            Diagnostic::new(Code::WrongKind, "a condition is required, not a number")
+                .label(location, "this is a number")
+                .help("compare it with another number, such as `n > 0`")
+        }
+        K::WrongFunction { word } => {
+            let title = if word == Function::Abs.word() {
+                "`abs` has one argument".to_owned()
+            } else {
+                format!("cannot find function `{}`", spelt(word))
+            };
+            Diagnostic::new(Code::UnknownName, title)
+                .label(location, "in this expression")
+                .help("write `min(a, b)`, `max(a, b)` or `abs(a)`")
+        }
+        _ => Diagnostic::new(Code::WrongKind, "a number is required, not a condition")
+            .label(location, "this is a condition")
+            .help("join conditions by `and` or `or`, such as `1 < n and n < 4`"),
+    }
 }

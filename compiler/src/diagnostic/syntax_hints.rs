@@ -113,11 +113,11 @@ impl SyntaxHint<'_> {
             c.is_ascii_digit() && before[..place].ends_with([' ', '\t', '\n'])
         };
         let line = before.rfind('\n').map_or(0, |line| line + 1);
-        let numbers = before[line..]
+        let mut numbers = before[line..]
             .char_indices()
             .map(|(i, c)| (line + i, c))
             .filter(begins);
-        let (start, _) = numbers.last()?;
+        let (start, _) = numbers.next_back()?;
         let is_end = |c: char| c.is_whitespace() || matches!(c, '{' | '}' | '(' | ')' | ';');
         let end = at + self.text[at..].find(is_end).unwrap_or(self.text.len() - at);
         let written = &self.text[start..end];

@@ -285,7 +285,7 @@ impl LayoutBuilder<'_> {
             let title = "`{}` points out of the plane of scene `{}`";
             self.reject(
                 id,
-                Diagnostic::about(Code::OutOfPlane, title, &[&site, &scene])
+                Diagnostic::about(Code::OutOfPlane, title, &[&site, scene])
                     .label(event.location, "blocks move only in the plane")
                     .help(format!(
                         "use `{name}.north`, `{name}.east`, `{name}.south` or `{name}.west`, or a scene without `world planar`"

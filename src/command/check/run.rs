@@ -40,9 +40,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     document.scenes = options.physics.then(Vec::new);
     let mut log = SarifLog::new(std::env::current_dir().ok().as_deref());
     let mut tally = DiagnosticCounts::default();
-    let source = options
-        .parameters
-        .settings(&options.levels, &options.imports);
+    let source = (options.parameters).settings(&options.levels, &options.imports);
     let mut unset = UnusedValues::new(&source);
     let (files, unread) = readable(&options.files);
     let are_many = files.len() + usize::from(unread) > 1;
@@ -104,11 +102,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         if options.cost.is_some() && has_text && !checked.has_errors() {
             warn(&summary(file, &name, &checked, options.cost, &rates));
         }
-        let of_programs = checked
-            .programs
-            .iter()
-            .filter_map(|program| program.scene.as_ref());
-        unused.remove_used(of_programs);
+        unused.remove_used(checked.programs.iter().filter_map(|it| it.scene.as_ref()));
         if options.physics {
             for scene in scenes(file, &checked) {
                 match options.format() {

@@ -231,12 +231,6 @@ fn a_long_program_is_answered_during_its_check() {
     assert!(completion["result"]["items"].is_array(), "{completion}");
     let definition = client.ask("textDocument/definition", place.clone());
     assert_eq!(shown(&definition["result"][0]["range"]), "104:17-104:19");
-    let unknown_scene = |client: &mut Client| {
-        let found = client.ask("textDocument/diagnostic", document());
-        let found = found["result"]["items"].as_array().unwrap().iter();
-        let mut places = found.filter(|it| it["code"] == "unknown-scene");
-        places.next().map(|it| it["range"].clone())
-    };
     range["range"] = unknown_scene(&mut client).unwrap();
     assert_eq!(shown(&range["range"]), "905:14-905:23");
     range["context"] = json!({ "diagnostics": [] });
@@ -265,8 +259,20 @@ fn a_long_program_is_answered_during_its_check() {
     assert_eq!(actions["result"], json!([]));
     assert_eq!(unknown_scene(&mut client), None);
 
-    // All edits and requests need a single check. After it, the client is asked to repeat its
-    // requests.
+    repeat_after_the_check(&mut client, &text, &start);
+}
+
+/// Returns the range of the first diagnostic about an unknown scene.
+fn unknown_scene(client: &mut Client) -> Option<Value> {
+    let found = client.ask("textDocument/diagnostic", document());
+    let found = found["result"]["items"].as_array().unwrap().iter();
+    let mut found = found.filter(|it| it["code"] == "unknown-scene");
+    found.next().map(|it| it["range"].clone())
+}
+
+/// Checks that all edits and requests need a single check, and that the client is asked to repeat
+/// its requests after it.
+fn repeat_after_the_check(client: &mut Client, text: &str, start: &Value) {
     client.notify(
         "textDocument/didChange",
         json!({

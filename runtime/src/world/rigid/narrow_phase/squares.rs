@@ -19,8 +19,9 @@ pub fn squares<R: Real>(a: &Cuboid<'_, R>, b: &Cuboid<'_, R>) -> Option<Manifold
             let along = own.axis(axis);
             let reach = |i: usize| along.dot(&other.axis(i)).abs() * other.half[i];
             let depth = own.half[axis] + reach(0) + reach(1) - along.dot(&offset).abs();
+            let overlaps = depth > R::zero();
             // Also rejects NaN.
-            if !(depth > R::zero()) {
+            if !overlaps {
                 return None;
             }
             if depth < least {
