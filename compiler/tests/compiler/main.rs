@@ -7,6 +7,7 @@ mod adrift;
 mod bad_input;
 mod bounds;
 mod cancellation;
+mod conditions;
 mod cost;
 mod diagnostics;
 mod fixes;
