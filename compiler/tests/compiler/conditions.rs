@@ -128,7 +128,11 @@ fn numbers_and_conditions_are_different() {
         ("if 1 < n < 4 { M.up -> A }", &condition),
         ("if (n > 1) + 1 > 1 { M.up -> A }", &condition),
     ] {
-        assert_eq!(errors(statement), [expected.clone()], "{statement}");
+        assert_eq!(
+            errors(statement),
+            std::slice::from_ref(expected),
+            "{statement}"
+        );
     }
 }
 

@@ -63,7 +63,7 @@ impl<'a> Parameter<'a> {
     /// # Errors
     ///
     /// If the parameter cannot have this value.
-    pub fn with_value(self, given: f64, unit: &str) -> Result<Varied, RangeError> {
+    pub(crate) fn with_value(self, given: f64, unit: &str) -> Result<Varied, RangeError> {
         let name = match self {
             Parameter::Program(name) => name,
             Parameter::Scene(number) => return varied(number, given, unit),

@@ -97,7 +97,7 @@ impl SiteRoles {
     /// Returns, for each site that is handed over, the site that must be captured before its
     /// hand-over. The chain of joined segments ends at this target site. [`NONE`] for all other
     /// sites.
-    pub fn roots(&self) -> Vec<u32> {
+    pub(crate) fn roots(&self) -> Vec<u32> {
         let mut roots = vec![NONE; self.part.len()];
         for segment in &self.segments {
             let mut join = segment.join;
