@@ -537,19 +537,19 @@ impl Operator {
     }
 
     /// Returns whether the operands are conditions.
-    pub const fn joins_conditions(self) -> bool {
+    pub(crate) const fn joins_conditions(self) -> bool {
         matches!(self, Operator::And | Operator::Or)
     }
 
     /// Returns whether the result is a condition.
-    pub const fn is_condition(self) -> bool {
+    pub(crate) const fn is_condition(self) -> bool {
         self.precedence() <= Operator::Equal.precedence()
     }
 }
 
 impl Expr {
     /// Returns whether the expression is a condition. Otherwise it is a number.
-    pub const fn is_condition(&self) -> bool {
+    pub(crate) const fn is_condition(&self) -> bool {
         match &self.kind {
             ExprKind::Binary(operator, _) => operator.is_condition(),
             ExprKind::Not(_) => true,
