@@ -2,7 +2,9 @@
 use serde_json::{Value, json};
 use stochc_compiler::diagnostic::{diagnostics_json, program_json};
 use stochc_compiler::expanded::{EventId, EventKind, ExpandedProgram};
-use stochc_compiler::{Changes, Checked, LintLevels, MAX_ESTIMATED, Program, SourceLocation, check_texts};
+use stochc_compiler::{
+    Changes, Checked, LintLevels, MAX_ESTIMATED, Program, SourceLocation, check_texts,
+};
 use stochc_estimate::Rates;
 use stochc_ir::emit::{graph_json, shell_json, table_json};
 use stochc_ir::table::RoleId;

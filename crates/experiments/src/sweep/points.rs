@@ -97,7 +97,7 @@ mod tests {
 
     fn combined(axes: &[&str]) -> Result<Vec<String>, RangeError> {
         let axes: Vec<Axis> = axes.iter().map(|axis| Axis::parse(axis).unwrap()).collect();
-        let text = "assembly tower(height = 2) { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A[1..height] } }";
+        let text = "assembly tower(height = 2) { seed plate 1 x 1 { M at (0, 0) } phase p { M.up ->> A[1..height] } }";
         let mut checked = stochc_compiler::check_text("tower.sa", text);
         let executable = checked.programs.remove(0).into_executable().unwrap();
         let mut program = EnsembleProgram::new("tower", Vec::new(), executable);
