@@ -71,7 +71,8 @@ impl Program {
             let mut index = 0;
             while let Some(part) = parts.next() {
                 let is_called = |next: &Pair<'_, Rule>| next.as_rule() == Rule::arguments;
-                let is_function = part.as_rule() == Rule::name && parts.peek().is_some_and(is_called);
+                let is_function =
+                    part.as_rule() == Rule::name && parts.peek().is_some_and(is_called);
                 let parent = if is_function { Rule::arguments } else { outer };
                 self.add(part, parent, index);
                 index += 1;
