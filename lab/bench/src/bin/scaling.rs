@@ -10,7 +10,7 @@ use stochc_ir::scene::{Bond, Enclosure, Scene};
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{SpatialWorld as _, BlockFace, Body, BodyState, World as _};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld as _, World as _};
 use stochc_runtime::{Model, Settings};
 
 const SIZES: [u32; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];

@@ -7,7 +7,7 @@ use stochc_ir::scene::{Agitation, Arrangement, Bond, Drag, Flow, Fluid, Scene, S
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{SpatialWorld as _, BlockFace, Body, BodyState, World as _};
+use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld as _, World as _};
 use stochc_runtime::{Model, Settings};
 
 const PLATE: Plate = Plate { width: 3, depth: 3 };

@@ -10,7 +10,7 @@ use stochc_peers::rapier::Rapier;
 use stochc_peers::scene::{DRAG, radius};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{SpatialWorld, Docking};
+use stochc_runtime::world::{Docking, SpatialWorld};
 use stochc_runtime::{Model, Precision, Settings};
 
 const PLATE: Plate = Plate { width: 3, depth: 3 };

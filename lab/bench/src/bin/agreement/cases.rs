@@ -11,7 +11,7 @@ use stochc_ir::scene::{Enclosure, Scene};
 use stochc_ir::table::{PhaseId, Tables};
 use stochc_runtime::world::rapier::RapierWorld;
 use stochc_runtime::world::rigid::RigidWorld;
-use stochc_runtime::world::{SpatialWorld, BodyState};
+use stochc_runtime::world::{BodyState, SpatialWorld};
 use stochc_runtime::{Model, Settings, drive};
 
 use super::samples::Sample;
