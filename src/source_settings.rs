@@ -5,7 +5,7 @@ use stochc_compiler::{LintLevels, Program};
 use stochc_ir::scene::scalars::{ScalarChange, find};
 use stochc_results::Varied;
 use stochc_text::suggest::nearest;
-use stochc_text::visible;
+use stochc_text::{in_backticks, visible};
 
 use crate::exit::Failure;
 
@@ -101,18 +101,12 @@ impl<'a> UnusedValues<'a> {
         let help = match (nearest(&first.name, &self.parameters), &self.parameters[..]) {
             (Some(suggestion), _) => format!("; {}", suggestion.help()),
             (None, []) => "; the programs have no parameters of their own".to_owned(),
-            (None, all) => format!("; the programs have {}", quoted(all)),
+            (None, all) => format!("; the programs have {}", in_backticks(all)),
         };
         Err(Failure::usage(format!(
             "--set: no program or scene has a parameter `{name}`{help}"
         )))
     }
-}
-
-/// Returns names in backticks, separated by commas.
-fn quoted(names: &[String]) -> String {
-    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-    names.join(", ")
 }
 
 /// Returns the new value of a parameter.

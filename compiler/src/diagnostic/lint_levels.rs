@@ -192,20 +192,9 @@ impl FileLevels {
         }
         for item in items {
             let mut inner = place;
-            let body = match &item.kind {
-                ItemKind::Assembly(block) => &block.body,
-                ItemKind::Phase(block) => &block.body,
-                ItemKind::Seed(block) => &block.body,
-                ItemKind::For(block) => &block.body,
-                ItemKind::If(block) => &block.body,
-                ItemKind::Pattern(block) => {
-                    // The pattern may never be used.
-                    inner.reported = false;
-                    &block.body
-                }
-                _ => continue,
-            };
-            self.block(body, item.span, inner, sources, symbols, diagnostics);
+            // A pattern may never be used.
+            inner.reported &= !matches!(item.kind, ItemKind::Pattern(_));
+            self.block(item.body(), item.span, inner, sources, symbols, diagnostics);
         }
     }
 

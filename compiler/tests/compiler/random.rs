@@ -186,7 +186,7 @@ impl Generator {
             format!("{parent}.{face} -> {name}{after}")
         };
         // The other branch contains names that do not exist.
-        let (before, behind) = match self.text.len() % 4 {
+        let (start, end) = match self.text.len() % 4 {
             0 if self.has_parameters => ("if edge > 2 and not (last == 0) {", "} else { drop() }"),
             1 if self.has_parameters => (
                 "if edge % 2 == 0 { release Nothing } else if min(edge, 9) == abs(last + 1) {",
@@ -194,7 +194,7 @@ impl Generator {
             ),
             _ => ("", ""),
         };
-        let _ = writeln!(self.text, "        {before} {statement} {behind}");
+        let _ = writeln!(self.text, "        {start} {statement} {end}");
         let cell = self.blocks[&parent].cell.across(face).unwrap();
         stage.filled.insert(cell);
         stage.busy.insert(parent.clone());

@@ -17,5 +17,5 @@ pub use numbers::{
     DurationError, ShareError, Tick, duration, interval, number, percent, percent_number, ranges,
     ratio, seconds, share, whole_percent, words,
 };
-pub use phrases::{counted, listed, series};
+pub use phrases::{counted, in_backticks, listed, series};
 pub use visible::{escaped, is_invisible, visible, visible_lines};

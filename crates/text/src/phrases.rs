@@ -30,6 +30,12 @@ pub fn listed(first: &[impl AsRef<str>], count: usize) -> String {
     }
 }
 
+/// Returns words in backticks: `a`, `b`.
+pub fn in_backticks(words: &[String]) -> String {
+    let words: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
+    words.join(", ")
+}
+
 fn separated(words: &[impl AsRef<str>]) -> String {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
     words.join(", ")

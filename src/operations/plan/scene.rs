@@ -4,7 +4,7 @@ use std::path::Path;
 
 use stochc_compiler::scene::{DEFAULT, built_in_names};
 use stochc_ir::scene::room::NoRoom;
-use stochc_text::visible;
+use stochc_text::{in_backticks, visible};
 
 use super::super::programs::verdict;
 use super::{PlanOptions, PlanScope, target};
@@ -52,7 +52,7 @@ pub fn choose_declared(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Ho
         }
         several => host.warn(&format!(
             "note: planned in `{DEFAULT}`; `{file}` declares {}: choose one with `--scene`\n",
-            quoted(several)
+            in_backticks(several)
         )),
     }
 }
@@ -115,7 +115,7 @@ fn take(
     goal.take_scene(&checked, name).map_err(|names| {
         let declared = match names.len() {
             0 => "it declares none".to_owned(),
-            _ => format!("it declares {}", quoted(&names)),
+            _ => format!("it declares {}", in_backticks(&names)),
         };
         let missing = match name {
             Some(name) => format!("`{file}` has no scene `{}`", visible(name)),
@@ -127,11 +127,6 @@ fn take(
 
 fn no_room(reason: NoRoom) -> Failure {
     Failure::usage(format!("the scene cannot have more blocks: {reason}"))
-}
-
-fn quoted(names: &[String]) -> String {
-    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-    quoted.join(", ")
 }
 
 #[cfg(test)]

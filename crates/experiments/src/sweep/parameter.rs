@@ -85,7 +85,7 @@ impl<'a> Parameter<'a> {
     }
 }
 
-/// Largest integer up to which every integer is a floating-point number.
+/// Largest accepted value. A floating-point number stores every smaller integer exactly.
 const MAX_INTEGER: f64 = 9_007_199_254_740_992.0;
 
 /// A parameter with one value, as the user has written it: `height=8`, `bond.pull=10 N`.
