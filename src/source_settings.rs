@@ -90,8 +90,15 @@ impl<'a> UnusedValues<'a> {
     /// Checks that a program uses each value.
     ///
     /// # Errors
-    /// If no program has the parameter of a value.
+    /// If no program has the parameter of a value, or a parameter has two values.
     pub fn check(mut self) -> Result<(), Failure> {
+        let set = &self.settings.set;
+        let is_repeated =
+            |(i, it): &(usize, &Varied)| set[..*i].iter().any(|old| old.name == it.name);
+        if let Some((_, twice)) = set.iter().enumerate().find(is_repeated) {
+            let name = visible(&twice.name);
+            return Err(Failure::usage(format!("--set: `{name}` has two values")));
+        }
         let Some(first) = self.unused.first() else {
             return Ok(());
         };

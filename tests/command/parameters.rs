@@ -100,3 +100,37 @@ fn a_sweep_varies_parameters_and_stores_them() {
     }
     assert_eq!(programs.len(), 3);
 }
+
+#[test]
+fn a_parameter_has_one_value_or_is_swept() {
+    let (status, _, err) = posts("check", &["--set", "height=2", "--set", "height=4"]);
+    assert_eq!(
+        (status, err.trim()),
+        (2, "error: --set: `height` has two values")
+    );
+    for name in ["height", "bond.pull"] {
+        let (value, range) = match name {
+            "height" => ("4", "2,3"),
+            _ => ("10 N", "10,20 N"),
+        };
+        let set = format!("{name}={value}");
+        let vary = format!("{name}={range}");
+        let options = ["--set", &set, "--vary", &vary];
+        let (status, _, err) = posts("sweep --model shuffle --quiet --runs 2", &options);
+        assert_eq!(status, 2, "{err}");
+        assert!(
+            err.contains(&format!("`{name}` is swept, and `--set`")),
+            "{err}"
+        );
+    }
+}
+
+#[test]
+fn the_unit_decides_between_meanings_of_a_short_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "new.sa");
+    let tank = fs::read_to_string("examples/microns.sa").unwrap();
+    fs::write(&file, tank).unwrap();
+    let outcome = stochc_with("check", &[&file, "--set", "agitation=310 K"]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+}

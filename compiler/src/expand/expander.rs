@@ -216,7 +216,8 @@ impl<'a> Expander<'a, '_> {
     fn parameter(&mut self, parameter: &Let) {
         let default = self.evaluate(&parameter.value);
         let word = self.symbols.word(parameter.name.symbol).to_owned();
-        let replaced = self.parameters.iter().find(|it| it.name == word);
+        // As in scenes, the last of several values applies.
+        let replaced = self.parameters.iter().rfind(|it| it.name == word);
         let value = replaced.map(|it| it.value as i64).or(default);
         self.define(
             parameter.name,

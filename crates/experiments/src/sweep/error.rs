@@ -77,7 +77,10 @@ pub enum RangeError {
     /// Two axes have the same name.
     #[error("`{0}` is swept twice")]
     AxisTwice(String),
-    /// A setting is given, but a scene parameter is required.
+    /// A parameter is varied, and `--set` gives it a single value.
+    #[error("`{0}` is swept, and `--set` gives it a single value; leave out one of the two")]
+    AxisIsSet(String),
+    /// A setting is given, but a parameter is required.
     #[error("`{0}` is a setting, not a parameter of a program or scene")]
     Setting(String),
     /// Evenly spaced values of an integer parameter are not integers.

@@ -123,9 +123,14 @@ impl ParameterValue {
     ///
     /// If the parameter cannot have this value.
     pub fn for_any(&self) -> Result<Varied, RangeError> {
-        let mut all = stochc_ir::scene::scalars::all();
-        let scene = all.find(|number| number.names.contains(&&*self.name));
-        let parameter = scene.map_or(Parameter::Program(&self.name), Parameter::Scene);
-        parameter.with_value(self.given, &self.unit)
+        let all = stochc_ir::scene::scalars::all();
+        let mut scene = all
+            .filter(|number| number.names.contains(&&*self.name))
+            .map(|number| Parameter::Scene(number).with_value(self.given, &self.unit));
+        let Some(first) = scene.next() else {
+            return Parameter::Program(&self.name).with_value(self.given, &self.unit);
+        };
+        // A short name can have several meanings, such as a speed and a temperature.
+        first.or_else(|error| scene.find_map(Result::ok).ok_or(error))
     }
 }

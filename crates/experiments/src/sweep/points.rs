@@ -35,8 +35,8 @@ impl Point {
 ///
 /// # Errors
 ///
-/// If the program and its scene do not have a parameter, a value is not allowed, or there are more than
-/// [`MAX_POINTS`] points.
+/// If the program and its scene do not have a parameter, `--set` gives it a single value, a value is
+/// not allowed, or there are more than [`MAX_POINTS`] points.
 pub fn points(axes: &[Axis], program: &EnsembleProgram) -> Result<Vec<Point>, RangeError> {
     let mut all = vec![Point::default()];
     let mut seen: Vec<&str> = Vec::new();
@@ -48,7 +48,11 @@ pub fn points(axes: &[Axis], program: &EnsembleProgram) -> Result<Vec<Point>, Ra
             all.iter().flat_map::<Vec<Point>, _>(with).collect()
         } else {
             let parameter = Parameter::find(program, &axis.name)?;
-            first_time(&mut seen, parameter.name())?;
+            let name = parameter.name();
+            first_time(&mut seen, name)?;
+            if program.set.iter().any(|it| it.name == name) {
+                return Err(RangeError::AxisIsSet(name.to_owned()));
+            }
             let values = axis.values(parameter)?;
             few(all.len(), values.len())?;
             let with = |point: &Point| values.iter().map(|it| point.with_number(it)).collect();
