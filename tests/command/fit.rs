@@ -313,13 +313,16 @@ fn a_program_without_times_is_predicted_and_the_fitted_scene_is_a_program() {
     assert_eq!(outcome.status, 2, "{}", outcome.err);
     let dry = stochc_with(&format!("{all} --dry-run"), &options);
     assert_eq!((dry.status, &*dry.err), (0, ""), "{}", dry.out);
-    assert!(dry.out.starts_with("640 runs, about "), "{}", dry.out);
+    // On a slow computer, the sampled runs are stopped, and the forecast is a lower bound.
+    let forecast =
+        |text: &str| text.contains("640 runs, about ") || text.contains("640 runs, at least ");
+    assert!(forecast(&dry.out), "{}", dry.out);
     assert!(dry.out.contains(" of CPU time"), "{}", dry.out);
     assert!(!fs::exists(&out).unwrap());
 
     let outcome = stochc_with(all, &options);
     assert_eq!(outcome.status, 0, "{}", outcome.err);
-    assert!(outcome.err.contains("640 runs, about "), "{}", outcome.err);
+    assert!(forecast(&outcome.err), "{}", outcome.err);
     assert!(outcome.out.contains("not measured"), "{}", outcome.out);
     let fit = fs::read_to_string(path(folder.path(), "out/fit.json")).unwrap();
     let fit: Value = serde_json::from_str(&fit).unwrap();
