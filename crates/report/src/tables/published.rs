@@ -28,7 +28,7 @@ pub fn published_comparison(comparison: &Comparison, markup: Markup) -> String {
     add("completed".to_owned(), &|it| {
         format!("{}/{}", it.completed, it.finished)
     });
-    add(format!("mean [{unit}]"), &|it| mean(it.time.as_ref()));
+    add(format!("mean [{unit}]"), &|it| mean_cell(it.time.as_ref()));
     type Figure = fn(&Time) -> Option<f64>;
     let mut add_figure = |label: &str, of: Figure| {
         add(format!("{label} [{unit}]"), &|it| {
@@ -46,7 +46,7 @@ pub fn published_comparison(comparison: &Comparison, markup: Markup) -> String {
     for phase in 0..phases.max().unwrap_or(0) {
         add(format!("phase {} [{unit}]", phase + 1), &|it| {
             it.phase_times.get(phase).map_or(String::new(), |it| {
-                format!("{}: {}", it.name, mean(it.time.as_ref()))
+                format!("{}: {}", it.name, mean_cell(it.time.as_ref()))
             })
         });
     }
@@ -88,19 +88,18 @@ fn pairs(comparison: &Comparison, markup: Markup) -> String {
     sentences.map(|it| markup.paragraph(&it)).collect()
 }
 
-fn mean(time: Option<&Time>) -> String {
-    time.map_or(NONE.to_owned(), |time| {
-        let bound = if time.incomplete > 0 { "≥ " } else { "" };
-        bound.to_owned() + &within(time)
-    })
+fn mean_cell(time: Option<&Time>) -> String {
+    time.map_or(NONE.to_owned(), mean)
 }
 
-/// Returns a mean with its half-width, rounded to the same decimals.
-pub(super) fn within(time: &Time) -> String {
-    match time.half_width {
+/// Returns a mean with its half-width, rounded to the same decimals. Marks lower bounds.
+pub(super) fn mean(time: &Time) -> String {
+    let bound = if time.incomplete > 0 { "≥ " } else { "" };
+    let mean = match time.half_width {
         Some(half) => interval(time.mean, half),
         None => number(time.mean),
-    }
+    };
+    bound.to_owned() + &mean
 }
 
 fn figure(value: Option<f64>) -> String {

@@ -3,7 +3,7 @@ use stochc_experiments::sweep::{Sweep, SweepPoint};
 use stochc_text::{number, percent};
 
 use super::comparison::{LOWER_BOUND, NEVER_COMPLETES, UNFINISHED, mean, ticks};
-use super::published::within;
+use super::published;
 use stochc_text::{TextColumn, TextTable, paragraph};
 
 /// Text of a cell whose value is unknown.
@@ -38,10 +38,7 @@ pub(super) fn sweep_rows(sweep: &Sweep, with_seconds: bool) -> TextTable {
             format!("{} of {}", point.completed, point.finished())
         }),
         column("mean time", &|point| match tick(point) {
-            None => maybe(point.time.as_ref().map(|it| {
-                let bound = if it.incomplete > 0 { "≥ " } else { "" };
-                bound.to_owned() + &within(it)
-            })),
+            None => maybe(point.time.as_ref().map(published::mean)),
             Some(tick) => mean(point.time.as_ref(), tick),
         }),
         column("median", &|point| {

@@ -37,10 +37,10 @@ pub fn interval(value: f64, half: f64) -> String {
     let rounded = format!("{half:.digits$}");
     let is_shown = rounded.bytes().any(|byte| (b'1'..=b'9').contains(&byte));
     match digits {
+        _ if !is_shown => format!("{} ± {}", number(value), number(half)),
         // Thousands have commas.
         0 => format!("{} ± {}", number(value), number(half.round())),
-        _ if is_shown => format!("{value:.digits$} ± {rounded}"),
-        _ => format!("{} ± {}", number(value), number(half)),
+        _ => format!("{value:.digits$} ± {rounded}"),
     }
 }
 
@@ -83,6 +83,23 @@ mod tests {
         ];
         for (value, text) in cases {
             assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn intervals_have_the_decimals_of_the_value() {
+        let cases = [
+            (44.82, 9.87, "44.8 ± 9.9"),
+            (5178.4, 1234.5, "5,178 ± 1,235"),
+            (0.25, 0.0312, "0.250 ± 0.031"),
+            (1500.0, 0.6, "1,500 ± 1"),
+            (1500.0, 0.3, "1,500 ± 0.3"),
+            (44.82, 0.01, "44.8 ± 0.01"),
+            (1500.0, 0.0, "1,500 ± 0"),
+            (-1500.0, 12.0, "−1,500 ± 12"),
+        ];
+        for (value, half, text) in cases {
+            assert_eq!(interval(value, half), text);
         }
     }
 }
