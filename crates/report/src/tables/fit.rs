@@ -154,8 +154,8 @@ fn notes(fit: &Fit) -> Vec<String> {
     )];
     if has_horizon(fit) {
         notes.push(
-            "Some runs were stopped. The remark (up to) gives the largest time that counts: longer times are counted with this \
-             value. Incomplete is the share of runs that take longer."
+            "Some runs were stopped. The remark (up to) gives the time limit: longer times count as this limit. Incomplete is \
+             the share of runs that take longer."
                 .to_owned(),
         );
     }

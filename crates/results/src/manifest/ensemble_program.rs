@@ -239,7 +239,7 @@ impl EnsembleProgram {
         let what = if there.texts != here.texts {
             "the text"
         } else if self.set != other.set {
-            "the set of parameters"
+            "a parameter"
         } else if there.scene != here.scene || there.varied != here.varied {
             "the scene"
         } else if there.chosen != here.chosen {
