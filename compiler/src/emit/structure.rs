@@ -126,9 +126,12 @@ pub fn built_structure(
         name: phase.name.clone(),
         blocks: blocks.into_iter().map(block).collect(),
     });
+    let seeds = plan.seeds.iter().filter(|seed| seed.cell.z > 0);
+    let seeds = seeds.map(|seed| (seed.cell, plan.roles.name(seed.role, symbols)));
     Some(BuiltStructure {
         program: plan.name.clone(),
         plate: plan.plate.clone(),
+        seeds: seeds.collect(),
         phases: phases.collect(),
     })
 }

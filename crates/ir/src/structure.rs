@@ -9,6 +9,9 @@ pub struct BuiltStructure {
     pub program: String,
     /// Plate.
     pub plate: Plate,
+    /// Cells and names of the seeds above the plate, in a planar world. Other seeds are part of the
+    /// plate.
+    pub seeds: Vec<(Cell, String)>,
     /// Phases in order.
     pub phases: Vec<BuiltPhase>,
 }

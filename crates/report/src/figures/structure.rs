@@ -23,7 +23,9 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
         .flat_map(|x| (0..plate.depth as i32).map(move |y| Cell::new(x, y, 0)))
         .collect();
     let blocks = built.phases.iter().flat_map(|phase| &phase.blocks);
-    let all = blocks.map(|block| block.cell).chain(ground.iter().copied());
+    let seeds = built.seeds.iter().map(|(cell, _)| *cell);
+    let blocks = blocks.map(|block| block.cell).chain(seeds);
+    let all = blocks.chain(ground.iter().copied());
     let corners = all.flat_map(|cell| {
         SIDES
             .into_iter()
@@ -58,15 +60,14 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
     for (number, phase) in built.phases.iter().enumerate() {
         let middle = column * (number as f64 + 0.5);
         let shift = (middle - (left + right) / 2.0, EDGE / 2.0 - top);
-        let standing = phase.blocks.iter().map(|block| (block.cell, Some(block)));
-        let mut cells: Vec<(Cell, Option<&BuiltBlock>)> = (ground.iter().map(|&cell| (cell, None)))
-            .chain(standing)
+        let mut cubes: Vec<Cube<'_>> = (phase.blocks.iter())
+            .map(|block| Cube::of_block(block, number))
+            .chain(ground.iter().map(|&cell| Cube::of_plate(cell, "")))
+            .chain((built.seeds.iter()).map(|(cell, name)| Cube::of_plate(*cell, name)))
             .collect();
         // Draw cells from the farthest to the nearest.
-        cells.sort_by_key(|(cell, _)| (cell.x - cell.y + cell.z, cell.z));
-        for (cell, block) in cells {
-            cube(&mut out, shift, cell, block, number);
-        }
+        cubes.sort_by_key(|Cube { cell, .. }| (cell.x - cell.y + cell.z, cell.z));
+        cubes.iter().for_each(|cube| cube.draw(&mut out, shift));
         let foot = (middle, height - 0.9 * EDGE);
         out.text_around("ink", foot, &fitted(&phase.name, column - EDGE / 2.0));
     }
@@ -90,33 +91,57 @@ fn corners(cell: Cell, side: [[i32; 3]; 4]) -> [(f64, f64); 4] {
     side.map(|corner| project(std::array::from_fn(|i| low[i] + f64::from(corner[i]))))
 }
 
-/// Draws a block of the structure or of the plate.
-fn cube(
-    out: &mut Drawing,
-    (right, down): (f64, f64),
+/// Block of the structure or of the plate.
+struct Cube<'a> {
     cell: Cell,
-    block: Option<&BuiltBlock>,
-    phase: usize,
-) {
-    let colour = block.map_or(LIGHT.plate, |block| palette::phase(block.since));
-    let (rim, width) = match block {
-        Some(block) if block.since == phase => (Rgb(0, 0, 0), 1.6),
-        _ => (Rgb(0xff, 0xff, 0xff), 0.8),
-    };
-    let position = |(x, y): (f64, f64)| (x + right, y + down);
-    for (light, side) in SIDES {
-        let style = Style {
-            stroke: Some(Paint::Colour(rim)),
-            ..Style::line(width)
-        };
-        let style = Style::area(colour.shaded(light)).then(style);
-        out.polygon(&corners(cell, side).map(position), style);
+    /// Name on the top. Empty for blocks without a name.
+    name: &'a str,
+    colour: Rgb,
+    /// Whether the shown phase captured the block.
+    is_new: bool,
+}
+
+impl Cube<'_> {
+    fn of_block(block: &BuiltBlock, phase: usize) -> Cube<'_> {
+        Cube {
+            cell: block.cell,
+            name: &block.name,
+            colour: palette::phase(block.since),
+            is_new: block.since == phase,
+        }
     }
-    if let Some(block) = block {
-        let low = [cell.x, cell.y, cell.z].map(f64::from);
-        let top = position(project([low[0] + 0.5, low[1] + 0.5, low[2] + 1.0]));
-        let name = fitted(&block.name, 0.8 * WIDTH);
-        out.label((top.0, top.1 + 4.0), &name, colour.ink());
+
+    fn of_plate(cell: Cell, name: &str) -> Cube<'_> {
+        Cube {
+            cell,
+            name,
+            colour: LIGHT.plate,
+            is_new: false,
+        }
+    }
+
+    fn draw(&self, out: &mut Drawing, (right, down): (f64, f64)) {
+        let Cube { cell, colour, .. } = *self;
+        let (rim, width) = if self.is_new {
+            (Rgb(0, 0, 0), 1.6)
+        } else {
+            (Rgb(0xff, 0xff, 0xff), 0.8)
+        };
+        let position = |(x, y): (f64, f64)| (x + right, y + down);
+        for (light, side) in SIDES {
+            let style = Style {
+                stroke: Some(Paint::Colour(rim)),
+                ..Style::line(width)
+            };
+            let style = Style::area(colour.shaded(light)).then(style);
+            out.polygon(&corners(cell, side).map(position), style);
+        }
+        if !self.name.is_empty() {
+            let low = [cell.x, cell.y, cell.z].map(f64::from);
+            let top = position(project([low[0] + 0.5, low[1] + 0.5, low[2] + 1.0]));
+            let name = fitted(self.name, 0.8 * WIDTH);
+            out.label((top.0, top.1 + 4.0), &name, colour.ink());
+        }
     }
 }
 
@@ -139,7 +164,7 @@ mod tests {
         }
     }
 
-    fn drawn(phases: Vec<BuiltPhase>, edge: u32) -> String {
+    fn drawn(phases: Vec<BuiltPhase>, edge: u32, seeds: usize) -> String {
         let plate = Plate {
             width: edge,
             depth: edge,
@@ -148,6 +173,7 @@ mod tests {
         structure(&BuiltStructure {
             program,
             plate,
+            seeds: vec![(Cell::new(1, 0, 1), "M".to_owned()); seeds],
             phases,
         })
         .file()
@@ -155,7 +181,7 @@ mod tests {
 
     #[test]
     fn each_block_has_three_sides_and_a_name() {
-        let picture = drawn(vec![tower(1), tower(3)], 2);
+        let picture = drawn(vec![tower(1), tower(3)], 2, 0);
         let document = roxmltree::Document::parse(&picture).unwrap();
         let count = |name| {
             let nodes = document.descendants();
@@ -170,12 +196,20 @@ mod tests {
     }
 
     #[test]
+    fn seeds_of_a_planar_world_have_names() {
+        let polygons = |picture: &str| picture.matches("<polygon").count();
+        let picture = drawn(vec![tower(1)], 2, 1);
+        assert_eq!(polygons(&picture), 3 * (4 + 1 + 1));
+        assert!(picture.contains(">M<"), "{picture}");
+    }
+
+    #[test]
     fn an_empty_structure_can_be_drawn() {
         let empty = BuiltPhase {
             blocks: Vec::new(),
             ..tower(0)
         };
-        let picture = drawn(vec![empty], 0);
+        let picture = drawn(vec![empty], 0, 0);
         assert!(roxmltree::Document::parse(&picture).is_ok(), "{picture}");
         assert!(picture.contains("at random") && !picture.contains("NaN"));
     }
