@@ -131,8 +131,7 @@ impl Units {
 
     /// Returns the deceleration by the table of a planar world.
     fn table(self, scene: &Scene) -> SceneResult<Option<f64>> {
-        let friction = scene.planar.as_ref().and_then(|planar| planar.friction);
-        let friction = friction.zip(scene.gravity);
+        let friction = scene.table_friction().zip(scene.gravity);
         made(&friction, |&(friction, gravity)| {
             let weight = self.weight(gravity, scene)?.max(0.0);
             Ok(self.number(&TABLE_FRICTION, friction)? * weight)

@@ -7,9 +7,10 @@ use crate::scenes::{
 };
 use nalgebra::{UnitQuaternion, Vector3};
 use stochc_ir::scene::dimensionless::{BlockUnits, speed};
-use stochc_ir::scene::room::Obstacles;
+use stochc_ir::scene::room::{MIN_SPACING, Obstacles};
 use stochc_ir::scene::{
-    Agitation, Arrangement, Drag, Enclosure, Free, Interior, Planar, Scene, Strength, Turbulence,
+    Agitation, Arrangement, Drag, Enclosure, Fluid, Free, Interior, Planar, Scene, Strength,
+    Turbulence,
 };
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
@@ -134,7 +135,7 @@ fn a_wall_is_met_as_often_as_kinetic_theory_says<W: SpatialWorld>() {
         let mut world: W = in_steps(&scene, &gas);
         let walls = |pose: Vector3<f64>| match interior {
             Interior::Box { half, .. } => [pose.x.abs() > half[0], pose.y.abs() > half[1]],
-            _ => [pose.x.hypot(pose.y) > 7.5, false],
+            _ => [interior.distance(pose.into()) > 0.0, false],
         };
         let mut before = vec![[false; 2]; count];
         let mut hits = 0;
@@ -346,7 +347,7 @@ fn nothing_leaves_the_plane<K: crate::scenes::Kind>() {
         world.place_seeds(&[MIDDLE]);
         world.magnetize(side(Face::North));
         let found = dockings(&mut world, 600);
-        assert!(found.len() <= 1);
+        assert_eq!(found.len(), 1);
         for (id, state) in states(&world).iter().enumerate() {
             assert!(is_level(state), "{id} {state:?}");
             let out = [state.position.x.abs() - 8.0, state.position.y.abs() - 6.0];
@@ -358,12 +359,20 @@ fn nothing_leaves_the_plane<K: crate::scenes::Kind>() {
 /// Compares the rms speed under random impulses with the speed that `check --physics` prints: exact
 /// for drag, and an estimate for friction with the table and for collisions.
 fn blocks_have_the_expected_speed<K: crate::scenes::Kind>() {
-    for (friction, restitution, tolerance) in [
-        (None, None, 0.04),
-        (Some(0.1), None, 0.06),
-        (Some(0.02), Some(0.5), 0.12),
+    // Fluid that adds half of the mass of a block, and hardly slows it.
+    let heavy = Fluid {
+        density: Some(1e-3),
+        viscosity: None,
+        added_mass: Some(500.0),
+    };
+    for (friction, restitution, fluid, tolerance) in [
+        (None, None, None, 0.04),
+        (Some(0.1), None, None, 0.06),
+        (Some(0.1), None, Some(heavy), 0.06),
+        (Some(0.02), Some(0.5), None, 0.12),
     ] {
         let mut scene = table(friction);
+        scene.fluid = fluid;
         scene.agitation = kicks(0.006);
         scene.drag = Some(Drag { rate: 0.01 });
         scene.enclosure = rectangle(40.0, 40.0);
@@ -452,9 +461,9 @@ fn blocks_start_apart_from_seeds() {
         scene.enclosure = enclosure;
         let interior = interior(&scene);
         let obstacles = Obstacles::new(&scene, &plate, &seeds);
-        let block_faces: Vec<_> = obstacles.apart(interior.lattice(1.2)).collect();
-        assert!(block_faces.len() > 50, "{}", block_faces.len());
-        for [x, y, z] in &block_faces {
+        let points: Vec<_> = obstacles.apart(interior.lattice(1.2)).collect();
+        assert!(points.len() > 50, "{}", points.len());
+        for [x, y, z] in &points {
             assert_eq!(*z, 0.5);
             assert!(interior.distance([*x, *y, *z]) < -0.4999);
             for seed in &seeds {
@@ -462,9 +471,32 @@ fn blocks_start_apart_from_seeds() {
                 assert!((x - u).abs().max((y - v).abs()) > 1.0);
             }
         }
-        for (count, fits) in [(0, true), (10, true), (10_000, false)] {
+        let all = obstacles.apart(interior.lattice(MIN_SPACING)).count() as u32;
+        let mut has_room = |count: u32, seeds: &[Cell]| {
             scene.free.count = count;
-            assert_eq!(scene.has_room(&plate, &seeds).is_ok(), fits, "{count}");
-        }
+            scene.has_room(&plate, seeds).is_ok()
+        };
+        assert!(has_room(all, &seeds));
+        // Without seeds, more blocks fit.
+        assert!(!has_room(all + 1, &seeds) && has_room(all + 1, &[]));
+    }
+}
+
+/// Blocks on a circle do not start on a seed.
+#[test]
+fn a_ring_avoids_seeds() {
+    let plate = Plate { width: 9, depth: 9 };
+    // Three blocks east of the centre of the plate.
+    let seed = Cell::new(7, 4, Planar::LAYER);
+    for (radius, is_free) in [(1.5, true), (2.5, false), (3.0, false), (4.2, true)] {
+        let mut scene = table(None);
+        scene.enclosure = rectangle(14.0, 14.0);
+        scene.free = Free {
+            count: 4,
+            arrangement: Arrangement::Ring { radius },
+        };
+        assert!(scene.has_room(&plate, &[]).is_ok(), "{radius}");
+        let found = scene.has_room(&plate, &[seed]);
+        assert_eq!(found.is_ok(), is_free, "{radius}: {found:?}");
     }
 }

@@ -53,6 +53,12 @@ impl Scene {
         self.block.mass + fluid.map_or(0.0, |fluid| fluid.taken_along(self.block.side))
     }
 
+    /// Returns the coefficient of friction with the table. `None` outside of planar worlds, and if
+    /// the table has no friction.
+    pub fn table_friction(&self) -> Option<f64> {
+        self.planar.as_ref().and_then(|planar| planar.friction)
+    }
+
     /// Returns the name of the first term whose effect on waiting times has not been calibrated.
     /// The rate model and the uncalibrated estimate do not support such scenes.
     pub fn uncalibrated_term(&self) -> Option<&'static str> {

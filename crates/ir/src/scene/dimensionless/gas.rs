@@ -62,7 +62,7 @@ impl Gas {
             Interior::Ball { .. } => return None,
         };
         let density = f64::from(scene.free.count) / volume;
-        let is_flat = interior.is_flat();
+        let is_flat = enclosure.is_flat();
         let floor = if is_flat { 0.0 } else { floor };
         (volume > 0.0 && floor >= 0.0).then_some(Gas {
             density,

@@ -135,12 +135,17 @@ const SLICES: u32 = 512;
 const FAR: f64 = 40.0;
 
 /// Returns the acceleration that weight and buoyancy give a block at rest, positive downward
-/// \[m/s^2\].
+/// \[m/s^2\]. Returns 0 in a planar world, where the table carries the blocks.
 pub fn down(scene: &Scene) -> f64 {
-    // The table carries the blocks of a planar world.
     if scene.planar.is_some() {
-        return 0.0;
+        0.0
+    } else {
+        weight(scene)
     }
+}
+
+/// Returns the weight of a block minus its buoyancy, divided by its inertial mass \[m/s^2\].
+pub(super) fn weight(scene: &Scene) -> f64 {
     let density = scene.fluid.as_ref().and_then(|fluid| fluid.density);
     let displaced = density.map_or(0.0, |density| density * scene.block.side.powi(3));
     let borne = displaced / scene.block.mass;

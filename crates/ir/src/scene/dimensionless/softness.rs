@@ -53,7 +53,7 @@ const FLOORLESS: &str = "give the scene a `contact`, without which there is no f
 const MAX_STEADY: f64 = 0.5;
 const MAX_MOVING: f64 = 1.0;
 
-/// Adds two depths for the contacts and two for the shell to `out` \[block lengths\]. The first is
+/// Adds two depths for the contacts and two for the enclosure to `out` \[block lengths\]. The first is
 /// the penetration depth of a pressed block, the second of a moving block.
 pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessNumber>) {
     let units = BlockUnits::from_scene(scene);

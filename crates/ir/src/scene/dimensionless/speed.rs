@@ -1,8 +1,8 @@
 //! Long-term speed of free blocks.
 use serde::Serialize;
 
-use super::super::{Agitation, BOLTZMANN, Contact, ContactLaw, Flow, Fluid, Planar, Scene};
-use super::{BlockUnits, Gas};
+use super::super::{Agitation, BOLTZMANN, Contact, ContactLaw, Flow, Fluid, Scene};
+use super::{BlockUnits, Gas, settling};
 
 /// Expected long-term speed of a free block, away from magnets.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -59,23 +59,21 @@ fn speed_in(scene: &Scene, steps: f64) -> Speed {
     let gain = kick * kick * left_by_drag(scene);
     let left = left_by_drag(scene) * (-2.0 * viscous(scene)).exp();
     let (collisions, wakes, table) = (collisions(scene), wakes(scene), table(scene));
-    if wakes > 0.0 {
-        of_rms(
-            balance(gain, left, table, collisions + wakes),
-            SpeedFrom::Wakes,
-        )
+    let from = if wakes > 0.0 {
+        SpeedFrom::Wakes
     } else if table > 0.0 {
-        of_rms(balance(gain, left, table, collisions), SpeedFrom::Table)
+        SpeedFrom::Table
     } else if collisions > 0.0 {
-        of_rms(balance(gain, left, 0.0, collisions), SpeedFrom::Collisions)
+        SpeedFrom::Collisions
     } else if left < 1.0 {
-        of_rms((gain / (1.0 - left)).sqrt(), SpeedFrom::Drag)
+        return of_rms((gain / (1.0 - left)).sqrt(), SpeedFrom::Drag);
     } else {
-        Speed {
+        return Speed {
             rms: None,
             from: SpeedFrom::Nothing,
-        }
-    }
+        };
+    };
+    of_rms(balance(gain, left, table, collisions + wakes), from)
 }
 
 /// Returns the number of translations of a block.
@@ -88,16 +86,10 @@ fn directions(scene: &Scene) -> f64 {
 ///
 /// Friction with the deceleration f takes 2 f v from v². The speed v is Maxwell's mean in a plane.
 fn table(scene: &Scene) -> f64 {
-    let friction = scene
-        .planar
-        .as_ref()
-        .and_then(|Planar { friction }| *friction);
-    let (Some(friction), Some(gravity)) = (friction, scene.gravity) else {
+    let Some(friction) = scene.table_friction() else {
         return 0.0;
     };
-    let density = scene.fluid.as_ref().and_then(|fluid| fluid.density);
-    let borne = density.unwrap_or(0.0) * scene.block.side.powi(3) / scene.block.mass;
-    let deceleration = friction * gravity * (1.0 - borne).max(0.0);
+    let deceleration = friction * settling::weight(scene).max(0.0);
     let mean = std::f64::consts::PI.sqrt() / 2.0;
     2.0 * mean * BlockUnits::from_scene(scene).acceleration(deceleration)
 }
@@ -368,10 +360,18 @@ mod tests {
 
     #[test]
     fn power_is_balanced() {
-        for (gain, left, loss) in [(1e-2, 1.0, 0.03), (1e-2, 0.9, 0.03), (1e-18, 0.999, 7.0)] {
-            let v = balance(gain, left, 0.0, loss);
-            let after = v * v * left + gain - loss * v.powi(3);
-            assert!((after / (v * v) - 1.0).abs() < 1e-9, "{gain} {left} {loss}");
+        for (gain, left, steady, loss) in [
+            (1e-2, 1.0, 0.0, 0.03),
+            (1e-2, 0.9, 0.0, 0.03),
+            (1e-18, 0.999, 0.0, 7.0),
+            (1e-2, 1.0, 0.5, 0.0),
+            (1e-2, 0.9, 0.02, 0.03),
+            (1e-18, 0.999, 1e-8, 7.0),
+        ] {
+            let v = balance(gain, left, steady, loss);
+            let after = v * v * left + gain - steady * v - loss * v.powi(3);
+            let error = after / (v * v) - 1.0;
+            assert!(error.abs() < 1e-9, "{gain} {left} {steady} {loss}");
         }
     }
 }

@@ -116,7 +116,7 @@ mod tests {
                 expected = Some(manifold.clone())
             });
             let found = squares(&a, &b);
-            assert!(found.is_some() || expected.is_none(), "{a:?} {b:?}");
+            assert_eq!(found.is_some(), expected.is_some(), "{a:?} {b:?}");
             let (Some(found), Some(expected)) = (found, expected) else {
                 continue;
             };
@@ -135,6 +135,8 @@ mod tests {
                 assert_eq!(point.position.z, 0.5);
                 assert!(point.depth > 0.0);
             }
+            let angle = found.normal.angle(&expected.normal);
+            assert!(angle < 1e-3, "{found:?} {expected:?}");
             assert_eq!(found.normal.z, 0.0);
         }
         assert!(touching > 5_000, "{touching}");
