@@ -1,6 +1,8 @@
 //! Scenes that cannot be set up.
 use stochc_ir::scene::room::NoRoom;
 
+use super::motion_limits::FARTHEST;
+
 /// Reason why a scene cannot be set up.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SceneError {
@@ -21,6 +23,11 @@ pub enum SceneError {
         what: &'static str,
         /// Smallest sufficient number of substeps per tick.
         substeps: u64,
+    },
+    /// A free block would start too far from the plate for single precision.
+    TooFar {
+        /// Distance \[block lengths\].
+        distance: f64,
     },
     /// The scene has not been calibrated.
     NoRates,
@@ -52,6 +59,11 @@ impl std::fmt::Display for SceneError {
                     "{what} is {value:e} in block units, which cannot be simulated"
                 )
             }
+            SceneError::TooFar { distance } => write!(
+                f,
+                "a free block would start {distance:.1e} block lengths from the plate; use a smaller enclosure, with at \
+                 most {FARTHEST:.0e} block lengths"
+            ),
             SceneError::NoRates => {
                 f.write_str("this scene has no calibrated rates; run `stochc calibrate`")
             }

@@ -5,6 +5,7 @@ use stochc_ir::scene::room::{MIN_SPACING, NoRoom, Obstacles};
 use stochc_ir::scene::{Arrangement, Interior, Scene};
 use stochc_ir::table::Plate;
 
+use super::motion_limits::FARTHEST;
 use super::parameters::WorldParameters;
 use super::{BodyState, SceneError};
 
@@ -25,22 +26,20 @@ pub(super) fn blocks(
     let (inside, arrangement) = (wall.interior, scene.free.arrangement);
     let obstacles = Obstacles::new(scene, plate, seeds);
     inside.has_room(count, arrangement, scene.block.side, &obstacles)?;
-    Ok(match arrangement {
+    let blocks: Vec<BodyState> = match arrangement {
         Arrangement::Uniform => uniform(inside, count, &obstacles),
-        Arrangement::Ring { radius } => ring(inside, count, radius / scene.block.side),
-    })
-}
-
-/// Returns `count` blocks at rest on a horizontal circle at half height, aligned with the
-/// structure. The first is in the east.
-fn ring(inside: Interior, count: u32, radius: f64) -> Vec<BodyState> {
-    let height = inside.halfway();
-    let angle = std::f64::consts::TAU / f64::from(count);
-    let position = |i: u32| {
-        let (sin, cos) = libm::sincos(angle * f64::from(i));
-        Vector3::new(radius * cos, radius * sin, height)
+        Arrangement::Ring { radius } => {
+            let points = inside.ring(radius / scene.block.side, count);
+            points.map(|it| BodyState::at_rest(it.into())).collect()
+        }
     };
-    (0..count).map(position).map(BodyState::at_rest).collect()
+    let distances = blocks.iter().map(|block| block.position.norm());
+    let farthest = distances.fold(0.0, f64::max);
+    if farthest < FARTHEST {
+        Ok(blocks)
+    } else {
+        Err(SceneError::TooFar { distance: farthest })
+    }
 }
 
 /// Returns `count` blocks at rest on a regular lattice, aligned with the structure and apart from
@@ -49,7 +48,7 @@ fn uniform(inside: Interior, count: u32, obstacles: &Obstacles) -> Vec<BodyState
     let count = count as usize;
     let lattice = |spacing| obstacles.apart(inside.lattice(spacing));
     let fits_all = |spacing| lattice(spacing).take(count).count() == count;
-    // The number of sites is not quite monotonic in the spacing. Bisection finds one of several
+    // The number of points is not quite monotonic in the spacing. Bisection finds one of several
     // nearly equal solutions, and always the same one.
     let (mut fits, mut fails) = (MIN_SPACING, inside.largest_spacing());
     for _ in 0..60 {
@@ -61,7 +60,7 @@ fn uniform(inside: Interior, count: u32, obstacles: &Obstacles) -> Vec<BodyState
         }
     }
     let points: Vec<_> = lattice(fits).map(Vector3::from).collect();
-    // Surplus sites are omitted evenly.
+    // Surplus points are omitted evenly.
     let chosen = (0..count).map(|i| points[i * points.len() / count]);
     chosen.map(BodyState::at_rest).collect()
 }
@@ -102,9 +101,20 @@ mod tests {
 
     #[test]
     fn memory_does_not_grow_with_the_enclosure() {
-        let blocks = start(1e6, 300).expect("300 blocks fit");
+        let blocks = start(9e4, 300).expect("300 blocks fit");
         assert_eq!(blocks.len(), 300);
         let farthest = blocks.iter().map(|b| b.position.norm()).fold(0.0, f64::max);
-        assert!((5e5..1e6).contains(&farthest), "{farthest}");
+        assert!((4.5e4..9e4).contains(&farthest), "{farthest}");
+    }
+
+    #[test]
+    fn blocks_that_would_start_too_far_away_are_rejected() {
+        for radius in [1e6, 1e30] {
+            let found = start(radius, 300);
+            let Err(SceneError::TooFar { distance }) = found else {
+                panic!("{radius}: {found:?}");
+            };
+            assert!((0.5 * radius..=radius).contains(&distance), "{distance}");
+        }
     }
 }

@@ -58,18 +58,18 @@ impl fmt::Display for NoRoom {
 /// block length \[block lengths\]. The distance from the wall is then [`MARGIN`].
 const GAP: f64 = MARGIN - 0.5;
 
-/// Sites of a lattice along one axis.
+/// Points of a lattice along one axis.
 #[derive(Clone, Copy)]
 struct Row {
     first: i64,
     end: i64,
-    /// Position of site 0, divided by the spacing.
+    /// Position of point 0, divided by the spacing.
     offset: f64,
     spacing: f64,
 }
 
 impl Row {
-    /// Returns the sites between `first` and `end`, half a spacing away from 0.
+    /// Returns the points between `first` and `end`, half a spacing away from 0.
     fn around_zero(first: i64, end: i64, spacing: f64) -> Row {
         let offset = 0.5;
         Row {
@@ -80,7 +80,7 @@ impl Row {
         }
     }
 
-    /// Returns sites that fill a length evenly, at least `spacing` apart, with 0 in the middle.
+    /// Returns points that fill a length evenly, at least `spacing` apart, with 0 in the middle.
     fn filling(length: f64, spacing: f64) -> Row {
         let gaps = (length / spacing).min(1e9).floor();
         let offset = -gaps / 2.0;
@@ -96,21 +96,21 @@ impl Row {
         (step as f64 + self.offset) * self.spacing
     }
 
-    fn points(self) -> impl Iterator<Item = i64> {
+    fn steps(self) -> impl Iterator<Item = i64> {
         self.first..self.end
     }
 }
 
 impl Interior {
-    /// Returns the lattice sites in the region \[block lengths\], in the order of z, y, x. The
+    /// Returns the lattice points in the region \[block lengths\], in the order of z, y, x. The
     /// lattice is symmetric about the vertical axis. In a ball it is cubic with this spacing. In a
-    /// box or a cylinder, sites have at least this spacing, and fill the height evenly.
+    /// box or a cylinder, points have at least this spacing, and fill the height evenly.
     pub fn lattice(&self, spacing: f64) -> impl Iterator<Item = [f64; 3]> + use<> {
         let around = |radius: f64| {
             let reach = (radius / spacing) as i64 + 1;
             (reach, Row::around_zero(-reach, reach, spacing))
         };
-        // Sites are relative to the middle of the region.
+        // Points are relative to the middle of the region.
         let (rows, radius, lowest, middle) = match *self {
             Interior::Ball { radius, height } => {
                 let (radius, low) = (radius - MARGIN, MARGIN - height);
@@ -133,18 +133,26 @@ impl Interior {
             }
         };
         let [x, y, z] = rows;
-        let lines = z
-            .points()
-            .flat_map(move |k| y.points().map(move |j| (j, k)));
+        let lines = z.steps().flat_map(move |k| y.steps().map(move |j| (j, k)));
         lines
-            .flat_map(move |(j, k)| x.points().map(move |i| [x.at(i), y.at(j), z.at(k)]))
+            .flat_map(move |(j, k)| x.steps().map(move |i| [x.at(i), y.at(j), z.at(k)]))
             .filter(move |[_, _, z]| *z >= lowest)
             .filter(move |[x, y, z]| (x * x + y * y + z * z).sqrt() <= radius[0])
             .filter(move |[x, y, _]| (x * x + y * y).sqrt() <= radius[1])
             .map(move |[x, y, z]| [x, y, z + middle])
     }
 
-    /// Returns an upper bound of the spacing of lattices with more than one site \[block lengths\].
+    /// Returns `count` points on a horizontal circle at half height, evenly spaced \[block
+    /// lengths\]. The first is in the east.
+    pub fn ring(&self, radius: f64, count: u32) -> impl Iterator<Item = [f64; 3]> + use<> {
+        let (height, angle) = (self.halfway(), TAU / f64::from(count));
+        (0..count).map(move |i| {
+            let (sin, cos) = libm::sincos(angle * f64::from(i));
+            [radius * cos, radius * sin, height]
+        })
+    }
+
+    /// Returns an upper bound of the spacing of lattices with more than one point \[block lengths\].
     pub fn largest_spacing(&self) -> f64 {
         match *self {
             Interior::Ball { radius, .. } => 2.0 * (radius - MARGIN) + 2.0,
@@ -172,7 +180,7 @@ impl Interior {
     ) -> Result<(), NoRoom> {
         match arrangement {
             Arrangement::Uniform => {
-                // An obstacle takes up to nine sites.
+                // An obstacle takes up to nine points.
                 if self.is_roomy(count.saturating_add(9 * obstacles.0.len() as u32)) {
                     return Ok(());
                 }
@@ -190,13 +198,11 @@ impl Interior {
                 let is_outside = [[radius, 0.0, height], [0.0, radius, height]]
                     .into_iter()
                     .any(|position| self.distance(position) > 0.0);
-                let position = |i: u32| {
-                    let (sin, cos) = (TAU / f64::from(count) * f64::from(i)).sin_cos();
-                    [radius * cos, radius * sin, height]
-                };
                 let is_blocked = || {
-                    let blocks = if obstacles.0.is_empty() { 0 } else { count };
-                    obstacles.apart((0..blocks).map(position)).count() < blocks as usize
+                    let obstacles = obstacles.0.first().map(|_| obstacles);
+                    obstacles.is_some_and(|obstacles| {
+                        obstacles.apart(self.ring(radius, count)).count() < count as usize
+                    })
                 };
                 if touches || is_outside || is_blocked() || (height < MARGIN && !self.is_flat()) {
                     Err(NoRoom::OnRing { count })
@@ -207,7 +213,7 @@ impl Interior {
         }
     }
 
-    /// Returns whether all blocks fit in a box within the region. If they do, the sites need not be
+    /// Returns whether all blocks fit in a box within the region. If they do, the points need not be
     /// counted. Their number might exceed the memory.
     fn is_roomy(&self, count: u32) -> bool {
         let along = |length: f64| (length / MIN_SPACING - 1.0).max(0.0);
@@ -216,7 +222,7 @@ impl Interior {
                 let radius = radius - MARGIN;
                 along(radius).powi(2) * along(radius / 2.0 - MARGIN)
             }
-            // Every site is in a box.
+            // Every point is in a box.
             Interior::Box { .. } => 0.0,
             Interior::Cylinder { radius, low, high } => {
                 let layers = Row::filling(high - low - 2.0 * GAP, MIN_SPACING);
@@ -263,7 +269,7 @@ impl Obstacles {
         Obstacles(seeds.map(position).collect())
     }
 
-    /// Returns the sites where an aligned block does not touch an obstacle.
+    /// Returns the points where an aligned block does not touch an obstacle.
     pub fn apart(&self, points: impl Iterator<Item = [f64; 3]>) -> impl Iterator<Item = [f64; 3]> {
         points.filter(|[x, y, _]| {
             let distance = |[u, v]: &[f64; 2]| (x - u).abs().max((y - v).abs());
@@ -339,7 +345,7 @@ mod tests {
         }
     }
 
-    /// Checks that rooms of every size are filled without counting all of their sites.
+    /// Checks that rooms of every size are filled without counting all of their points.
     #[test]
     fn small_and_large_rooms_are_filled() {
         let rooms = |size: f64, high: f64| {
