@@ -96,12 +96,13 @@ fn write_page(
         },
     };
     let refuse = |error: io::Error| Failure::not_written(&page, error);
-    let mut chains = beside.begin(CRITICAL_PATHS).map_err(refuse)?;
-    let report = report(&inputs, &surroundings, &mut chains).map_err(|error| match error {
-        ReportError::Write(error) => refuse(error),
-        ReportError::Runs(error) => Failure::usage(error),
-    })?;
-    keep(&page, &beside, &report, chains).map_err(refuse)?;
+    let mut critical_paths = beside.begin(CRITICAL_PATHS).map_err(refuse)?;
+    let report =
+        report(&inputs, &surroundings, &mut critical_paths).map_err(|error| match error {
+            ReportError::Write(error) => refuse(error),
+            ReportError::Runs(error) => Failure::usage(error),
+        })?;
+    keep(&page, &beside, &report, critical_paths).map_err(refuse)?;
     Ok(page)
 }
 
@@ -225,9 +226,9 @@ impl Beside {
 }
 
 /// Writes the figures, and then the page that refers to them. Deletes figures of an earlier report
-/// that the new one does not have. Renames `chains` last, because a folder without a page cannot be
+/// that the new one does not have. Renames `critical_paths` last, because a folder without a page cannot be
 /// recognized as part of a report.
-fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Result<()> {
+fn keep(page: &Path, beside: &Beside, report: &Report, critical_paths: Draft) -> io::Result<()> {
     let Beside { folder, earlier } = beside;
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
@@ -249,7 +250,7 @@ fn keep(page: &Path, beside: &Beside, report: &Report, chains: Draft) -> io::Res
     let ours = Replaces::Ours(|file| begins_with(file, MARK.as_bytes()));
     atomic::replace(page, report.page.as_bytes(), ours)?;
     if report.has_critical_paths {
-        chains.keep()
+        critical_paths.keep()
     } else {
         Ok(())
     }

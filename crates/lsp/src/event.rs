@@ -12,7 +12,6 @@ pub enum ServerEvent {
 
 pub enum Done {
     Checked(CheckedProgram),
-    /// Response to a request.
     /// Response to a request, as JSON.
     Answered(Result<String, RequestFailure>),
 }

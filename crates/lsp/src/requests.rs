@@ -205,10 +205,10 @@ impl Query {
                 let it = it.text_document_position_params;
                 Query::at(it, Needs::Recent, |context, analysis, at| {
                     let locations = definition::definitions(analysis, at, context.cancellation)?;
-                    let places = locations.into_iter();
-                    let places =
-                        places.map(|location| analysis.location(location, &context.documents));
-                    json_text(places.collect::<Vec<Location>>())
+                    let found = locations.into_iter();
+                    let found =
+                        found.map(|location| analysis.location(location, &context.documents));
+                    json_text(found.collect::<Vec<Location>>())
                 })
             }
             "textDocument/completion" => {
@@ -232,10 +232,10 @@ impl Query {
                 let it: DocumentHighlightParams = params(raw)?;
                 let it = it.text_document_position_params;
                 Query::at(it, Needs::Recent, |context, analysis, at| {
-                    let places = definition::highlights(analysis, at, context.cancellation)?;
+                    let ranges = definition::highlights(analysis, at, context.cancellation)?;
                     // Read or write access.
                     let kind = |declares| if declares { 3 } else { 2 };
-                    let shown = places
+                    let shown = ranges
                         .into_iter()
                         .map(|(range, declares)| json!({ "range": range, "kind": kind(declares) }));
                     json_text(shown.collect::<Vec<Value>>())
@@ -430,10 +430,10 @@ fn references(
         span.start,
         span.end,
     );
-    let places = definition::everywhere(&all, from, context.cancellation)?;
-    let found = places.iter().filter_map(|place| {
+    let uses = definition::everywhere(&all, from, context.cancellation)?;
+    let found = uses.iter().filter_map(|location| {
         let (analysis, name) =
-            (all.iter()).find_map(|analysis| Some((analysis, named_at(analysis, place)?)))?;
+            (all.iter()).find_map(|analysis| Some((analysis, named_at(analysis, location)?)))?;
         let is_included = with_declaration || !name.declares;
         is_included.then(|| analysis.location(name.location, &context.documents))
     });

@@ -66,7 +66,7 @@ fn structure(checked: &Checked, program: &Program) -> Value {
     valid.retain(|id| program.layout.cells[id.0 as usize].is_some());
     // The sort is stable: within a phase, the order does not change.
     valid.sort_by_key(|&id| plan.phase_of(id));
-    let place = |location: SourceLocation| {
+    let range = |location: SourceLocation| {
         let file = checked.sources.file(location.file);
         json!({
             "is_own": file.name == NAME,
@@ -80,7 +80,7 @@ fn structure(checked: &Checked, program: &Program) -> Value {
             EventKind::Capture { parent, face } => (Some(parent), Some(face)),
             EventKind::Release => (None, None),
         };
-        let mut value = place(event.location);
+        let mut value = range(event.location);
         value["id"] = json!(id);
         value["phase"] = json!(plan.phase_of(id));
         value["role"] = json!(event.role);
@@ -91,7 +91,7 @@ fn structure(checked: &Checked, program: &Program) -> Value {
         value
     };
     let seeds = plan.seeds.iter().map(|seed| {
-        let mut value = place(seed.location);
+        let mut value = range(seed.location);
         value["role"] = json!(seed.role);
         value
     });

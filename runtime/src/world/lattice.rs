@@ -72,7 +72,7 @@ pub(super) fn occupied_cells(tables: &Tables) -> impl Iterator<Item = Cell> {
 }
 
 /// Returns the seat and the face of a [`number`].
-pub(super) fn block_face(number: usize) -> (usize, Face) {
+pub(super) fn seat_and_face(number: usize) -> (usize, Face) {
     let faces = Face::ALL.len();
     (number / faces, Face::ALL[number % faces])
 }

@@ -60,7 +60,7 @@ pub(crate) enum MeanFlow {
         /// Angular velocity of the core \[rad / tick\].
         rate: f64,
     },
-    /// Jets from the shell towards its centre, in a horizontal plane.
+    /// Jets from the wall towards its centre, in a horizontal plane.
     Jets {
         count: u8,
         /// Speed at the outlet \[block lengths / tick\].
@@ -219,7 +219,7 @@ impl WorldParameters {
     }
 
     /// Multiplies these terms by `response`: the steady acceleration, random impulses, rejections,
-    /// the force of the shell, and forces of compliant contacts.
+    /// the force of the wall, and forces of compliant contacts.
     ///
     /// `response` is the effect of a force over one step with drag, divided by its effect without
     /// drag. `dt` is the length of a step \[tick\].

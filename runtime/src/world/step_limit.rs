@@ -5,11 +5,11 @@ use super::parameters::WorldParameters;
 use crate::settings::Settings;
 
 impl WorldParameters {
-    /// Checks that the steps are short enough for the elastic shell.
+    /// Checks that the steps are short enough for the elastic wall.
     ///
     /// # Errors
     ///
-    /// If the phase of an oscillation in the shell advances by more than one radian per step. Under
+    /// If the phase of an oscillation in the wall advances by more than one radian per step. Under
     /// strong drag, if a step corrects more than the whole displacement. Beyond twice this limit,
     /// the oscillation would gain energy.
     pub fn check(&self, settings: &Settings) -> Result<(), SceneError> {

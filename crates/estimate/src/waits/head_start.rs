@@ -89,10 +89,10 @@ impl<'r> HeadStarts<'r> {
     pub fn nearby(&self, cell: Cell, direction: Face, from: Cell) -> Option<ReleaseNearby> {
         let (squared_distance, before) = relative(cell, direction, from)?;
         let at = |late: bool| {
-            let index = (squared_distance, before, late);
+            let key = (squared_distance, before, late);
             let mut known = self.known.iter();
             known
-                .find(|it| (it.squared_distance, it.before, it.late) == index)
+                .find(|it| (it.squared_distance, it.before, it.late) == key)
                 .copied()
         };
         let at_once = at(false)?;

@@ -110,10 +110,10 @@ impl Cases<'_> {
 
     /// Returns a quantile, or `None` if it is infinite or there are no cases.
     fn quantile(self, q: f64) -> Option<f64> {
-        let index = q.clamp(0.0, 1.0) * self.count().checked_sub(1)? as f64;
-        let at = |index: f64| self.sorted.get(index as usize).copied();
-        let (below, above) = (at(index.floor())?, at(index.ceil())?);
-        Some(below + (above - below) * index.fract())
+        let rank = q.clamp(0.0, 1.0) * self.count().checked_sub(1)? as f64;
+        let at = |rank: f64| self.sorted.get(rank as usize).copied();
+        let (below, above) = (at(rank.floor())?, at(rank.ceil())?);
+        Some(below + (above - below) * rank.fract())
     }
 
     /// Returns the half-width for a quantile. Returns `None` if an end of the interval is beyond

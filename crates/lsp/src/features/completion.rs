@@ -94,11 +94,8 @@ fn names(analysis: &Analysis, kinds: &[NameKind], prefix: &str) -> Vec<Value> {
         }
         let word = symbols.word(names.word(name.definition));
         let key = (!word.starts_with(prefix), word);
-        if found.len() < MAX_NAMES {
-            found.entry(key).or_insert(kind);
-        } else if found.last_key_value().is_some_and(|(last, _)| key < *last)
-            && found.insert(key, kind).is_none()
-        {
+        found.entry(key).or_insert(kind);
+        if found.len() > MAX_NAMES {
             found.pop_last();
         }
     }

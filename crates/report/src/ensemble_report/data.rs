@@ -286,12 +286,12 @@ fn origins(subjects: &[ReportedProgram], waits: &[Vec<ReportedCapture>]) -> Stri
 }
 
 /// Returns the first line of [`CRITICAL_PATHS`].
-pub(super) fn chains_header() -> String {
+pub(super) fn critical_paths_header() -> String {
     CsvTable::new(["program", "run", "phase", "event", "from", "to"]).finish()
 }
 
 /// Returns the rows of [`CRITICAL_PATHS`] for one run.
-pub(super) fn chains(subject: &ReportedProgram, run: &FinishedRun) -> String {
+pub(super) fn critical_paths(subject: &ReportedProgram, run: &FinishedRun) -> String {
     let mut table = CsvTable::part();
     for segment in &run.critical_path {
         table.row([

@@ -25,21 +25,21 @@ pub struct Report {
 }
 
 /// Creates the report of one or several results folders. Writes [`CRITICAL_PATHS`](super::CRITICAL_PATHS) directly
-/// to `chains`, because this table has rows for every run.
+/// to `critical_paths`, because this table has rows for every run.
 ///
 /// # Errors
 ///
-/// If runs cannot be read again, or `chains` cannot be written.
+/// If runs cannot be read again, or `critical_paths` cannot be written.
 pub fn report(
     inputs: &[Input],
     surroundings: &ReportLocation,
-    chains: &mut dyn Write,
+    critical_paths: &mut dyn Write,
 ) -> Result<Report, ReportError> {
-    chains.write_all(data::chains_header().as_bytes())?;
+    critical_paths.write_all(data::critical_paths_header().as_bytes())?;
     let shown = &surroundings.figures.presentation;
     let (mut subjects, mut sweeps) =
         reported_program::subjects(inputs, shown, &mut |subject, run| {
-            chains.write_all(data::chains(subject, run).as_bytes())
+            critical_paths.write_all(data::critical_paths(subject, run).as_bytes())
         })?;
     let clock = shown.unit(subjects.iter().map(|subject| subject.program));
     let waits: Vec<_> = subjects.iter_mut().map(waits::waits).collect();

@@ -275,14 +275,15 @@ fn draw(out: &mut Drawing, axes: &Axes, point: &PlottedSetting) {
     out.mark(&format!("mark {class}"), symbol, (x, y), MARK, &tooltip);
 }
 
-/// Draws the number of each mark at the place with the least overlap.
+/// Draws the number of each mark at the position with the least overlap.
 fn numbers(out: &mut Drawing, axes: &Axes, points: &[PlottedSetting]) {
-    let path: Vec<(f64, f64)> = points
+    let positions: Vec<(f64, f64)> = points
         .iter()
         .map(|p| (axes.cost.at(p.cost), axes.y(p.bias)))
         .collect();
-    let mut taken: Vec<(f64, f64, f64)> = path.iter().map(|&(x, y)| (x, y, MARK + 1.0)).collect();
-    for (point, &(x, y)) in points.iter().zip(&path) {
+    let mut taken: Vec<(f64, f64, f64)> =
+        positions.iter().map(|&(x, y)| (x, y, MARK + 1.0)).collect();
+    for (point, &(x, y)) in points.iter().zip(&positions) {
         let label = point.number.to_string();
         let half = width(&label) / 2.0;
         let (dx, dy) = (MARK + half + 4.0, MARK + 9.0);

@@ -4,13 +4,13 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
     values: (f64, f64),
-    points: (f64, f64),
+    positions: (f64, f64),
     logarithmic: bool,
 }
 
 impl Scale {
     /// Creates a linear scale. Equal ends are moved apart.
-    pub fn linear(values: (f64, f64), points: (f64, f64)) -> Scale {
+    pub fn linear(values: (f64, f64), positions: (f64, f64)) -> Scale {
         let values = if values.1 > values.0 {
             values
         } else {
@@ -19,13 +19,13 @@ impl Scale {
         };
         Scale {
             values,
-            points,
+            positions,
             logarithmic: false,
         }
     }
 
     /// Creates a logarithmic scale. Both ends must be positive.
-    pub fn logarithmic(values: (f64, f64), points: (f64, f64)) -> Scale {
+    pub fn logarithmic(values: (f64, f64), positions: (f64, f64)) -> Scale {
         let values = if values.1 > values.0 {
             values
         } else {
@@ -33,7 +33,7 @@ impl Scale {
         };
         Scale {
             values,
-            points,
+            positions,
             logarithmic: true,
         }
     }
@@ -51,7 +51,7 @@ impl Scale {
         } else {
             (value - from) / (to - from)
         };
-        self.points.0 + (self.points.1 - self.points.0) * share
+        self.positions.0 + (self.positions.1 - self.positions.0) * share
     }
 
     /// Returns about `n` round values for the ticks of an axis.

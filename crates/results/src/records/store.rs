@@ -47,7 +47,7 @@ impl From<Vec<Finished>> for Records {
 }
 
 impl Records {
-    /// Returns the runs whose lines are at `locations` in `files`. The places may be in any order.
+    /// Returns the runs whose lines are at `locations` in `files`. The locations may be in any order.
     /// Each line has fewer than `most` bytes.
     pub(crate) fn at(mut locations: Vec<LineLocation>, files: Vec<File>, most: u64) -> Records {
         /// Size of a read buffer \[bytes\]. A small buffer suffices, because lines of consecutive
@@ -89,7 +89,7 @@ impl Records {
 
     /// Returns whether a run is present.
     pub fn contains(&self, program: usize, run: u64) -> bool {
-        self.location(program, run).is_some()
+        self.index_of(program, run).is_some()
     }
 
     /// Returns a run if it is present.
@@ -98,7 +98,7 @@ impl Records {
     ///
     /// If the files of its folder cannot be read.
     pub fn get(&self, program: usize, run: u64) -> Result<Option<Finished>, JournalError> {
-        let Some(number) = self.location(program, run) else {
+        let Some(number) = self.index_of(program, run) else {
             return Ok(None);
         };
         match &*self.0 {
@@ -157,7 +157,7 @@ impl Records {
         keys: impl Iterator<Item = (usize, u64)>,
         mut show: impl FnMut(&Finished) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut numbers = keys.filter_map(|(program, run)| self.location(program, run));
+        let mut numbers = keys.filter_map(|(program, run)| self.index_of(program, run));
         match &*self.0 {
             Store::Memory(finished) => numbers.try_for_each(|number| show(&finished[number])),
             Store::Lines(lines) => {
@@ -214,7 +214,7 @@ impl Records {
         }
     }
 
-    fn location(&self, program: usize, run: u64) -> Option<usize> {
+    fn index_of(&self, program: usize, run: u64) -> Option<usize> {
         let key = (program, run);
         match &*self.0 {
             Store::Memory(all) => all.binary_search_by_key(&key, |it| (it.program, it.record.run)),

@@ -247,8 +247,8 @@ impl Shard {
                 let Ok(done) = journal::run(line.text, &validator) else {
                     return;
                 };
-                let location = job_number(done.program, done.record.run, programs);
-                if location.is_some_and(|location| self.jobs.contains(&location)) {
+                let job = job_number(done.program, done.record.run, programs);
+                if job.is_some_and(|job| self.jobs.contains(&job)) {
                     locations.push(done.at(number, line.at));
                     shortest.offer(done);
                 }

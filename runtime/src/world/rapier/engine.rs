@@ -53,11 +53,11 @@ fn contact_settings(settings: &Settings) -> IntegrationParameters {
 /// Returns an engine with ground and blocks, and the handles of the blocks by number.
 pub(super) fn engine(
     parameters: &WorldParameters,
+    contact: Option<Surface>,
     plate: &Plate,
     settings: &Settings,
     blocks: &[BodyState],
-) -> Result<(Box<PhysicsWorld>, Vec<RigidBodyHandle>), SceneError> {
-    let contact = parameters.contact.as_ref().map(surface).transpose()?;
+) -> (Box<PhysicsWorld>, Vec<RigidBodyHandle>) {
     let mut engine = Box::new(PhysicsWorld {
         gravity: Vec3::ZERO,
         integration_parameters: contact_settings(settings),
@@ -96,7 +96,7 @@ pub(super) fn engine(
         }
     });
     let handles = handles.collect();
-    Ok((engine, handles))
+    (engine, handles)
 }
 
 /// Adds the seeds of a planar world as immovable blocks.
@@ -152,7 +152,7 @@ pub(super) fn ground_reach(radius: f64) -> f64 {
 /// Returns half the size of the ground, whose upper side is level with the plate at z = 0.
 ///
 /// The ground is a slab, because an infinite plane would be tested against every block in every
-/// step. It extends as far as the shell lets blocks move. Without an enclosure there is only the
+/// step. It extends as far as the wall lets blocks move. Without an enclosure there is only the
 /// plate.
 fn ground(wall: Option<Wall>, plate: &Plate) -> Vector3<f32> {
     match wall {

@@ -54,7 +54,8 @@ impl Integrator for Rapier {
         if settings.reduction.is_some() {
             return Err(cannot("term that can be left out"));
         }
-        let (engine, handles) = engine(parameters, plate, settings, blocks)?;
+        let contact = parameters.contact.as_ref().map(surface).transpose()?;
+        let (engine, handles) = engine(parameters, contact, plate, settings, blocks);
         let substeps = settings.substeps.max(1);
         let limits = MotionLimits::new(substeps, parameters.contact.is_some());
         let limits = match (&parameters.contact, parameters.wall) {
@@ -70,7 +71,7 @@ impl Integrator for Rapier {
             dt: 1.0 / substeps as f32,
             joints: Joints::default(),
             limits,
-            contact: parameters.contact.as_ref().map(surface).transpose()?,
+            contact,
             is_planar: parameters.is_planar,
         };
         Ok((EngineBodies::new(engine, handles, blocks), rapier))

@@ -10,7 +10,7 @@ use super::open_face_hazards::{OpenFace, OpenFaceHazards, Slot};
 use super::waits::RateModel;
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
 use crate::world::lattice::{
-    Changes, FaceChange, LatticeStructure, bit, block_face, occupied_cells,
+    Changes, FaceChange, LatticeStructure, bit, occupied_cells, seat_and_face,
 };
 use crate::world::{Fault, SceneError, World};
 
@@ -143,7 +143,7 @@ impl<'r> RateWorld<'r> {
 
     /// Closes a face if it was open. Returns the cell in front and its direction.
     pub(super) fn close(&mut self, face: usize) -> Option<(Cell, Face)> {
-        let (seat, own) = block_face(face);
+        let (seat, own) = seat_and_face(face);
         let of = self.lattice.seats[seat];
         let cell = of.across(own)?;
         let slot = self.hazards.close(face, cell)?;
@@ -153,7 +153,7 @@ impl<'r> RateWorld<'r> {
 
     /// Opens a face. Its waiting time is not drawn yet.
     pub(super) fn open(&mut self, face: usize, changed: &mut Vec<Slot>) {
-        let (seat, own) = block_face(face);
+        let (seat, own) = seat_and_face(face);
         let of = self.lattice.seats[seat];
         let Some(cell) = of.across(own) else { return };
         let direction = of.orientation.to_structure(own);
@@ -289,7 +289,7 @@ impl<'r> RateWorld<'r> {
         let Some(face) = self.hazards.face(slot) else {
             return;
         };
-        let (seat, face) = block_face(face.number);
+        let (seat, face) = seat_and_face(face.number);
         let [which_block, how, whether, threshold] = self.draw();
         let free = self.lattice.free.len();
         let child = match scheduled {

@@ -158,17 +158,12 @@ impl<R: Lane> Contacts<R> {
         bonds: Option<&FreeBonds>,
         seeds: &[Vector3<R>],
     ) {
-        if matches!(self.shape.ground, Ground::Table) {
-            let touch = R::from_double(TOUCH);
-            self.beside.clear();
-            for (number, &seed) in seeds.iter().enumerate() {
-                neighbours.around(seed, touch, &mut self.low);
-                (self.beside).extend(self.low.iter().map(|&id| (id, number)));
-            }
-            self.low.clear();
-        } else {
-            bodies.list_below(R::from_double(TOUCH / 2.0), &mut self.low);
-        }
+        let touch = R::from_double(TOUCH);
+        self.list_near_fixed(
+            seeds,
+            |&seed, found| neighbours.around(seed, touch, found),
+            |found| bodies.list_below(R::from_double(TOUCH / 2.0), found),
+        );
         neighbours.close_pairs(bodies, &mut self.close);
         self.find_among(bodies, bonds, seeds);
     }
@@ -181,22 +176,40 @@ impl<R: Lane> Contacts<R> {
         seeds: &[Vector3<R>],
     ) {
         let (height, touch) = (R::from_double(TOUCH / 2.0), R::from_double(TOUCH * TOUCH));
-        self.low.clear();
-        self.beside.clear();
-        if matches!(self.shape.ground, Ground::Table) {
-            for number in 0..seeds.len() {
-                let blocks = local.blocks.iter();
-                self.beside.extend(blocks.map(|&id| (id, number)));
-            }
-        } else {
-            let low = |&id: &u32| bodies.is_free(id) && bodies.position(id).z < height;
-            self.low.extend(local.blocks.iter().copied().filter(low));
-        }
+        let low = |&id: &u32| bodies.is_free(id) && bodies.position(id).z < height;
+        self.list_near_fixed(
+            seeds,
+            |_, found| found.clone_from(&local.blocks),
+            |found| {
+                found.clear();
+                found.extend(local.blocks.iter().copied().filter(low));
+            },
+        );
         self.close.clear();
         let near =
             |&(a, b): &(u32, u32)| (bodies.position(a) - bodies.position(b)).norm_squared() < touch;
         self.close.extend(local.pairs.iter().copied().filter(near));
         self.find_among(bodies, None, seeds);
+    }
+
+    /// Lists the blocks near seeds or near the ground. `around` selects blocks that may touch a
+    /// seed, and `below` blocks that may touch the ground.
+    fn list_near_fixed(
+        &mut self,
+        seeds: &[Vector3<R>],
+        mut around: impl FnMut(&Vector3<R>, &mut Vec<u32>),
+        below: impl FnOnce(&mut Vec<u32>),
+    ) {
+        self.beside.clear();
+        if !matches!(self.shape.ground, Ground::Table) {
+            below(&mut self.low);
+            return;
+        }
+        for (number, seed) in seeds.iter().enumerate() {
+            around(seed, &mut self.low);
+            (self.beside).extend(self.low.iter().map(|&id| (id, number)));
+        }
+        self.low.clear();
     }
 
     /// Finds the contacts among the candidate pairs, low blocks and blocks near seeds.

@@ -1,4 +1,4 @@
-//! Free flight: all effects on a block that do not depend on other blocks. These are shell, random
+//! Free flight: all effects on a block that do not depend on other blocks. These are wall, random
 //! impulses, drag and motion.
 use super::bodies::{Bodies, add};
 use super::simd::{LANES, Lane, Wide, square};

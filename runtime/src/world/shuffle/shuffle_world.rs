@@ -9,7 +9,7 @@ use stochc_ir::{Cell, Face};
 use super::groups::DisjointSets;
 use super::unplanned_faces::ExposedFaces;
 use crate::counter_rng::{DrawsAhead, Stream, below, unit};
-use crate::world::lattice::{FaceChange, LatticeStructure, NO_BLOCK, bit, block_face};
+use crate::world::lattice::{FaceChange, LatticeStructure, NO_BLOCK, bit, seat_and_face};
 use crate::world::ranked::RankedSet;
 use crate::world::{Fault, World};
 
@@ -154,11 +154,11 @@ impl ShuffleWorld {
         let [seeds, blocks] = &self.exposed;
         let all = seeds.len() + blocks.len();
         let rank = below(which, all);
-        let block_face = match rank.checked_sub(seeds.len()) {
+        let seat_and_face = match rank.checked_sub(seeds.len()) {
             None => seeds.select(rank),
             Some(rank) => blocks.select(rank),
         };
-        if let Some((seat, face)) = block_face {
+        if let Some((seat, face)) = seat_and_face {
             self.dock_one(seat as usize, face, [which_block, how], dockings);
         }
     }
@@ -247,7 +247,7 @@ impl World for ShuffleWorld {
         self.tick += 1;
         if self.open.len() > 0 {
             let [which, which_block, how, _] = self.draws.block(tick, 0);
-            let (seat, face) = block_face(self.open.select(below(which, self.open.len())));
+            let (seat, face) = seat_and_face(self.open.select(below(which, self.open.len())));
             self.dock_one(seat, face, [which_block, how], dockings);
         }
         Ok(())

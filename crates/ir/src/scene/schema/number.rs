@@ -131,8 +131,8 @@ impl SchemaNumber {
 
     /// Returns whether a scene has the parameter.
     pub fn is_in(&self, scene: &Scene) -> bool {
-        let target = |target| !matches!(target, Accessor::Term(None));
-        (self.at)(&mut scene.clone()).is_some_and(target)
+        let is_present = |target| !matches!(target, Accessor::Term(None));
+        (self.at)(&mut scene.clone()).is_some_and(is_present)
     }
 
     /// Returns the value of the parameter in a scene, in SI units. Returns `None` if the scene does

@@ -11,6 +11,7 @@ use super::origin::{first_of_text, text_id};
 use super::parts::ROWS;
 use crate::analysis::reported_program::ReportedProgram;
 use crate::analysis::waits::ReportedCapture;
+use crate::ensemble_report::CRITICAL_PATHS;
 use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
 use crate::ensemble_report::narrative::{
     NarrativeContext, heading, lead, narrative, sizes as sizes_of,
@@ -54,7 +55,7 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
         drawings,
         figure,
         caption,
-        &["waits.csv", "critical-paths.csv"],
+        &["waits.csv", CRITICAL_PATHS],
     );
     captures(subject, waits, out);
     origins(parts, index, out, drawings);

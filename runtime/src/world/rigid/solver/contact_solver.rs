@@ -49,7 +49,7 @@ impl<R: Lane> Solver<R> {
     /// Adds the contact of block `a` with block `b` or an immovable body.
     pub fn add(&mut self, bodies: &Bodies<R>, a: u32, b: Option<u32>, manifold: &Manifold<R>) {
         let indices = [Some(a), b].map(|id| match id {
-            Some(id) if bodies.is_free(id) => self.moving.index(id),
+            Some(id) if bodies.is_free(id) => self.moving.add_contact(id),
             _ => GROUND,
         });
         let span = bodies.span_of_pair([a, b.unwrap_or(a)]);
@@ -74,10 +74,10 @@ impl<R: Lane> Solver<R> {
     /// Solves all contacts after the bodies moved as if there were none. Changes the velocities and
     /// corrects the positions accordingly.
     ///
-    /// `push` returns the acceleration that the shell gives a block at a position. If contacts are
+    /// `push` returns the acceleration that the wall gives a block at a position. If contacts are
     /// rigid, it includes the steady acceleration. Contacts act in the middle of a step, before the
     /// second half of the resulting velocity change. Otherwise collisions would add energy to
-    /// blocks that fall or meet the shell. `moved` receives every changed block with its position,
+    /// blocks that fall or meet the wall. `moved` receives every changed block with its position,
     /// velocity, spin and rotation.
     pub fn solve(
         &mut self,

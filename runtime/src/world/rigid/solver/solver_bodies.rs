@@ -27,7 +27,7 @@ pub(super) struct SolverBodies<R: Lane> {
     /// Motions before any impulse.
     pub before: Vec<SolverBody<R>>,
     /// For each body, the velocity change that forces cause in the second half of the step. Used
-    /// for rigid contacts and the shell.
+    /// for rigid contacts and the wall.
     pub late: Vec<R::Quad>,
     /// Displacements that correct overlaps, applied in this substep only. Empty for compliant
     /// contacts.
@@ -91,9 +91,9 @@ impl<R: Lane> SolverBodies<R> {
         self.late.push(R::Quad::default());
     }
 
-    /// Returns the index of a free block's body and counts a contact. Adds the body at its first
-    /// contact.
-    pub fn index(&mut self, id: u32) -> usize {
+    /// Counts a contact of a free block and returns the index of its body. Adds the body at its
+    /// first contact.
+    pub fn add_contact(&mut self, id: u32) -> usize {
         let index = &mut self.index[id as usize];
         if *index == NO_BLOCK {
             *index = self.motions.len() as u32;
