@@ -47,10 +47,8 @@ pub(crate) fn check_read(
     reader: &mut DiskReader,
     settings: &SourceSettings,
 ) -> Checked {
-    let changes = Changes {
-        assembly: None,
-        values: &settings.changes(),
-    };
+    let values = settings.changes();
+    let changes = Changes::everywhere(&values);
     check_changed(path, reader, Limits::default(), &settings.levels, changes)
 }
 

@@ -35,10 +35,7 @@ pub struct FixedFile {
 pub fn fix(path: &str, settings: &SourceSettings) -> io::Result<FixedFile> {
     let original = programs::read(path)?;
     let mut reader = DiskReader::new(path, Some(&original), &settings.imports);
-    let changes = Changes {
-        assembly: None,
-        values: &settings.changes(),
-    };
+    let values = settings.changes();
     let compiler::Fixed {
         text,
         changes,
@@ -49,7 +46,7 @@ pub fn fix(path: &str, settings: &SourceSettings) -> io::Result<FixedFile> {
         &mut reader,
         Limits::default(),
         &settings.levels,
-        changes,
+        Changes::everywhere(&values),
     );
     // The compiler skips a byte order mark, so keep it here.
     let mark = BYTE_ORDER_MARK.as_bytes();

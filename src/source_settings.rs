@@ -1,8 +1,10 @@
 //! Settings for reading programs from their source files.
 use std::path::PathBuf;
 
-use stochc_compiler::{LintLevels, Program};
-use stochc_ir::scene::scalars::{ScalarChange, find};
+use stochc_compiler::{LintLevels, ParameterChange, Program};
+use stochc_experiments::sweep::{ParameterValue, RangeError};
+use stochc_ir::scene::Scene;
+use stochc_ir::scene::scalars::ScalarChange;
 use stochc_results::Varied;
 use stochc_text::suggest::nearest;
 use stochc_text::{in_backticks, visible};
@@ -17,32 +19,45 @@ pub struct SourceSettings {
     /// Folders that imports may come from, in addition to the folder of the program.
     pub imports: Vec<PathBuf>,
     /// Values that replace parameters of programs and scenes.
-    pub set: Vec<Varied>,
+    pub set: Vec<ParameterValue>,
 }
 
 impl SourceSettings {
     /// Returns the values that replace parameters.
-    pub fn changes(&self) -> Vec<ScalarChange> {
+    pub fn changes(&self) -> Vec<ParameterChange> {
+        let change = |value: &ParameterValue| ParameterChange {
+            name: value.name.clone(),
+            integer: value.integer(),
+            scene: value.of_scenes().map(|it| scene_change(&it)).collect(),
+        };
         self.set.iter().map(change).collect()
     }
 
     /// Returns the set values whose parameter this program or its scene has.
-    pub fn used_by(&self, program: &Program) -> Vec<Varied> {
-        let is_used = |varied: &&Varied| {
-            let mut own = program.plan.parameters.iter();
-            let scene = program.scene.as_ref();
-            own.any(|(name, _)| *name == varied.name)
-                || scene.is_some_and(|scene| find(scene, &varied.name).is_ok())
+    ///
+    /// # Errors
+    /// If a parameter cannot have its value.
+    pub fn used_by(&self, program: &Program) -> Result<Vec<Varied>, Failure> {
+        let in_program = |value: &ParameterValue| {
+            let parameters = program.plan.parameters.iter().map(|(name, _)| &**name);
+            value.in_program(parameters, program.scene.as_ref())
         };
-        self.set.iter().filter(is_used).cloned().collect()
+        let used = self.set.iter().filter_map(|it| in_program(it).transpose());
+        used.collect::<Result<_, _>>().map_err(not_allowed)
     }
+}
+
+fn not_allowed(error: RangeError) -> Failure {
+    Failure::usage(format!("--set: {error}"))
 }
 
 /// Set values that no program has used yet.
 #[derive(Debug)]
 pub struct UnusedValues<'a> {
     settings: &'a SourceSettings,
-    unused: Vec<&'a Varied>,
+    unused: Vec<&'a ParameterValue>,
+    /// First value that its parameter cannot have.
+    invalid: Option<RangeError>,
     /// Parameters of all programs, for suggestions.
     parameters: Vec<String>,
 }
@@ -53,6 +68,7 @@ impl<'a> UnusedValues<'a> {
         UnusedValues {
             settings,
             unused: settings.set.iter().collect(),
+            invalid: None,
             parameters: Vec::new(),
         }
     }
@@ -72,32 +88,48 @@ impl<'a> UnusedValues<'a> {
         self.settings
     }
 
-    /// Removes the values that a program uses. `parameters` are all parameters of the program.
-    pub fn remove<'p>(&mut self, used: &[Varied], parameters: impl Iterator<Item = &'p String>) {
-        self.unused.retain(|varied| !used.contains(varied));
-        self.parameters.extend(parameters.cloned());
+    /// Removes the values that a program with these `parameters` and this scene uses.
+    pub fn remove<'p>(
+        &mut self,
+        parameters: impl Iterator<Item = &'p str> + Clone,
+        scene: Option<&Scene>,
+    ) {
+        for value in &self.settings.set {
+            match value.in_program(parameters.clone(), scene) {
+                Ok(None) => continue,
+                Ok(Some(_)) => {}
+                Err(error) => {
+                    self.invalid.get_or_insert(error);
+                }
+            }
+            self.unused.retain(|unused| *unused != value);
+        }
+        self.parameters.extend(parameters.map(str::to_owned));
     }
 
     /// Removes the values that these programs use.
     pub fn remove_used_by(&mut self, programs: &[Program]) {
         for program in programs {
-            let parameters = program.plan.parameters.iter();
-            let used = self.settings.used_by(program);
-            self.remove(&used, parameters.map(|(name, _)| name));
+            let parameters = program.plan.parameters.iter().map(|(name, _)| &**name);
+            self.remove(parameters, program.scene.as_ref());
         }
     }
 
     /// Checks that a program uses each value.
     ///
     /// # Errors
-    /// If no program has the parameter of a value, or a parameter has two values.
+    /// If no program has the parameter of a value, or a parameter has two values or cannot have its
+    /// value.
     pub fn check(mut self) -> Result<(), Failure> {
         let set = &self.settings.set;
         let is_repeated =
-            |(i, it): &(usize, &Varied)| set[..*i].iter().any(|old| old.name == it.name);
+            |(i, it): &(usize, &ParameterValue)| set[..*i].iter().any(|old| old.name == it.name);
         if let Some((_, twice)) = set.iter().enumerate().find(is_repeated) {
             let name = visible(&twice.name);
             return Err(Failure::usage(format!("--set: `{name}` has two values")));
+        }
+        if let Some(error) = self.invalid {
+            return Err(not_allowed(error));
         }
         let Some(first) = self.unused.first() else {
             return Ok(());
@@ -116,8 +148,16 @@ impl<'a> UnusedValues<'a> {
     }
 }
 
-/// Returns the new value of a parameter.
-pub fn change(varied: &Varied) -> ScalarChange {
+/// Returns the new value of a parameter of one program.
+pub fn change(varied: &Varied) -> ParameterChange {
+    ParameterChange {
+        name: varied.name.clone(),
+        integer: Some(varied.value as i64),
+        scene: vec![scene_change(varied)],
+    }
+}
+
+fn scene_change(varied: &Varied) -> ScalarChange {
     ScalarChange {
         name: varied.name.clone(),
         value: varied.value,

@@ -31,12 +31,11 @@ mod shapes;
 mod sources;
 
 pub use check::assembly::Stage;
+pub use check::changes::{Changes, ParameterChange};
 pub use check::checked::{Checked, Program};
 pub use check::fix::{Fixed, fix};
 pub use check::model_check;
-pub use check::program::{
-    Changes, check, check_cancellable, check_changed, check_observed, check_with,
-};
+pub use check::program::{check, check_cancellable, check_changed, check_observed, check_with};
 pub use check::proof::Proof;
 pub use check::short_timeout::MAX_ESTIMATED;
 pub use check::texts::{check_text, check_texts};

@@ -74,11 +74,12 @@ pub fn check(
 
 /// Checks source text without imports. `name` is its file name in diagnostics.
 fn check_text(name: &str, text: &str, settings: &SourceSettings) -> Checked {
-    let changes = Changes {
-        assembly: None,
-        values: &settings.changes(),
-    };
-    stochc::check_texts(&[(name, text)], &settings.levels, changes)
+    let values = settings.changes();
+    stochc::check_texts(
+        &[(name, text)],
+        &settings.levels,
+        Changes::everywhere(&values),
+    )
 }
 
 /// Returns the programs of a file without errors, ready to run.

@@ -138,7 +138,7 @@ pub fn source_settings(
     set: &[String],
 ) -> Result<SourceSettings, Failure> {
     let value = |text: &String| {
-        let value = ParameterValue::parse(text).and_then(|value| value.for_any());
+        let value = ParameterValue::parse(text);
         value.map_err(|error| Failure::usage(format!("`{text}`: {error}")))
     };
     Ok(SourceSettings {

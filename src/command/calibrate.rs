@@ -10,12 +10,10 @@ use stochc_runtime::{Settings, Substeps};
 use stochc_text::visible;
 
 use super::host::Terminal;
-use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
-use super::levels::LevelOptions;
 use super::new_file::NewFile;
-use super::parameters::ParameterOptions;
 use super::run_options::ThreadsOption;
+use super::source_options::SourceOptions;
 use super::terminal::{argument, close, output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::programs::programs;
@@ -44,13 +42,8 @@ pub struct CalibrateArguments {
     seed: u64,
     #[command(flatten)]
     work: ThreadsOption,
-    /// Levels of warnings.
     #[command(flatten)]
-    levels: LevelOptions,
-    #[command(flatten)]
-    imports: ImportOptions,
-    #[command(flatten)]
-    parameters: ParameterOptions,
+    source: SourceOptions,
 }
 
 pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
@@ -94,9 +87,7 @@ fn scene(options: &CalibrateArguments, host: &Terminal) -> Result<Scene, Failure
         )));
     }
     let files = std::slice::from_ref(&options.target);
-    let source = options
-        .parameters
-        .settings(&options.levels, &options.imports);
+    let source = options.source.settings();
     let programs = programs(files, &source, host)?;
     let mut scenes = programs.into_iter().map(|program| program.scene);
     let first = scenes.next();

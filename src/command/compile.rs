@@ -13,10 +13,8 @@ use stochc_ir::graph::EventGraph;
 use stochc_ir::{Executable, Json};
 use stochc_report::figures::structure;
 
-use super::imports::ImportOptions;
-use super::levels::LevelOptions;
-use super::parameters::ParameterOptions;
 use super::run_options::JsonOption;
+use super::source_options::SourceOptions;
 use super::terminal::{has_colour, message_width, print_with, warn_drawn};
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
@@ -46,11 +44,7 @@ pub struct CompileArguments {
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    levels: LevelOptions,
-    #[command(flatten)]
-    imports: ImportOptions,
-    #[command(flatten)]
-    parameters: ParameterOptions,
+    source: SourceOptions,
 }
 
 /// A stage of the compilation.
@@ -110,9 +104,7 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
         )));
     }
     is_readable(&options.file)?;
-    let source = options
-        .parameters
-        .settings(&options.levels, &options.imports);
+    let source = options.source.settings();
     let mut checked = crate::check_source(&options.file, &source);
     warn_drawn(&drawn(&checked, has_colour(), message_width()));
     if checked.has_errors() {
@@ -170,8 +162,8 @@ fn choose(
 /// Keeps only the program with this name. Without a name, checks that there is only one program.
 fn only(programs: &mut Vec<Program>, name: Option<&str>) -> Result<(), String> {
     let names: Vec<_> = programs.iter().map(|it| &*it.plan.name).collect();
-    let place = index(&names, name, "file")?;
-    *programs = vec![programs.swap_remove(place)];
+    let chosen = index(&names, name, "file")?;
+    *programs = vec![programs.swap_remove(chosen)];
     Ok(())
 }
 

@@ -6,11 +6,9 @@ use stochc_report::tables::estimates_to_text;
 use stochc_results::MAX_RUNS;
 
 use super::host::Terminal;
-use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
-use super::levels::LevelOptions;
-use super::parameters::ParameterOptions;
 use super::run_options::{ALL, MeasuringOptions, RatesOption, count};
+use super::source_options::SourceOptions;
 use super::terminal::{output_width, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::estimate::{Estimating, estimates};
@@ -38,13 +36,8 @@ pub struct EstimateArguments {
     max_ticks: u64,
     #[command(flatten)]
     measuring: MeasuringOptions,
-    /// Levels of warnings.
     #[command(flatten)]
-    levels: LevelOptions,
-    #[command(flatten)]
-    imports: ImportOptions,
-    #[command(flatten)]
-    parameters: ParameterOptions,
+    source: SourceOptions,
 }
 
 pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
@@ -54,9 +47,7 @@ pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
         output,
     } = &options.measuring;
     let host = Terminal::default();
-    let source = options
-        .parameters
-        .settings(&options.levels, &options.imports);
+    let source = options.source.settings();
     let programs = programs(&options.files, &source, &host)?;
     stop_on_interrupt()?;
     let how = Estimating {

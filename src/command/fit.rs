@@ -13,11 +13,9 @@ use stochc_runtime::{Settings, Substeps};
 
 use super::figures::FigureOptions;
 use super::host::Terminal;
-use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
-use super::levels::LevelOptions;
-use super::parameters::ParameterOptions;
 use super::run_options::MeasuringOptions;
+use super::source_options::SourceOptions;
 use super::terminal::{argument, close, is_quiet, output_width, print, warn};
 use crate::exit::{Exit, Failure};
 use crate::operations::fit::{
@@ -78,21 +76,14 @@ pub struct FitArguments {
     figures: FigureOptions,
     #[command(flatten)]
     measuring: MeasuringOptions,
-    /// Levels of warnings.
     #[command(flatten)]
-    levels: LevelOptions,
-    #[command(flatten)]
-    imports: ImportOptions,
-    #[command(flatten)]
-    parameters: ParameterOptions,
+    source: SourceOptions,
 }
 
 pub fn run(options: &FitArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let times = measured_times(&options.data, &host)?;
-    let source = options
-        .parameters
-        .settings(&options.levels, &options.imports);
+    let source = options.source.settings();
     let programs = programs(&options.files, &source, &host)?;
     let unused = Unused {
         held_out: &options.hold_out,

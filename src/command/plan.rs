@@ -188,14 +188,13 @@ pub fn run(options: &PlanArguments) -> Result<Exit, Failure> {
 /// Opens the output file. Returns an error if it is also the target of the plan.
 fn begin(path: &Path, options: &PlanArguments) -> Result<NewFile, Failure> {
     if !options.force {
-        return NewFile::begin(path, Replaces::Nothing).map_err(|failure| {
-            if options.complete || !path.is_file() {
-                return failure;
-            }
+        let exists = path.symlink_metadata().is_ok_and(|it| it.is_file());
+        if exists && !options.complete {
             let reason =
                 "the file exists; choose another name, or add `--force` to replace an earlier plan";
-            Failure::not_written(path, reason)
-        });
+            return Err(Failure::not_written(path, reason));
+        }
+        return NewFile::begin(path, Replaces::Nothing);
     }
     let real = |path: &Path| path.canonicalize().ok();
     let is_target = real(path).is_some_and(|out| real(Path::new(&options.target)) == Some(out));

@@ -31,7 +31,7 @@ pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
         out: options.out.as_deref(),
         resume: Resume::No,
         is_checked: true,
-        levels: &programs.levels.levels,
+        levels: &programs.source.levels.levels,
         figures: Figures::default(),
     };
     ensemble::run(ensemble, making, &host)

@@ -39,7 +39,7 @@ pub fn run(options: &SweepArguments) -> Result<Exit, Failure> {
         out: options.out.as_deref(),
         resume: Resume::No,
         is_checked: true,
-        levels: &programs.levels.levels,
+        levels: &programs.source.levels.levels,
         figures: options.figures.figures(),
     };
     ensemble::run(ensemble, making, &host)

@@ -25,7 +25,12 @@ pub fn run(options: &TraceArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let stop = stop_on_interrupt()?;
     let manifest = input::from_programs(&options.programs, &[], 1, None, &host)?;
-    judge(&manifest, true, &options.programs.levels.levels, &host)?;
+    judge(
+        &manifest,
+        true,
+        &options.programs.source.levels.levels,
+        &host,
+    )?;
     let mut watch = until(stop);
     let mut records = Vec::new();
     for program in &manifest.programs {

@@ -11,11 +11,9 @@ use stochc_text::share;
 use super::ensemble::{MAX_TICKS, stopped};
 use super::figures::FigureOptions;
 use super::host::Terminal;
-use super::imports::ImportOptions;
 use super::interrupt::stop_on_interrupt;
-use super::levels::LevelOptions;
-use super::parameters::ParameterOptions;
 use super::run_options::MeasuringOptions;
+use super::source_options::SourceOptions;
 use super::terminal::{argument, close, output_has_colour, output_width, print, print_drawn};
 use crate::exit::{Exit, Failure};
 use crate::operations::forecast::{cpu_time, forecast_to_text};
@@ -61,13 +59,8 @@ pub struct TradeArguments {
     dry_run: bool,
     #[command(flatten)]
     measuring: MeasuringOptions,
-    /// Levels of warnings.
     #[command(flatten)]
-    levels: LevelOptions,
-    #[command(flatten)]
-    imports: ImportOptions,
-    #[command(flatten)]
-    parameters: ParameterOptions,
+    source: SourceOptions,
 }
 
 pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
@@ -77,9 +70,7 @@ pub fn run(options: &TradeArguments) -> Result<Exit, Failure> {
         output,
     } = &options.measuring;
     let host = Terminal::default();
-    let source = options
-        .parameters
-        .settings(&options.levels, &options.imports);
+    let source = options.source.settings();
     let programs = programs(&options.files, &source, &host)?;
     stop_on_interrupt()?;
     let setup = TradeSetup {

@@ -12,10 +12,8 @@ use stochc_ir::table::Tables;
 use stochc_runtime::counter_rng::schedules;
 use stochc_text::{counted, visible};
 
-use super::imports::ImportOptions;
-use super::levels::LevelOptions;
-use super::parameters::ParameterOptions;
 use super::run_options::JsonOption;
+use super::source_options::SourceOptions;
 use super::terminal::{exit_of, has_colour, message_width, print, print_folded, warn, warn_drawn};
 use crate::diagnostics::{CheckDocument, drawn};
 use crate::exit::{Exit, Failure};
@@ -44,11 +42,7 @@ pub struct VerifyArguments {
     #[command(flatten)]
     output: JsonOption,
     #[command(flatten)]
-    levels: LevelOptions,
-    #[command(flatten)]
-    imports: ImportOptions,
-    #[command(flatten)]
-    parameters: ParameterOptions,
+    source: SourceOptions,
 }
 
 /// Number of programs with each result of the verification.
@@ -64,9 +58,7 @@ pub fn run(options: &VerifyArguments) -> Result<Exit, Failure> {
     let mut exit = Exit::Success;
     let mut verified = Verified::default();
     let mut document = CheckDocument::default();
-    let source = options
-        .parameters
-        .settings(&options.levels, &options.imports);
+    let source = options.source.settings();
     let mut unused = UnusedValues::new(&source);
     for file in programs(&options.files) {
         let done = file.map_err(Failure::usage);
@@ -75,7 +67,7 @@ pub fn run(options: &VerifyArguments) -> Result<Exit, Failure> {
         exit = exit.or_worse(exit_of(done));
     }
     if exit == Exit::Success {
-        unused.check()?;
+        exit = exit_of(unused.check().map(|()| Exit::Success));
     }
     if options.output.json {
         print(&document.text())?;

@@ -45,7 +45,8 @@ pub fn programs(
     }
     let mut unused = UnusedValues::new(settings);
     for program in &programs {
-        unused.remove(&program.set, program.parameters.keys());
+        let parameters = program.parameters.keys().map(String::as_str);
+        unused.remove(parameters, Some(&program.scene));
     }
     unused.check()?;
     Ok(programs)
@@ -110,7 +111,7 @@ fn compiled(executables: Vec<Executable>) -> Vec<EnsembleProgram> {
 /// Returns the programs of a file that was checked with `settings`, and reports its diagnostics.
 ///
 /// # Errors
-/// If the file has errors or contains nothing to run.
+/// If the file has errors or contains nothing to run, or a parameter cannot have its value.
 pub fn accept(
     file: &str,
     checked: Checked,
@@ -130,17 +131,20 @@ pub fn accept(
             text: file.text.to_string(),
         })
         .collect();
-    let complete = checked.programs.into_iter().filter_map(|program| {
-        let set = settings.used_by(&program);
+    let mut complete = Vec::new();
+    for program in checked.programs {
+        let set = settings.used_by(&program)?;
         let parameters = program.plan.parameters.iter().cloned().collect();
-        let executable = program.into_executable()?;
+        let Some(executable) = program.into_executable() else {
+            continue;
+        };
         let name = executable.tables.assembly.clone();
         let mut program = EnsembleProgram::new(&name, sources.clone(), executable);
         (program.parameters, program.set) = (parameters, set);
         program.name += &program.point();
-        Some(program)
-    });
-    Ok(complete.collect())
+        complete.push(program);
+    }
+    Ok(complete)
 }
 
 /// Returns the failure for a file without an assembly.
@@ -173,11 +177,8 @@ pub fn recompile<'a>(
     let texts: Vec<_> = texts
         .map(|it| (it.path.as_str(), it.text.as_str()))
         .collect();
-    let changes = Changes {
-        assembly: Some(assembly),
-        values: &values.map(change).collect::<Vec<_>>(),
-    };
-    crate::check_texts(&texts, levels, changes)
+    let values: Vec<_> = values.map(change).collect();
+    crate::check_texts(&texts, levels, Changes::in_assembly(assembly, &values))
 }
 
 /// Returns the exit status for a file with these diagnostics.

@@ -15,7 +15,7 @@ use stochc_report::tables::{
     KNOWN_BIAS, captures_to_text, comparison_to_text, lower_bounds, pairs_to_text,
     published_comparison, published_sweep, sweep_to_text, trade_to_text,
 };
-use stochc_results::{Contents, EnsembleProgram, Finished, Folder, Manifest, Records};
+use stochc_results::{Contents, EnsembleProgram, Finished, Folder, MANIFEST, Manifest, Records};
 use stochc_runtime::Model;
 use stochc_text::visible;
 use stochc_text::{Markup, paragraph};
@@ -39,7 +39,7 @@ pub fn read(folder: &Path, host: &dyn Host) -> Result<(Manifest, Records), Failu
 /// If the folder contains no results.
 pub fn read_contents(folder: &Path, host: &dyn Host) -> Result<Contents, Failure> {
     if let Some(parent) = folder.parent().filter(|_| folder.is_file())
-        && parent.join("manifest.json").is_file()
+        && parent.join(MANIFEST).is_file()
     {
         let parent = match &*parent.to_string_lossy() {
             "" => ".".to_owned(),

@@ -126,6 +126,32 @@ fn a_parameter_has_one_value_or_is_swept() {
 }
 
 #[test]
+fn a_program_parameter_hides_a_scene_parameter() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "ticks.sa");
+    fs::write(&file, POSTS.replace("height", "tick")).unwrap();
+    let check = |value: &str| stochc_with("check --json", &[&file, "--set", value]);
+    let captures = |value: &str| {
+        let outcome = check(value);
+        assert_eq!((outcome.status, &*outcome.err), (0, ""), "{value}");
+        let document: Value = serde_json::from_str(&outcome.out).unwrap();
+        document["programs"][0]["captures"].as_u64().unwrap()
+    };
+    assert_eq!(captures("count=1"), 3);
+    assert_eq!(captures("tick=5"), 20);
+    // The diagnostics are printed even though the value is invalid.
+    let outcome = check("tick=10 ms");
+    assert_eq!(outcome.status, 2);
+    assert!(outcome.err.contains("--set: `tick`"), "{}", outcome.err);
+    let document: Result<Value, _> = serde_json::from_str(&outcome.out);
+    assert!(document.is_ok(), "{}", outcome.out);
+    // In this program, `tick` is the parameter of the scene.
+    let (status, _, err) = posts("check", &["--set", "tick=3"]);
+    assert_eq!(status, 2);
+    assert!(err.contains("`tick` is a time"), "{err}");
+}
+
+#[test]
 fn the_unit_decides_between_meanings_of_a_short_name() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(folder.path(), "new.sa");

@@ -1,8 +1,9 @@
 //! Applies all safe fixes of a file.
 use std::sync::Arc;
 
+use crate::check::changes::Changes;
 use crate::check::checked::Checked;
-use crate::check::program::{Changes, check_changed};
+use crate::check::program::check_changed;
 use crate::check::trial;
 use crate::diagnostic::TextChange;
 use crate::diagnostic::lint_levels::LintLevels;

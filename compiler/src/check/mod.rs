@@ -1,5 +1,6 @@
 //! The pipeline of a check and its results.
 pub(crate) mod assembly;
+pub(crate) mod changes;
 pub(crate) mod checked;
 pub(crate) mod executable;
 pub(crate) mod fix;

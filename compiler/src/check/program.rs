@@ -1,13 +1,13 @@
 //! The stages of a check.
 use rustc_hash::FxHashMap;
-use stochc_grammar::tree::{Item, ItemKind, Let, Name, Tree};
+use stochc_grammar::tree::{Item, ItemKind, Tree};
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
-use stochc_ir::scene::Scene;
-use stochc_ir::scene::scalars::{self, ScalarChange};
+use stochc_ir::scene::scalars;
 use stochc_ir::scene::warnings::Stepping;
 
 use crate::blocks::unused;
 use crate::check::assembly::{AssemblyInput, Stage, compile_aggregate};
+use crate::check::changes::Changes;
 use crate::check::checked::{Checked, Program};
 use crate::check::{short_timeout, trial};
 use crate::diagnostic::lint_levels::{FileLevels, LintLevels};
@@ -36,24 +36,6 @@ pub fn check_with(
     levels: &LintLevels,
 ) -> Checked {
     check_changed(path, reader, limits, levels, Changes::NONE)
-}
-
-/// Values that replace parameters of programs and scenes.
-#[derive(Clone, Copy, Debug)]
-pub struct Changes<'a> {
-    /// Name of the assembly to change. `None` changes every assembly, and ignores values whose
-    /// parameter an assembly lacks.
-    pub assembly: Option<&'a str>,
-    /// New values of the parameters.
-    pub values: &'a [ScalarChange],
-}
-
-impl Changes<'_> {
-    /// No changes.
-    pub const NONE: Changes<'static> = Changes {
-        assembly: None,
-        values: &[],
-    };
 }
 
 /// Checks a program like [`check_with`], with other values of parameters.
@@ -264,36 +246,7 @@ struct About<'a> {
     is_trial: bool,
 }
 
-impl<'a> About<'a> {
-    /// Returns the values that replace parameters of an assembly or of its scene.
-    fn values(&self, assembly: Name, symbols: &Symbols) -> &'a [ScalarChange] {
-        let changed = self.changes.assembly;
-        if changed.is_none_or(|changed| changed == symbols.word(assembly.symbol)) {
-            self.changes.values
-        } else {
-            &[]
-        }
-    }
-
-    /// Returns the values that replace scene parameters of an assembly with these `parameters`.
-    fn scene_changes(
-        &self,
-        assembly: Name,
-        parameters: &[Let],
-        scene: &Scene,
-        symbols: &Symbols,
-    ) -> Vec<ScalarChange> {
-        let is_own = |change: &ScalarChange| {
-            let mut parameters = parameters.iter();
-            parameters.any(|it| symbols.word(it.name.symbol) == change.name)
-        };
-        let is_optional = self.changes.assembly.is_none();
-        let values = self.values(assembly, symbols).iter();
-        let values = values.filter(|change| !is_own(change));
-        let values = values.filter(|it| !is_optional || scalars::find(scene, &it.name).is_ok());
-        values.cloned().collect()
-    }
-
+impl About<'_> {
     /// Returns the codes and titles of the errors after these changes of the first file. Returns
     /// `None` if the changes overlap, or if the check was cancelled.
     fn errors_with(&self, fixes: &[&Fix]) -> Option<Vec<(Code, String)>> {
@@ -371,7 +324,7 @@ fn programs(
             _ => &[],
         };
         let scene = scene.and_then(|scene| {
-            let changes = about.scene_changes(name, parameters, &scene, symbols);
+            let changes = (about.changes).of_scene(name, parameters, &scene, symbols);
             let wrong = |error| report(diagnostics, scene::diagnostic(&error, location));
             scalars::changed(scene, &changes).map_err(wrong).ok()
         });
@@ -405,7 +358,7 @@ fn programs(
             assembly,
             sources,
             settings: ExpansionSettings {
-                parameters: about.values(name, symbols),
+                parameters: about.changes.values(name, symbols),
                 ..about.settings
             },
             readable,

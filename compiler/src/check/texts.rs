@@ -1,7 +1,8 @@
 //! Checks sources that are held in memory.
+use crate::check::changes::Changes;
 use crate::check::checked::Checked;
 use crate::check::model_check;
-use crate::check::program::{Changes, check_changed};
+use crate::check::program::check_changed;
 use crate::diagnostic::lint_levels::LintLevels;
 use crate::expand::Limits;
 

@@ -2,7 +2,6 @@
 use rustc_hash::FxHashMap;
 use stochc_grammar::tree::{Assembly, Item, ItemKind, Let, Name, PhaseDeclaration, Quantity};
 use stochc_grammar::{Cancellation, Span, Symbol, Symbols};
-use stochc_ir::scene::scalars::ScalarChange;
 use stochc_ir::table::{Plate, RoleId};
 
 use super::declared_items::DeclaredItems;
@@ -11,6 +10,7 @@ use super::limits::{ExpansionSettings, Limits, MAX_NESTING};
 use super::probe::Probe;
 use super::scope::{BoundValue, Scope};
 use super::uses;
+use crate::check::changes::ParameterChange;
 use crate::diagnostic::{Code, Diagnostic, Fix, LONG, has_enough_errors, removal, report};
 use crate::expanded::{
     AfterConstraint, EventId, ExpandedEvent, ExpandedPhase, ExpandedProgram, NameKey, Roles,
@@ -96,7 +96,7 @@ pub(super) struct Expander<'a, 'f> {
     pub(super) limits: Limits,
     pub(super) cancellation: Cancellation<'f>,
     /// Values that replace the default values of parameters.
-    parameters: &'f [ScalarChange],
+    parameters: &'f [ParameterChange],
     pub(super) pass: Pass,
     pub(super) grown: ExpansionSize,
     /// Whether a limit is reached and expansion has stopped.
@@ -218,7 +218,7 @@ impl<'a> Expander<'a, '_> {
         let word = self.symbols.word(parameter.name.symbol).to_owned();
         // As in scenes, the last of several values applies.
         let replaced = self.parameters.iter().rfind(|it| it.name == word);
-        let value = replaced.map(|it| it.value as i64).or(default);
+        let value = replaced.and_then(|it| it.integer).or(default);
         self.define(
             parameter.name,
             value.map_or(BoundValue::Unknown, BoundValue::Number),

@@ -1,6 +1,7 @@
 //! Limits of an expansion.
 use stochc_grammar::Cancellation;
-use stochc_ir::scene::scalars::ScalarChange;
+
+use crate::check::changes::ParameterChange;
 
 /// Largest number of captures, releases and other results. A check of this size needs less than 300
 /// MB.
@@ -54,7 +55,7 @@ impl Default for Limits {
 pub struct ExpansionSettings<'c> {
     pub limits: Limits,
     /// Values that replace the default values of parameters.
-    pub parameters: &'c [ScalarChange],
+    pub parameters: &'c [ParameterChange],
     pub cancellation: Cancellation<'c>,
 }
 

@@ -1,8 +1,6 @@
 //! Arguments of `check`.
-use crate::command::imports::ImportOptions;
-use crate::command::levels::LevelOptions;
-use crate::command::parameters::ParameterOptions;
 use crate::command::run_options::{JsonOption, count};
+use crate::command::source_options::SourceOptions;
 use crate::diagnostics::Format;
 use clap::Args;
 use std::path::PathBuf;
@@ -41,11 +39,7 @@ pub struct CheckArguments {
     #[arg(long, requires = "fix")]
     pub(super) dry_run: bool,
     #[command(flatten)]
-    pub(super) levels: LevelOptions,
-    #[command(flatten)]
-    pub(super) imports: ImportOptions,
-    #[command(flatten)]
-    pub(super) parameters: ParameterOptions,
+    pub(super) source: SourceOptions,
 }
 
 impl CheckArguments {

@@ -40,7 +40,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     document.scenes = options.physics.then(Vec::new);
     let mut log = SarifLog::new(std::env::current_dir().ok().as_deref());
     let mut tally = DiagnosticCounts::default();
-    let source = (options.parameters).settings(&options.levels, &options.imports);
+    let source = options.source.settings();
     let mut unset = UnusedValues::new(&source);
     let (files, unread) = readable(&options.files);
     let are_many = files.len() + usize::from(unread) > 1;
@@ -114,7 +114,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         }
     }
     if exit == Exit::Success {
-        unset.check()?;
+        exit = exit_of(unset.check().map(|()| Exit::Success));
     }
     unused.notes().for_each(|note| warn(&note));
     match options.format() {
@@ -184,7 +184,7 @@ fn summary(
     for (number, program) in checked.programs.iter().enumerate() {
         out.push_str(name);
         out.push_str(&status_lines(checked, number));
-        out.push_str(&chains(program, checked));
+        out.push_str(&critical_paths(program, checked));
         if cost.is_none() {
             out.push_str(&summed_up(program, rates));
         }
@@ -199,7 +199,7 @@ fn summary(
 }
 
 /// Returns the critical path of each phase as text, one per line.
-fn chains(program: &Program, checked: &Checked) -> String {
+fn critical_paths(program: &Program, checked: &Checked) -> String {
     let plan = &program.plan;
     let phases = || plan.phases.iter().filter(|phase| !phase.pre_attached);
     let has_phases = plan.aggregate.is_none() && phases().next().is_some();

@@ -8,10 +8,8 @@ use stochc_results::{Interval, MAX_RUNS};
 use stochc_runtime::{Model, Precision, Reduction, Setting, Settings, Substeps};
 use stochc_text::share;
 
-use super::super::imports::ImportOptions;
-use super::super::levels::LevelOptions;
-use super::super::parameters::ParameterOptions;
 use super::super::run_options::{ResultsOptions, SeedOption, ThreadsOption};
+use super::super::source_options::SourceOptions;
 use crate::exit::Failure;
 
 /// Default number of runs of each program.
@@ -34,11 +32,7 @@ pub struct ProgramOptions {
     #[command(flatten)]
     pub model: ModelOptions,
     #[command(flatten)]
-    pub levels: LevelOptions,
-    #[command(flatten)]
-    pub imports: ImportOptions,
-    #[command(flatten)]
-    pub parameters: ParameterOptions,
+    pub source: SourceOptions,
 }
 
 /// Options that select how each run is computed.

@@ -9,7 +9,6 @@ use stochc_runtime::Model;
 use stochc_text::visible;
 
 use super::arguments::ProgramOptions;
-use crate::SourceSettings;
 use crate::exit::Failure;
 use crate::host::Host;
 use crate::operations::programs::programs;
@@ -35,14 +34,11 @@ pub fn from_programs(
     if !varies_settings {
         options.model.are_used(&settings)?;
     }
-    let levels = &options.levels.levels.clone().for_runs(settings.stepping());
-    let source = SourceSettings {
-        levels: levels.clone(),
-        ..(options.parameters).settings(&options.levels, &options.imports)
-    };
+    let mut source = options.source.settings();
+    source.levels = source.levels.for_runs(settings.stepping());
     let mut programs = programs(&options.files, &source, host)?;
     if !axes.is_empty() {
-        programs = sweep::points(axes, runs, &programs, levels, host)?;
+        programs = sweep::points(axes, runs, &programs, &source.levels, host)?;
     }
     let scenes = programs.iter().map(|it| &it.scene);
     let known = rates::read_rates_for(&options.model.rates, scenes, host)?;

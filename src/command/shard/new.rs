@@ -42,7 +42,7 @@ pub fn run(options: &NewArguments) -> Result<Exit, Failure> {
     stop_on_interrupt()?;
     let threads = options.work.threads;
     let manifest = input::from_programs(programs, &options.vary, options.runs, threads, &host)?;
-    judge(&manifest, true, &programs.levels.levels, &host)?;
+    judge(&manifest, true, &programs.source.levels.levels, &host)?;
     let prepared = prepare(&options.out, &manifest, shards).map_err(Failure::usage)?;
     if is_quiet() {
         return Ok(Exit::Success);

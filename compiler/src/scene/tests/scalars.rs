@@ -323,19 +323,20 @@ fn a_changed_scene_compiles_like_a_written_one() {
         phase p timeout 10 s { M.up ->> T[1..3] }
     }";
     let checked = |changes: &[(&str, f64)]| {
-        let changes: Vec<ScalarChange> = (changes.iter())
-            .map(|&(of, value)| ScalarChange {
+        let changes: Vec<_> = (changes.iter())
+            .map(|&(of, value)| crate::ParameterChange {
                 name: of.to_owned(),
-                value,
+                integer: None,
+                scene: vec![ScalarChange {
+                    name: of.to_owned(),
+                    value,
+                }],
             })
             .collect();
         let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
         let limits = crate::Limits::default();
         let levels = crate::LintLevels::default();
-        let changes = crate::Changes {
-            assembly: Some("a"),
-            values: &changes,
-        };
+        let changes = crate::Changes::in_assembly("a", &changes);
         crate::check_changed("a.sa", &mut reader, limits, &levels, changes)
     };
     let timeout = |changes: &[(&str, f64)]| {

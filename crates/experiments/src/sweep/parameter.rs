@@ -1,5 +1,6 @@
 //! Parameters of programs and scenes that get other values than in the source.
-use stochc_ir::scene::scalars::{ScalarError, find};
+use stochc_ir::scene::Scene;
+use stochc_ir::scene::scalars::{self, ScalarError, find};
 use stochc_ir::scene::schema::SchemaNumber;
 use stochc_results::{EnsembleProgram, Varied};
 use stochc_text::suggest::nearest;
@@ -103,34 +104,66 @@ impl ParameterValue {
     ///
     /// # Errors
     ///
-    /// If the form is wrong. Does not check whether a program or scene has the parameter.
+    /// If the form is wrong, or no parameter of this name can have the value. Does not check whether
+    /// a program or scene has the parameter.
     pub fn parse(text: &str) -> Result<ParameterValue, RangeError> {
         let (name, given) = text.split_once('=').ok_or(RangeError::Value)?;
         if name.trim().is_empty() || given.contains(',') || given.contains("..") {
             return Err(RangeError::Value);
         }
         let (given, unit) = value(given)?;
-        Ok(ParameterValue {
+        let value = ParameterValue {
             name: name.trim().to_owned(),
             given,
             unit,
-        })
+        };
+        let of_program = value.of(Parameter::Program(&value.name));
+        if of_program.is_err() && value.of_scenes().next().is_none() {
+            let mut numbers = scalars::all().filter(|it| value.names(it));
+            let number = numbers.next().map(Parameter::Scene);
+            number.map_or(of_program, |number| value.of(number))?;
+        }
+        Ok(value)
     }
 
-    /// Returns the value for a parameter of any program or scene.
+    /// Returns the value of a program parameter with this name. `None` if it is not an integer.
+    pub fn integer(&self) -> Option<i64> {
+        let value = self.of(Parameter::Program(&self.name)).ok()?;
+        Some(value.given as i64)
+    }
+
+    /// Returns the value for each scene parameter with this name that can have it. A short name can
+    /// have several meanings, such as a speed and a temperature.
+    pub fn of_scenes(&self) -> impl Iterator<Item = Varied> {
+        let numbers = scalars::all().filter(|number| self.names(number));
+        numbers.filter_map(|number| self.of(Parameter::Scene(number)).ok())
+    }
+
+    /// Returns the value for a program with these `parameters` and this scene. `None` if neither has
+    /// the parameter.
     ///
     /// # Errors
     ///
     /// If the parameter cannot have this value.
-    pub fn for_any(&self) -> Result<Varied, RangeError> {
-        let all = stochc_ir::scene::scalars::all();
-        let mut scene = all
-            .filter(|number| number.names.contains(&&*self.name))
-            .map(|number| Parameter::Scene(number).with_value(self.given, &self.unit));
-        let Some(first) = scene.next() else {
-            return Parameter::Program(&self.name).with_value(self.given, &self.unit);
+    pub fn in_program<'p>(
+        &self,
+        mut parameters: impl Iterator<Item = &'p str>,
+        scene: Option<&Scene>,
+    ) -> Result<Option<Varied>, RangeError> {
+        let parameter = if parameters.any(|name| name == self.name) {
+            Some(Parameter::Program(&self.name))
+        } else {
+            let number = scene.and_then(|scene| find(scene, &self.name).ok());
+            number.map(Parameter::Scene)
         };
-        // A short name can have several meanings, such as a speed and a temperature.
-        first.or_else(|error| scene.find_map(Result::ok).ok_or(error))
+        parameter.map(|parameter| self.of(parameter)).transpose()
+    }
+
+    fn of(&self, parameter: Parameter<'_>) -> Result<Varied, RangeError> {
+        parameter.with_value(self.given, &self.unit)
+    }
+
+    fn names(&self, number: &SchemaNumber) -> bool {
+        number.names.contains(&&*self.name)
     }
 }
