@@ -34,7 +34,7 @@ function pictures() {
     resolveId: id => (id === 'virtual:pictures' ? '\0pictures' : null),
     load(id) {
       if (id !== '\0pictures') return null;
-      const names = ['gate', 'line', 'open_platform', 'closed_platform', 'five_tower', 'five_tower_reconfigured', 'experiment_1', 'suction_growth', 'microns', 'bowl', 'tank', 'chair', 'serpentine'];
+      const names = ['gate', 'line', 'open_platform', 'closed_platform', 'five_tower', 'five_tower_reconfigured', 'experiment_1', 'suction_growth', 'microns', 'bowl', 'tank', 'air_table', 'chair', 'serpentine'];
       const all = names.map(name => [name, readFileSync(`${folder}/${name}.svg`, 'utf8')]);
       return `export default ${JSON.stringify(Object.fromEntries(all))};`;
     },

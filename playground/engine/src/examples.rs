@@ -23,6 +23,7 @@ examples! {
     "microns.sa"
     "lab/bowl.sa"
     "lab/tank.sa"
+    "lab/air_table.sa"
     "planned/chair.sa"
     "planned/five_towers.sa"
     "planned/serpentine.sa"

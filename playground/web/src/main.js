@@ -38,6 +38,7 @@ const EXAMPLES = {
   'planned/serpentine.sa': ['Serpentine', 'Planned with scaffolds, which are removed again.', 'serpentine'],
   'lab/bowl.sa': ['Laboratory bowl', 'The gate in a tank of one’s own, in two orders.', 'bowl'],
   'lab/tank.sa': ['Stirred tank', 'Suction valves in a stirred cylinder of water.', 'tank'],
+  'lab/air_table.sa': ['Air table', 'Squares slide on a cushion of air and build a T.', 'air_table'],
   'microns.sa': ['Micrometres', 'Cubes of 10 µm in water, moved by heat only.', 'microns'],
   'suction_growth.sa': ['Suction', 'A cross with four open valves at once, or one after the other.', 'suction_growth'],
   'experiment_1.sa': ['Recapture in oil', 'A block is rejected and captured by another face.', 'experiment_1'],
@@ -300,7 +301,12 @@ function drawStructure() {
   const isShown = program?.structure && (!program.structure.is_partial || messages.size > 0 || errors().every(({ code }) => code === 'shape-mismatch'));
   if (isShown) state.good = { program, text: state.checked };
   element('run').disabled = element('start').disabled = !isGood;
-  const warning = isGood ? '' : messages.size ? 'The program has errors. Blocks with ⚠ show where.' : isShown ? 'The program has errors.' : state.good ? 'The program has errors. This is an earlier version.' : '';
+  let warning = '';
+  if (!isGood) {
+    if (messages.size) warning = 'The program has errors. Blocks with ⚠ show where.';
+    else if (isShown) warning = 'The program has errors.';
+    else if (state.good) warning = 'The program has errors. This is an earlier version.';
+  }
   element('stale').textContent = warning;
   element('stale').hidden = !warning || state.tab !== 'structure';
   if (state.tab !== 'structure') return;

@@ -107,6 +107,7 @@ export class Stage {
     if (kind === 'run') element('timeline').replaceWith(element('timeline').cloneNode());
     const timeline = kind === 'run' ? new Timeline(element('timeline'), history, tick => player.jump(tick)) : null;
     this.shown = { kind, about, recording, history, scene, player, timeline, growing: false };
+    this.pointed = null;
     element('tick').max = player.end;
     this.wake();
   }
