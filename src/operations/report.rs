@@ -226,8 +226,8 @@ impl Beside {
 }
 
 /// Writes the figures, and then the page that refers to them. Deletes figures of an earlier report
-/// that the new one does not have. Renames `critical_paths` last, because a folder without a page cannot be
-/// recognized as part of a report.
+/// that the new one does not have. Renames `critical_paths` last, because a folder without a page
+/// cannot be recognized as part of a report.
 fn keep(page: &Path, beside: &Beside, report: &Report, critical_paths: Draft) -> io::Result<()> {
     let Beside { folder, earlier } = beside;
     for entry in std::fs::read_dir(folder)? {

@@ -116,8 +116,13 @@ mod tests {
                 expected = Some(manifold.clone())
             });
             let found = squares(&a, &b);
-            assert_eq!(found.is_some(), expected.is_some(), "{a:?} {b:?}");
-            let (Some(found), Some(expected)) = (found, expected) else {
+            assert!(found.is_some() || expected.is_none(), "{a:?} {b:?}");
+            let Some(found) = found else {
+                continue;
+            };
+            // Only squares also report a corner beyond the end of the other side.
+            let Some(expected) = expected else {
+                assert_eq!(found.points.len(), 1, "{found:?}");
                 continue;
             };
             touching += 1;
