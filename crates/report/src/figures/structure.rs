@@ -1,6 +1,6 @@
 //! Figure of the structure at the end of each phase.
-use stochc_ir::Cell;
 use stochc_ir::structure::{BuiltBlock, BuiltStructure};
+use stochc_ir::{Cell, CellBounds};
 use stochc_text::palette::{self, LIGHT, Rgb};
 
 use crate::svg::letters::{fitted, widest};
@@ -18,10 +18,7 @@ const COS: f64 = 0.866;
 /// Draws the structure at the end of each phase, seen from the south-east. A block has the colour
 /// of the phase that captured it. Blocks that were captured in the shown phase have dark edges.
 pub fn structure(built: &BuiltStructure) -> Drawing {
-    let plate = &built.plate;
-    let ground: Vec<Cell> = (0..plate.width as i32)
-        .flat_map(|x| (0..plate.depth as i32).map(move |y| Cell::new(x, y, 0)))
-        .collect();
+    let ground = ground(built);
     let blocks = built.phases.iter().flat_map(|phase| &phase.blocks);
     let seeds = built.seeds.iter().map(|(cell, _)| *cell);
     let blocks = blocks.map(|block| block.cell).chain(seeds);
@@ -72,6 +69,24 @@ pub fn structure(built: &BuiltStructure) -> Drawing {
         out.text_around("ink", foot, &fitted(&phase.name, column - EDGE / 2.0));
     }
     out.high(height)
+}
+
+/// Returns the cells of the plate to draw. In a planar world, the plate covers the table. Only its
+/// cells near the structure are drawn.
+fn ground(built: &BuiltStructure) -> Vec<Cell> {
+    let plate = &built.plate;
+    let all = (0..plate.width as i32)
+        .flat_map(|x| (0..plate.depth as i32).map(move |y| Cell::new(x, y, 0)));
+    let seeds = built.seeds.iter().map(|(cell, _)| *cell);
+    let blocks = built.phases.iter().flat_map(|phase| &phase.blocks);
+    let standing = seeds.chain(blocks.map(|block| block.cell));
+    let near = CellBounds::enclosing(standing).filter(|_| !built.seeds.is_empty());
+    let is_near = |cell: &Cell| {
+        near.is_none_or(|CellBounds { low, high }| {
+            (low.x - 1..=high.x + 1).contains(&cell.x) && (low.y - 1..=high.y + 1).contains(&cell.y)
+        })
+    };
+    all.filter(is_near).collect()
 }
 
 /// Visible sides of a cube (top, south and east): brightness and corners of each.
@@ -198,8 +213,9 @@ mod tests {
     #[test]
     fn seeds_of_a_planar_world_have_names() {
         let polygons = |picture: &str| picture.matches("<polygon").count();
-        let picture = drawn(vec![tower(1)], 2, 1);
-        assert_eq!(polygons(&picture), 3 * (4 + 1 + 1));
+        // Only the 3 x 2 cells of the plate around the seed and the block are drawn.
+        let picture = drawn(vec![tower(1)], 9, 1);
+        assert_eq!(polygons(&picture), 3 * (6 + 1 + 1));
         assert!(picture.contains(">M<"), "{picture}");
     }
 
