@@ -17,7 +17,8 @@ pub use crate::command::terminal::show_deferred;
 use crate::command::terminal::{Color, TerminalOptions, configure, output_has_colour, print_drawn};
 use crate::command::{
     calibrate, check, compile, completions, estimate, explain, export, fit, fmt, fsck, lsp, man,
-    new, plan, repeat, replay, report, resume, shard, show, simulate, sweep, trace, trade, verify,
+    new, plan, repeat, replay, report, resume, shard, show, simulate, sweep, test, trace, trade,
+    verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -93,6 +94,11 @@ pub enum Command {
         after_help = "Examples:\n  stochc simulate tower.sa -n 100 -o results/tower\n  stochc simulate one.sa other.sa --until 3% -o results/both"
     )]
     Simulate(Box<simulate::SimulateArguments>),
+    /// Test the claims of programs by simulation
+    #[command(
+        after_help = "Examples:\n  stochc test tower.sa\n  stochc test tower.sa --margin 1% --alpha 1%"
+    )]
+    Test(Box<test::TestArguments>),
     /// Simulate programs for several values of scene parameters or settings
     #[command(
         after_help = "Examples:\n  stochc sweep tower.sa --vary free=100..500/5 -n 20 -o results/free\n  stochc sweep tower.sa --vary substeps=1,2,4 --vary free=200,400"
@@ -236,7 +242,7 @@ fn given(mut command: &clap::Command) -> &clap::Command {
 }
 
 /// Names of commands in other applications, each with the `stochc` command that does the same.
-const OTHER_NAMES: [(&str, &str); 14] = [
+const OTHER_NAMES: [(&str, &str); 13] = [
     ("run", "stochc simulate"),
     ("sim", "stochc simulate"),
     ("init", "stochc new"),
@@ -244,7 +250,6 @@ const OTHER_NAMES: [(&str, &str); 14] = [
     ("build", "stochc compile"),
     ("format", "stochc fmt"),
     ("lint", "stochc check"),
-    ("test", "stochc verify"),
     ("prove", "stochc verify"),
     ("results", "stochc show"),
     ("status", "stochc shard status"),
@@ -329,7 +334,9 @@ const GROUPS: [(&str, &[&str]); 6] = [
     ),
     (
         "Run",
-        &["simulate", "sweep", "trace", "resume", "repeat", "estimate"],
+        &[
+            "simulate", "test", "sweep", "trace", "resume", "repeat", "estimate",
+        ],
     ),
     ("Look", &["show", "report", "replay", "export"]),
     ("Trust", &["trade", "calibrate", "fit"]),
@@ -393,6 +400,7 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         Command::Compile(options) => compile::run(&options),
         Command::Explain(options) => explain::run(&options),
         Command::Simulate(options) => simulate::run(&options),
+        Command::Test(options) => test::run(&options),
         Command::Sweep(options) => sweep::run(&options),
         Command::Trace(options) => trace::run(&options),
         Command::Resume(options) => resume::run(&options),

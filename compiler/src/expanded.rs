@@ -2,6 +2,7 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::Quantity;
 use stochc_grammar::{Symbol, Symbols};
+use stochc_ir::claim::Relation;
 use stochc_ir::graph::EventAction;
 pub use stochc_ir::graph::EventId;
 use stochc_ir::scene::units::Dimension;
@@ -35,6 +36,8 @@ pub struct ExpandedProgram {
     /// Number of blocks in a complete aggregate. `None` for an assembly. An aggregate has no plate,
     /// seeds or events. It has one phase for each size of 2 or more blocks.
     pub aggregate: Option<u32>,
+    /// Claims about runs, in source order.
+    pub claims: Vec<ExpandedClaim>,
     /// Instances of patterns. The instance with index i has the number i + 1 in [`NameKey::scope`].
     pub grown: Vec<PatternInstance>,
     /// Number of visited statements.
@@ -109,7 +112,62 @@ pub struct ExpandedPhase {
     pub claims: Vec<(Symbol, SourceLocation)>,
 }
 
-/// Time limit of a phase.
+/// A claim about runs. Its names are not resolved.
+#[derive(Clone, Debug)]
+pub struct ExpandedClaim {
+    /// The claim.
+    pub kind: ClaimKind,
+    /// Location of the whole statement.
+    pub location: SourceLocation,
+}
+
+/// Kind of an [`ExpandedClaim`].
+#[derive(Clone, Debug)]
+pub enum ClaimKind {
+    /// Probability of an event.
+    Probability {
+        /// The event.
+        event: ExpandedEventName,
+        /// Time limit for the event.
+        within: Option<Timeout>,
+        /// Relation of the probability to the bound.
+        relation: Relation,
+        /// Bound between 0 and 1.
+        bound: f64,
+    },
+    /// Mean completion time.
+    Mean {
+        /// Relation of the mean to the bound.
+        relation: Relation,
+        /// Bound of the mean.
+        bound: Timeout,
+    },
+    /// Comparison with another program.
+    Faster {
+        /// Name of the other program, with its location.
+        than: (Symbol, SourceLocation),
+        /// Smallest relative difference, from 0 to 1.
+        by: f64,
+    },
+}
+
+/// Name of an event in a claim.
+#[derive(Clone, Debug)]
+pub enum ExpandedEventName {
+    /// The program completes.
+    Completion,
+    /// A phase ends.
+    Phase(String, SourceLocation),
+    /// A block is captured by another block.
+    Capture {
+        /// Captured block.
+        block: (NameKey, SourceLocation),
+        /// Capturing block.
+        by: (NameKey, SourceLocation),
+    },
+}
+
+/// Time limit of a phase or a claim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Timeout {
     /// Number of ticks of the scene.

@@ -20,7 +20,7 @@ module.exports = grammar({
     program: $ => repeat($._element),
 
     _element: $ => choice(
-      $.chain, $.seat, $.instance, $.release, $.yields, $.doc, $.level,
+      $.chain, $.seat, $.instance, $.release, $.yields, $.doc, $.expect, $.level,
       $.let, $.import, $.aggregate,
       $.phase, $.for, $.if, $.pattern, $.seed, $.assembly, $.scene, $.shape,
     ),
@@ -41,6 +41,15 @@ module.exports = grammar({
       optional(seq('as', field('name', $.place))),
     ),
     yields: $ => seq('yields', field('shape', $.name)),
+    expect: $ => seq('expect', choice(
+      seq('mean', 'completion', $.relation, $.quantity),
+      seq('faster', 'than', field('program', $.name), optional(seq('by', $.quantity))),
+      seq($.event, optional(seq('within', $.quantity)), 'with', 'probability', $.relation, $.quantity),
+    )),
+    event: $ => choice(
+      'complete', seq('phase', field('phase', $.place)), seq('captured', $.place, 'by', $.place),
+    ),
+    relation: _ => choice('>=', '<='),
     level: $ => seq($._verdict, $.code, optional($.string)),
 
     // Declarations.

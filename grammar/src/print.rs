@@ -5,8 +5,8 @@ use crate::Symbols;
 use crate::format::lay_out;
 use crate::parse::is_unit;
 use crate::tree::{
-    Argument, Arrow, Assembly, Chain, EventReference, Expr, ExprKind, If, Instance, Item, ItemKind,
-    Place, Quantity, Subscript, Term, Tree,
+    Argument, Arrow, Assembly, Chain, EventReference, Expectation, ExpectedEvent, Expr, ExprKind,
+    If, Instance, Item, ItemKind, Place, Quantity, Subscript, Term, Tree,
 };
 
 /// Returns the source of a tree in the layout of [`crate::format()`]. Parsing it gives the same
@@ -71,6 +71,7 @@ impl Printer<'_> {
             ItemKind::Yields(name) => {
                 put!(self, "yields {}", self.word(name.symbol));
             }
+            ItemKind::Expect(claim) => self.expectation(claim),
             ItemKind::Import(import) => {
                 put!(self, "import \"{}\"", import.path);
             }
@@ -129,6 +130,53 @@ impl Printer<'_> {
             }
         }
         self.out.push('\n');
+    }
+
+    fn expectation(&mut self, claim: &Expectation) {
+        self.out.push_str("expect ");
+        match claim {
+            Expectation::Probability {
+                event,
+                within,
+                relation,
+                bound,
+            } => {
+                self.event(event);
+                if let Some(within) = within {
+                    self.out.push_str(" within ");
+                    self.quantity(within);
+                }
+                put!(self, " with probability {} ", relation.sign());
+                self.quantity(bound);
+            }
+            Expectation::Mean { relation, bound } => {
+                put!(self, "mean completion {} ", relation.sign());
+                self.quantity(bound);
+            }
+            Expectation::Faster { than, by } => {
+                put!(self, "faster than {}", self.word(than.symbol));
+                if let Some(by) = by {
+                    self.out.push_str(" by ");
+                    self.quantity(by);
+                }
+            }
+        }
+    }
+
+    fn event(&mut self, event: &ExpectedEvent) {
+        match event {
+            ExpectedEvent::Complete => self.out.push_str("complete"),
+            ExpectedEvent::Phase(phase) => {
+                self.out.push_str("phase ");
+                self.place(phase);
+            }
+            ExpectedEvent::Captured { block, by } => {
+                self.out.push_str("captured ");
+                self.place(block);
+                self.out.push_str(" by ");
+                self.place(by);
+            }
+        }
     }
 
     fn condition(&mut self, block: &If) {

@@ -9,8 +9,8 @@ use string_interner::{StringInterner, Symbol as _};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Symbol(pub u32);
 
-/// Keywords that begin a statement or declaration. Only the last one may be a name.
-pub const BEGINNINGS: [&str; 15] = [
+/// Keywords that begin a statement or declaration. Only the last two may be names.
+pub const BEGINNINGS: [&str; 16] = [
     "assembly",
     "else",
     "for",
@@ -26,6 +26,7 @@ pub const BEGINNINGS: [&str; 15] = [
     "shape",
     "yields",
     "aggregate",
+    "expect",
 ];
 
 /// Keywords within a statement or declaration. Only the last one may be a name.
@@ -36,7 +37,7 @@ pub const CONTINUATIONS: [&str; 11] = [
 const FACES: [&str; 6] = ["up", "down", "north", "south", "east", "west"];
 
 /// Number of words that cannot be names.
-const RESERVED: usize = BEGINNINGS.len() - 1 + CONTINUATIONS.len() - 1 + FACES.len();
+const RESERVED: usize = BEGINNINGS.len() - 2 + CONTINUATIONS.len() - 1 + FACES.len();
 
 /// All words of a program's files, without duplicates.
 #[derive(Clone, Debug)]
@@ -52,7 +53,7 @@ impl Symbols {
     /// Creates a table that contains only the reserved words.
     pub fn new() -> Symbols {
         let mut symbols = Symbols(StringInterner::new());
-        let [beginnings @ .., _] = BEGINNINGS;
+        let [beginnings @ .., _, _] = BEGINNINGS;
         let [continuations @ .., _] = CONTINUATIONS;
         for word in beginnings.into_iter().chain(continuations).chain(FACES) {
             symbols.intern(word);

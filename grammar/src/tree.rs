@@ -1,6 +1,7 @@
 //! Syntax tree of a file, with the location of every word.
 use smallvec::SmallVec;
 use stochc_ir::Face;
+use stochc_ir::claim::Relation;
 
 use crate::{Span, Symbol};
 
@@ -45,6 +46,8 @@ pub enum ItemKind {
     Let(Box<Let>),
     /// Shape that the structure must have: `yields tower`
     Yields(Name),
+    /// Claim about runs: `expect complete within 8000 ticks with probability >= 0.95`
+    Expect(Box<Expectation>),
     /// Level of a warning: `allow unused-seed "kept for the next phase"`
     Level(Box<LintDirective>),
     /// Phase: `phase corners { ... }`
@@ -288,6 +291,52 @@ pub struct Aggregate {
     /// Time limit of each phase. A phase ends when the largest group has grown by one block. `None`
     /// without a limit.
     pub timeout: Option<Quantity>,
+}
+
+/// A claim about the runs of an assembly.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Expectation {
+    /// Probability of an event: `complete with probability >= 0.95`
+    Probability {
+        /// The event.
+        event: ExpectedEvent,
+        /// Time limit for the event.
+        within: Option<Quantity>,
+        /// Relation of the probability to the bound.
+        relation: Relation,
+        /// Bound of the probability.
+        bound: Quantity,
+    },
+    /// Mean completion time: `mean completion <= 7000 ticks`
+    Mean {
+        /// Relation of the mean to the bound.
+        relation: Relation,
+        /// Bound of the mean.
+        bound: Quantity,
+    },
+    /// Comparison of means: `faster than five_tower by 20 %`
+    Faster {
+        /// Name of the other program.
+        than: Name,
+        /// Smallest relative difference. `None` for any difference.
+        by: Option<Quantity>,
+    },
+}
+
+/// An event of a claim.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ExpectedEvent {
+    /// The program completes.
+    Complete,
+    /// A phase ends.
+    Phase(Place),
+    /// A block is captured by another block.
+    Captured {
+        /// Captured block.
+        block: Place,
+        /// Capturing block.
+        by: Place,
+    },
 }
 
 /// A target structure as layers of text.
@@ -602,6 +651,7 @@ impl Item {
             ItemKind::If(_) => "an `if`",
             ItemKind::Let(_) => "a `let`",
             ItemKind::Yields(_) => "a `yields`",
+            ItemKind::Expect(_) => "an `expect`",
             ItemKind::Level(level) => match level.verdict {
                 LintDirectiveKind::Allow => "an `allow`",
                 LintDirectiveKind::Deny => "a `deny`",

@@ -130,6 +130,7 @@ pub fn simulate(
             checkpoints: Interval::DEFAULT,
             threads,
             has_warned_of_build: false,
+            measures_cpu: false,
             continues: false,
             figures: &Figures::default(),
             watch: false,

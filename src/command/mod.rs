@@ -35,6 +35,7 @@ pub mod simulate;
 mod source_options;
 pub mod sweep;
 pub(crate) mod terminal;
+pub mod test;
 pub mod trace;
 pub mod trade;
 pub mod verify;

@@ -8,8 +8,8 @@ use stochc_ir::scene::warnings::{SceneWarning, Stepping, scene_warnings};
 use stochc_report::figures::Figures;
 use stochc_results::recording::Selection;
 use stochc_results::{
-    Destination, EnsembleProgram, Folder, FolderState, Interval, Manifest, Progress, Results,
-    Resume, RunCancelled, RunWatch, check_stored, run as run_all,
+    Destination, EnsembleProgram, Folder, FolderState, Interval, Manifest, Progress, Records,
+    Results, Resume, RunCancelled, RunWatch, check_stored, run as run_all,
 };
 use stochc_runtime::RunError;
 use stochc_text::visible;
@@ -44,6 +44,8 @@ pub struct EnsembleOptions<'a> {
     /// Whether the caller may request more runs afterwards. If so, the folder stays open for these
     /// runs.
     pub continues: bool,
+    /// Whether to measure the CPU time of each run.
+    pub measures_cpu: bool,
     /// Size and format of the figures of a sweep.
     pub figures: &'a Figures,
     /// Whether to rewrite the report of the folder during the work.
@@ -193,11 +195,25 @@ pub fn make(
     how: &EnsembleOptions<'_>,
     host: &dyn Host,
 ) -> Result<MadeEnsemble, Failure> {
+    make_more(manifest, Records::default(), how, host)
+}
+
+/// Makes the missing runs of a manifest like [`make`]. `existing` contains the runs that are in
+/// memory.
+///
+/// # Errors
+/// See [`make`].
+pub(super) fn make_more(
+    manifest: &Manifest,
+    existing: Records,
+    how: &EnsembleOptions<'_>,
+    host: &dyn Host,
+) -> Result<MadeEnsemble, Failure> {
     let stop = host.stop();
     let at_once = threads(how.threads);
     let mut checkpoints = None;
     let destination = match how.out {
-        None => Destination::Memory(manifest),
+        None => Destination::MoreInMemory(manifest, existing),
         Some(out) => {
             let folder = Folder::open(out, manifest, how.resume).map_err(Failure::usage)?;
             warn_of_damage(out, folder.damage(), host);
@@ -230,7 +246,9 @@ pub fn make(
             })
         }
     };
-    let progress = Progress::new(manifest, at_once).within(how.time_limit);
+    let progress = Progress::new(manifest, at_once)
+        .within(how.time_limit)
+        .measuring_cpu(how.measures_cpu);
     let recordings = Recordings::new(how.out.zip(how.record), how.record_every, manifest);
     let unrecorded = made_by(manifest);
     let simulate = |program: usize, number, mut watch: &RunWatch| match recordings

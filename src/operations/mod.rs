@@ -3,6 +3,7 @@
 //! The command line and the Python package call these functions with the same options. The
 //! resulting folders are identical.
 pub mod chosen_run;
+pub mod claims;
 pub mod codes;
 pub mod ensemble;
 pub mod estimate;

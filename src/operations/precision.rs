@@ -6,7 +6,7 @@ use stochc_results::{Manifest, Records, Resume, survey};
 use stochc_text::percent;
 use stochc_text::{listed, visible};
 
-use super::ensemble::{EnsembleOptions, MadeEnsemble, make};
+use super::ensemble::{EnsembleOptions, MadeEnsemble, make_more};
 use crate::exit::Failure;
 use crate::host::Host;
 
@@ -24,12 +24,39 @@ const HOPELESS: u64 = 100;
 /// the same runs.
 ///
 /// # Errors
-/// See [`make`].
+/// See [`make`](super::ensemble::make).
 pub fn make_until(
-    mut manifest: Manifest,
+    manifest: Manifest,
     within: f64,
     how: &EnsembleOptions<'_>,
     host: &dyn Host,
+) -> Result<(Manifest, MadeEnsemble), Failure> {
+    let most = manifest.runs;
+    let more = |manifest: &Manifest, finished: &Records| {
+        let comparison = compared(manifest, finished)?;
+        let programs = comparison.programs.iter();
+        let programs = programs.map(|it| (it.completed, relative(it)));
+        Ok(requested(programs, manifest.runs, within))
+    };
+    let (manifest, made) = make_in_rounds(manifest, how, host, more)?;
+    if made.results.complete {
+        let comparison = compared(&manifest, &made.results.finished)?;
+        warn_of_unknown(&comparison, [manifest.runs, most], within, host);
+    }
+    Ok((manifest, made))
+}
+
+/// Makes runs in rounds. After each round, `more` returns the number of runs of each program to
+/// reach, or `None` to stop. Makes at most the number of runs in `manifest`. Returns the manifest
+/// with the final number of runs, and all runs.
+///
+/// # Errors
+/// See [`make`](super::ensemble::make).
+pub(super) fn make_in_rounds(
+    mut manifest: Manifest,
+    how: &EnsembleOptions<'_>,
+    host: &dyn Host,
+    mut more: impl FnMut(&Manifest, &Records) -> Result<Option<u64>, Failure>,
 ) -> Result<(Manifest, MadeEnsemble), Failure> {
     let most = manifest.runs;
     let there = how.out.and_then(stored_runs);
@@ -38,20 +65,21 @@ pub fn make_until(
         continues: true,
         ..*how
     };
+    let mut existing = Records::default();
     loop {
-        let made = make(&manifest, &stage, host)?;
+        let made = make_more(&manifest, existing, &stage, host)?;
         if !made.results.complete {
             return Ok((manifest, made));
         }
-        let comparison = compared(&manifest, &made.results.finished)?;
-        let programs = comparison.programs.iter();
-        let programs = programs.map(|it| (it.completed, relative(it)));
-        let more = requested(programs, manifest.runs, within);
-        let Some(more) = more.filter(|_| manifest.runs < most) else {
-            warn_of_unknown(&comparison, [manifest.runs, most], within, host);
+        let reached = more(&manifest, &made.results.finished)?;
+        let Some(reached) = reached.filter(|_| manifest.runs < most) else {
             return Ok((manifest, made));
         };
-        manifest.runs = more.min(most);
+        manifest.runs = reached.min(most);
+        existing = match how.out {
+            None => made.results.finished,
+            Some(_) => Records::default(),
+        };
         // Rounds after the first resume the runs of earlier rounds. Runs of an earlier command need
         // `--resume`.
         if stage.resume == Resume::No && there.is_none() {

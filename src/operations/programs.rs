@@ -135,12 +135,14 @@ pub fn accept(
     for program in checked.programs {
         let set = settings.used_by(&program)?;
         let parameters = program.plan.parameters.iter().cloned().collect();
+        let claims = program.claims.clone();
         let Some(executable) = program.into_executable() else {
             continue;
         };
         let name = executable.tables.assembly.clone();
         let mut program = EnsembleProgram::new(&name, sources.clone(), executable);
         (program.parameters, program.set) = (parameters, set);
+        program.claims = claims;
         program.name += &program.point();
         complete.push(program);
     }

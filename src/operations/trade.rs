@@ -124,6 +124,7 @@ pub fn measured(
         checkpoints: Interval::Never,
         threads: setup.threads,
         has_warned_of_build: false,
+        measures_cpu: false,
         continues: false,
         figures: setup.figures,
         watch: false,

@@ -143,7 +143,7 @@ fn assert_valid(name: &str, text: &str) {
 }
 
 #[track_caller]
-fn assert_output(name: &str, outcome: &Outcome) {
+pub fn assert_output(name: &str, outcome: &Outcome) {
     assert!(
         [0, 1, 3].contains(&outcome.status),
         "{name}: {}",

@@ -8,6 +8,7 @@ mod aggregate;
 mod budget;
 mod check;
 mod checkpoints;
+mod claims;
 mod compile;
 mod explain;
 mod fit;

@@ -83,6 +83,7 @@ impl OrderedProgram {
             tables: None,
             stuck: None,
             scene_warnings: Vec::new(),
+            claims: Vec::new(),
             jam_risks: Vec::new(),
         }
     }

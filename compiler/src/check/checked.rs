@@ -2,6 +2,7 @@
 use stochc_grammar::Symbols;
 use stochc_grammar::tree::Tree;
 use stochc_ir::JamRisk;
+use stochc_ir::claim::Claim;
 use stochc_ir::scene::Scene;
 use stochc_ir::scene::warnings::SceneWarning;
 use stochc_ir::table::Tables;
@@ -54,6 +55,8 @@ pub struct Program {
     pub stuck: Option<Tables>,
     /// Reasons why the scene does not work. Includes warnings that an `allow` suppresses.
     pub scene_warnings: Vec<SceneWarning>,
+    /// Claims about runs. Empty if the program has errors.
+    pub claims: Vec<Claim>,
     /// Reasons why blocks may jam. The rate model ignores them.
     pub jam_risks: Vec<JamRisk>,
 }

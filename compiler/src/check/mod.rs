@@ -2,6 +2,7 @@
 pub(crate) mod assembly;
 pub(crate) mod changes;
 pub(crate) mod checked;
+mod claims;
 pub(crate) mod executable;
 pub(crate) mod fix;
 pub mod model_check;

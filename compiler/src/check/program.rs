@@ -9,7 +9,7 @@ use crate::blocks::unused;
 use crate::check::assembly::{AssemblyInput, Stage, compile_aggregate};
 use crate::check::changes::Changes;
 use crate::check::checked::{Checked, Program};
-use crate::check::{short_timeout, trial};
+use crate::check::{claims, short_timeout, trial};
 use crate::diagnostic::lint_levels::{FileLevels, LintLevels};
 use crate::diagnostic::{Code, Diagnostic, Fix, TextChange, fold, report};
 use crate::expand::{
@@ -367,7 +367,8 @@ fn programs(
             scene_location,
             uncertain,
         };
-        let program = input.compile(scene, symbols, diagnostics, done)?;
+        let mut program = input.compile(scene, symbols, diagnostics, done)?;
+        program.claims = claims::check(&program, &own.tree, symbols, diagnostics);
         if !about.is_trial && program.tables.is_some() {
             short_timeout::check(&program, diagnostics);
         }

@@ -120,6 +120,9 @@ codes! {
         Warning UnplannedBond "unplanned-bond"
         Warning BlockedRelease "blocked-release"
     }
+    "Claims" {
+        Error WrongClaim "wrong-claim"
+    }
     "Shapes" {
         Error ShapeMismatch "shape-mismatch"
         Error ShapeMalformed "shape-malformed"

@@ -12,7 +12,7 @@ const MAX_SIZE: i64 = 10_000;
 impl Expander<'_, '_> {
     /// Expands the phases of an aggregate. Each phase is named after the size that ends it.
     pub fn aggregate(&mut self, aggregate: &Aggregate) {
-        let timeout = self.timeout(aggregate.timeout.as_ref());
+        let timeout = self.time(aggregate.timeout.as_ref(), "timeout");
         let Some(value) = self.evaluate(&aggregate.size) else {
             return;
         };

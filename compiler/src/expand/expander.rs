@@ -140,6 +140,7 @@ impl<'a, 'f> Expander<'a, 'f> {
                 events: Vec::new(),
                 afters: Vec::new(),
                 aggregate: None,
+                claims: Vec::new(),
                 grown: Vec::new(),
                 steps: 0,
                 uncertain: Default::default(),
@@ -369,6 +370,7 @@ impl<'a> Expander<'a, '_> {
                     phase.claims.push((name.symbol, location));
                 }
             }
+            ItemKind::Expect(claim) => self.claim(claim, item.span),
             // These items have been declared before, or are not a part of an assembly.
             ItemKind::Pattern(_)
             | ItemKind::Shape(_)
@@ -435,7 +437,7 @@ impl<'a> Expander<'a, '_> {
         if self.pass == Pass::Writing {
             self.phase_sites.insert(name.clone(), location);
         }
-        let timeout = self.timeout(phase.timeout.as_ref());
+        let timeout = self.time(phase.timeout.as_ref(), "timeout");
         let start = self.grown.events as u32;
         self.push_phase(ExpandedPhase {
             name,
@@ -509,14 +511,16 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    pub(super) fn timeout(&mut self, quantity: Option<&Quantity>) -> Option<Timeout> {
+    /// Returns a time. Reports an error if the quantity is not a positive time. `what` is a noun
+    /// for the message.
+    pub(super) fn time(&mut self, quantity: Option<&Quantity>, what: &str) -> Option<Timeout> {
         let quantity = quantity?;
         let timeout = Timeout::from_quantity(quantity);
         if timeout.is_none() {
             let lacks_unit = quantity.unit.is_empty() && quantity.value != 0.0;
             let (title, label, help) = if lacks_unit {
                 (
-                    "a timeout has no unit",
+                    format!("a {what} has no unit"),
                     "the unit is missing",
                     format!(
                         "write `{0} ticks` or `{0} s`; ms, min and h are known as well",
@@ -525,19 +529,19 @@ impl<'a> Expander<'a, '_> {
                 )
             } else if Timeout::is_in_ticks(quantity) && quantity.value > 0.0 {
                 (
-                    "a timeout in ticks must be a whole number",
+                    format!("a {what} in ticks must be a whole number"),
                     "not a whole number below 9e15",
                     "write `40000 ticks`, or a time such as `800 s`".to_owned(),
                 )
             } else if quantity.value != 0.0 && !Timeout::is_a_time(quantity) {
                 (
-                    "a timeout must be a time",
+                    format!("a {what} must be a time"),
                     "this value is not a time",
                     "write `800 s` or `40000 ticks`; minutes are `min`".to_owned(),
                 )
             } else {
                 (
-                    "a timeout must be more than 0",
+                    format!("a {what} must be more than 0"),
                     "this time is 0 or negative",
                     "write `800 s` or `40000 ticks`".to_owned(),
                 )

@@ -2,6 +2,7 @@
 mod aggregate;
 mod arguments;
 mod arithmetic;
+mod claim;
 mod declared_items;
 mod duplicate;
 mod expander;

@@ -1,8 +1,8 @@
 //! Resolves names by the rules of scope.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{
-    Argument, Expr, ExprKind, Instance, Item, ItemKind, Name, Pattern, Place, Segment, Subscript,
-    Tree,
+    Argument, Expectation, ExpectedEvent, Expr, ExprKind, Instance, Item, ItemKind, Name, Pattern,
+    Place, Segment, Subscript, Tree,
 };
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
@@ -308,6 +308,7 @@ impl Resolver<'_> {
             ItemKind::Yields(name) => {
                 self.refer(NameKind::Shape, *name);
             }
+            ItemKind::Expect(claim) => self.expectation(claim),
             ItemKind::Phase(phase) => {
                 self.new_name(NameKind::Phase, &phase.name);
                 self.items(&phase.body);
@@ -330,6 +331,32 @@ impl Resolver<'_> {
             | ItemKind::Scene(_)
             | ItemKind::Aggregate(_)
             | ItemKind::Import(_) => {}
+        }
+    }
+
+    fn expectation(&mut self, claim: &Expectation) {
+        let Expectation::Probability { event, .. } = claim else {
+            return;
+        };
+        match event {
+            ExpectedEvent::Complete => {}
+            ExpectedEvent::Phase(place) => self.phase(place),
+            ExpectedEvent::Captured { block, by } => {
+                self.place(block, false);
+                self.place(by, false);
+            }
+        }
+    }
+
+    /// Resolves the name of a phase.
+    fn phase(&mut self, place: &Place) {
+        let [segment] = &place.path[..] else {
+            return;
+        };
+        self.indices(segment);
+        if self.definitions.stores(NameKind::Phase) {
+            let definition = self.block(self.scope, NameKind::Phase, segment.name.symbol);
+            self.occur(definition, segment.name.span, false);
         }
     }
 

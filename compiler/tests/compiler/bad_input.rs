@@ -19,7 +19,7 @@ const EXAMPLES: [&str; 8] = [
 ];
 
 /// Keywords and characters of the language, valid and invalid, for generating texts.
-const TOKENS: [&str; 79] = [
+const TOKENS: [&str; 80] = [
     "assembly",
     "aggregate",
     "aggregate a in magnet_tank to",
@@ -39,6 +39,7 @@ const TOKENS: [&str; 79] = [
     "release",
     "after",
     "yields",
+    "expect",
     "timeout",
     "at",
     "as",

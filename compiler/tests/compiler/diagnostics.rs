@@ -660,7 +660,7 @@ const FOLLOWED: [(Code, &str, &str); 12] = [
 ];
 
 /// Codes whose help is not a change of the source, with the reason.
-const ADVICE: [(Code, &str); 25] = [
+const ADVICE: [(Code, &str); 26] = [
     (Code::WrongKind, "either of two things may be renamed"),
     (Code::WrongArguments, "the argument is not known"),
     (Code::Arithmetic, "the intention is not known"),
@@ -694,6 +694,7 @@ const ADVICE: [(Code, &str); 25] = [
     (Code::BuoyantBlocks, "the scene is the author's"),
     (Code::CoarseStep, "steps are an option of a run"),
     (Code::SoftContact, "the scene is the author's"),
+    (Code::WrongClaim, "the intention is not known"),
     (Code::StokesDrag, "the density of the fluid is not known"),
 ];
 

@@ -3,6 +3,7 @@
 //! Every result is a function of a manifest and its runs only.
 pub mod calibration;
 mod captures;
+mod claims;
 mod comparison;
 pub mod fit;
 pub mod resampling;
@@ -13,6 +14,7 @@ pub mod sweep;
 pub mod trade;
 
 pub use captures::{CaptureKey, CaptureSummary, Repetitions, Waits, WaitsTally, captures};
+pub use claims::{ClaimTesting, ClaimedQuantity, ModelError, TestedClaim, Verdict, test_claims};
 pub use comparison::{
     ComparedProgram, Comparison, ComparisonTally, Pair, PairwiseResult, PairwiseTest, PhaseTime,
     ProgramSummary, Time, TimeUnit, completion_status, completion_time, last_seen, median_run,

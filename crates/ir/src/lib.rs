@@ -4,6 +4,7 @@
 //! scenes and returns [records](record). This crate defines all three, so that compiler and runtime
 //! are independent of each other.
 mod cells;
+pub mod claim;
 mod draw;
 pub mod emit;
 mod executable;

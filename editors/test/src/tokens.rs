@@ -61,6 +61,8 @@ impl Program {
         // The name of a phase is a place.
         let outer = if parent == Rule::phase_head && rule == Rule::place {
             parent
+        } else if rule == Rule::expected_event && pair.as_str().starts_with("phase") {
+            Rule::phase_head
         } else {
             rule
         };
@@ -86,7 +88,7 @@ impl Program {
                 Rule::assembly_head | Rule::aggregate | Rule::scene_head | Rule::shape_head => {
                     "type"
                 }
-                Rule::yields | Rule::phase_head => "type",
+                Rule::yields | Rule::phase_head | Rule::expected_faster => "type",
                 Rule::pattern_head if index == 1 => "function",
                 Rule::instance | Rule::arguments => "function",
                 _ => "name",
@@ -99,6 +101,7 @@ impl Program {
             Rule::code => "code",
             Rule::row => "row",
             Rule::arrow
+            | Rule::relation
             | Rule::operator
             | Rule::minus
             | Rule::equals
@@ -123,12 +126,13 @@ impl Program {
 
 /// Returns whether a word is a keyword or a face.
 fn is_reserved(word: &str) -> bool {
-    const KEYWORDS: [&str; 21] = [
+    const KEYWORDS: [&str; 22] = [
         "after",
         "aggregate",
         "as",
         "assembly",
         "at",
+        "expect",
         "for",
         "from",
         "import",

@@ -11,11 +11,12 @@
 (scene_block (word) @attribute)
 
 [
-  "after" "aggregate" "allow" "and" "as" "assembly" "at" "deny" "else" "for" "from" "if" "import" "in" "layer" "let"
-  "not" "or" "pattern" "phase" "plate" "release" "scene" "seed" "shape" "timeout" "to" "yields"
+  "after" "aggregate" "allow" "and" "as" "assembly" "at" "by" "captured" "complete" "completion" "deny" "else" "expect"
+  "faster" "for" "from" "if" "import" "in" "layer" "let" "mean" "not" "or" "pattern" "phase" "plate" "probability"
+  "release" "scene" "seed" "shape" "than" "timeout" "to" "with" "within" "yields"
 ] @keyword
 
-[(arrow) (times) "=" "==" "!=" "<" "<=" ">" ">=" "+" "-" "*" "/" "%" "^" ".."] @operator
+[(arrow) (times) (relation) "=" "==" "!=" "<" "<=" ">" ">=" "+" "-" "*" "/" "%" "^" ".."] @operator
 ["," "."] @punctuation.delimiter
 ["{" "}" "(" ")" "[" "]"] @punctuation.bracket
 
@@ -30,6 +31,8 @@
 (shape name: (name) @type)
 (yields shape: (name) @type)
 (phase name: (place (name) @type))
+(expect program: (name) @type)
+(event phase: (place (name) @type))
 
 (pattern name: (name) @function)
 (instance pattern: (name) @function)
@@ -44,5 +47,6 @@
 (chain (place (name) @variable))
 (after (place (name) @variable))
 (release (place (name) @variable))
+(event !phase (place (name) @variable))
 (seat (place (name) @variable))
 (instance (place (name) @variable))

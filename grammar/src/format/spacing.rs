@@ -48,6 +48,9 @@ impl Breaks {
             return false;
         }
         word.rule == Some(Rule::comma)
-            || matches!(next.rule, Some(Rule::arrow | Rule::kw_after | Rule::kw_as))
+            || matches!(
+                next.rule,
+                Some(Rule::arrow | Rule::kw_after | Rule::kw_as | Rule::kw_with)
+            )
     }
 }

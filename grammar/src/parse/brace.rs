@@ -175,7 +175,7 @@ fn holds(head: Option<Rule>, next: Rule) -> bool {
             )
             | (
                 Some(R::assembly_head),
-                R::seed_head | R::phase_head | R::for_head | R::if_head
+                R::seed_head | R::phase_head | R::expect | R::for_head | R::if_head
             )
             | (
                 Some(R::seed_head),

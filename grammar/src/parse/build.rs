@@ -2,6 +2,7 @@
 use pest::iterators::Pair;
 use smallvec::SmallVec;
 use stochc_ir::Face;
+use stochc_ir::claim::Relation;
 
 use super::Rule;
 use super::expr::two;
@@ -11,9 +12,9 @@ use super::spans::{end_of, span_of};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::{
-    Aggregate, Argument, Arrow, Assembly, Chain, EventReference, Expr, For, If, Import, Instance,
-    Item, ItemKind, Let, Link, LintDirective, LintDirectiveKind, Name, Pattern, PhaseDeclaration,
-    Place, Release, SceneDeclaration, Seat, Seed, Segment, Shape,
+    Aggregate, Argument, Arrow, Assembly, Chain, EventReference, Expectation, ExpectedEvent, Expr,
+    For, If, Import, Instance, Item, ItemKind, Let, Link, LintDirective, LintDirectiveKind, Name,
+    Pattern, PhaseDeclaration, Place, Release, SceneDeclaration, Seat, Seed, Segment, Shape,
 };
 
 impl Parser<'_, '_> {
@@ -33,6 +34,7 @@ impl Parser<'_, '_> {
             Rule::seat => ItemKind::Seat(Box::new(self.seat(pair, base))),
             Rule::level => ItemKind::Level(Box::new(self.level(pair, base))),
             Rule::yields => ItemKind::Yields(self.first_name(pair, base)),
+            Rule::expect => ItemKind::Expect(Box::new(self.expectation(pair, base))),
             Rule::let_ => ItemKind::Let(Box::new(self.let_(pair, base))),
             Rule::aggregate => ItemKind::Aggregate(Box::new(self.aggregate(pair, base))),
             Rule::import => ItemKind::Import(Box::new(import(pair, base))),
@@ -119,7 +121,7 @@ impl Parser<'_, '_> {
             }
             (K::For(_) | K::If(_), outer) => (outer.is_some(), "an assembly"),
             (K::Let(_) | K::Level(_), _) => (true, ""),
-            (K::Phase(_) | K::Seed(_), outer) => {
+            (K::Phase(_) | K::Seed(_) | K::Expect(_), outer) => {
                 (matches!(outer, Some(K::Assembly(_))), "an assembly")
             }
             (K::Pattern(_) | K::Shape(_), outer) => (
@@ -445,6 +447,54 @@ impl Parser<'_, '_> {
             self.error(SyntaxErrorKind::MissingReason, level.code.span);
         }
         level
+    }
+
+    fn expectation(&mut self, pair: Pair<'_, Rule>, base: usize) -> Expectation {
+        let mut words = pair.into_inner();
+        let claim = words.find(|part| part.as_rule() != Rule::kw_expect);
+        let claim = claim.expect("the grammar has a claim after `expect`");
+        let rule = claim.as_rule();
+        let mut event = ExpectedEvent::Complete;
+        let mut name = None;
+        let mut quantities = Vec::new();
+        let mut relation = Relation::AtLeast;
+        for part in claim.into_inner() {
+            match part.as_rule() {
+                Rule::expected_event => event = self.expected_event(part, base),
+                Rule::quantity => quantities.push(self.quantity(part, base)),
+                Rule::relation if part.as_str() == "<=" => relation = Relation::AtMost,
+                Rule::name => name = Some(self.name(&part, base)),
+                _ => {}
+            }
+        }
+        let last = quantities.pop();
+        match (rule, last, name) {
+            (Rule::expected_mean, Some(bound), _) => Expectation::Mean { relation, bound },
+            (Rule::expected_probability, Some(bound), _) => Expectation::Probability {
+                event,
+                within: quantities.pop(),
+                relation,
+                bound,
+            },
+            (_, by, than) => Expectation::Faster {
+                than: than.expect("the grammar has a name after `than`"),
+                by,
+            },
+        }
+    }
+
+    fn expected_event(&mut self, pair: Pair<'_, Rule>, base: usize) -> ExpectedEvent {
+        let parts: Vec<_> = pair.into_inner().collect();
+        let is_capture = parts.iter().any(|part| part.as_rule() == Rule::kw_captured);
+        let mut places = (parts.into_iter()).filter(|part| part.as_rule() == Rule::place);
+        match (places.next(), places.next()) {
+            (Some(block), Some(by)) if is_capture => ExpectedEvent::Captured {
+                block: self.block(block, base),
+                by: self.block(by, base),
+            },
+            (Some(phase), _) => ExpectedEvent::Phase(self.new_place(phase, base)),
+            _ => ExpectedEvent::Complete,
+        }
     }
 
     fn let_(&mut self, pair: Pair<'_, Rule>, base: usize) -> Let {

@@ -40,7 +40,19 @@ pub fn word(rule: Rule) -> Option<&'static str> {
         Rule::assembly_head | Rule::kw_assembly => "`assembly`",
         Rule::condition => "a condition such as `n > 2`",
         Rule::condition_operator => "a comparison such as `>`",
+        Rule::kw_by => "`by`",
+        Rule::kw_captured => "`captured`",
+        Rule::kw_complete => "`complete`",
+        Rule::kw_completion => "`completion`",
         Rule::kw_else => "`else`",
+        Rule::expect | Rule::kw_expect => "`expect`",
+        Rule::kw_faster => "`faster`",
+        Rule::kw_mean => "`mean`",
+        Rule::kw_probability => "`probability`",
+        Rule::kw_than => "`than`",
+        Rule::kw_with => "`with`",
+        Rule::kw_within => "`within`",
+        Rule::relation => "`>=` or `<=`",
         Rule::for_head | Rule::kw_for => "`for`",
         Rule::if_head | Rule::kw_if => "`if`",
         Rule::import | Rule::kw_import => "`import`",
@@ -73,7 +85,9 @@ pub fn beginnings(frame: Option<&OpenBlock>) -> &'static [&'static str] {
     };
     match &frame.content {
         OpenBlockContent::Items(item) => match item.kind {
-            ItemKind::Assembly(_) => &["`seed`", "`phase`", "`let`", "`for`", "`if`", "`}`"],
+            ItemKind::Assembly(_) => &[
+                "`seed`", "`phase`", "`expect`", "`let`", "`for`", "`if`", "`}`",
+            ],
             ItemKind::Seed(_) => &[
                 "a seed such as `A at (0, 0)`",
                 "a pre-attached block such as `A.up -> E`",

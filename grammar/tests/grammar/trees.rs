@@ -2,13 +2,15 @@
 use proptest::prelude::*;
 use proptest::sample::select;
 use stochc_grammar::tree::{
-    Aggregate, Argument, Arrow, Assembly, Chain, Docs, EventReference, Expr, ExprKind, For,
-    Function, If, Import, Instance, Item, ItemKind, Layer, LayerRow, Let, Link, LintDirective,
-    LintDirectiveKind, Name, Operator, Pattern, PhaseDeclaration, Place, Quantity, Release,
-    SceneDeclaration, Seat, Seed, Segment, Shape, Subscript, Term, Tree, UnitFactor,
+    Aggregate, Argument, Arrow, Assembly, Chain, Docs, EventReference, Expectation, ExpectedEvent,
+    Expr, ExprKind, For, Function, If, Import, Instance, Item, ItemKind, Layer, LayerRow, Let,
+    Link, LintDirective, LintDirectiveKind, Name, Operator, Pattern, PhaseDeclaration, Place,
+    Quantity, Release, SceneDeclaration, Seat, Seed, Segment, Shape, Subscript, Term, Tree,
+    UnitFactor,
 };
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::Face;
+use stochc_ir::claim::Relation;
 
 /// Names that look like keywords, units or operators but are ordinary names.
 const NAMES: [&str; 14] = [
@@ -369,6 +371,29 @@ fn shape() -> BoxedStrategy<Item> {
     )
 }
 
+fn expectation() -> BoxedStrategy<Item> {
+    let relation = || select(&[Relation::AtLeast, Relation::AtMost][..]);
+    let event = prop_oneof![
+        Just(ExpectedEvent::Complete),
+        block().prop_map(ExpectedEvent::Phase),
+        (block(), block()).prop_map(|(block, by)| ExpectedEvent::Captured { block, by }),
+    ];
+    let probability = (event, prop::option::of(quantity()), relation(), quantity()).prop_map(
+        |(event, within, relation, bound)| Expectation::Probability {
+            event,
+            within,
+            relation,
+            bound,
+        },
+    );
+    let mean = (relation(), quantity())
+        .prop_map(|(relation, bound)| Expectation::Mean { relation, bound });
+    let faster = (name(), prop::option::of(quantity()))
+        .prop_map(|(than, by)| Expectation::Faster { than, by });
+    let claim = prop_oneof![probability, mean, faster];
+    item(claim.prop_map(|claim| ItemKind::Expect(Box::new(claim))))
+}
+
 fn assembly() -> BoxedStrategy<Item> {
     let seat = item(
         (block(), range()).prop_map(|(place, at)| ItemKind::Seat(Box::new(Seat { place, at }))),
@@ -393,6 +418,7 @@ fn assembly() -> BoxedStrategy<Item> {
     ));
     let part = prop_oneof![
         2 => repeated(phase),
+        1 => expectation(),
         1 => seed,
         1 => let_(),
         1 => pattern(),

@@ -90,6 +90,7 @@ pub fn run(
         checkpoints: options.checkpoints,
         threads: options.work.threads,
         has_warned_of_build: false,
+        measures_cpu: false,
         continues: false,
         figures: &ensemble.figures,
         watch: options.watch,

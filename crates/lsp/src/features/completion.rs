@@ -36,6 +36,9 @@ pub fn completions(analysis: &Analysis, at: usize, line: &str) -> Value {
     json!({ "isIncomplete": items.len() >= MAX_NAMES, "items": items })
 }
 
+/// Words that follow `expect`.
+const EVENTS: [&str; 5] = ["captured", "complete", "faster", "mean", "phase"];
+
 /// Returns the words that are allowed at the end of a line, outside of scenes.
 fn words(analysis: &Analysis, line: &str) -> Vec<Value> {
     let before = line.trim_end_matches(|c: char| c.is_ascii_alphanumeric() || c == '_');
@@ -59,6 +62,9 @@ fn words(analysis: &Analysis, line: &str) -> Vec<Value> {
             let keywords = BEGINNINGS.map(|word| item(word, KEYWORD, "keyword"));
             [names(&kinds), keywords.into()].concat()
         }
+        Some("expect") => EVENTS.map(|word| item(word, KEYWORD, "keyword")).into(),
+        Some("phase") if first == "expect" => names(&[NameKind::Phase]),
+        Some("captured" | "by") if first == "expect" => names(&PLACES),
         // A new name follows.
         Some(
             "aggregate" | "as" | "assembly" | "for" | "let" | "pattern" | "phase" | "scene"

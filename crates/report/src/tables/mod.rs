@@ -1,5 +1,6 @@
 //! Tables as text, for a terminal or a paper.
 mod captures;
+mod claims;
 mod comparison;
 mod estimate;
 mod fit;
@@ -9,6 +10,7 @@ mod sweep;
 pub(crate) mod trade;
 
 pub use captures::captures_to_text;
+pub use claims::{ReportedClaim, claims_to_text};
 pub use comparison::{comparison_to_text, pairs_to_text};
 pub use estimate::{estimates_to_text, left_out, lower_bound};
 pub use fit::fit_to_text;

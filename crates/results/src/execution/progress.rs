@@ -195,6 +195,15 @@ impl Progress {
         }
     }
 
+    /// Measures the CPU time of each run, in addition to ensembles that always measure it.
+    #[must_use]
+    pub fn measuring_cpu(self, is_measured: bool) -> Progress {
+        Progress {
+            measures_cpu: self.measures_cpu || is_measured,
+            ..self
+        }
+    }
+
     /// Returns the fraction of the time limit that has passed. Returns 0 without a limit.
     pub fn share_of_time(&self) -> f64 {
         self.limit.map_or(0.0, |(start, limit)| {

@@ -23,6 +23,8 @@ use crate::{Checkpoints, Finished, Folder, FolderError, JournalError, Manifest, 
 pub enum Destination<'a> {
     /// Keeps the results in memory only.
     Memory(&'a Manifest),
+    /// Adds runs to results in memory.
+    MoreInMemory(&'a Manifest, Records),
     /// Stores the results in a folder, which may contain some runs already. The folder is closed at
     /// the end.
     Folder(Folder),
@@ -33,6 +35,7 @@ impl Destination<'_> {
     pub fn existing(&self) -> u64 {
         match self {
             Destination::Memory(_) => 0,
+            Destination::MoreInMemory(_, existing) => existing.len() as u64,
             Destination::Folder(folder) => folder.existing().len() as u64,
         }
     }
@@ -118,12 +121,17 @@ pub fn run(
 ) -> Result<Results, EnsembleError> {
     match destination {
         Destination::Memory(manifest) => {
-            let all = Mutex::new(Vec::new());
+            let destination = Destination::MoreInMemory(manifest, Records::default());
+            run(destination, progress, stop, simulate)
+        }
+        Destination::MoreInMemory(manifest, existing) => {
+            progress.count_existing(&existing)?;
+            let all = Mutex::new(existing.to_vec()?);
             let store = |done| {
                 all.lock().expect("no code panics with the lock").push(done);
                 Ok::<(), Infallible>(())
             };
-            let pending = PendingRuns::all(manifest, 0..manifest.total(), None);
+            let pending = PendingRuns::all(manifest, 0..manifest.total(), Some(&existing));
             let tracker = RunTracker {
                 progress,
                 checkpoints: None,

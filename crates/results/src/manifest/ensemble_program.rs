@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use stochc_estimate::{LowerBoundReasons, ProgramParts, Rates};
+use stochc_ir::claim::Claim;
 use stochc_ir::graph::EventGraph;
 use stochc_ir::scene::Scene;
 use stochc_ir::table::{Phase, PhaseId, Role, RoleId, Tables};
@@ -33,6 +34,8 @@ pub struct EnsembleProgram {
     /// The program's file, followed by all imported files. Empty for a program that was read in
     /// compiled form.
     pub sources: Vec<Source>,
+    /// Claims about the runs. Empty for a program that was read from a folder or in compiled form.
+    pub claims: Vec<Claim>,
 }
 
 /// Compiled program without its scene.
@@ -147,6 +150,7 @@ impl EnsembleProgram {
             varied: Vec::new(),
             chosen: Vec::new(),
             sources,
+            claims: Vec::new(),
         }
     }
 

@@ -176,6 +176,7 @@ impl Manifest {
                 varied: program.varied,
                 chosen: program.chosen,
                 sources: sources.collect::<Option<_>>().ok_or_else(missing)?,
+                claims: Vec::new(),
             })
         });
         let manifest = Manifest {

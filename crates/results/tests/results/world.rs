@@ -265,7 +265,9 @@ pub fn run_on(
     simulate: impl Fn(usize, u64, &RunWatch) -> Result<RunRecord, RunCancelled> + Sync,
 ) -> Result<Results, EnsembleError> {
     let manifest = match &destination {
-        Destination::Memory(manifest) => (*manifest).clone(),
+        Destination::Memory(manifest) | Destination::MoreInMemory(manifest, _) => {
+            (*manifest).clone()
+        }
         Destination::Folder(folder) => folder.manifest().clone(),
     };
     let progress = Progress::new(&manifest, NonZeroUsize::new(threads).unwrap());

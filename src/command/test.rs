@@ -1,0 +1,89 @@
+//! `stochc test`.
+use clap::Args;
+use serde_json::json;
+use stochc_experiments::Verdict;
+use stochc_report::tables::claims_to_text;
+use stochc_results::MAX_RUNS;
+use stochc_text::share;
+
+use super::ensemble::ProgramOptions;
+use super::host::Terminal;
+use super::interrupt::stop_on_interrupt;
+use super::run_options::{JsonOption, ThreadsOption};
+use super::terminal::{output_width, print};
+use crate::exit::{Exit, Failure};
+use crate::operations::claims::{ClaimOptions, tested_claims};
+use crate::operations::json::document;
+use crate::operations::programs::programs;
+use crate::operations::rates::{rates_for_scenes, read_rates_for};
+use stochc_runtime::Model;
+
+/// Arguments of `test`.
+#[derive(Debug, Args)]
+#[command(mut_arg("model", |it| it.help("Model of the motion of blocks [default: `rate` if its errors cannot change the verdict, otherwise `rigid`]")))]
+pub struct TestArguments {
+    #[command(flatten)]
+    programs: ProgramOptions,
+    /// Largest probability that any claim is decided wrongly
+    #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = share, help_heading = "Test")]
+    alpha: f64,
+    /// Allow any decision about a probability that differs from its bound by less than this. A margin makes tests shorter
+    #[arg(long, value_name = "SHARE", value_parser = share, help_heading = "Test")]
+    margin: Option<f64>,
+    /// Largest number of runs of each program
+    #[arg(long, short = 'n', value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=MAX_RUNS), help_heading = "Test")]
+    runs: u64,
+    #[command(flatten)]
+    work: ThreadsOption,
+    #[command(flatten)]
+    output: JsonOption,
+}
+
+pub fn run(options: &TestArguments) -> Result<Exit, Failure> {
+    let host = Terminal::default();
+    let given = &options.programs;
+    if options.alpha >= 0.5 {
+        return Err(Failure::usage("--alpha must be below 50 %"));
+    }
+    let is_model_given = given.model.gives("model");
+    let mut settings = given.model.settings();
+    if is_model_given {
+        given.model.are_used(&settings)?;
+    }
+    settings = settings.resolved();
+    let mut source = given.source.settings();
+    source.levels = source.levels.for_runs(settings.stepping());
+    let programs = programs(&given.files, &source, &host)?;
+    if programs.iter().all(|program| program.claims.is_empty()) {
+        return Err(Failure::usage(
+            "the programs contain no claims; write one into an assembly, such as `expect complete within 8000 ticks with probability >= 0.95`",
+        ));
+    }
+    stop_on_interrupt()?;
+    let scenes = programs.iter().map(|it| &it.scene);
+    let rates = read_rates_for(&given.model.rates, scenes, &host)?;
+    if settings.model == Model::Rate {
+        settings.rates = rates_for_scenes(&rates, &programs, options.work.threads, &host)?;
+    }
+    let how = ClaimOptions {
+        alpha: options.alpha,
+        margin: options.margin.unwrap_or(0.0),
+        tries_rates: !is_model_given,
+        settings,
+        rates,
+        runs: options.runs,
+        seed: given.chance.seed,
+        threads: options.work.threads,
+    };
+    let claims = tested_claims(&programs, &how, &host)?;
+    if options.output.json {
+        let claims: Vec<_> = claims.iter().map(|claim| claim.to_json()).collect();
+        print(&document(
+            json!({ "alpha": options.alpha, "claims": claims }),
+        ))?;
+    } else {
+        print(&claims_to_text(&claims, output_width()))?;
+    }
+    let hold = claims.iter().all(|it| it.tested.verdict == Verdict::Holds);
+    Ok(Exit::from_runs(hold))
+}

@@ -1,0 +1,145 @@
+//! Tests claims about runs: `stochc test` and their diagnostics.
+use std::fs;
+
+use crate::json::assert_output;
+use crate::stochc::{Outcome, path, stochc_with};
+
+/// Returns an assembly with three captures, which takes about 1,900 ticks on average.
+fn tower(claims: &str) -> String {
+    let body = "seed plate 1 x 1 { M at (0, 0) } phase grow { M.up ->> T[1..3] }";
+    format!("assembly tower {{ {body} {claims} }}")
+}
+
+fn command(arguments: &str, text: &str) -> Outcome {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "tower.sa");
+    fs::write(&file, text).unwrap();
+    stochc_with(arguments, &[&file])
+}
+
+#[test]
+fn claims_hold_fail_or_stay_undecided() {
+    let text = tower(
+        "expect complete within 20000 ticks with probability >= 90 %
+        expect complete with probability <= 0.2
+        expect mean completion <= 20000 ticks
+        expect mean completion <= 1 ticks
+        expect phase grow within 1700 ticks with probability >= 0.5
+        expect captured T[2] by T[1] with probability >= 0.9",
+    );
+    let arguments = "test --json --quiet --model rate --runs 100";
+    let outcome = command(arguments, &text);
+    assert_output("claims", &outcome);
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
+    let document = outcome.json();
+    let claims = document["claims"].as_array().unwrap();
+    let verdicts: Vec<_> = claims
+        .iter()
+        .map(|it| it["verdict"].as_str().unwrap())
+        .collect();
+    assert_eq!(verdicts[..4], ["holds", "fails", "holds", "fails"]);
+    assert_eq!(verdicts[5], "holds");
+    for claim in claims {
+        let [runs, low, high] = ["runs", "low", "high"].map(|it| claim[it].as_f64().unwrap());
+        assert!(runs <= 100.0 && low < high, "{claim}");
+        assert_eq!(claim["model"], "rate");
+    }
+    // Only the CPU times differ.
+    let again = command(arguments, &text).json();
+    let again = again["claims"].as_array().unwrap();
+    for (claim, again) in claims.iter().zip(again) {
+        assert_eq!(claim["low"], again["low"]);
+        assert_eq!(claim["runs"], again["runs"]);
+    }
+}
+
+/// The rate model has an error of 20 % at most, so it decides claims with a large distance.
+#[test]
+fn the_default_model_is_the_rate_model_where_its_error_does_not_matter() {
+    let text = tower("expect complete within 40000 ticks with probability >= 0.5");
+    let outcome = command("test --json --quiet", &text);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert_eq!(outcome.json()["claims"][0]["model"], "rate");
+    let capture = tower("expect captured T[1] by M with probability >= 0.5");
+    let outcome = command("test --json --quiet", &capture);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert_eq!(outcome.json()["claims"][0]["model"], "rigid");
+}
+
+/// Runs that were stopped before the time of a claim are no successes.
+#[test]
+fn stopped_runs_decide_only_shorter_times() {
+    let text = tower(
+        "expect complete within 30 ticks with probability >= 0.5
+        expect complete within 60 ticks with probability >= 0.5",
+    );
+    let arguments = "test --json --quiet --model rate --max-ticks 50 --runs 100";
+    let outcome = command(arguments, &text);
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
+    let document = outcome.json();
+    assert_eq!(document["claims"][0]["verdict"], "fails");
+    assert_eq!(document["claims"][1]["verdict"], "undecided");
+    assert_eq!(document["claims"][1]["high"], 1.0);
+}
+
+#[test]
+fn programs_are_compared_in_pairs() {
+    let mast = "assembly mast { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up ->> T[1..9] } }";
+    let text = tower("expect faster than mast by 30 %") + mast;
+    let outcome = command("test --quiet --model rate", &text);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(
+        outcome.out.contains("faster than mast by 30 %"),
+        "{}",
+        outcome.out
+    );
+    assert!(
+        outcome.out.contains("1 hold, 0 fail, 0 undecided."),
+        "{}",
+        outcome.out
+    );
+}
+
+#[test]
+fn wrong_claims_have_diagnostics() {
+    for (claim, code) in [
+        ("complete with probability >= 1", "wrong-claim"),
+        (
+            "complete within 4 kg with probability >= 0.5",
+            "wrong-dimension",
+        ),
+        (
+            "complete within 4 with probability >= 0.5",
+            "wrong-dimension",
+        ),
+        ("complete with probability >= 0.5 s", "wrong-dimension"),
+        ("phase grew with probability >= 0.5", "unknown-name"),
+        ("captured T[4] by M with probability >= 0.5", "unknown-name"),
+        ("captured T[3] by M with probability >= 0.5", "wrong-claim"),
+        (
+            "captured T[1..2] by M with probability >= 0.5",
+            "range-misused",
+        ),
+        ("faster than tower", "wrong-claim"),
+        ("faster than mast", "unknown-name"),
+        ("faster than tower by 120 %", "wrong-claim"),
+        ("mean completion >= 0 ticks", "wrong-dimension"),
+        ("complete by 5 s", "syntax"),
+    ] {
+        let outcome = command("check --format short", &tower(&format!("expect {claim}")));
+        assert_eq!(outcome.status, 1, "{claim}: {}", outcome.err);
+        let output = outcome.out + &outcome.err;
+        assert!(output.contains(code), "{claim}: {output}");
+    }
+    let inside = "assembly tower { seed plate 1 x 1 { M at (0, 0) }
+        phase grow { M.up -> A expect complete with probability >= 0.5 } }";
+    let outcome = command("check --format short", inside);
+    assert!((outcome.out + &outcome.err).contains("misplaced"));
+}
+
+#[test]
+fn a_program_without_claims_has_nothing_to_test() {
+    let outcome = command("test", &tower(""));
+    assert_eq!(outcome.status, 2, "{}", outcome.err);
+    assert!(outcome.err.contains("contain no claims"), "{}", outcome.err);
+}
