@@ -28,6 +28,19 @@ fn every_example_of_the_readme_is_valid() {
 }
 
 #[test]
+fn every_published_system_is_valid() {
+    let folder = std::fs::read_dir("examples/published").unwrap();
+    let paths: Vec<_> = folder.map(|entry| entry.unwrap().path()).collect();
+    assert!(paths.len() >= 6, "{} programs", paths.len());
+    for path in paths {
+        let program = std::fs::read_to_string(&path).unwrap();
+        no_diagnostics(path.to_str().unwrap(), &program);
+        let laid_out = stochc_grammar::format(&program);
+        assert_eq!(laid_out.as_deref(), Ok(&*program), "{}", path.display());
+    }
+}
+
+#[test]
 fn the_reference_shows_the_built_in_scenes() {
     for (name, text) in BUILT_IN {
         let scene = text.find("scene ").map(|at| text[at..].trim_end());

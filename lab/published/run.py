@@ -1,0 +1,215 @@
+#!/usr/bin/env python3
+"""Compares simulated blocks with published laws to which no scene was fitted.
+
+python3 lab/published/run.py [STOCHC [PART ...]]    needs only Python, takes some minutes
+
+Writes the tables of docs/validation/published.md. ± is the 95 % confidence interval.
+"""
+import json
+import math
+import struct
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+STOCHC = sys.argv[1] if len(sys.argv) > 1 else "target/release/stochc"
+BOLTZMANN = 1.380649e-23
+"""Boltzmann's constant [J/K]."""
+
+# The magnet is too weak to hold a block, so only the other terms of the scene move the blocks.
+FREE = """scene s {{ {scene}
+    bond attract {{ pull {pull} within {reach}  anchor centres {anchor} tilt 1e-3 deg }}
+}}
+assembly s in s {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.up -> A }} }}
+"""
+
+
+def stochc(*arguments):
+    return subprocess.run([STOCHC, *map(str, arguments)], capture_output=True, text=True)
+
+
+def simulate(text, folder, *options):
+    Path(folder, "s.sa").write_text(text)
+    options = ["--threads", 1, "--quiet", *options]
+    made = stochc("simulate", Path(folder, "s.sa"), *options)
+    if made.returncode not in (0, 3):
+        sys.exit(made.stderr)
+    return made.stdout
+
+
+def trajectories(text, ticks, seed=1):
+    """Returns positions [block lengths] and quaternions of every block at every tick of a run."""
+    with tempfile.TemporaryDirectory() as folder:
+        options = ["--runs", 1, "--seed", seed, "--max-ticks", ticks, "--record", "all"]
+        simulate(text, folder, *options, "--record-every", 1, "--out", f"{folder}/out")
+        file = f"{folder}/run.glb"
+        stochc("export", f"{folder}/out", "--run", 0, "--format", "gltf", "--every", 1, "--out", file)
+        data = Path(file).read_bytes()
+    length = struct.unpack_from("<I", data, 12)[0]
+    document, numbers = json.loads(data[20 : 20 + length]), data[28 + length :]
+    moves = document["animations"][0]
+    blocks = {}
+    for channel in moves["channels"]:
+        path, node = channel["target"]["path"], channel["target"]["node"]
+        if path not in ("translation", "rotation"):
+            continue
+        accessor = document["accessors"][moves["samplers"][channel["sampler"]]["output"]]
+        view = document["bufferViews"][accessor["bufferView"]]
+        start, count = view.get("byteOffset", 0) + accessor.get("byteOffset", 0), accessor["count"]
+        width = {"translation": 3, "rotation": 4}[path]
+        if accessor["componentType"] == 5126:
+            values = struct.unpack_from(f"<{width * count}f", numbers, start)
+        else:
+            values = [v / 32767 for v in struct.unpack_from(f"<{width * count}h", numbers, start)]
+        series = [values[width * i : width * (i + 1)] for i in range(count)]
+        blocks.setdefault(node, {})[path] = series
+    whole = max(len(block["translation"]) for block in blocks.values())
+    return [block for block in blocks.values() if len(block["translation"]) == whole]
+
+
+def mean(values):
+    return sum(values) / len(values)
+
+
+def interval(values):
+    """Returns the mean of independent values and half of its 95 % confidence interval."""
+    middle = mean(values)
+    spread = math.sqrt(sum((v - middle) ** 2 for v in values) / (len(values) - 1))
+    return middle, 1.96 * spread / math.sqrt(len(values))
+
+
+def dot(a, b):
+    return sum(p * q for p, q in zip(a, b))
+
+
+# --- eddies ---------------------------------------------------------------------------------------
+
+SIGMA, SIDE, TICK = 0.10, 0.02, 0.02
+"""Speed of the eddies [m/s], side of a block [m], and tick [s]."""
+
+
+def eddy_scene(length, vertical, blocks=60):
+    return FREE.format(
+        pull="1e-9 N",
+        reach="1mm",
+        anchor="1um",
+        scene=f"""tick 20 ms  block cube {{ side 2 cm  mass 8 g  faces 1 }}  free {blocks} uniform
+    enclosure box {{ length 4 m  width 4 m  height 4 m  wall 20 N/m }}
+    fluid {{ density 1000 kg/m^3  viscosity 1 mPa s }}
+    agitation turbulence {{ speed 10 cm/s  length {length} cm  vertical {vertical} }}""",
+    )
+
+
+def velocities(blocks, skip=200):
+    """Returns the velocities [m/s] of every block, without the start from rest."""
+    for block in blocks:
+        places = block["translation"][skip:]
+        yield [[(q - p) * SIDE / TICK for p, q in zip(a, b)] for a, b in zip(places, places[1:])]
+
+
+def kurtosis(values):
+    second = mean([v * v for v in values])
+    return mean([v**4 for v in values]) / second**2
+
+
+def distance_to_maxwell(speeds, variance):
+    """Returns the Kolmogorov distance of a sample of speeds to Maxwell's distribution."""
+    speeds, largest = sorted(speeds), 0.0
+    for i, speed in enumerate(speeds):
+        x = speed / math.sqrt(2 * variance)
+        expected = math.erf(x) - 2 / math.sqrt(math.pi) * x * math.exp(-x * x)
+        largest = max(largest, abs((i + 0.5) / len(speeds) - expected))
+    return largest
+
+
+def eddies():
+    ticks = 6000
+    print("| eddies | v_x, v_y, v_z rms, cm/s | kurtosis | distance to Maxwell | T_L, s | D / (v² T_L) | D / Einstein |")
+    print("|---|--:|--:|--:|--:|--:|--:|")
+    for length, vertical in ((5, 1), (10, 1)):
+        blocks = trajectories(eddy_scene(length, vertical), ticks)
+        series = list(velocities(blocks))
+        axes = [[v[k] for one in series for v in one[::5]] for k in range(3)]
+        variances = [mean([v * v for v in axis]) for axis in axes]
+        speeds = [math.sqrt(dot(v, v)) for one in series for v in one[::50]]
+        lags = range(0, 400, 4)
+        correlation = [
+            mean([dot(one[t], one[t + lag]) for one in series for t in range(0, len(one) - lag, 20)])
+            for lag in lags
+        ]
+        zero = next((i for i, c in enumerate(correlation) if c <= 0), len(correlation))
+        memory = 4 * TICK * (sum(correlation[:zero]) / correlation[0] - 0.5)
+        # Diffusivity from displacements over twenty memory times, one value per block.
+        step = min(int(20 * memory / TICK), ticks // 4)
+        spread = []
+        for block in blocks:
+            places = block["translation"][200:]
+            moves = [
+                [(q - p) * SIDE for p, q in zip(places[t], places[t + step])]
+                for t in range(0, len(places) - step, step)
+            ]
+            spread.append(mean([dot(m, m) for m in moves]) / (6 * step * TICK))
+        diffusivity, error = interval(spread)
+        variance = mean(variances)
+        # Drag is quadratic. Its coefficient at the speed v is the force ρ a² v² / 2, divided by v.
+        rate = 1000 * SIDE**2 * math.sqrt(3 * variance) / 2 / 0.008
+        einstein = variance / rate
+        rms = ", ".join(f"{100 * math.sqrt(v):.2f}" for v in variances)
+        shape = ", ".join(f"{kurtosis(axis):.2f}" for axis in axes)
+        print(
+            f"| {length} cm, vertical {vertical} | {rms} | {shape} | {distance_to_maxwell(speeds, variance):.3f} | {memory:.2f} "
+            f"| {diffusivity / (variance * memory):.2f} ± {error / (variance * memory):.2f} "
+            f"| {diffusivity / einstein:.2f} ± {error / einstein:.2f} |",
+            flush=True,
+        )
+
+
+# --- heat -----------------------------------------------------------------------------------------
+
+HEAT = FREE.format(
+    pull="1e-6 fN",
+    reach="1um",
+    anchor="1nm",
+    scene="""tick 10 s  block cube { side 10um  mass 1.05ng  faces 1 }  free 300 uniform
+    enclosure box { length 600um  width 600um  height 600um  wall 10 nN/m }
+    fluid { viscosity 1 mPa s }  agitation brownian { temperature 293 K }""",
+)
+
+
+def turned(q):
+    """Returns the image of the x axis."""
+    x, y, z, w = q
+    size = x * x + y * y + z * z + w * w
+    return [(w * w + x * x - y * y - z * z) / size, 2 * (x * y + w * z) / size, 2 * (x * z - w * y) / size]
+
+
+def heat():
+    ticks, step = 1200, 40
+    blocks = trajectories(HEAT, ticks)
+    energy, length, viscosity = BOLTZMANN * 293, 1e-5, 1e-3
+    inside = [b for b in blocks if all(abs(p) < 22 for p in b["translation"][0][:2])]
+    moved, turns = [], []
+    for block in inside:
+        places, frames = block["translation"], [turned(q) for q in block["rotation"]]
+        moves = [[(q - p) * length for p, q in zip(places[t], places[t + step])] for t in range(0, ticks - step, step)]
+        moved.append(mean([dot(m, m) for m in moves]) / (6 * step * 10))
+        turns.append(mean([dot(frames[t], frames[t + step]) for t in range(0, ticks - step, step)]))
+    found, error = interval(moved)
+    print("\n| | simulated | cube, computed | ratio |\n|---|--:|--:|--:|")
+    cube = energy / (6 * math.pi * viscosity * CUBE_RADIUS * length)
+    print(f"| translation, um²/s | {found * 1e12:.4f} ± {error * 1e12:.4f} | {cube * 1e12:.4f} | {found / cube:.3f} ± {error / cube:.3f} |")
+    middle, error = interval(turns)
+    rate = -math.log(middle) / (2 * step * 10)
+    error = error / middle / (2 * step * 10)
+    cube = energy / (CUBE_TORQUE * viscosity * length**3)
+    print(f"| rotation, 1e-4 rad²/s | {rate * 1e4:.3f} ± {error * 1e4:.3f} | {cube * 1e4:.3f} | {rate / cube:.3f} ± {error / cube:.3f} |", flush=True)
+
+
+CUBE_RADIUS, CUBE_TORQUE = 0.675, 8.07
+"""Stokes drag of a cube, from `cube_drag.py`: hydrodynamic radius and torque."""
+
+
+PARTS = {"eddies": eddies, "heat": heat}
+for name in sys.argv[2:] or PARTS:
+    PARTS[name]()
