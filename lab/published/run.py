@@ -210,6 +210,55 @@ CUBE_RADIUS, CUBE_TORQUE = 0.675, 8.07
 """Stokes drag of a cube, from `cube_drag.py`: hydrodynamic radius and torque."""
 
 
-PARTS = {"eddies": eddies, "heat": heat}
+def journal(text, *options):
+    """Returns the records of an ensemble."""
+    with tempfile.TemporaryDirectory() as folder:
+        simulate(text, folder, *options, "--out", f"{folder}/out")
+        lines = Path(folder, "out", "journal.jsonl").read_text().splitlines()
+    return [it for it in map(json.loads, lines) if "record" in it]
+
+
+# --- planar self-assembly -------------------------------------------------------------------------
+
+TABLE = """scene table {{
+    tick 10 ms  block cube {{ side 3 cm  mass 20 g  faces 1 }}  free {free} uniform  world planar
+    enclosure rectangle {{ length 150 cm  width 150 cm  wall 50 N/m }}
+    agitation kicks {{ speed 0 .. 6 cm/s }}  drag {{ rate 2 Hz }}  contact {{ restitution 50%  friction 0.1 }}
+    bond attract {{
+        pull 0.05 N within 1.5 cm  align 2 mN within 1.5 cm  anchor centres 1 mm tilt 20 deg
+    }}
+}}
+assembly a in table {{
+    seed plate 50 x 50 {{ for i in {first}..{last} {{ M[i] at (6 * i - 3, 0) }} }}
+    phase grow {{ for i in {first}..{last} {{ M[i].north -> A[i] }} }}
+}}"""
+
+
+def docked(free, first, last, runs):
+    """Returns the times of the captures of each run [ticks], sorted."""
+    records = journal(TABLE.format(free=free, first=first, last=last), "--runs", runs, "--seed", 5)
+    return [sorted(bond["docked"] for bond in it["record"]["bonds"]) for it in records]
+
+
+def reaction():
+    """Prints captures in the plane, and the times of a second-order reaction with one constant."""
+    print("\n| free blocks | mean wait of one face, ticks | CV | wait x blocks, thousands |\n|--:|--:|--:|--:|")
+    constant = 0
+    for free, runs in ((8, 200), (16, 100), (32, 100)):
+        waits = [times[0] for times in docked(free, 4, 4, runs)]
+        middle, error = interval(waits)
+        spread = math.sqrt(mean([(w - middle) ** 2 for w in waits])) / middle
+        print(f"| {free} | {middle:.0f} ± {error:.0f} | {spread:.2f} | {middle * free / 1000:.0f} ± {error * free / 1000:.0f} |", flush=True)
+        if free == 16:
+            constant = 1 / (middle * free)
+    print("\n| capture | simulated, ticks | expected, ticks | ratio |\n|--:|--:|--:|--:|")
+    runs, expected = docked(16, 1, 8, 40), 0
+    for i in range(8):
+        expected += 1 / (constant * (16 - i) * (8 - i))
+        middle, error = interval([times[i] for times in runs])
+        print(f"| {i + 1} | {middle:.0f} ± {error:.0f} | {expected:.0f} | {middle / expected:.2f} ± {error / expected:.2f} |", flush=True)
+
+
+PARTS = {"eddies": eddies, "heat": heat, "reaction": reaction}
 for name in sys.argv[2:] or PARTS:
     PARTS[name]()
