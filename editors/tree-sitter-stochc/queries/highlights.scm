@@ -16,7 +16,7 @@
   "release" "scene" "seed" "shape" "than" "timeout" "to" "with" "within" "yields"
 ] @keyword
 
-[(arrow) (times) (relation) "=" "==" "!=" "<" "<=" ">" ">=" "+" "-" "*" "/" "%" "^" ".."] @operator
+[(arrow) (times) "=" "==" "!=" "<" "<=" ">" ">=" "+" "-" "*" "/" "%" "^" ".."] @operator
 ["," "."] @punctuation.delimiter
 ["{" "}" "(" ")" "[" "]"] @punctuation.bracket
 
