@@ -75,14 +75,14 @@ impl Expander<'_, '_> {
         Some((key, self.location(place.span)))
     }
 
-    /// Returns a number between 0 and 1, both excluded. Reports other quantities. `what` is a noun
-    /// for the message, and `example` a correct number.
-    fn fraction(&mut self, quantity: &Quantity, what: &str, example: &str) -> Option<f64> {
+    /// Returns a number between 0 and 1, both excluded. Reports other quantities. `noun` names
+    /// the number in the message, and `example` a correct number.
+    fn fraction(&mut self, quantity: &Quantity, noun: &str, example: &str) -> Option<f64> {
         let (value, dimension) = to_si(quantity);
         let (code, title, label) = if dimension != Dimension::NUMBER {
             (
                 Code::WrongDimension,
-                format!("a {what} must be a number without a unit"),
+                format!("a {noun} must be a number without a unit"),
                 "this value has a unit",
             )
         } else if value > 0.0 && value < 1.0 {
@@ -90,7 +90,7 @@ impl Expander<'_, '_> {
         } else {
             (
                 Code::WrongClaim,
-                format!("a {what} must be between 0 and 1"),
+                format!("a {noun} must be between 0 and 1"),
                 "this value is 0, 1 or outside of this range",
             )
         };

@@ -511,16 +511,16 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
-    /// Returns a time. Reports an error if the quantity is not a positive time. `what` is a noun
-    /// for the message.
-    pub(super) fn time(&mut self, quantity: Option<&Quantity>, what: &str) -> Option<Timeout> {
+    /// Returns a time. Reports an error if the quantity is not a positive time. `noun` names
+    /// the time in the message.
+    pub(super) fn time(&mut self, quantity: Option<&Quantity>, noun: &str) -> Option<Timeout> {
         let quantity = quantity?;
         let timeout = Timeout::from_quantity(quantity);
         if timeout.is_none() {
             let lacks_unit = quantity.unit.is_empty() && quantity.value != 0.0;
             let (title, label, help) = if lacks_unit {
                 (
-                    format!("a {what} has no unit"),
+                    format!("a {noun} has no unit"),
                     "the unit is missing",
                     format!(
                         "write `{0} ticks` or `{0} s`; ms, min and h are known as well",
@@ -529,19 +529,19 @@ impl<'a> Expander<'a, '_> {
                 )
             } else if Timeout::is_in_ticks(quantity) && quantity.value > 0.0 {
                 (
-                    format!("a {what} in ticks must be a whole number"),
+                    format!("a {noun} in ticks must be a whole number"),
                     "not a whole number below 9e15",
                     "write `40000 ticks`, or a time such as `800 s`".to_owned(),
                 )
             } else if quantity.value != 0.0 && !Timeout::is_a_time(quantity) {
                 (
-                    format!("a {what} must be a time"),
+                    format!("a {noun} must be a time"),
                     "this value is not a time",
                     "write `800 s` or `40000 ticks`; minutes are `min`".to_owned(),
                 )
             } else {
                 (
-                    format!("a {what} must be more than 0"),
+                    format!("a {noun} must be more than 0"),
                     "this time is 0 or negative",
                     "write `800 s` or `40000 ticks`".to_owned(),
                 )
