@@ -7,6 +7,7 @@ Writes the tables of docs/validation/published.md. ± is the 95 % confidence int
 """
 import json
 import math
+import random
 import struct
 import subprocess
 import sys
@@ -218,6 +219,59 @@ def journal(text, *options):
     return [it for it in map(json.loads, lines) if "record" in it]
 
 
+# --- gas ------------------------------------------------------------------------------------------
+
+def reach_area(reach, rng, samples=100_000):
+    """Returns the mean area of the centres whose nearest face is at `reach` above a floor [a²]."""
+    open_ = 0
+    for _ in range(samples):
+        q = [rng.gauss(0, 1) for _ in range(4)]
+        size = math.sqrt(dot(q, q))
+        x, y, z, w = (p / size for p in q)
+        axes = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
+            [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
+            [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)],
+        ]
+        out = [rng.gauss(0, 1) for _ in range(3)]
+        size = math.sqrt(dot(out, out))
+        centre = [reach * p / size - 0.5 * a for p, a in zip(out, axes[2])]
+        if centre[2] < 0.5 * sum(abs(a[2]) for a in axes):
+            continue
+        faces = (math.dist([c + s * 0.5 * a for c, a in zip(centre, axis)], [0, 0, 0]) for axis in axes for s in (1, -1))
+        open_ += min(faces) > reach * (1 - 1e-9)
+    return 6 * 4 * math.pi * reach**2 * open_ / samples
+
+
+def gas():
+    """Prints how often blocks enter the reach of a face, and the rate n v A / 4 of a dilute gas."""
+    print("\n| reach / a | entries per face and 1000 ticks | n v A / 4 | with rotation | ratio |\n|--:|--:|--:|--:|--:|")
+    rng, tick, side, radius, blocks, ticks, runs = random.Random(1), 0.02, 0.2, 5.0, 300, 4000, 10
+    for reach in (0.1, 0.2):
+        text = f"""scene s {{ tick 20ms  block cube {{ side 20cm  mass 1kg  faces 1 }}  free {blocks} uniform
+    enclosure hemisphere {{ radius {radius} m  wall 250 N/m }}  agitation kicks {{ speed 0 .. 0.3 m/s }}
+    drag {{ rate 1.3 Hz }}  contact {{ restitution 1  friction 0 }}
+    bond attract {{ pull 1e-9 N within {reach} m  anchor centres 1nm tilt 1e-3 deg }} }}
+assembly s in s {{
+    seed plate 13 x 13 {{ for x in 0..2 {{ for y in 0..2 {{ M[x, y] at (6 * x, 6 * y) }} }} }}
+    phase p {{ for x in 0..2 {{ for y in 0..2 {{ M[x, y].up -> A[x, y] }} }} }}
+}}"""
+        options = ["--runs", runs, "--max-ticks", ticks, "--seed", 3]
+        records = [it["record"] for it in journal(text, *options)]
+        counts = [mean([face["entries"] for face in record["waiting"]]) for record in records]
+        middle, error = interval([1000 * count / ticks for count in counts])
+        # Random impulses and drag balance: v² = j² e^(-2γτ) / (1 - e^(-2γτ)).
+        kept = math.exp(-2 * 1.3 * tick)
+        speed = math.sqrt(0.3**2 / 3 * kept / (1 - kept)) * math.sqrt(8 / (3 * math.pi))
+        density = blocks / (2 / 3 * math.pi * radius**3)
+        area = reach_area(reach / side, rng) * side**2
+        expected = 1000 * density * speed * tick * area / 4
+        # If rotation has as much energy as translation, the centre of a face is faster by sqrt(2).
+        turning = math.sqrt(2) * expected
+        ratio = f"{middle / turning:.2f} ± {error / turning:.2f}"
+        print(f"| {reach / side} | {middle:.2f} ± {error:.2f} | {expected:.2f} | {turning:.2f} | {ratio} |", flush=True)
+
+
 # --- planar self-assembly -------------------------------------------------------------------------
 
 TABLE = """scene table {{
@@ -259,6 +313,6 @@ def reaction():
         print(f"| {i + 1} | {middle:.0f} ± {error:.0f} | {expected:.0f} | {middle / expected:.2f} ± {error / expected:.2f} |", flush=True)
 
 
-PARTS = {"eddies": eddies, "heat": heat, "reaction": reaction}
+PARTS = {"eddies": eddies, "heat": heat, "gas": gas, "reaction": reaction}
 for name in sys.argv[2:] or PARTS:
     PARTS[name]()
