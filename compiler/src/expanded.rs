@@ -110,6 +110,17 @@ pub struct ExpandedPhase {
     pub pre_attached: bool,
     /// Claimed shapes, with the locations of the claims.
     pub claims: Vec<(Symbol, SourceLocation)>,
+    /// Reaction to a timeout. `None` if a timeout ends the run.
+    pub recovery: Option<PhaseRecovery>,
+}
+
+/// Reaction to a timeout of a phase: all its captures are released, and the phase begins again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhaseRecovery {
+    /// Largest number of repetitions. At least 1.
+    pub retries: u32,
+    /// Time between the last release and the next attempt. `None` without a pause.
+    pub pause: Option<Timeout>,
 }
 
 /// A claim about runs. Its names are not resolved.

@@ -20,7 +20,7 @@ module.exports = grammar({
     program: $ => repeat($._element),
 
     _element: $ => choice(
-      $.chain, $.seat, $.instance, $.release, $.yields, $.doc, $.expect, $.level,
+      $.chain, $.seat, $.instance, $.release, $.yields, $.doc, $.wait, $.retry, $.expect, $.level,
       $.let, $.import, $.aggregate,
       $.phase, $.for, $.if, $.pattern, $.seed, $.assembly, $.scene, $.shape,
     ),
@@ -41,6 +41,8 @@ module.exports = grammar({
       optional(seq('as', field('name', $.place))),
     ),
     yields: $ => seq('yields', field('shape', $.name)),
+    wait: $ => seq('wait', $.quantity),
+    retry: $ => seq('retry', $.expression),
     expect: $ => seq('expect', choice(
       seq('mean', 'completion', $.relation, $.quantity),
       seq('faster', 'than', field('program', $.name), optional(seq('by', $.quantity))),
@@ -74,7 +76,11 @@ module.exports = grammar({
     defaults: $ => seq('(', optional(list($.default)), ')'),
     default: $ => seq(field('name', $.name), '=', $.expression),
     seed: $ => seq('seed', 'plate', $.expression, $.times, $.expression, $.block),
-    phase: $ => seq('phase', field('name', $.place), optional(seq('timeout', $.quantity)), $.block),
+    phase: $ => seq(
+      'phase', field('name', $.place), optional(seq('timeout', $.quantity)), $.block,
+      optional($.handler),
+    ),
+    handler: $ => seq('on', 'timeout', $.block),
     for: $ => seq('for', field('counter', $.name), 'in', $.range, $.block),
     if: $ => prec.right(seq('if', $.condition, $.block, repeat($._else_if), optional($._else))),
     _else_if: $ => seq('else', 'if', $.condition, $.block),

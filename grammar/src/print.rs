@@ -6,7 +6,7 @@ use crate::format::lay_out;
 use crate::parse::is_unit;
 use crate::tree::{
     Argument, Arrow, Assembly, Chain, EventReference, Expectation, ExpectedEvent, Expr, ExprKind,
-    If, Instance, Item, ItemKind, Place, Quantity, Subscript, Term, Tree,
+    If, Instance, Item, ItemKind, PhaseDeclaration, Place, Quantity, Subscript, Term, Tree,
 };
 
 /// Returns the source of a tree in the layout of [`crate::format()`]. Parsing it gives the same
@@ -81,14 +81,18 @@ impl Printer<'_> {
                 self.body(&block.body);
             }
             ItemKind::If(block) => self.condition(block),
-            ItemKind::Phase(phase) => {
-                self.out.push_str("phase ");
-                self.place(&phase.name);
-                if let Some(timeout) = &phase.timeout {
-                    self.out.push_str(" timeout ");
-                    self.quantity(timeout);
-                }
-                self.body(&phase.body);
+            ItemKind::Phase(phase) => self.phase(phase),
+            ItemKind::Handler(handler) => {
+                self.out.push_str("on timeout");
+                self.body(&handler.body);
+            }
+            ItemKind::Wait(quantity) => {
+                self.out.push_str("wait ");
+                self.quantity(quantity);
+            }
+            ItemKind::Retry(count) => {
+                self.out.push_str("retry ");
+                self.expr(count, 0);
             }
             ItemKind::Seed(seed) => {
                 self.out.push_str("seed plate ");
@@ -130,6 +134,20 @@ impl Printer<'_> {
             }
         }
         self.out.push('\n');
+    }
+
+    fn phase(&mut self, phase: &PhaseDeclaration) {
+        self.out.push_str("phase ");
+        self.place(&phase.name);
+        if let Some(timeout) = &phase.timeout {
+            self.out.push_str(" timeout ");
+            self.quantity(timeout);
+        }
+        self.body(&phase.body);
+        if let Some(handler) = &phase.handler {
+            self.out.push_str(" on timeout");
+            self.body(&handler.body);
+        }
     }
 
     fn expectation(&mut self, claim: &Expectation) {

@@ -9,8 +9,8 @@ use string_interner::{StringInterner, Symbol as _};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Symbol(pub u32);
 
-/// Keywords that begin a statement or declaration. Only the last two may be names.
-pub const BEGINNINGS: [&str; 16] = [
+/// Keywords that begin a statement or declaration. Only the last [`SOFT`] may be names.
+pub const BEGINNINGS: [&str; 19] = [
     "assembly",
     "else",
     "for",
@@ -27,7 +27,13 @@ pub const BEGINNINGS: [&str; 16] = [
     "yields",
     "aggregate",
     "expect",
+    "on",
+    "retry",
+    "wait",
 ];
+
+/// Number of the last [`BEGINNINGS`] that may be names.
+const SOFT: usize = 5;
 
 /// Keywords within a statement or declaration. Only the last one may be a name.
 pub const CONTINUATIONS: [&str; 11] = [
@@ -37,7 +43,7 @@ pub const CONTINUATIONS: [&str; 11] = [
 const FACES: [&str; 6] = ["up", "down", "north", "south", "east", "west"];
 
 /// Number of words that cannot be names.
-const RESERVED: usize = BEGINNINGS.len() - 2 + CONTINUATIONS.len() - 1 + FACES.len();
+const RESERVED: usize = BEGINNINGS.len() - SOFT + CONTINUATIONS.len() - 1 + FACES.len();
 
 /// All words of a program's files, without duplicates.
 #[derive(Clone, Debug)]
@@ -53,9 +59,10 @@ impl Symbols {
     /// Creates a table that contains only the reserved words.
     pub fn new() -> Symbols {
         let mut symbols = Symbols(StringInterner::new());
-        let [beginnings @ .., _, _] = BEGINNINGS;
+        let (beginnings, _) = BEGINNINGS.split_at(BEGINNINGS.len() - SOFT);
         let [continuations @ .., _] = CONTINUATIONS;
-        for word in beginnings.into_iter().chain(continuations).chain(FACES) {
+        let beginnings = beginnings.iter().copied();
+        for word in beginnings.chain(continuations).chain(FACES) {
             symbols.intern(word);
         }
         symbols

@@ -52,6 +52,13 @@ pub enum ItemKind {
     Level(Box<LintDirective>),
     /// Phase: `phase corners { ... }`
     Phase(Box<PhaseDeclaration>),
+    /// Handler of the timeout of the phase before it: `on timeout { ... }`. Part of that phase in a
+    /// finished tree.
+    Handler(Box<TimeoutHandler>),
+    /// Pause of a handler: `wait 20 s`
+    Wait(Quantity),
+    /// Repetition in a handler: `retry 3`
+    Retry(Box<Expr>),
     /// Seed plate: `seed plate 3 x 3 { ... }`
     Seed(Box<Seed>),
     /// Pattern: `pattern tower(base, height) { ... }`
@@ -243,6 +250,17 @@ pub struct PhaseDeclaration {
     /// Time limit of the phase. `None` without a limit.
     pub timeout: Option<Quantity>,
     /// Statements of the phase.
+    pub body: Vec<Item>,
+    /// Handler of the timeout. `None` if a timeout ends the run.
+    pub handler: Option<Box<TimeoutHandler>>,
+}
+
+/// Statements after the timeout of a phase.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeoutHandler {
+    /// Range from `on` to the closing brace.
+    pub span: Span,
+    /// Statements of the handler.
     pub body: Vec<Item>,
 }
 
@@ -619,6 +637,7 @@ impl Item {
             ItemKind::For(block) => Some(&mut block.body),
             ItemKind::If(block) => Some(&mut block.body),
             ItemKind::Phase(block) => Some(&mut block.body),
+            ItemKind::Handler(block) => Some(&mut block.body),
             ItemKind::Seed(block) => Some(&mut block.body),
             ItemKind::Pattern(block) => Some(&mut block.body),
             ItemKind::Assembly(block) => Some(&mut block.body),
@@ -632,6 +651,7 @@ impl Item {
             ItemKind::For(block) => &block.body,
             ItemKind::If(block) => &block.body,
             ItemKind::Phase(block) => &block.body,
+            ItemKind::Handler(block) => &block.body,
             ItemKind::Seed(block) => &block.body,
             ItemKind::Pattern(block) => &block.body,
             ItemKind::Assembly(block) => &block.body,
@@ -657,6 +677,9 @@ impl Item {
                 LintDirectiveKind::Deny => "a `deny`",
             },
             ItemKind::Phase(_) => "a phase",
+            ItemKind::Handler(_) => "an `on timeout`",
+            ItemKind::Wait(_) => "a `wait`",
+            ItemKind::Retry(_) => "a `retry`",
             ItemKind::Seed(_) => "a seed plate",
             ItemKind::Pattern(_) => "a pattern",
             ItemKind::Assembly(_) => "an assembly",

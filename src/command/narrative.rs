@@ -93,13 +93,19 @@ impl RunNarrator<'_> {
     /// end of the run come last.
     fn lines(&self, phase: PhaseId) -> Vec<(u64, String)> {
         let record = self.record;
-        let bonds = record.bonds.iter().filter(|bond| bond.phase == phase);
+        let bonds = record.all_bonds().filter(|bond| bond.phase == phase);
         let bonds = bonds.map(|bond| (bond.docked, self.capture(bond)));
-        let releases = record.releases.iter().filter(|it| it.phase == phase);
+        let releases = record.all_releases().filter(|it| it.phase == phase);
         let releases = releases.map(|release| (release.tick, self.release(release)));
         let waiting = record.waiting.iter().filter(|wait| wait.phase == phase);
         let waiting = waiting.map(|wait| (record.ticks, self.waiting(wait)));
-        let mut lines: Vec<(u64, String)> = bonds.chain(releases).chain(waiting).collect();
+        let aborts = record.aborts.iter().filter(|abort| abort.phase == phase);
+        let retries = aborts.clone().filter_map(|abort| abort.retried);
+        let aborts =
+            aborts.map(|abort| (abort.tick, "timeout: the captures are released".to_owned()));
+        let retries = retries.map(|tick| (tick, "the phase begins again".to_owned()));
+        let lines = bonds.chain(aborts).chain(releases).chain(retries);
+        let mut lines: Vec<(u64, String)> = lines.chain(waiting).collect();
         lines.sort_by_key(|&(tick, _)| tick);
         lines
     }
@@ -161,7 +167,7 @@ impl RunNarrator<'_> {
             }
         };
         let mut parts = vec![
-            counted(record.bonds.len(), "capture")
+            counted(record.all_bonds().count(), "capture")
                 + " of "
                 + &counted(record.blocks_used as usize, "different block"),
             counted(record.hops as usize, "message hop"),

@@ -40,6 +40,7 @@ fn tables(bond: BondKind, trigger: Trigger, when: Vec<Condition>, then: Action) 
         name: "grow".to_owned(),
         timeout: None,
         reports: 0,
+        recovery: None,
         pre_attached: false,
     };
     let role = |name: &str| Role {

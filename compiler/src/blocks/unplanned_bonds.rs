@@ -136,6 +136,15 @@ impl UnplannedBondAnalysis<'_> {
         }
     }
 
+    /// Returns the events of a phase that may release a block: releases, and the captures of a
+    /// phase that can be retried.
+    fn releasing(&self, number: usize) -> impl Iterator<Item = EventId> + '_ {
+        let phase = &self.plan.phases[number];
+        let is_retried = phase.recovery.is_some();
+        (self.plan.events_of(phase))
+            .filter(move |id| is_retried || self.plan.event(*id).kind == EventKind::Release)
+    }
+
     /// Reports blocks whose parent pushes them towards another block at their release.
     fn blocked(
         &self,
@@ -145,10 +154,9 @@ impl UnplannedBondAnalysis<'_> {
         diagnostics: &mut Vec<Diagnostic>,
     ) {
         let emptied: FxHashSet<Cell> = self.layout.changes[number].0.iter().copied().collect();
-        for id in self.plan.events_of(&self.plan.phases[number]) {
+        for id in self.releasing(number) {
             let event = self.plan.event(id);
-            let (EventKind::Release, Some(cell), Some(on)) = (
-                event.kind,
+            let (Some(cell), Some(on)) = (
                 self.layout.cells[id.0 as usize],
                 self.layout.parents[id.0 as usize],
             ) else {
@@ -157,7 +165,9 @@ impl UnplannedBondAnalysis<'_> {
             let Some(before) = cell.across(on.face).filter(|before| before.z >= 1) else {
                 continue;
             };
-            let Some(&(role, _)) = structure.blocks.get(&before) else {
+            let standing = structure.blocks.get(&before).map(|&(role, _)| role);
+            let Some(role) = standing.or_else(|| self.captured_beside(number, event.role, before))
+            else {
                 continue;
             };
             if emptied.contains(&before) {
@@ -180,6 +190,17 @@ impl UnplannedBondAnalysis<'_> {
                 ));
             report(diagnostics, diagnostic);
         }
+    }
+
+    /// Returns the block that a phase with retries may capture in a cell. Returns `None` if the
+    /// block `parent` captures it, because children are released first.
+    fn captured_beside(&self, number: usize, parent: RoleId, cell: Cell) -> Option<RoleId> {
+        let phase = &self.plan.phases[number];
+        phase.recovery?;
+        let there = |id: &EventId| self.layout.cells[id.0 as usize] == Some(cell);
+        let capture = self.plan.events_of(phase).find(there)?;
+        let is_child = self.plan.actor(capture) == parent;
+        (!is_child).then(|| self.plan.event(capture).role)
     }
 
     fn exposed_faces(&self, number: usize, exposed: usize, symbols: &Symbols) -> Diagnostic {

@@ -101,6 +101,7 @@ codes! {
         Error ReleasedSeed "released-seed"
         Error AbsentBlock "absent-block"
         Error Cycle "cycle"
+        Error InvalidHandler "invalid-handler"
         Warning RedundantAfter "redundant-after"
         Warning EmptyPhase "empty-phase"
         Warning UnusedSeed "unused-seed"

@@ -5,7 +5,7 @@ use petgraph::visit::EdgeRef;
 use stochc_grammar::{Cancellation, Cancelled, Symbols};
 use stochc_ir::scene::{BondKind, Scene};
 use stochc_ir::table::{
-    Action, Condition, Notification, Phase, PhaseId, Role, RoleId, Tables, Trigger,
+    Action, Condition, Notification, Phase, PhaseId, Recovery, Role, RoleId, Tables, Trigger,
 };
 
 use crate::blocks::liveness::{Holder, Liveness};
@@ -250,6 +250,11 @@ impl Lowering<'_> {
             name: phase.name.clone(),
             timeout: phase.timeout.map(|timeout| timeout.ticks(scene.tick)),
             reports,
+            recovery: phase.recovery.map(|recovery| Recovery {
+                retries: recovery.retries,
+                reports: 0,
+                pause: recovery.pause.map_or(0, |pause| pause.ticks(scene.tick)),
+            }),
             pre_attached: phase.pre_attached,
         });
         let roles = (0..self.plan.roles.count() as u32).map(|role| Role {
@@ -271,6 +276,12 @@ impl Lowering<'_> {
             }
             let when = &self.conditions[rule.when.0 as usize..rule.when.1 as usize];
             tables.push_rule(when.iter().copied(), rule.then);
+        }
+        let captors = tables.captors_at_start();
+        for (phase, captors) in tables.phases.iter_mut().zip(captors) {
+            if let Some(recovery) = &mut phase.recovery {
+                recovery.reports = captors;
+            }
         }
         tables
     }

@@ -38,6 +38,7 @@ impl Expander<'_, '_> {
                 events: 0..0,
                 pre_attached: false,
                 claims: Vec::new(),
+                recovery: None,
             })
             .collect();
     }

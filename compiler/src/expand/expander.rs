@@ -378,7 +378,10 @@ impl<'a> Expander<'a, '_> {
             | ItemKind::Assembly(_)
             | ItemKind::Aggregate(_)
             | ItemKind::Import(_)
-            | ItemKind::Level(_) => {}
+            | ItemKind::Level(_)
+            | ItemKind::Handler(_)
+            | ItemKind::Wait(_)
+            | ItemKind::Retry(_) => {}
         }
     }
 
@@ -446,6 +449,7 @@ impl<'a> Expander<'a, '_> {
             events: start..start,
             pre_attached: false,
             claims: Vec::new(),
+            recovery: None,
         });
         self.in_phase = true;
         // This also applies after a misplaced plate, which has been reported.
@@ -454,7 +458,9 @@ impl<'a> Expander<'a, '_> {
         self.seeding = seeding;
         self.in_phase = false;
         let end = self.grown.events as u32;
+        let recovery = self.recovery(phase, start);
         if let Some(planned) = self.plan.phases.last_mut() {
+            planned.recovery = recovery;
             planned.events.end = end;
             if start == end && planned.claims.is_empty() {
                 let mut diagnostic = Diagnostic::new(

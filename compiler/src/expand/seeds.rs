@@ -93,6 +93,7 @@ impl<'a> Expander<'a, '_> {
             events: start as u32..end as u32,
             pre_attached: true,
             claims: Vec::new(),
+            recovery: None,
         });
     }
 

@@ -312,6 +312,7 @@ impl Resolver<'_> {
             ItemKind::Phase(phase) => {
                 self.new_name(NameKind::Phase, &phase.name);
                 self.items(&phase.body);
+                phase.handler.iter().for_each(|it| self.handler(&it.body));
             }
             ItemKind::Seed(seed) => {
                 self.expr(&seed.size.0);
@@ -330,7 +331,25 @@ impl Resolver<'_> {
             | ItemKind::Assembly(_)
             | ItemKind::Scene(_)
             | ItemKind::Aggregate(_)
-            | ItemKind::Import(_) => {}
+            | ItemKind::Import(_)
+            | ItemKind::Handler(_)
+            | ItemKind::Wait(_)
+            | ItemKind::Retry(_) => {}
+        }
+    }
+
+    /// Resolves the names in a handler. Its `release` names the phase.
+    fn handler(&mut self, items: &[Item]) {
+        for item in items {
+            match &item.kind {
+                ItemKind::Release(release) => {
+                    for place in &release.places {
+                        self.name(NameKind::Phase, place, false);
+                    }
+                }
+                ItemKind::Retry(count) => self.expr(count),
+                _ => {}
+            }
         }
     }
 
@@ -393,6 +412,12 @@ impl Resolver<'_> {
 
     /// Declares a new name in the current scope. Returns `None` if its kind is not recorded.
     fn new_name(&mut self, kind: NameKind, place: &Place) -> Option<Definition> {
+        self.name(kind, place, true)
+    }
+
+    /// Resolves a name of one word in the current scope. Returns `None` if its kind is not
+    /// recorded.
+    fn name(&mut self, kind: NameKind, place: &Place, is_new: bool) -> Option<Definition> {
         let [segment] = &place.path[..] else {
             return None;
         };
@@ -402,7 +427,7 @@ impl Resolver<'_> {
             return None;
         }
         let definition = self.block(self.scope, kind, segment.name.symbol);
-        self.occur(definition, segment.name.span, true);
+        self.occur(definition, segment.name.span, is_new);
         Some(definition)
     }
 

@@ -660,7 +660,11 @@ const FOLLOWED: [(Code, &str, &str); 12] = [
 ];
 
 /// Codes whose help is not a change of the source, with the reason.
-const ADVICE: [(Code, &str); 26] = [
+const ADVICE: [(Code, &str); 27] = [
+    (
+        Code::InvalidHandler,
+        "what the phase should do after a timeout is not known",
+    ),
     (Code::WrongKind, "either of two things may be renamed"),
     (Code::WrongArguments, "the argument is not known"),
     (Code::Arithmetic, "the intention is not known"),

@@ -11,6 +11,7 @@ mod conditions;
 mod cost;
 mod diagnostics;
 mod fixes;
+mod handlers;
 mod levels;
 mod names;
 mod planar;

@@ -86,6 +86,7 @@ impl Generator {
     }
 
     fn phase(&mut self, number: usize) {
+        let head = self.text.len();
         let _ = writeln!(self.text, "    phase p{number} {{");
         let mut stage = Stage {
             start: self.blocks.clone(),
@@ -115,10 +116,26 @@ impl Generator {
                 self.capture(&mut stage, parent, face, name, &after);
             }
         }
+        self.text.push_str("    }");
+        // Phases with releases cannot be retried.
+        if stage.released.is_empty()
+            && stage.captured.len() < 5
+            && self.text.len().is_multiple_of(3)
+        {
+            let plain = format!("phase p{number} {{");
+            let limited = format!("phase p{number} timeout 10000000000 ticks {{");
+            let phase = self.text.split_off(head).replacen(&plain, &limited, 1);
+            let pause = ["", "wait 1 min "][self.text.len() % 2];
+            let handler = format!(
+                "release p{number} {pause}retry {}",
+                stage.captured.len() + 1
+            );
+            let _ = write!(self.text, "{phase} on timeout {{ {handler} }}");
+        }
+        self.text.push('\n');
         let releases = stage.released.into_iter();
         self.spare
             .extend(releases.filter(|name| !self.blocks.contains_key(name)));
-        self.text.push_str("    }\n");
     }
 
     /// Returns the blocks that can be released: those without children.

@@ -155,15 +155,23 @@ impl WaitsTally {
         if matches!(record.outcome, Outcome::Failed { .. }) {
             return;
         }
+        self.add_attempt(&record.bonds, &record.waiting, record.ticks);
+        for abort in &record.aborts {
+            self.add_attempt(&abort.bonds, &abort.waiting, abort.tick);
+        }
+    }
+
+    /// Adds the captures up to the tick `end`. Each capture of the program happens at most once.
+    fn add_attempt(&mut self, bonds: &[BondRecord], waiting: &[WaitRecord], end: u64) {
         let mut done = Repetitions::default();
-        for bond in &record.bonds {
+        for bond in bonds {
             let key = done.next(bond.phase, (bond.parent, bond.face, bond.child));
             self.0.entry(key).or_default().add(bond);
         }
-        for wait in &record.waiting {
+        for wait in waiting {
             let key = done.next(wait.phase, (wait.parent, wait.face, wait.child));
             let tally = self.0.entry(key).or_default();
-            tally.add_censored(wait, record.ticks);
+            tally.add_censored(wait, end);
         }
     }
 

@@ -36,6 +36,10 @@ pub struct RunRecord {
     /// Captures counted by [`unplanned`](RunRecord::unplanned), in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unplanned_bonds: Vec<UnplannedRecord>,
+    /// Aborted attempts at phases, in order. Their captures, waits and releases are not in the other
+    /// lists.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub aborts: Vec<AbortRecord>,
 }
 
 impl RunRecord {
@@ -53,8 +57,83 @@ impl RunRecord {
             waiting: Vec::new(),
             releases: Vec::new(),
             unplanned_bonds: Vec::new(),
+            aborts: Vec::new(),
         }
     }
+
+    /// Returns the number of times that a phase was begun again.
+    pub fn retries(&self, phase: PhaseId) -> u64 {
+        let retried = |abort: &&AbortRecord| abort.phase == phase && abort.retried.is_some();
+        self.aborts.iter().filter(retried).count() as u64
+    }
+
+    /// Returns the tick of the last retry of a phase. Returns `None` if it was not retried.
+    pub fn last_retry(&self, phase: PhaseId) -> Option<u64> {
+        let aborts = self.aborts.iter().rev();
+        aborts
+            .filter(|it| it.phase == phase)
+            .find_map(|it| it.retried)
+    }
+
+    /// Returns all captures in order, including those of aborted attempts.
+    pub fn all_bonds(&self) -> impl Iterator<Item = &BondRecord> {
+        in_order(
+            &self.bonds,
+            &self.aborts,
+            |abort| &abort.bonds,
+            |bond| bond.docked,
+        )
+    }
+
+    /// Returns all releases in order, including those of aborted attempts.
+    pub fn all_releases(&self) -> impl Iterator<Item = &ReleaseRecord> {
+        in_order(
+            &self.releases,
+            &self.aborts,
+            |abort| &abort.releases,
+            |it| it.tick,
+        )
+    }
+
+    /// Returns all waiting times without a capture, each with the tick of its end.
+    pub fn all_waiting(&self) -> impl Iterator<Item = (&WaitRecord, u64)> {
+        let aborted = self.aborts.iter();
+        let aborted = aborted.flat_map(|it| it.waiting.iter().map(|wait| (wait, it.tick)));
+        aborted.chain(self.waiting.iter().map(|wait| (wait, self.ticks)))
+    }
+}
+
+/// Returns the items of a run and of its aborted attempts in the order of their ticks.
+fn in_order<'a, T>(
+    items: &'a [T],
+    aborts: &'a [AbortRecord],
+    of: impl Fn(&'a AbortRecord) -> &'a Vec<T>,
+    tick: impl Fn(&T) -> u64,
+) -> impl Iterator<Item = &'a T> {
+    let mut all: Vec<&T> = items.iter().chain(aborts.iter().flat_map(of)).collect();
+    if !aborts.is_empty() {
+        all.sort_by_key(|item| tick(item));
+    }
+    all.into_iter()
+}
+
+/// Attempt at a phase that reached its timeout. All its captures were released, children first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AbortRecord {
+    /// Phase of the attempt.
+    pub phase: PhaseId,
+    /// Start of the attempt \[ticks\].
+    pub began: u64,
+    /// Tick of the timeout.
+    pub tick: u64,
+    /// Start of the next attempt \[ticks\]. `None` if the run ended before.
+    pub retried: Option<u64>,
+    /// Captures in order.
+    pub bonds: Vec<BondRecord>,
+    /// Faces that were open at the timeout. Their waiting times are right-censored.
+    pub waiting: Vec<WaitRecord>,
+    /// Releases in order.
+    pub releases: Vec<ReleaseRecord>,
 }
 
 #[allow(

@@ -126,7 +126,7 @@ impl Program {
 
 /// Returns whether a word is a keyword or a face.
 fn is_reserved(word: &str) -> bool {
-    const KEYWORDS: [&str; 22] = [
+    const KEYWORDS: [&str; 25] = [
         "after",
         "aggregate",
         "as",
@@ -139,15 +139,18 @@ fn is_reserved(word: &str) -> bool {
         "in",
         "layer",
         "let",
+        "on",
         "pattern",
         "phase",
         "plate",
         "release",
+        "retry",
         "scene",
         "seed",
         "shape",
         "timeout",
         "to",
+        "wait",
         "yields",
     ];
     KEYWORDS.contains(&word) || FACES.contains(&word)

@@ -12,8 +12,8 @@
 
 [
   "after" "aggregate" "allow" "and" "as" "assembly" "at" "by" "captured" "complete" "completion" "deny" "else" "expect"
-  "faster" "for" "from" "if" "import" "in" "layer" "let" "mean" "not" "or" "pattern" "phase" "plate" "probability"
-  "release" "scene" "seed" "shape" "than" "timeout" "to" "with" "within" "yields"
+  "faster" "for" "from" "if" "import" "in" "layer" "let" "mean" "not" "on" "or" "pattern" "phase" "plate" "probability"
+  "release" "retry" "scene" "seed" "shape" "than" "timeout" "to" "wait" "with" "within" "yields"
 ] @keyword
 
 [(arrow) (times) "=" "==" "!=" "<" "<=" ">" ">=" "+" "-" "*" "/" "%" "^" ".."] @operator

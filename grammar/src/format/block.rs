@@ -121,17 +121,17 @@ impl LineLayout<'_, '_> {
         }
     }
 
-    /// Returns the head of an `else` that can stand on the line of the brace before it.
+    /// Returns the head of an `else` or `on timeout` that can stand on the line of the brace before it.
     fn alternative(&self, at: usize) -> Option<String> {
         let source = self.source;
         let head = source
             .pieces
             .get(at)
-            .filter(|it| it.rule == Rule::if_head)?;
+            .filter(|it| matches!(it.rule, Rule::if_head | Rule::handler_head))?;
         let has_comments = source.is_commented(head) || !source.first(head).notes.is_empty();
         let room = WIDTH.saturating_sub(INDENT * self.depth + "} ".len());
         (statement::short_text(source, head, room))
-            .filter(|text| !has_comments && text.starts_with("else"))
+            .filter(|text| !has_comments && !text.starts_with("if"))
     }
 
     fn statement(&mut self, at: usize) {
@@ -188,7 +188,14 @@ impl LineLayout<'_, '_> {
                 text.push_str(if empty { "}" } else { " }" });
                 match open.last() {
                     Some(_) => continue,
-                    None => return (columns(&text) <= room).then_some((text, at + i + 1)),
+                    None => {
+                        let next = at + i + 1;
+                        // The handler of a phase follows the brace of the phase on its line.
+                        let handler = source.pieces.get(next);
+                        let has_handler = handler.is_some_and(|it| it.rule == Rule::handler_head);
+                        let fits = columns(&text) <= room && !has_handler;
+                        return fits.then_some((text, next));
+                    }
                 }
             }
             if i > 0 {
@@ -328,6 +335,7 @@ fn opens(rule: Rule) -> bool {
         rule,
         Rule::assembly_head
             | Rule::phase_head
+            | Rule::handler_head
             | Rule::for_head
             | Rule::if_head
             | Rule::pattern_head

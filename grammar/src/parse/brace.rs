@@ -133,6 +133,7 @@ fn head(frame: &OpenBlock) -> Rule {
             ItemKind::Assembly(_) => Rule::assembly_head,
             ItemKind::Seed(_) => Rule::seed_head,
             ItemKind::Phase(_) => Rule::phase_head,
+            ItemKind::Handler(_) => Rule::handler_head,
             ItemKind::For(_) => Rule::for_head,
             ItemKind::If(_) => Rule::if_head,
             _ => Rule::pattern_head,
@@ -152,6 +153,7 @@ fn is_head(rule: Rule) -> bool {
         R::assembly_head
             | R::seed_head
             | R::phase_head
+            | R::handler_head
             | R::for_head
             | R::if_head
             | R::pattern_head
@@ -175,13 +177,19 @@ fn holds(head: Option<Rule>, next: Rule) -> bool {
             )
             | (
                 Some(R::assembly_head),
-                R::seed_head | R::phase_head | R::expect | R::for_head | R::if_head
+                R::seed_head
+                    | R::phase_head
+                    | R::handler_head
+                    | R::expect
+                    | R::for_head
+                    | R::if_head
             )
             | (
                 Some(R::seed_head),
                 R::seat | R::chain | R::for_head | R::if_head
             )
             | (Some(R::phase_head), R::yields)
+            | (Some(R::handler_head), R::release | R::wait | R::retry)
             | (
                 Some(R::phase_head | R::pattern_head),
                 R::chain | R::release | R::instance | R::for_head | R::if_head,

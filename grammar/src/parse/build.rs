@@ -14,7 +14,8 @@ use crate::error::SyntaxErrorKind;
 use crate::tree::{
     Aggregate, Argument, Arrow, Assembly, Chain, EventReference, Expectation, ExpectedEvent, Expr,
     For, If, Import, Instance, Item, ItemKind, Let, Link, LintDirective, LintDirectiveKind, Name,
-    Pattern, PhaseDeclaration, Place, Release, SceneDeclaration, Seat, Seed, Segment, Shape,
+    Pattern, PhaseDeclaration, Place, Quantity, Release, SceneDeclaration, Seat, Seed, Segment,
+    Shape, TimeoutHandler,
 };
 
 impl Parser<'_, '_> {
@@ -34,6 +35,8 @@ impl Parser<'_, '_> {
             Rule::seat => ItemKind::Seat(Box::new(self.seat(pair, base))),
             Rule::level => ItemKind::Level(Box::new(self.level(pair, base))),
             Rule::yields => ItemKind::Yields(self.first_name(pair, base)),
+            Rule::wait => ItemKind::Wait(self.wait(pair, base)),
+            Rule::retry => ItemKind::Retry(Box::new(two(self.exprs(pair, base)).0)),
             Rule::expect => ItemKind::Expect(Box::new(self.expectation(pair, base))),
             Rule::let_ => ItemKind::Let(Box::new(self.let_(pair, base))),
             Rule::aggregate => ItemKind::Aggregate(Box::new(self.aggregate(pair, base))),
@@ -41,6 +44,10 @@ impl Parser<'_, '_> {
             Rule::for_head => ItemKind::For(Box::new(self.for_head(pair, base))),
             Rule::if_head => ItemKind::If(Box::new(self.if_head(pair, base))),
             Rule::phase_head => ItemKind::Phase(Box::new(self.phase_head(pair, base))),
+            Rule::handler_head => ItemKind::Handler(Box::new(TimeoutHandler {
+                span,
+                body: Vec::new(),
+            })),
             Rule::seed_head => ItemKind::Seed(Box::new(self.seed_head(pair, base))),
             Rule::pattern_head => ItemKind::Pattern(Box::new(self.pattern_head(pair, base))),
             Rule::assembly_head => ItemKind::Assembly(Box::new(self.assembly_head(pair, base))),
@@ -61,6 +68,7 @@ impl Parser<'_, '_> {
             Rule::for_head
             | Rule::if_head
             | Rule::phase_head
+            | Rule::handler_head
             | Rule::seed_head
             | Rule::pattern_head
             | Rule::assembly_head => self.open(OpenBlockContent::Items(Box::new(item)), span),
@@ -110,6 +118,18 @@ impl Parser<'_, '_> {
         let (fits, belongs) = match (&item.kind, outer.map(|outer| &outer.kind)) {
             // Pre-attached blocks.
             (K::Chain(_), Some(K::Seed(_))) => (true, ""),
+            // The captures of the phase.
+            (K::Release(_), Some(K::Handler(_))) => (true, ""),
+            (K::Wait(_) | K::Retry(_), outer) => {
+                (matches!(outer, Some(K::Handler(_))), "`on timeout`")
+            }
+            (K::Handler(_), _) => (
+                self.follows_phase(),
+                "the line of the `}` that ends a phase",
+            ),
+            (K::Let(_) | K::Level(_) | K::For(_) | K::If(_), Some(K::Handler(_))) => {
+                (false, "a phase")
+            }
             (K::Chain(_) | K::Release(_) | K::Instance(_), outer) => (
                 matches!(outer, Some(K::Phase(_) | K::Pattern(_))),
                 "a phase or a pattern",
@@ -166,6 +186,13 @@ impl Parser<'_, '_> {
         let items = self.frames.last().map_or(&self.root, |frame| &frame.body);
         matches!(items.last().map(|last| &last.kind),
             Some(ItemKind::If(block)) if block.condition.is_some())
+    }
+
+    /// Returns whether the last item is a phase without a handler.
+    fn follows_phase(&self) -> bool {
+        let items = self.frames.last().map_or(&self.root, |frame| &frame.body);
+        matches!(items.last().map(|last| &last.kind),
+            Some(ItemKind::Phase(phase)) if phase.handler.is_none())
     }
 
     pub fn name(&mut self, pair: &Pair<'_, Rule>, base: usize) -> Name {
@@ -548,6 +575,7 @@ impl Parser<'_, '_> {
             },
             timeout: None,
             body: Vec::new(),
+            handler: None,
         };
         for part in pair.into_inner() {
             match part.as_rule() {
@@ -557,6 +585,19 @@ impl Parser<'_, '_> {
             }
         }
         phase
+    }
+
+    fn wait(&mut self, pair: Pair<'_, Rule>, base: usize) -> Quantity {
+        let span = span_of(&pair, base);
+        let quantity = (pair.into_inner()).find(|part| part.as_rule() == Rule::quantity);
+        quantity.map_or(
+            Quantity {
+                value: 0.0,
+                unit: Vec::new(),
+                span,
+            },
+            |quantity| self.quantity(quantity, base),
+        )
     }
 
     fn seed_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> Seed {

@@ -3,7 +3,7 @@ use super::MAX_DEPTH;
 use super::open_block::{OpenBlock, OpenBlockContent};
 use super::parser::Parser;
 use crate::error::SyntaxErrorKind;
-use crate::tree::{Item, ItemKind, Term};
+use crate::tree::{Item, ItemKind, Term, TimeoutHandler};
 use crate::{Span, Symbol};
 
 impl Parser<'_, '_> {
@@ -85,7 +85,26 @@ impl Parser<'_, '_> {
 
     fn close_item(&mut self, mut item: Item, end: u32) {
         item.span.end = end;
+        if let ItemKind::Handler(handler) = item.kind {
+            return self.attach(*handler, end);
+        }
         self.keep(item);
+    }
+
+    /// Adds a handler to the phase before it. A misplaced handler has been reported.
+    fn attach(&mut self, mut handler: TimeoutHandler, end: u32) {
+        let items = match self.frames.last_mut() {
+            None => &mut self.root,
+            Some(frame) => &mut frame.body,
+        };
+        handler.span.end = end;
+        if let Some(Item { kind, span, .. }) = items.last_mut()
+            && let ItemKind::Phase(phase) = kind
+            && phase.handler.is_none()
+        {
+            span.end = end;
+            phase.handler = Some(Box::new(handler));
+        }
     }
 
     /// Adds an item to the innermost open block, or to the top level.

@@ -190,6 +190,7 @@ impl Parser<'_, '_> {
                 },
                 timeout: None,
                 body: Vec::new(),
+                handler: None,
             })),
             "assembly" => ItemKind::Assembly(Box::new(Assembly {
                 name,

@@ -59,6 +59,9 @@ pub fn word(rule: Rule) -> Option<&'static str> {
         Rule::layer_head | Rule::kw_layer => "`layer`",
         Rule::let_ | Rule::kw_let => "`let`",
         Rule::pattern_head | Rule::kw_pattern => "`pattern`",
+        Rule::handler_head | Rule::kw_on => "`on timeout`",
+        Rule::retry | Rule::kw_retry => "`retry`",
+        Rule::wait | Rule::kw_wait => "`wait`",
         Rule::phase_head | Rule::kw_phase => "`phase`",
         Rule::release | Rule::kw_release => "`release`",
         Rule::scene_head | Rule::kw_scene => "`scene`",
@@ -88,6 +91,7 @@ pub fn beginnings(frame: Option<&OpenBlock>) -> &'static [&'static str] {
             ItemKind::Assembly(_) => &[
                 "`seed`", "`phase`", "`expect`", "`let`", "`for`", "`if`", "`}`",
             ],
+            ItemKind::Handler(_) => &["`release`", "`wait`", "`retry`", "`}`"],
             ItemKind::Seed(_) => &[
                 "a seed such as `A at (0, 0)`",
                 "a pre-attached block such as `A.up -> E`",

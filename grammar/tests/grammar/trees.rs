@@ -5,17 +5,17 @@ use stochc_grammar::tree::{
     Aggregate, Argument, Arrow, Assembly, Chain, Docs, EventReference, Expectation, ExpectedEvent,
     Expr, ExprKind, For, Function, If, Import, Instance, Item, ItemKind, Layer, LayerRow, Let,
     Link, LintDirective, LintDirectiveKind, Name, Operator, Pattern, PhaseDeclaration, Place,
-    Quantity, Release, SceneDeclaration, Seat, Seed, Segment, Shape, Subscript, Term, Tree,
-    UnitFactor,
+    Quantity, Release, SceneDeclaration, Seat, Seed, Segment, Shape, Subscript, Term,
+    TimeoutHandler, Tree, UnitFactor,
 };
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::Face;
 use stochc_ir::claim::Relation;
 
 /// Names that look like keywords, units or operators but are ordinary names.
-const NAMES: [&str; 14] = [
+const NAMES: [&str; 17] = [
     "E", "T", "tower", "_", "_b2", "x", "m", "s", "after_", "iffor", "upward", "a9", "allow",
-    "deny",
+    "deny", "on", "wait", "retry",
 ];
 
 /// Diagnostic codes. Some of them are also names or keywords.
@@ -371,6 +371,26 @@ fn shape() -> BoxedStrategy<Item> {
     )
 }
 
+fn timeout_handler((phase, pause, count): (Place, Option<Quantity>, Expr)) -> TimeoutHandler {
+    let release = ItemKind::Release(Release {
+        places: vec![phase],
+        after: Vec::new(),
+    });
+    let kinds = [Some(release), pause.map(ItemKind::Wait)]
+        .into_iter()
+        .flatten();
+    let retry = ItemKind::Retry(Box::new(count));
+    let bare = |kind| Item {
+        docs: Docs(None),
+        span: Span::default(),
+        kind,
+    };
+    TimeoutHandler {
+        span: Span::default(),
+        body: kinds.chain([retry]).map(bare).collect(),
+    }
+}
+
 fn expectation() -> BoxedStrategy<Item> {
     let relation = || select(&[Relation::AtLeast, Relation::AtMost][..]);
     let event = prop_oneof![
@@ -407,15 +427,23 @@ fn assembly() -> BoxedStrategy<Item> {
     );
     let claim = item(name().prop_map(ItemKind::Yields));
     let body = prop::collection::vec(prop_oneof![4 => growth(), 1 => claim], 0..4);
-    let phase = item((block(), prop::option::of(quantity()), body).prop_map(
-        |(name, timeout, body)| {
-            ItemKind::Phase(Box::new(PhaseDeclaration {
-                name,
-                timeout,
-                body,
-            }))
-        },
-    ));
+    let count = (1i64..9).prop_map(|value| Expr {
+        kind: ExprKind::Int(value),
+        span: Span::default(),
+    });
+    let handler = prop::option::of((block(), prop::option::of(quantity()), count));
+    let phase = item(
+        (block(), prop::option::of(quantity()), body, handler).prop_map(
+            |(name, timeout, body, handler)| {
+                ItemKind::Phase(Box::new(PhaseDeclaration {
+                    name,
+                    timeout,
+                    body,
+                    handler: handler.map(|parts| Box::new(timeout_handler(parts))),
+                }))
+            },
+        ),
+    );
     let part = prop_oneof![
         2 => repeated(phase),
         1 => expectation(),

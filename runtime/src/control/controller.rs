@@ -20,13 +20,15 @@ pub struct Controller<'t> {
     /// Tick of the phase's timeout. `None` if it has no timeout.
     phase_ends: Option<u64>,
     phase_ticks: Vec<u64>,
+    /// Next start of an aborted phase \[ticks\]. `None` before all its captures are released.
+    phase_restarts: Option<u64>,
     /// Reason why the run cannot continue.
     fault: Option<String>,
 }
 
 stochc_ir::state! {
     () Controller<'_>;
-    values: phase_began, phase_ends, phase_ticks, fault;
+    values: phase_began, phase_ends, phase_ticks, phase_restarts, fault;
     parts: structure, recorder;
     same: tables
 }
@@ -49,6 +51,7 @@ impl<'t> Controller<'t> {
             phase_began: 0,
             phase_ends: None,
             phase_ticks: Vec::new(),
+            phase_restarts: None,
             fault: None,
         }
     }
@@ -103,6 +106,7 @@ impl<'t> Controller<'t> {
     pub(crate) fn next_due(&self, max_ticks: Option<u64>) -> u64 {
         let or_never = |tick: Option<u64>| tick.unwrap_or(u64::MAX);
         or_never(self.phase_ends)
+            .min(or_never(self.phase_restarts))
             .min(or_never(max_ticks))
             .min(or_never(self.recorder.network.next_due()))
     }
@@ -110,9 +114,13 @@ impl<'t> Controller<'t> {
     /// Records that a phase begins. `None` records that the last phase has ended.
     pub(super) fn note_phase(&mut self, phase: Option<PhaseId>) {
         self.phase_began = self.recorder.tick;
-        let timeout = phase.and_then(|phase| self.tables.phases[phase.0 as usize].timeout);
-        self.phase_ends = timeout.map(|ticks| self.phase_began.saturating_add(ticks));
+        self.start_timeout(phase);
         self.recorder.note_phase(phase);
+    }
+
+    fn start_timeout(&mut self, phase: Option<PhaseId>) {
+        let timeout = phase.and_then(|phase| self.tables.phases[phase.0 as usize].timeout);
+        self.phase_ends = timeout.map(|ticks| self.recorder.tick.saturating_add(ticks));
     }
 
     /// Returns the reason why the run cannot continue, if there is one.
@@ -149,18 +157,47 @@ impl<'t> Controller<'t> {
         })
     }
 
-    /// Delivers all messages that are due. Begins each phase that can then start.
+    /// Delivers all messages that are due. Begins each phase that can then start. Aborts a phase at
+    /// its timeout if it can be retried.
     fn settle(&mut self, world: &mut impl World) {
         loop {
             while let Some((from, at, message)) = self.recorder.due() {
                 let mut recorded = self.recorder.in_world(world);
                 self.structure.receive(from, at, message, &mut recorded);
             }
-            if !self.structure.is_phase_reported() {
+            let is_reported = self.structure.is_phase_reported();
+            if self.structure.is_aborting() {
+                if !(is_reported && self.retry(world)) {
+                    return;
+                }
+            } else if is_reported {
+                self.next_phase(world);
+            } else if self.timed_out() && self.structure.can_abort() {
+                self.phase_ends = None;
+                let waiting = self.waiting(world);
+                self.recorder.note_abort(waiting);
+                self.structure.abort(&mut self.recorder.in_world(world));
+            } else {
                 return;
             }
-            self.next_phase(world);
         }
+    }
+
+    /// Begins the aborted phase again, after its pause. Returns whether the pause is over.
+    fn retry(&mut self, world: &mut impl World) -> bool {
+        let phase = self.structure.phase();
+        let recovery = phase.and_then(|phase| self.tables.phases[phase.0 as usize].recovery);
+        let pause = recovery.map_or(0, |recovery| recovery.pause);
+        let tick = self.recorder.tick;
+        let restarts = *(self.phase_restarts).get_or_insert(tick.saturating_add(pause));
+        if tick < restarts {
+            return false;
+        }
+        self.phase_restarts = None;
+        self.start_timeout(phase);
+        self.recorder.note_retry();
+        self.structure.retry(&mut self.recorder.in_world(world));
+        true
     }
 
     fn next_phase(&mut self, world: &mut impl World) {
@@ -216,25 +253,25 @@ impl<'t> Controller<'t> {
 
     pub(crate) fn into_record(self, run: u64, outcome: Outcome, world: &impl World) -> RunRecord {
         let waiting = self.waiting(world);
-        let bonds = self.recorder.bonds;
-        let most = bonds.iter().map(|bond| bond.body as usize + 1).max();
-        let mut is_used = vec![false; most.unwrap_or(0)];
-        for bond in &bonds {
-            is_used[bond.body as usize] = true;
-        }
-        RunRecord {
+        let mut record = RunRecord {
             run,
             outcome,
             ticks: world.tick(),
             phase_ticks: self.phase_ticks,
-            blocks_used: is_used.into_iter().filter(|is_used| *is_used).count() as u32,
+            blocks_used: 0,
             hops: self.recorder.network.hops,
             unplanned: self.recorder.unplanned.len() as u64,
-            bonds,
+            bonds: self.recorder.bonds,
             waiting,
             releases: self.recorder.releases,
+            aborts: self.recorder.aborts,
             unplanned_bonds: self.recorder.unplanned,
-        }
+        };
+        let bodies = || record.all_bonds().map(|bond| bond.body as usize);
+        let mut is_used = vec![false; bodies().max().map_or(0, |last| last + 1)];
+        bodies().for_each(|body| is_used[body] = true);
+        record.blocks_used = is_used.into_iter().filter(|is_used| *is_used).count() as u32;
+        record
     }
 
     /// Makes an anchored block fail: it no longer acts or forwards messages.

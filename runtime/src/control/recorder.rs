@@ -4,7 +4,9 @@ use stochc_control::{
     BlockFace, Body, Docking, Environment, Message, PlannedCapture, Recalled, Reporter,
 };
 use stochc_ir::Face;
-use stochc_ir::record::{BondRecord, Origin, ReleaseRecord, UnplannedRecord};
+use stochc_ir::record::{
+    AbortRecord, BondRecord, Origin, ReleaseRecord, UnplannedRecord, WaitRecord,
+};
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 
 use super::network::Network;
@@ -23,6 +25,11 @@ pub(super) struct RunRecorder {
     /// Origin of each released block: its former role and the tick of its release.
     released: FxHashMap<u32, Origin>,
     pub bonds: Vec<BondRecord>,
+    /// Number of captures before the running phase.
+    earlier_bonds: usize,
+    /// Start of the running attempt at the phase \[ticks\].
+    attempt_began: u64,
+    pub aborts: Vec<AbortRecord>,
     pub releases: Vec<ReleaseRecord>,
     /// Blocks captured at faces that expected none.
     pub unplanned: Vec<UnplannedRecord>,
@@ -31,7 +38,7 @@ pub(super) struct RunRecorder {
 
 stochc_ir::state! {
     () RunRecorder;
-    values: tick, phase, released, bonds, releases, unplanned;
+    values: tick, phase, released, bonds, earlier_bonds, attempt_began, aborts, releases, unplanned;
     parts: network;
     // Not part of the state: both have their initial values between ticks.
     same: log, has_more
@@ -47,6 +54,9 @@ impl RunRecorder {
             has_more: false,
             released: FxHashMap::with_capacity_and_hasher(releases, FxBuildHasher),
             bonds: Vec::with_capacity(tables.captures()),
+            earlier_bonds: 0,
+            attempt_began: 0,
+            aborts: Vec::new(),
             releases: Vec::with_capacity(releases),
             unplanned: Vec::new(),
             log: Log::default(),
@@ -64,7 +74,38 @@ impl RunRecorder {
     pub fn note_phase(&mut self, phase: Option<PhaseId>) {
         if let Some(phase) = phase {
             self.phase = phase;
+            self.earlier_bonds = self.bonds.len();
+            self.attempt_began = self.tick;
             self.log.note(|| ObservedEvent::Phase(phase));
+        }
+    }
+
+    /// Records that the running phase is aborted. `waiting` are its open faces.
+    pub fn note_abort(&mut self, waiting: Vec<WaitRecord>) {
+        self.aborts.push(AbortRecord {
+            phase: self.phase,
+            began: self.attempt_began,
+            tick: self.tick,
+            retried: None,
+            bonds: self.bonds.split_off(self.earlier_bonds),
+            waiting,
+            releases: Vec::new(),
+        });
+    }
+
+    /// Records that the aborted phase begins again.
+    pub fn note_retry(&mut self) {
+        if let Some(abort) = self.aborts.last_mut() {
+            abort.retried = Some(self.tick);
+        }
+        self.note_phase(Some(self.phase));
+    }
+
+    /// Returns the list of releases of the running attempt.
+    fn releases(&mut self) -> &mut Vec<ReleaseRecord> {
+        match self.aborts.last_mut() {
+            Some(abort) if abort.retried.is_none() => &mut abort.releases,
+            _ => &mut self.releases,
         }
     }
 
@@ -175,8 +216,9 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
                 .log
                 .note(|| ObservedEvent::Released { body, role, by });
             let tick = self.recorder.tick;
-            self.recorder.releases.push(ReleaseRecord {
-                phase: self.recorder.phase,
+            let phase = self.recorder.phase;
+            self.recorder.releases().push(ReleaseRecord {
+                phase,
                 parent: by,
                 child: role,
                 tick,

@@ -9,6 +9,7 @@ mod control;
 mod execution;
 mod identity;
 mod rate;
+mod retries;
 mod shuffle;
 mod state;
 mod statistics;

@@ -33,6 +33,7 @@ impl Draft {
             name: format!("phase {}", self.phases.len()),
             timeout: None,
             reports,
+            recovery: None,
             pre_attached: false,
         });
         PhaseId(self.phases.len() as u32 - 1)

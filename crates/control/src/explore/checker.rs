@@ -2,7 +2,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_ir::Cell;
-use stochc_ir::table::{PhaseId, RoleId};
+use stochc_ir::table::{Action, PhaseId, RoleId, Rule, Trigger};
 
 use super::context::ExplorationContext;
 use super::describe::Describer;
@@ -35,13 +35,20 @@ impl PropertyChecker<'_> {
         if let Some(violation) = self.effects(effects) {
             return Some(violation);
         }
-        if transition != Transition::EndPhase {
-            return None;
+        match transition {
+            Transition::EndPhase => {
+                let stage = before.stage(self.expected)?;
+                let is_wrong = |what| (Property::Structure, format!("ends {what}"));
+                self.early_end(before, stage)
+                    .or_else(|| self.structure(before, &stage.structure).map(is_wrong))
+                    .map(|(property, what)| {
+                        (property, format!("{} {what}", self.describer.phase(before)))
+                    })
+                    .or_else(|| self.reports(before, stage))
+            }
+            Transition::Retry => self.retry(before),
+            _ => None,
         }
-        let stage = before.stage(self.expected)?;
-        self.early_end(before, stage)
-            .or_else(|| self.structure(before, stage))
-            .or_else(|| self.reports(before, stage))
     }
 
     /// Returns the property that the effects of a transition violate, independently of the previous
@@ -67,8 +74,10 @@ impl PropertyChecker<'_> {
         context: &ExplorationContext<'_>,
         state: &ProgramState<'_>,
     ) -> Option<Breach> {
+        // Faces that are off may capture a block while a phase is aborted.
+        let may_bond = context.tables.bond.is_passive() || state.structure.is_aborting();
         // Explorations with faults have their own stray blocks.
-        if !context.tables.bond.is_passive() || !context.faults.is_none() {
+        if !may_bond || !context.faults.is_none() {
             return None;
         }
         let block_face = state.unsettled(context)?;
@@ -105,36 +114,32 @@ impl PropertyChecker<'_> {
             ("", releases) => format!("{releases} is released"),
             (captures, releases) => format!("{captures} is captured and {releases} released"),
         };
-        let phase = self.describer.phase(state);
-        Some((
-            Property::NoEarlyEnd,
-            format!("{phase} ends before {before}"),
-        ))
+        Some((Property::NoEarlyEnd, format!("ends before {before}")))
     }
 
-    fn structure(&self, state: &ProgramState<'_>, stage: &PhaseGoal) -> Option<Breach> {
+    /// Returns the difference between the structure and a goal: `without C`. Returns `None` if
+    /// they are equal.
+    fn structure(&self, state: &ProgramState<'_>, goal: &BTreeMap<RoleId, Cell>) -> Option<String> {
         let built: BTreeMap<RoleId, Cell> = (state.structure.blocks())
             .filter_map(|block| {
                 let placed = state.lattice.pose(block.body())?;
                 Some((block.role(), placed.cell))
             })
             .collect();
-        let phase = self.describer.phase(state);
-        let violation = |what: String| Some((Property::Structure, format!("{phase} ends {what}")));
-        for (role, cell) in &stage.structure {
+        for (role, cell) in goal {
             let name = self.describer.names([role]);
             match built.get(role) {
-                None => return violation(format!("without {name}")),
+                None => return Some(format!("without {name}")),
                 Some(there) if there != cell => {
-                    return violation(format!("with {name} at {there} instead of {cell}"));
+                    return Some(format!("with {name} at {there} instead of {cell}"));
                 }
                 Some(_) => {}
             }
         }
         for (role, cell) in &built {
-            if !stage.structure.contains_key(role) {
+            if !goal.contains_key(role) {
                 let name = self.describer.names([role]);
-                return violation(format!("with {name} at {cell}, which must be empty"));
+                return Some(format!("with {name} at {cell}, which must be empty"));
             }
         }
         let named: BTreeSet<Cell> = built.values().copied().collect();
@@ -143,7 +148,33 @@ impl PropertyChecker<'_> {
             .cells()
             .keys()
             .find(|cell| !named.contains(cell))?;
-        violation(format!("with a block without a role at {stray}"))
+        Some(format!("with a block without a role at {stray}"))
+    }
+
+    /// Returns a violation if an aborted phase begins again in another state than at its start.
+    fn retry(&self, state: &ProgramState<'_>) -> Option<Breach> {
+        let phase = state.structure.phase()?;
+        let tables = self.describer.tables;
+        let start = match (phase.0 as usize).checked_sub(1) {
+            Some(before) => self.expected.phases[before].structure.clone(),
+            None => tables.seeds().collect(),
+        };
+        let open = state.lattice.active().first();
+        let open = open.map(|face| {
+            let face = self.describer.face_of(state, *face);
+            format!("while {face} is on")
+        });
+        let captors = tables.duties().filter(|duty| {
+            let captures = |rule: Rule<'_>| matches!(rule.then, Action::Magnetize { .. });
+            (duty.phase, duty.trigger) == (phase, Trigger::Start) && duty.rules().any(captures)
+        });
+        let captors: Vec<RoleId> = captors.map(|duty| duty.role).collect();
+        let reported: Vec<RoleId> = state.done.reports.iter().map(|by| by.role).collect();
+        let wrong_reports =
+            (reported != captors).then(|| "without one report of each captor".to_owned());
+        let what = (self.structure(state, &start)).or(open).or(wrong_reports)?;
+        let phase = self.describer.phase(state);
+        Some((Property::Recovery, format!("{phase} begins again {what}")))
     }
 
     fn reports(&self, state: &ProgramState<'_>, stage: &PhaseGoal) -> Option<Breach> {

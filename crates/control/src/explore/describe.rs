@@ -87,6 +87,8 @@ impl Describer<'_> {
             }
             Transition::Die(role) => format!("{} dies", self.name(role)),
             Transition::EndPhase => format!("the plate ends {}", self.phase(before)),
+            Transition::Abort => format!("{} reaches its timeout", self.phase(before)),
+            Transition::Retry => format!("the plate begins {} again", self.phase(before)),
         };
         for &(by, role) in &effects.released {
             line.push_str(&format!(", {} lets {} go", self.name(by), self.name(role)));

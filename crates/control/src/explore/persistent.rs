@@ -38,6 +38,8 @@
 //!    release hands over the same messages, and the end of the phase clears them. Any order of
 //!    events passes through the same states with resending in front. It is therefore tried first,
 //!    alone, although the end of the phase may remove it.
+//! 8. *An abort* clears everything, like the end of a phase. While it is possible, and until the
+//!    aborted phase begins again, all transitions are tried.
 //!
 //! [`Future`] is an upper bound of the events without T, and all dependences are checked against
 //! it.
@@ -121,6 +123,8 @@ impl<'t> PersistentSets<'t> {
             || !struck.dead.is_empty()
             || !struck.mistaken.is_empty()
             || strays_to_come
+            || state.structure.is_aborting()
+            || state.can_abort()
             || transitions.contains(&Transition::EndPhase)
         {
             return transitions;

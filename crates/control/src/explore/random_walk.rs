@@ -81,8 +81,9 @@ fn follow(
         if report.work > exploration.bounds.work {
             return Some(ExplorationVerdict::Unfinished(ExceededBound::Work));
         }
-        // Only the end of a phase is checked against the state before it.
-        let before = (transition == Transition::EndPhase).then(|| state.clone());
+        // Only the end of a phase or of an attempt is checked against the state before it.
+        let ends = matches!(transition, Transition::EndPhase | Transition::Retry);
+        let before = ends.then(|| state.clone());
         let phase = state.structure.phase();
         let effects = state.make(&context, transition);
         made.push(transition);
@@ -113,7 +114,7 @@ fn draw(
 ) -> (Option<Transition>, u64) {
     let (transits, faces) = (state.in_transit.len(), state.lattice.active().len());
     let all = (transits + faces) as u32;
-    let is_plain = context.faults.is_none() && context.reach.is_none();
+    let is_plain = context.faults.is_none() && context.reach.is_none() && !state.can_abort();
     // Most open faces and messages are enabled, so rejection sampling is cheaper than listing all.
     if is_plain && all > 0 && !state.structure.is_phase_reported() {
         for attempt in 0..ATTEMPTS {

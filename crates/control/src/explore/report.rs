@@ -69,6 +69,8 @@ pub enum Property {
     NoHang,
     /// The structure at the end of each phase is as declared.
     Structure,
+    /// A phase begins again with the structure of its start.
+    Recovery,
     /// Every report reaches the plate once, before the phase ends.
     ReportsOnce,
     /// No block is released while it holds another one.
@@ -78,7 +80,7 @@ pub enum Property {
     /// No block magnetizes more faces than its hardware allows.
     Faces,
     /// Unplanned captures are rejected and change nothing, at any time and on any face that always
-    /// attracts.
+    /// attracts. The same holds for late captures in an aborted phase, for all faces.
     Unplanned,
 }
 
@@ -90,6 +92,7 @@ impl Property {
             Property::NoEarlyEnd => "no phase ends early",
             Property::NoHang => "no phase hangs",
             Property::Structure => "each phase ends with the declared structure",
+            Property::Recovery => "a retry begins with the structure at the start of the phase",
             Property::ReportsOnce => "every report reaches the plate once",
             Property::NoneAdrift => "no block is released while it holds another",
             Property::OneHolder => "no name is held by two blocks",

@@ -120,10 +120,26 @@ impl<'t> ProgramState<'t> {
                 transitions.push(Transition::Die(role));
             }
         }
-        if self.structure.is_phase_reported() {
+        let is_reported = self.structure.is_phase_reported();
+        if self.structure.is_aborting() && is_reported {
+            transitions.push(Transition::Retry);
+        } else if !self.structure.is_aborting() && is_reported {
             transitions.push(Transition::EndPhase);
         }
+        if self.can_abort() {
+            transitions.push(Transition::Abort);
+        }
         transitions
+    }
+
+    /// Returns whether the phase may reach its timeout. Time is not explored, so this may happen
+    /// at any moment before the last report.
+    ///
+    /// Each phase is aborted at most once. A retry begins with the state at the start of the phase,
+    /// which is checked, so further aborts would add no new states.
+    pub fn can_abort(&self) -> bool {
+        let structure = &self.structure;
+        structure.can_abort() && structure.aborts() == 0 && !structure.is_phase_reported()
     }
 
     fn add_captures(&self, context: &ExplorationContext<'t>, transitions: &mut Vec<Transition>) {
@@ -217,6 +233,18 @@ impl<'t> ProgramState<'t> {
                     self.structure.kill(body);
                 }
                 Effects::default()
+            }
+            Transition::Abort => {
+                self.done.reports.clear();
+                self.carry_out(context, |structure, environment| {
+                    structure.abort(environment)
+                })
+            }
+            Transition::Retry => {
+                self.done = PhaseProgress::default();
+                self.carry_out(context, |structure, environment| {
+                    structure.retry(environment)
+                })
             }
             Transition::EndPhase => {
                 self.done = PhaseProgress::default();

@@ -39,6 +39,10 @@ pub(super) enum Transition {
     Die(RoleId),
     /// The plate begins the next phase.
     EndPhase,
+    /// The plate aborts the phase at its timeout.
+    Abort,
+    /// The plate begins the aborted phase again.
+    Retry,
 }
 
 impl Transition {

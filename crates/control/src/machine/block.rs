@@ -140,6 +140,46 @@ impl<M: Copy> StructureBlock<M> {
         self.cold = None;
     }
 
+    /// Ends the duty because the phase is aborted. The block remembers only its captures.
+    pub(super) fn stop(&mut self) {
+        self.unreceived = 0;
+        (self.next, self.fired) = (self.rules.count(), 0);
+        let children = std::mem::take(&mut self.seen);
+        let docked = |condition: &Condition| matches!(condition, Condition::Docked(_));
+        self.seen = children.into_iter().filter(docked).collect();
+        self.cold = None;
+    }
+
+    /// Forgets a child of an aborted phase after its release.
+    pub(super) fn forget(&mut self, child: RoleId) {
+        self.seen.retain(|condition| {
+            *condition != Condition::Docked(child) && *condition != Condition::Released(child)
+        });
+        self.next = self.rules.count();
+    }
+
+    /// Returns whether the block's duty has captures.
+    pub(super) fn captures(&self, tables: &Tables) -> bool {
+        self.captured_faces(tables).next().is_some()
+    }
+
+    /// Returns the face of the duty's capture of a child, in the structure's frame.
+    pub(super) fn face_of(&self, tables: &Tables, child: RoleId) -> Option<Face> {
+        let mut captures = self.captured_faces(tables);
+        captures.find_map(|(role, face)| (role == child).then_some(face))
+    }
+
+    fn captured_faces<'t>(
+        &self,
+        tables: &'t Tables,
+    ) -> impl Iterator<Item = (RoleId, Face)> + use<'t, M> {
+        let rules = self.rules;
+        (0..rules.count() as usize).filter_map(move |index| match tables.rule(rules, index).then {
+            Action::Magnetize { child, face, .. } => Some((child, face)),
+            _ => None,
+        })
+    }
+
     #[inline]
     pub(super) fn begin(&mut self, trigger: Trigger, rules: RuleRange) {
         (self.trigger, self.rules) = (trigger, rules);

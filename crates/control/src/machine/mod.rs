@@ -5,6 +5,7 @@ mod environment;
 mod index;
 mod inline_vec;
 mod message;
+mod retreat;
 mod routing;
 mod slots;
 mod structure;

@@ -40,11 +40,15 @@ pub struct Structure<'t, M = ()> {
     /// Faces that still need pre-attached blocks.
     to_plant: BTreeSet<BlockFace>,
     pub(super) has_dead: bool,
+    /// Number of aborted attempts of the running phase.
+    aborts: u32,
+    /// Whether the running phase is aborted and its captures are being released.
+    pub(super) is_aborting: bool,
 }
 
 stochc_ir::state! {
     (<M: DeserializeOwned + Serialize>) Structure<'_, M>;
-    values: phase, reports, slots, holders, changed, to_plant, has_dead;
+    values: phase, reports, slots, holders, changed, to_plant, has_dead, aborts, is_aborting;
     parts: ;
     same: tables, index
 }
@@ -73,6 +77,8 @@ impl<'t, M: Copy> Structure<'t, M> {
             changed: Vec::new(),
             to_plant: BTreeSet::new(),
             has_dead: false,
+            aborts: 0,
+            is_aborting: false,
         }
     }
 
@@ -81,10 +87,13 @@ impl<'t, M: Copy> Structure<'t, M> {
         ((self.phase as usize) < self.tables.phases.len()).then_some(PhaseId(self.phase))
     }
 
-    /// Returns whether the plate has all the reports that end the running phase.
+    /// Returns whether the plate has all the reports that end the running phase, or its abort.
     pub fn is_phase_reported(&self) -> bool {
         let phase = self.tables.phases.get(self.phase as usize);
-        phase.is_some_and(|phase| self.reports >= phase.reports)
+        phase.is_some_and(|phase| {
+            let recovery = phase.recovery.filter(|_| self.is_aborting);
+            self.reports >= recovery.map_or(phase.reports, |recovery| recovery.reports)
+        })
     }
 
     /// Returns the number of reports at the plate in this phase.
@@ -140,11 +149,65 @@ impl<'t, M: Copy> Structure<'t, M> {
     /// Begins the next phase.
     pub fn next_phase(&mut self, environment: &mut impl Environment<Mark = M>) {
         self.phase += 1;
+        self.aborts = 0;
+        self.begin_phase(environment);
+    }
+
+    /// Returns whether the plate may abort the running phase.
+    pub fn can_abort(&self) -> bool {
+        let phase = self.tables.phases.get(self.phase as usize);
+        let recovery = phase.and_then(|phase| phase.recovery);
+        !self.is_aborting && recovery.is_some_and(|recovery| self.aborts < recovery.retries)
+    }
+
+    /// Returns whether the running phase is aborted and its captures are being released.
+    pub fn is_aborting(&self) -> bool {
+        self.is_aborting
+    }
+
+    /// Returns the number of aborted attempts of the running phase.
+    pub fn aborts(&self) -> u32 {
+        self.aborts
+    }
+
+    /// Aborts the running phase. All blocks learn it at once, as they learn the start of a phase.
+    /// Requires that the plate [may abort](Self::can_abort) the phase.
+    pub fn abort(&mut self, environment: &mut impl Environment<Mark = M>) {
+        self.reports = 0;
+        self.aborts += 1;
+        self.is_aborting = true;
+        environment.clear_messages();
+        let mut changed = self.changed.clone();
+        changed.retain(|slot| self.slots.get(*slot).is_some());
+        self.slots.sort(&mut changed);
+        for &slot in &changed {
+            // A failed block does not react.
+            let Some(block) = self.slots.get_mut(slot).filter(|block| !block.is_dead) else {
+                continue;
+            };
+            block.stop();
+            while let Some(open) = block.open().first().copied() {
+                block.close(open.own);
+                environment.switch_off(BlockFace {
+                    body: block.body,
+                    face: open.own,
+                });
+            }
+        }
+        for slot in changed {
+            self.retreat(slot, environment);
+        }
+    }
+
+    /// Begins the aborted phase again. Requires that the phase [is
+    /// reported](Self::is_phase_reported).
+    pub fn retry(&mut self, environment: &mut impl Environment<Mark = M>) {
         self.begin_phase(environment);
     }
 
     fn begin_phase(&mut self, environment: &mut impl Environment<Mark = M>) {
         self.reports = 0;
+        self.is_aborting = false;
         // Messages are valid only within their phase.
         environment.clear_messages();
         for slot in std::mem::take(&mut self.changed) {
@@ -313,6 +376,9 @@ impl<'t, M: Copy> Structure<'t, M> {
                 Condition::Notified(notification)
             }
             (Payload::Notify(notification), _) => Condition::Notified(notification),
+            (Payload::Ask(child), _) if self.is_aborting => {
+                return self.withdraw(at, child, environment);
+            }
             (Payload::Ask(child), _) => Condition::Asked(child),
         };
         self.change(at, |block| block.see(seen));
@@ -399,7 +465,7 @@ impl<'t, M: Copy> Structure<'t, M> {
     /// Before that, the parent takes over all messages in transit between the two blocks. It also
     /// takes over the messages that the child has received or kept. It keeps all of them for the
     /// next holders of their roles.
-    fn release_block(
+    pub(super) fn release_block(
         &mut self,
         at: BlockSlot,
         own: Face,
@@ -461,6 +527,11 @@ impl<'t, M: Copy> Structure<'t, M> {
         left
     }
 
+    /// Returns the state of the plate, for comparison.
+    fn stage(&self) -> (u32, u32, u32, bool) {
+        (self.phase, self.reports, self.aborts, self.is_aborting)
+    }
+
     /// Returns the content of the state for comparison: the body, role, orientation, parent,
     /// failure and progress of each block.
     fn meaning(&self) -> impl Iterator<Item = impl Hash + Eq>
@@ -507,8 +578,7 @@ fn magnetize<M: Copy>(
 
 impl<M: Copy + Hash + Eq> PartialEq for Structure<'_, M> {
     fn eq(&self, other: &Structure<'_, M>) -> bool {
-        (self.phase, self.reports) == (other.phase, other.reports)
-            && self.meaning().eq(other.meaning())
+        self.stage() == other.stage() && self.meaning().eq(other.meaning())
     }
 }
 
@@ -516,7 +586,7 @@ impl<M: Copy + Hash + Eq> Eq for Structure<'_, M> {}
 
 impl<M: Copy + Hash + Eq> Hash for Structure<'_, M> {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        (self.phase, self.reports).hash(state);
+        self.stage().hash(state);
         for block in self.meaning() {
             block.hash(state);
         }

@@ -12,5 +12,6 @@ mod programs;
 #[path = "../../../../compiler/tests/compiler/random.rs"]
 mod random;
 mod reach;
+mod retries;
 mod turns;
 mod verification;

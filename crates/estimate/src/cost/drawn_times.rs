@@ -35,6 +35,14 @@ impl DrawnTimes {
         self.is_taken.fill(false);
     }
 
+    /// Resets the events of a phase that begins again.
+    pub fn begin_again(&mut self, steps: &[Step]) {
+        for step in steps {
+            self.ends[step.event as usize] = f64::INFINITY;
+            self.is_taken[step.event as usize] = false;
+        }
+    }
+
     pub fn has_happened(&self, event: u32) -> bool {
         self.ends[event as usize].is_finite()
     }

@@ -3,7 +3,7 @@ use rustc_hash::FxHashMap;
 use stochc_ir::graph::EventId;
 
 use super::costs::{CaptureCost, Cost};
-use super::events::{Events, ProgramParts};
+use super::events::{Events, PhaseLimit, ProgramParts};
 use super::waits::CaptureWait;
 use super::{sampling, scarcity, waits};
 use crate::{Interaction, LowerBoundReasons, Rates, Times, Wait};
@@ -11,18 +11,18 @@ use crate::{Interaction, LowerBoundReasons, Rates, Times, Wait};
 /// Estimates the times of a program. Returns `None` if its graph has a cycle.
 pub fn estimate(program: ProgramParts<'_>, rates: Option<&Rates>) -> Option<Cost> {
     let events = Events::new(program)?;
-    let timeouts = events.timeouts();
-    Some(estimate_within(&events, rates, &timeouts))
+    let limits = events.limits();
+    Some(estimate_within(&events, rates, &limits))
 }
 
 /// Estimates the times of a program as if its phases had no timeouts.
 pub fn estimate_without_timeouts(program: ProgramParts<'_>, rates: &Rates) -> Option<Cost> {
     let events = Events::new(program)?;
-    let timeouts = vec![f64::INFINITY; program.tables.phases.len()];
-    Some(estimate_within(&events, Some(rates), &timeouts))
+    let limits = vec![PhaseLimit::NONE; program.tables.phases.len()];
+    Some(estimate_within(&events, Some(rates), &limits))
 }
 
-fn estimate_within(events: &Events<'_>, rates: Option<&Rates>, timeouts: &[f64]) -> Cost {
+fn estimate_within(events: &Events<'_>, rates: Option<&Rates>, limits: &[PhaseLimit]) -> Cost {
     let mut cost = Cost {
         phases: events.shapes(),
         total: None,
@@ -45,7 +45,7 @@ fn estimate_within(events: &Events<'_>, rates: Option<&Rates>, timeouts: &[f64])
     }
     let steps = events.steps();
     let scarce = scarcity::scarce_blocks(events, &steps, &waits, rates);
-    let sampled = sampling::sample(events, &steps, timeouts, &waits, scarce);
+    let sampled = sampling::sample(events, &steps, limits, &waits, scarce);
     let complete = sampled.draws.iter().filter(|draw| draw.is_complete);
     let complete: Vec<f64> = complete.map(|draw| draw.ticks).collect();
     let never = sampled.draws.len() - complete.len();

@@ -26,6 +26,26 @@ pub type Block = Option<EventId>;
 /// A block with one of its roles. The plate has a role for each seed.
 pub type NamedBlock = (RoleId, Block);
 
+/// Time limit of a phase.
+#[derive(Clone, Copy, Debug)]
+pub struct PhaseLimit {
+    /// Timeout \[ticks\]. Infinite without a timeout.
+    pub timeout: f64,
+    /// Number of times that the phase begins again after its timeout.
+    pub retries: u32,
+    /// Time between a timeout and the next attempt \[ticks\].
+    pub pause: f64,
+}
+
+impl PhaseLimit {
+    /// No limit.
+    pub const NONE: PhaseLimit = PhaseLimit {
+        timeout: f64::INFINITY,
+        retries: 0,
+        pause: 0.0,
+    };
+}
+
 pub struct Events<'a> {
     pub parts: ProgramParts<'a>,
     /// All events in topological order.
@@ -84,11 +104,15 @@ impl<'a> Events<'a> {
         self.parts.graph.event(id).action.is_capture()
     }
 
-    /// Returns the timeout of each phase \[ticks\].
-    pub fn timeouts(&self) -> Vec<f64> {
+    /// Returns the time limit of each phase.
+    pub fn limits(&self) -> Vec<PhaseLimit> {
         let phases = self.parts.tables.phases.iter();
-        let ticks = phases.map(|phase| phase.timeout.map_or(f64::INFINITY, |ticks| ticks as f64));
-        ticks.collect()
+        let limits = phases.map(|phase| PhaseLimit {
+            timeout: phase.timeout.map_or(f64::INFINITY, |ticks| ticks as f64),
+            retries: phase.recovery.map_or(0, |recovery| recovery.retries),
+            pause: phase.recovery.map_or(0.0, |recovery| recovery.pause as f64),
+        });
+        limits.collect()
     }
 
     /// Returns the depth and the width of each phase.

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use stochc_ir::{Cell, Draw};
 
 use super::drawn_times::{DrawnTimes, NO_BLOCK};
-use super::events::Events;
+use super::events::{Events, PhaseLimit};
 use super::exponential::exponential;
 use super::scarcity::ScarceBlocks;
 use super::steps::Step;
@@ -20,6 +20,9 @@ const DRAWN: usize = 200_000;
 /// Smallest number of samples. Small programs get more.
 const MIN: usize = 20;
 const MAX: usize = 4000;
+
+/// Largest mean number of repetitions of phases per sample. Beyond it, fewer samples are drawn.
+const MAX_RETRIED: usize = 16;
 
 /// Seed. It is constant, so that estimates are reproducible.
 const SEED: u64 = 0;
@@ -60,13 +63,12 @@ pub struct Sampled {
 pub fn sample(
     events: &Events<'_>,
     steps: &[Vec<Step>],
-    timeouts: &[f64],
+    limits: &[PhaseLimit],
     waits: &[Option<CaptureWait>],
     scarce: Option<Vec<ScarceBlocks<'_>>>,
 ) -> Sampled {
     let count = waits.iter().flatten().count().max(1);
     let times = (DRAWN / count).clamp(MIN, MAX);
-    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let neighbours = neighbours(events, waits);
     let mut scarce = scarce.map(Vec::into_iter);
     let timed = steps.iter().map(|steps| {
@@ -74,57 +76,38 @@ pub fn sample(
         TimedPhase::new(steps, waits, scarce)
     });
     let timed: Vec<Option<TimedPhase<'_>>> = timed.collect();
-    let mut drawn = DrawnTimes::new(waits.len());
+    let mut sampler = Sampler {
+        waits,
+        drawn: DrawnTimes::new(waits.len()),
+        rng: ChaCha8Rng::seed_from_u64(SEED),
+        decided: vec![0.0; waits.len()],
+        waited: vec![(0.0, 0_u32); waits.len()],
+        retried: 0,
+    };
     let mut durations = vec![Vec::with_capacity(times); steps.len()];
     let mut stopped = vec![0; steps.len()];
     let mut draws = Vec::with_capacity(times);
-    let mut decided = vec![0.0; waits.len()];
-    let mut waited = vec![(0.0, 0_u32); waits.len()];
     let mut has_race = false;
     for number in 0..times {
+        if number >= MIN && sampler.retried > MAX_RETRIED * times {
+            break;
+        }
         let mut total = 0.0;
         let mut is_complete = true;
-        drawn.clear();
-        let phases = steps.iter().zip(&timed).zip(&mut durations).zip(timeouts);
-        for (phase, (((steps, timed), durations), timeout)) in phases.enumerate() {
-            match timed {
-                Some(timed) => timed.draw(total, &mut drawn, &mut rng),
-                None => draw_in_order(steps, waits, total, &mut drawn, &mut rng),
-            }
-            let mut latest = (total, NO_BLOCK);
-            for step in steps {
-                let event = step.event;
-                let (start, end) = (drawn.starts[event as usize], drawn.ends[event as usize]);
-                let (sum, count) = &mut waited[event as usize];
-                (*sum, *count) = (*sum + (end - start), *count + 1);
-                let arrival = end + step.report(&mut rng);
-                if arrival >= latest.0 {
-                    latest = (arrival, event);
-                }
-            }
-            // After a timeout, the event on the critical path counts until the timeout.
-            let stop = total + timeout;
-            let mut at = latest.1;
-            while at != NO_BLOCK {
-                let before = drawn.last[at as usize];
-                let since = if before == NO_BLOCK {
-                    total
-                } else {
-                    drawn.ends[before as usize]
-                };
-                decided[at as usize] += drawn.ends[at as usize].min(stop) - since.min(stop);
-                at = before;
-            }
-            if latest.0 > stop {
-                total = stop;
+        sampler.drawn.clear();
+        let phases = steps.iter().zip(&timed).zip(&mut durations).zip(limits);
+        for (phase, (((steps, timed), durations), limit)) in phases.enumerate() {
+            let (ended, is_timed_out) = sampler.phase(steps, timed.as_ref(), total, *limit);
+            if is_timed_out {
+                total = ended;
                 stopped[phase] += 1;
                 is_complete = false;
                 break;
             }
-            durations.push(latest.0 - total);
-            total = latest.0;
+            durations.push(ended - total);
+            total = ended;
         }
-        let DrawnTimes { starts, ends, .. } = &drawn;
+        let DrawnTimes { starts, ends, .. } = &sampler.drawn;
         has_race |= number < MIN
             && neighbours.iter().any(|&(one, other)| {
                 starts[one] < ends[other]
@@ -136,6 +119,11 @@ pub fn sample(
             is_complete,
         });
     }
+    let Sampler {
+        mut decided,
+        waited,
+        ..
+    } = sampler;
     let all: f64 = draws.iter().map(|draw| draw.ticks).sum();
     decided
         .iter_mut()
@@ -152,6 +140,87 @@ pub fn sample(
         waits: waited
             .map(|(sum, count)| (count > 0).then(|| sum / f64::from(count)))
             .collect(),
+    }
+}
+
+/// State of the sampling.
+struct Sampler<'a> {
+    waits: &'a [Option<CaptureWait>],
+    drawn: DrawnTimes,
+    rng: ChaCha8Rng,
+    /// For each event, the time during which the critical path waited for it \[ticks\].
+    decided: Vec<f64>,
+    /// For each event, the sum of its times from start to end \[ticks\], and their number.
+    waited: Vec<(f64, u32)>,
+    /// Number of repetitions of phases.
+    retried: usize,
+}
+
+impl Sampler<'_> {
+    /// Samples a phase that begins at `began`, with its retries. Returns its end, and whether the
+    /// last attempt has timed out.
+    fn phase(
+        &mut self,
+        steps: &[Step],
+        timed: Option<&TimedPhase<'_>>,
+        mut began: f64,
+        limit: PhaseLimit,
+    ) -> (f64, bool) {
+        for _ in 0..limit.retries {
+            let stop = began + limit.timeout;
+            let ended = self.attempt(steps, timed, began, stop);
+            if ended <= stop {
+                return (ended, false);
+            }
+            began = stop + limit.pause;
+            self.retried += 1;
+            self.drawn.begin_again(steps);
+        }
+        let stop = began + limit.timeout;
+        let ended = self.attempt(steps, timed, began, stop);
+        (ended.min(stop), ended > stop)
+    }
+
+    /// Samples an attempt at a phase, from its start to its timeout `stop`. Returns the tick when
+    /// all reports have arrived, without a timeout.
+    fn attempt(
+        &mut self,
+        steps: &[Step],
+        timed: Option<&TimedPhase<'_>>,
+        total: f64,
+        stop: f64,
+    ) -> f64 {
+        let Sampler {
+            waits, drawn, rng, ..
+        } = self;
+        match timed {
+            Some(timed) => timed.draw(total, drawn, rng),
+            None => draw_in_order(steps, waits, total, drawn, rng),
+        }
+        let mut latest = (total, NO_BLOCK);
+        for step in steps {
+            let event = step.event;
+            let (start, end) = (drawn.starts[event as usize], drawn.ends[event as usize]);
+            let (sum, count) = &mut self.waited[event as usize];
+            (*sum, *count) = (*sum + (end - start), *count + 1);
+            let arrival = end + step.report(rng);
+            if arrival >= latest.0 {
+                latest = (arrival, event);
+            }
+        }
+        // After a timeout, the event on the critical path counts until the timeout.
+        let mut at = latest.1;
+        while at != NO_BLOCK {
+            let before = drawn.last[at as usize];
+            let since = if before == NO_BLOCK {
+                total
+            } else {
+                drawn.ends[before as usize]
+            };
+            self.decided[at as usize] += drawn.ends[at as usize].min(stop) - since.min(stop);
+            at = before;
+        }
+        latest.0
     }
 }
 

@@ -2,7 +2,7 @@
 use std::collections::BTreeSet;
 
 use stochc_estimate::{Neighbourhood, Surroundings, around, density_in, relative, rivalry, sees};
-use stochc_ir::record::RunRecord;
+use stochc_ir::record::{BondRecord, RunRecord};
 use stochc_ir::{Cell, Face};
 
 /// Largest squared distance of a release with a head start \[block lengths^2\].
@@ -46,7 +46,7 @@ impl History {
     pub fn from_record(record: &RunRecord) -> History {
         let mut moves: Vec<Move> = Vec::new();
         let mut waits = Vec::new();
-        for bond in &record.bonds {
+        for bond in record.all_bonds() {
             moves.push(Move {
                 tick: bond.docked,
                 cell: bond.cell,
@@ -61,18 +61,18 @@ impl History {
                 captured: Some(bond.body),
             });
         }
-        for wait in &record.waiting {
+        for (wait, until) in record.all_waiting() {
             waits.push(WaitingFace {
                 cell: wait.cell,
                 direction: wait.face,
                 since: wait.magnetized,
-                until: record.ticks,
+                until,
                 captured: None,
             });
         }
-        for release in &record.releases {
-            let held = record
-                .bonds
+        let bonds: Vec<&BondRecord> = record.all_bonds().collect();
+        for release in record.all_releases() {
+            let held = bonds
                 .iter()
                 .rev()
                 .find(|bond| bond.body == release.body && bond.docked <= release.tick);

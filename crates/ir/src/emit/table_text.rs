@@ -51,9 +51,19 @@ fn write_tables(out: &mut Formatter<'_>, tables: &Tables) -> fmt::Result {
         )?;
         match phase.timeout {
             Some(ticks) => {
-                writeln!(out, ", fails after {ticks} ticks")?;
+                let what = phase.recovery.map_or("fails", |_| "aborts");
+                writeln!(out, ", {what} after {ticks} ticks")?;
             }
             None => out.write_char('\n')?,
+        }
+        if let Some(recovery) = phase.recovery {
+            let reports = counted(recovery.reports as usize, "report");
+            let retries = counted(recovery.retries as usize, "retry");
+            write!(out, "    retried after {reports}")?;
+            if recovery.pause > 0 {
+                write!(out, " and {} ticks", recovery.pause)?;
+            }
+            writeln!(out, "; fails after {retries}")?;
         }
     }
     let mut role = None;

@@ -58,6 +58,9 @@ pub enum InvalidTables {
     /// A timeout is zero.
     #[error("`tables.phases[{0}].timeout` is 0: it is at least 1, or null")]
     Timeout(usize),
+    /// A phase cannot be retried as its table states.
+    #[error("`tables.phases[{0}].recovery` does not fit the phase")]
+    Recovery(usize),
     /// A phase with this index does not exist.
     #[error("there is no phase {0}")]
     UnknownPhase(u32),

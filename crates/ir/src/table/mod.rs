@@ -17,4 +17,4 @@ mod tables;
 pub use crate::table::invalid::InvalidTables;
 pub use crate::table::plate::Plate;
 pub use rule::{Action, Condition, Notification, PhaseId, RoleId, Rule, Trigger};
-pub use tables::{Duty, LooseDuty, PRE_ATTACHED, Phase, Role, RuleRange, Tables};
+pub use tables::{Duty, LooseDuty, PRE_ATTACHED, Phase, Recovery, Role, RuleRange, Tables};

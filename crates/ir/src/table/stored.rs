@@ -5,8 +5,8 @@ use serde::ser::SerializeStruct as _;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{
-    Action, Condition, Duty, InvalidTables, LooseDuty, Notification, Phase, PhaseId, Plate, Role,
-    RoleId, Rule, Tables, Trigger,
+    Action, Condition, Duty, InvalidTables, LooseDuty, Notification, Phase, PhaseId, Plate,
+    Recovery, Role, RoleId, Rule, Tables, Trigger,
 };
 use crate::Cell;
 use crate::scene::{BondKind, Planar};
@@ -149,7 +149,10 @@ impl StoredTables {
         }
         for (phase, (found, made)) in self.phases.iter().zip(reports).enumerate() {
             let Phase {
-                reports, timeout, ..
+                reports,
+                timeout,
+                recovery,
+                ..
             } = *found;
             if u64::from(reports) != made {
                 return Err(InvalidTables::Reports {
@@ -161,8 +164,30 @@ impl StoredTables {
             if timeout == Some(0) {
                 return Err(InvalidTables::Timeout(phase));
             }
+            if recovery.is_some_and(|recovery| !self.is_recoverable(phase, recovery)) {
+                return Err(InvalidTables::Recovery(phase));
+            }
         }
         Ok(())
+    }
+
+    /// Returns whether a phase can be retried: it has a timeout, releases nothing, and expects as
+    /// many reports as blocks capture in it at its start.
+    fn is_recoverable(&self, number: usize, recovery: Recovery) -> bool {
+        let duties = self.duties.iter();
+        let duties = duties.filter(|duty| duty.phase.0 as usize == number);
+        let releases =
+            |rule: &StoredRule| matches!(rule.then, Action::SwitchOff { .. } | Action::AskRelease);
+        let captures = |rule: &StoredRule| matches!(rule.then, Action::Magnetize { .. });
+        let at_start = duties.clone().filter(|duty| duty.trigger == Trigger::Start);
+        let captors = at_start.filter(|duty| duty.rules.iter().any(captures));
+        let phase = &self.phases[number];
+        phase.timeout.is_some()
+            && !phase.pre_attached
+            && self.aggregate.is_none()
+            && recovery.retries > 0
+            && captors.count() as u64 == u64::from(recovery.reports)
+            && !duties.flat_map(|duty| &duty.rules).any(releases)
     }
 
     fn validate_plate(&self) -> Result<(), InvalidTables> {

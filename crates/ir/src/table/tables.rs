@@ -49,10 +49,26 @@ pub struct Phase {
     pub timeout: Option<u64>,
     /// Number of reports after which the plate begins the next phase, in the next tick.
     pub reports: u32,
+    /// Reaction to a timeout. `None` if a timeout ends the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recovery: Option<Recovery>,
     /// Whether the blocks of the phase are pre-attached before the first tick. Such a phase comes
     /// first, takes no time, and consists of captures without reports.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub pre_attached: bool,
+}
+
+/// Reaction to a timeout: the plate aborts the phase, all its captures are released, and the phase
+/// begins again. The phase has no releases of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Recovery {
+    /// Largest number of repetitions. At least 1.
+    pub retries: u32,
+    /// Number of reports after which all captures are released: one from each block that stood at
+    /// the start of the phase and captures in it.
+    pub reports: u32,
+    /// Time from the last of these reports to the next attempt \[ticks\].
+    pub pause: u64,
 }
 
 /// A role: a name in the program that blocks take.
@@ -217,6 +233,18 @@ impl Tables {
     /// Returns the number of captures in all phases.
     pub fn captures(&self) -> usize {
         self.captured_cells().count()
+    }
+
+    /// Returns the number of blocks that stand at the start of each phase and capture in it.
+    pub fn captors_at_start(&self) -> Vec<u32> {
+        let mut captors = vec![0; self.phases.len()];
+        for duty in self.duties() {
+            let captures = |rule: Rule<'_>| matches!(rule.then, Action::Magnetize { .. });
+            if duty.trigger == Trigger::Start && duty.rules().any(captures) {
+                captors[duty.phase.0 as usize] += 1;
+            }
+        }
+        captors
     }
 
     /// Returns the number of releases in all phases.

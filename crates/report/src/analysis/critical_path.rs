@@ -35,6 +35,8 @@ pub(crate) enum SegmentKind {
     Notification,
     /// Transfer of messages to the plate. The messages report the events of a phase.
     Reports,
+    /// Attempts at a phase that reached their timeouts, with the releases and pauses after them.
+    Aborted,
 }
 
 /// Tick when an event of a run became possible, and tick of the event.
@@ -57,7 +59,7 @@ impl CriticalPathSegment {
     pub fn event(&self) -> Option<usize> {
         match self.kind {
             SegmentKind::Event { event, .. } | SegmentKind::Pending { event } => Some(event),
-            SegmentKind::Notification | SegmentKind::Reports => None,
+            SegmentKind::Notification | SegmentKind::Reports | SegmentKind::Aborted => None,
         }
     }
 }
@@ -66,7 +68,7 @@ impl CriticalPathSegment {
 /// soon as all its dependencies have happened.
 pub(crate) fn moments(events: &Events, record: &RunRecord) -> Vec<EventTiming> {
     let mut recorded = recorded(record);
-    let begins = begins(record);
+    let begins = attempts(record);
     let mut moments: Vec<EventTiming> = (events.events.iter())
         .map(|event| {
             let queue = recorded.get_mut(&(event.phase, event.action));
@@ -164,6 +166,14 @@ fn begins(record: &RunRecord) -> Vec<u64> {
     begins
 }
 
+/// Returns the start of the last attempt at each phase that began.
+fn attempts(record: &RunRecord) -> Vec<u64> {
+    let begins = (0..).map(PhaseId).zip(begins(record));
+    begins
+        .map(|(phase, began)| record.last_retry(phase).unwrap_or(began))
+        .collect()
+}
+
 /// Returns the critical path of a run, in order of time. Returns an empty path if the run failed.
 pub(crate) fn critical_path(
     events: &Events,
@@ -177,6 +187,8 @@ pub(crate) fn critical_path(
     let mut segments = Vec::new();
     if let Outcome::TimedOut { phase, .. } = record.outcome {
         unfinished(events, record, moments, phase, &mut segments);
+        let began = begins.get(phase.0 as usize);
+        add_aborted(record, phase, began.copied().unwrap_or(0), &mut segments);
     }
     for (number, _) in record.phase_ticks.iter().enumerate().rev() {
         let end = begins[number + 1];
@@ -199,9 +211,29 @@ pub(crate) fn critical_path(
             });
         }
         back(events, moments, last, &mut segments);
+        add_aborted(record, event.phase, begins[number], &mut segments);
     }
     segments.reverse();
     segments
+}
+
+/// Adds the aborted attempts at a phase that began at the tick `from`.
+fn add_aborted(
+    record: &RunRecord,
+    phase: PhaseId,
+    from: u64,
+    segments: &mut Vec<CriticalPathSegment>,
+) {
+    let last = record.aborts.iter().rfind(|abort| abort.phase == phase);
+    if let Some(last) = last {
+        segments.push(CriticalPathSegment {
+            phase,
+            kind: SegmentKind::Aborted,
+            from,
+            to: last.retried.unwrap_or(record.ticks),
+            since: None,
+        });
+    }
 }
 
 /// Adds the path of an unfinished phase, which ends with the pending capture that has waited
@@ -317,7 +349,7 @@ fn since(events: &Events, moments: &[EventTiming], event: usize) -> Option<(usiz
 
 #[cfg(test)]
 mod tests {
-    use stochc_ir::record::{BondRecord, Limit, Origin, ReleaseRecord, WaitRecord};
+    use stochc_ir::record::{AbortRecord, BondRecord, Limit, Origin, ReleaseRecord, WaitRecord};
     use stochc_ir::table::RoleId;
     use stochc_ir::{Cell, Face};
 
@@ -428,6 +460,30 @@ mod tests {
         });
         let links = segments(&stopped);
         assert_eq!(summary(&links)[1..], [(None, 30, 80), (Some(1), 80, 95)]);
+    }
+
+    #[test]
+    fn aborted_attempts_are_a_segment() {
+        let bonds = vec![
+            bond(0, 1, 3, 60, 70),
+            bond(0, 0, 2, 60, 80),
+            bond(0, 2, 4, 80, 100),
+        ];
+        let mut retried = record(Outcome::Completed, 100, &[100], bonds);
+        retried.aborts.push(AbortRecord {
+            phase: PhaseId(0),
+            began: 0,
+            tick: 50,
+            retried: Some(60),
+            bonds: vec![bond(0, 1, 3, 0, 20)],
+            waiting: Vec::new(),
+            releases: Vec::new(),
+        });
+        let events = program();
+        let links = critical_path(&events, &retried, &moments(&events, &retried));
+        let expected = [(None, 0, 60), (Some(0), 60, 80), (Some(1), 80, 100)];
+        assert_eq!(summary(&links), expected);
+        assert_eq!(links[0].kind, SegmentKind::Aborted);
     }
 
     #[test]

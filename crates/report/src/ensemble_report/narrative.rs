@@ -176,6 +176,11 @@ pub(crate) fn item(
             count(segment.ticks()),
             of.at(segment.from)
         ),
+        SegmentKind::Aborted => format!(
+            "Attempts at the phase that timed out took {}{share}, from tick {} on.",
+            count(segment.ticks()),
+            of.at(segment.from)
+        ),
         SegmentKind::Notification => format!(
             "Then the message about it took {}{share} to reach the block that waited for it, from tick {} on.",
             count(segment.ticks()),

@@ -75,6 +75,11 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         )
         .unit("ticks")
         .null("the run ended earlier");
+    table.integer(
+        "retries",
+        "number of times that the phase was begun again after a timeout",
+        |row| row.run.record.retries(row.item.phase),
+    );
     add_ticks(
         &mut table,
         "ticks",

@@ -62,14 +62,16 @@ impl<'m> RecordValidator<'m> {
 
 /// Returns all ticks that occur in a record, except the end of the run.
 fn times(record: &RunRecord) -> impl Iterator<Item = u64> {
-    let bonds = record.bonds.iter();
+    let bonds = record.all_bonds();
     let phases = record
         .phase_ticks
         .iter()
         .try_fold(0u64, |sum, &ticks| sum.checked_add(ticks));
+    let aborts = record.aborts.iter();
     (bonds.flat_map(|bond| [bond.magnetized, bond.docked]))
-        .chain(record.waiting.iter().map(|wait| wait.magnetized))
-        .chain(record.releases.iter().map(|release| release.tick))
+        .chain(record.all_waiting().map(|(wait, _)| wait.magnetized))
+        .chain(record.all_releases().map(|release| release.tick))
+        .chain(aborts.flat_map(|it| [it.began, it.tick, it.retried.unwrap_or(0)]))
         .chain(record.unplanned_bonds.iter().map(|bond| bond.tick))
         .chain([phases.unwrap_or(u64::MAX)])
 }
@@ -79,35 +81,34 @@ fn phases_of(record: &RunRecord) -> impl Iterator<Item = PhaseId> {
         Outcome::Completed => None,
         Outcome::TimedOut { phase, .. } | Outcome::Failed { phase, .. } => Some(phase),
     };
-    (record.bonds.iter().map(|bond| bond.phase))
-        .chain(record.waiting.iter().map(|wait| wait.phase))
-        .chain(record.releases.iter().map(|release| release.phase))
+    (record.all_bonds().map(|bond| bond.phase))
+        .chain(record.all_waiting().map(|(wait, _)| wait.phase))
+        .chain(record.all_releases().map(|release| release.phase))
+        .chain(record.aborts.iter().map(|abort| abort.phase))
         .chain(record.unplanned_bonds.iter().map(|bond| bond.phase))
         .chain(end)
 }
 
 fn bodies(record: &RunRecord) -> impl Iterator<Item = u32> {
-    (record.bonds.iter().map(|bond| bond.body))
-        .chain(record.releases.iter().map(|release| release.body))
+    (record.all_bonds().map(|bond| bond.body))
+        .chain(record.all_releases().map(|release| release.body))
         .chain(record.unplanned_bonds.iter().map(|bond| bond.body))
 }
 
 fn roles(record: &RunRecord) -> impl Iterator<Item = RoleId> {
-    let origins = record.bonds.iter().filter_map(|bond| match bond.origin {
+    let origins = record.all_bonds().filter_map(|bond| match bond.origin {
         Origin::Free => None,
         Origin::Released { role, .. } => Some(role),
     });
     (record
-        .bonds
-        .iter()
+        .all_bonds()
         .flat_map(|bond| [bond.parent, bond.child]))
     .chain(
         record
-            .waiting
-            .iter()
-            .flat_map(|wait| [wait.parent, wait.child]),
+            .all_waiting()
+            .flat_map(|(wait, _)| [wait.parent, wait.child]),
     )
-    .chain(record.releases.iter().flat_map(|it| [it.parent, it.child]))
+    .chain(record.all_releases().flat_map(|it| [it.parent, it.child]))
     .chain(record.unplanned_bonds.iter().map(|bond| bond.parent))
     .chain(origins)
 }

@@ -128,7 +128,7 @@ fn the_table_of_phases_has_start_and_end() {
         let mut began = 0;
         for (i, ticks) in record.phase_ticks.iter().enumerate() {
             let ended = began + ticks;
-            let more = json!({ "outcome": "completed", "began": began, "ended": ended, "ticks": ticks, "seconds": seconds(*ticks) });
+            let more = json!({ "outcome": "completed", "began": began, "ended": ended, "retries": 0, "ticks": ticks, "seconds": seconds(*ticks) });
             expected.push(row(done, PhaseId(i as u32), more));
             began = ended;
         }
@@ -136,7 +136,7 @@ fn the_table_of_phases_has_start_and_end() {
         let (outcome, phase, _) = word(&record.outcome);
         if let Some(phase) = phase.filter(|phase| phase.0 as usize == record.phase_ticks.len()) {
             let ticks = record.ticks - began;
-            let more = json!({ "outcome": outcome, "began": began, "ended": null, "ticks": ticks, "seconds": seconds(ticks) });
+            let more = json!({ "outcome": outcome, "began": began, "ended": null, "retries": 0, "ticks": ticks, "seconds": seconds(ticks) });
             expected.push(row(done, phase, more));
         }
     }

@@ -50,6 +50,7 @@ pub fn program(name: &str) -> EnsembleProgram {
         name: name.into(),
         timeout: None,
         reports: 1,
+        recovery: None,
         pre_attached: false,
     };
     let catch = |child, z| Action::Magnetize {

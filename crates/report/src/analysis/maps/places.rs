@@ -173,17 +173,13 @@ impl MapPlaces {
         if self.captures.is_empty() {
             return faces;
         }
-        let bonds = record.bonds.iter().map(|it| {
+        let bonds = record.all_bonds().map(|it| {
             let capture = (it.parent.0, it.face as usize, it.child.0);
             (capture, it.entries, it.docked.saturating_sub(it.magnetized))
         });
-        let waiting = record.waiting.iter().map(|it| {
+        let waiting = record.all_waiting().map(|(it, end)| {
             let capture = (it.parent.0, it.face as usize, it.child.0);
-            (
-                capture,
-                it.entries,
-                record.ticks.saturating_sub(it.magnetized),
-            )
+            (capture, it.entries, end.saturating_sub(it.magnetized))
         });
         for (capture, entries, ticks) in bonds.chain(waiting) {
             let (all, waited) = faces.entry(capture).or_default();

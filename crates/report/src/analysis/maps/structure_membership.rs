@@ -16,11 +16,11 @@ pub(super) struct StructureMembership {
 impl StructureMembership {
     pub fn from_record(record: &RunRecord) -> StructureMembership {
         let mut stretches: BTreeMap<u32, Vec<(u64, u64)>> = BTreeMap::new();
-        for bond in &record.bonds {
+        for bond in record.all_bonds() {
             let all = stretches.entry(bond.body).or_default();
             all.push((bond.docked, u64::MAX));
         }
-        for release in &record.releases {
+        for release in record.all_releases() {
             let all = stretches.entry(release.body).or_default();
             let open = all
                 .iter_mut()

@@ -27,12 +27,13 @@ class History {
     /** Bonds between free blocks. */
     this.groups = new Groups(this.rows);
     this.turns = deedsByWhat(about.graph);
-    this.read(recording.record.bonds);
+    this.read(recording.record);
     this.stops = [...new Set(this.rows.filter(row => this.isNotable(row)).map(row => row[0]))];
     this.steps = [...new Set(this.rows.map(row => row[0]))];
   }
 
-  read(bonds) {
+  read({ bonds: kept, aborts = [] }) {
+    const bonds = [...kept, ...aborts.flatMap(abort => abort.bonds)].sort((a, b) => a.docked - b.docked);
     const on = new Map();
     const near = new Map();
     let phase = 0;
@@ -42,6 +43,8 @@ class History {
       const [tick, kind] = row;
       if (kind === 'phase') {
         phase = row[2];
+        const abort = aborts.find(({ retried }) => retried === tick);
+        if (abort) this.begin(phase, abort.tick);
         this.begins.push({ from: tick, phase });
       } else if (kind === 'on') {
         const [, , body, name, by, child, cell] = row;
@@ -82,6 +85,14 @@ class History {
       } else if (kind === 'report') {
         this.messages.push({ tick, to: null, what: 'counted', role: row[2] });
       }
+    }
+  }
+
+  /** Begins an aborted phase again. Its open faces were switched off at the tick `stopped`. */
+  begin(phase, stopped) {
+    for (const stretch of this.faces) if (stretch.to === Infinity) stretch.to = stopped;
+    for (const [what, deeds] of deedsByWhat(this.about.graph)) {
+      if (what.split(' ')[1] === String(phase)) this.turns.set(what, deeds);
     }
   }
 

@@ -1,0 +1,105 @@
+//! Tests that an aborted phase returns to its start, whenever it is aborted.
+use stochc_control::explore::{
+    Exploration, ExplorationBounds, ExplorationReport, ExplorationVerdict, Faults, ProgramGoals,
+    Property,
+};
+use stochc_ir::table::Tables;
+
+use crate::programs::{explore, explore_as, tables, tables_of};
+
+/// Program with a branched structure, blocks from an earlier phase, and messages between branches.
+const SPAN: &str = "
+assembly span {
+    seed plate 3 x 1 { A at (0, 0)  B at (2, 0) }
+    phase feet { A.up -> F }
+    phase span timeout 10 ticks {
+        F.up -> C.up -> D.east -> E
+        C.west -> W after G
+        B.up -> G after C
+    } on timeout { release span  retry 3 }
+    phase top { E.up -> T }
+}";
+
+fn span() -> Tables {
+    tables(SPAN)
+}
+
+/// Explores tables with the goals of other tables.
+fn against(tables: &Tables, original: &Tables) -> ExplorationReport {
+    let expected = ProgramGoals::new(original);
+    let bounds = ExplorationBounds::default();
+    Exploration::new(tables, &expected, bounds, Faults::default()).run()
+}
+
+fn violated(report: &ExplorationReport) -> Option<Property> {
+    report.violation().map(|violation| violation.property)
+}
+
+#[test]
+fn every_abort_returns_to_the_start_of_the_phase() {
+    for tables in [vec![span()], tables_of("examples/five_tower_retried.sa")].concat() {
+        let report = explore(&tables);
+        assert_eq!(report.verdict, ExplorationVerdict::Holds);
+    }
+    let aborted = explore_as(&span(), |all| all.reduce = false);
+    assert_eq!(aborted.verdict, ExplorationVerdict::Holds);
+    let mut plain = span();
+    plain.phases[1].recovery = None;
+    let without = explore_as(&plain, |all| all.reduce = false);
+    assert!(
+        aborted.states > 2 * without.states,
+        "{aborted:?} {without:?}"
+    );
+}
+
+#[test]
+fn the_table_contains_one_report_of_each_captor() {
+    let recovery = span().phases[1].recovery.expect("the phase is retried");
+    assert_eq!(
+        (recovery.retries, recovery.reports, recovery.pause),
+        (3, 2, 0)
+    );
+}
+
+#[test]
+fn a_retry_before_the_last_report_is_found() {
+    let mut early = span();
+    if let Some(recovery) = &mut early.phases[1].recovery {
+        recovery.reports -= 1;
+    }
+    assert_eq!(
+        violated(&against(&early, &span())),
+        Some(Property::Recovery)
+    );
+}
+
+#[test]
+fn a_retry_that_waits_for_too_many_reports_hangs() {
+    let mut late = span();
+    if let Some(recovery) = &mut late.phases[1].recovery {
+        recovery.reports += 1;
+    }
+    assert_eq!(violated(&against(&late, &span())), Some(Property::NoHang));
+}
+
+#[test]
+fn lost_messages_delay_a_retry_only() {
+    let report = explore_as(&span(), |all| all.faults.lost = 1);
+    assert_eq!(report.verdict, ExplorationVerdict::Holds);
+}
+
+#[test]
+fn a_failed_block_prevents_a_retry_only() {
+    let report = explore_as(&span(), |all| {
+        all.faults.dead = 1;
+        all.hangs_allowed = true;
+    });
+    assert_eq!(report.verdict, ExplorationVerdict::Holds);
+    assert!(report.hangs > 0);
+}
+
+#[test]
+fn a_late_capture_in_an_aborted_phase_is_rejected() {
+    let report = explore_as(&span(), |all| all.faults.strays = 1);
+    assert_eq!(report.verdict, ExplorationVerdict::Holds);
+}
