@@ -7,7 +7,7 @@ use stochc_ir::scene::schema::SchemaNumber;
 use stochc_ir::scene::schema::numbers::*;
 use stochc_ir::scene::{
     Agitation, Anchor, BOLTZMANN, Bond, ContactLaw, Enclosure, Flow, Fluid, Interior, Reach, Scene,
-    takes_local_steps,
+    Suction as SceneSuction, takes_local_steps,
 };
 use stochc_ir::table::Plate;
 
@@ -53,7 +53,7 @@ impl WorldParameters {
             eddies: units.eddies(scene)?,
             thermal,
             contact: made(&scene.contact, |contact| units.contact(contact))?,
-            bond: made(&scene.bond, |bond| units.magnet(bond))?,
+            bond: made(&scene.bond, |bond| units.magnet(scene, bond))?,
         })
     }
 }
@@ -237,42 +237,40 @@ impl Units {
         })
     }
 
-    fn magnet(self, bond: &Bond) -> SceneResult<Magnet> {
+    fn magnet(self, scene: &Scene, bond: &Bond) -> SceneResult<Magnet> {
+        let (law, anchor) = match bond {
+            Bond::Attract {
+                pull,
+                align,
+                anchor,
+            } => {
+                let law = Attraction::Switched {
+                    pull: self.reach([&PULL, &PULL_WITHIN], pull)?,
+                    align: made(align, |align| self.reach([&ALIGN, &ALIGN_WITHIN], align))?,
+                };
+                (law, anchor.clone())
+            }
+            Bond::Reject {
+                magnets,
+                impulse,
+                anchor,
+            } => {
+                let law = Attraction::Passive(Passive {
+                    hold: self.number(&HOLD, magnets.hold)?,
+                    depth: self.number(&DEPTH, magnets.depth)?,
+                    within: self.number(&REACH, magnets.within)?,
+                    impulse: checked(&IMPULSE, self.of.speed(self.of.mass(*impulse)))?,
+                });
+                (law, anchor.clone())
+            }
+            Bond::Suction { .. } => self.suction(scene)?,
+        };
         let Anchor {
             measure,
             within,
             tilt,
             sampled,
-        } = *bond.anchor();
-        let law = match bond {
-            Bond::Attract { pull, align, .. } => Attraction::Switched {
-                pull: self.reach([&PULL, &PULL_WITHIN], pull)?,
-                align: made(align, |align| self.reach([&ALIGN, &ALIGN_WITHIN], align))?,
-            },
-            Bond::Reject {
-                magnets, impulse, ..
-            } => Attraction::Passive(Passive {
-                hold: self.number(&HOLD, magnets.hold)?,
-                depth: self.number(&DEPTH, magnets.depth)?,
-                within: self.number(&REACH, magnets.within)?,
-                impulse: checked(&IMPULSE, self.of.speed(self.of.mass(*impulse)))?,
-            }),
-            Bond::Suction { pump, seal, .. } => {
-                let side = self.of.side;
-                // In block units, a pressure equals the acceleration of a block whose single face
-                // it acts on.
-                let resistance = |number, value: f64| {
-                    checked(number, value * side.powi(4) * self.of.tick / self.of.mass)
-                };
-                Attraction::Suction(Suction {
-                    head: checked(&HEAD, self.of.force(pump.head * side * side))?,
-                    supply: resistance(&SUPPLY, pump.supply)?,
-                    valve: resistance(&VALVE, pump.valve)?,
-                    passage: resistance(&PASSAGE, pump.passage)?,
-                    seal: self.number(&SEAL, *seal)?,
-                })
-            }
-        };
+        } = anchor;
         Ok(Magnet {
             law,
             measure,
@@ -281,6 +279,30 @@ impl Units {
             sampled,
             square_of_step: 0.0,
         })
+    }
+}
+
+impl Units {
+    /// Returns the suction of a scene and its condition of a capture.
+    fn suction(self, scene: &Scene) -> SceneResult<(Attraction, Anchor)> {
+        let missing = || not_a_number(&quoted(&VALVE), f64::NAN);
+        let suction = SceneSuction::from_scene(scene).ok_or_else(missing)?;
+        let valve = suction.valve.ok_or_else(missing)?;
+        positive(&VALVE, valve)?;
+        let side = self.of.side;
+        // In block units, a pressure equals the acceleration of a block whose single face it acts
+        // on.
+        let resistance = |number, value: f64| {
+            checked(number, value * side.powi(4) * self.of.tick / self.of.mass)
+        };
+        let law = Attraction::Suction(Suction {
+            head: checked(&HEAD, self.of.force(suction.head * side * side))?,
+            supply: resistance(&SUPPLY, suction.supply)?,
+            valve: resistance(&VALVE, valve)?,
+            passage: resistance(&PASSAGE, suction.passage.unwrap_or(valve))?,
+            seal: self.number(&SEAL, suction.seal)?,
+        });
+        Ok((law, suction.anchor))
     }
 }
 

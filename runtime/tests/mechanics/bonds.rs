@@ -5,7 +5,7 @@ use crate::scenes::{
     states, viscosity,
 };
 use nalgebra::{UnitQuaternion, Vector3};
-use stochc_ir::scene::{Agitation, BOLTZMANN, Bond, Flow, Fluid, Jets, Pump, Scene, Stir};
+use stochc_ir::scene::{Agitation, BOLTZMANN, Bond, Flow, Fluid, Jets, Pump, Scene, Stir, Suction};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::world::{BlockFace, Body, BodyState, SpatialWorld};
 use stochc_runtime::{Model, Settings};
@@ -22,6 +22,7 @@ in_every_world!(
     a_block_that_is_rejected_from_a_corner_is_not_taken_by_the_other_side,
     a_docked_block_rejects_what_hangs_on_it,
     an_open_face_draws_a_block_and_holds_it,
+    suction_from_few_numbers_runs_as_with_all_numbers,
     a_second_open_face_halves_what_the_first_draws,
     planting_needs_a_free_block,
 );
@@ -36,12 +37,13 @@ fn suction() -> Scene {
         bond: Some(Bond::Suction {
             pump: Pump {
                 head: 0.02,
-                supply: 0.01,
-                valve: 0.05,
-                passage: 0.0,
+                opening: None,
+                supply: Some(0.01),
+                valve: Some(0.05),
+                passage: Some(0.0),
             },
-            seal: 0.2,
-            anchor: ANCHOR,
+            seal: Some(0.2),
+            anchor: Some(ANCHOR),
         }),
         ..empty()
     }
@@ -361,6 +363,50 @@ fn an_open_face_draws_a_block_and_holds_it<W: SpatialWorld>() {
     assert!(dockings(&mut world, 20).is_empty());
 }
 
+fn suction_from_few_numbers_runs_as_with_all_numbers<W: SpatialWorld>() {
+    let drawn = |scene: &Scene| {
+        let mut world: W = world(scene, &[BodyState::at_rest(at(0.0, 0.3, 2.0))]);
+        world.magnetize(SEED);
+        let docked = dockings(&mut world, 200);
+        (docked.len(), world.state(0))
+    };
+    let few = Scene {
+        bond: Some(Bond::Suction {
+            pump: Pump {
+                head: 0.02,
+                opening: None,
+                supply: None,
+                valve: None,
+                passage: None,
+            },
+            seal: None,
+            anchor: None,
+        }),
+        ..suction()
+    };
+    let defaults = Suction::from_scene(&few).unwrap();
+    let all = Scene {
+        bond: Some(Bond::Suction {
+            pump: Pump {
+                head: 0.02,
+                opening: Some(0.5),
+                supply: Some(0.0),
+                valve: defaults.valve,
+                passage: defaults.valve,
+            },
+            seal: Some(0.125),
+            anchor: Some(defaults.anchor),
+        }),
+        ..suction()
+    };
+    // 3 η / r³ is the resistance of an orifice in a fluid without a density.
+    let valve = 3.0 * 0.05 / 0.25_f64.powi(3);
+    assert!((defaults.valve.unwrap() / valve - 1.0).abs() < 1e-12);
+    let (docked, state) = drawn(&few);
+    assert_eq!((docked, state), drawn(&all));
+    assert_ne!(state.position, at(0.0, 0.3, 2.0));
+}
+
 fn a_second_open_face_halves_what_the_first_draws<W: SpatialWorld>() {
     let draw = |open: &[i32]| {
         let scene = Scene {
@@ -368,7 +414,7 @@ fn a_second_open_face_halves_what_the_first_draws<W: SpatialWorld>() {
             bond: suction().bond.map(|bond| match bond {
                 Bond::Suction { pump, seal, anchor } => Bond::Suction {
                     pump: Pump {
-                        supply: 1000.0 * pump.valve,
+                        supply: pump.valve.map(|valve| 1000.0 * valve),
                         head: 1000.0 * pump.head,
                         ..pump
                     },

@@ -236,8 +236,11 @@ impl<'a> InForce<'a> {
                 if let Some(equation) = law.equation {
                     let _ = writeln!(out, "      {equation}");
                 }
-                for line in lines.by_ref().take(law.values.len()) {
+                for (line, value) in lines.by_ref().take(law.values.len()).zip(&law.values) {
                     let _ = writeln!(out, "        {line}");
+                    if let Some(source) = value.default {
+                        let _ = writeln!(out, "          default: {source}");
+                    }
                 }
             }
         }

@@ -4,8 +4,8 @@ use stochc_grammar::{Symbols, parse};
 
 use stochc_ir::scene::describe::{absent, terms};
 use stochc_ir::scene::{
-    Agitation, Anchor, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Measure, Messages,
-    Planar, Reach, Scene,
+    Agitation, Anchor, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Fluid, Measure, Messages,
+    Planar, Pump, Reach, Scene,
 };
 
 use crate::Sources;
@@ -186,6 +186,30 @@ fn bond() -> impl Strategy<Value = Bond> {
     })
 }
 
+/// Generates suction with defaults for any of its parameters.
+fn suction() -> impl Strategy<Value = Bond> {
+    let maybe = || prop::option::of(size());
+    let anchor = prop::option::of(
+        (size(), any::<bool>()).prop_map(|(within, sampled)| Anchor {
+            measure: Measure::Gap,
+            within,
+            tilt: 45f64.to_radians(),
+            sampled,
+        }),
+    );
+    let numbers = (size(), maybe(), maybe(), maybe(), maybe(), maybe(), anchor);
+    numbers.prop_map(|(head, opening, supply, valve, passage, seal, anchor)| {
+        let pump = Pump {
+            head,
+            opening,
+            supply,
+            valve,
+            passage,
+        };
+        Bond::Suction { pump, seal, anchor }
+    })
+}
+
 fn contact() -> impl Strategy<Value = Contact> {
     let law = prop_oneof![
         (0.0..=1.0).prop_map(|restitution| ContactLaw::Rigid { restitution }),
@@ -238,21 +262,31 @@ fn any_scene() -> impl Strategy<Value = Scene> {
         kicks,
         drag,
         contact(),
-        bond(),
+        (bond(), suction(), any::<bool>()),
         messages,
     )
         .prop_map(
-            |(table, tick, block, enclosure, kicks, drag, contact, bond, messages)| Scene {
+            |(table, tick, block, enclosure, kicks, drag, contact, bonds, messages)| Scene {
                 name: "s".to_owned(),
                 tick,
                 gravity: table.0.map(|_| table.1),
                 planar: enclosure.is_flat().then_some(Planar { friction: table.0 }),
                 block,
-                enclosure: Some(enclosure),
                 agitation: Some(kicks),
                 drag: Some(drag),
                 contact: Some(contact),
-                bond: Some(bond),
+                // Suction without the resistance of its valves needs a fluid.
+                fluid: bonds.2.then_some(Fluid {
+                    density: table.0,
+                    viscosity: Some(table.1),
+                    added_mass: None,
+                }),
+                bond: Some(if bonds.2 && !enclosure.is_flat() {
+                    bonds.1
+                } else {
+                    bonds.0
+                }),
+                enclosure: Some(enclosure),
                 messages: Some(messages),
                 ..built_in("hemisphere_2005").expect("a built-in scene")
             },

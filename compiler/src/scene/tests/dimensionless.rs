@@ -2,8 +2,8 @@ use stochc_ir::scene::dimensionless::{
     DimensionlessNumber, Settling, SpeedFrom, dimensionless_numbers, speed,
 };
 use stochc_ir::scene::{
-    Agitation, BOLTZMANN, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid, Scene, Stir,
-    Strength, Substeps,
+    Agitation, BOLTZMANN, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid, Pump, Scene,
+    Stir, Strength, Substeps, Suction,
 };
 
 use crate::scene::built_in;
@@ -437,6 +437,47 @@ fn sinking_is_compared_with_stirring() {
     };
     turbulence.vertical = 0.0;
     assert_eq!(Settling::from_scene(&tank).unwrap().above(0.0), 0.0);
+}
+
+#[test]
+fn suction_is_compared_with_the_flow() {
+    let mut tank = built_in("suction_tank").unwrap();
+    let Some(Bond::Suction {
+        pump, seal, anchor, ..
+    }) = &mut tank.bond
+    else {
+        panic!("the tank has suction");
+    };
+    *pump = Pump {
+        head: 200.0,
+        opening: None,
+        supply: None,
+        valve: None,
+        passage: None,
+    };
+    (*seal, *anchor) = (None, None);
+    // An opening of 5 cm. The pressure drop is 3 η Q / r³ + ρ Q² / (2 (0.6 π r²)²).
+    let suction = Suction::from_scene(&tank).unwrap();
+    let (flow, radius) = (suction.flow().unwrap(), 0.025_f64);
+    let area = std::f64::consts::PI * radius * radius;
+    let drop = 3e-3 * flow / radius.powi(3) + 500.0 * (flow / (0.6 * area)).powi(2);
+    assert!(close(drop, 200.0), "{suction:?}");
+    let speed = flow / area;
+    assert_eq!((suction.seal, suction.anchor.within), (0.0125, 0.00625));
+    assert_eq!((suction.supply, suction.passage), (0.0, suction.valve));
+    let values = values(&tank);
+    let value = |symbol| values.iter().find(|it| it.0 == symbol).unwrap().1;
+    assert!(close(value("ρ U D / η"), 1000.0 * speed * 0.05 / 1e-3));
+    // The jets are U 6.2 D / R = 1.1741 m/s in the middle. The eddies add √3 * 0.31250 m/s.
+    let jet = 1e-3 * 30.0 / 60.0 / 4.0 / (std::f64::consts::FRAC_PI_4 * 1e-4);
+    let around = (jet * 0.05 * 3f64.sqrt()).hypot(jet * 6.2 * 0.01 / 0.33);
+    let distance = (flow / (2.0 * std::f64::consts::PI * around)).sqrt();
+    assert!(close(value("√(Q / (2 π v)) / a"), distance / 0.1));
+    let drag = Fluid::friction(1e-3, 0.1) * around + Fluid::wake(1000.0, 0.1) * around * around;
+    assert!(close(value("Δp a² / F, suction"), 200.0 * 0.01 / drag));
+    // A block of 1.01 kg moves by F τ² / m = 2 N (20 ms)² / (1.01 kg), with little drag.
+    let first = 2.0 * 4e-4 / 1.01 / 0.00625;
+    assert!((value("φ F τ² / (m d)") / first - 1.0).abs() < 0.01);
 }
 
 /// Checks that collisions in a sphere take energy too. The blocks have twice the space of a

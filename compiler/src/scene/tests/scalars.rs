@@ -14,7 +14,7 @@ use crate::scene::{BUILT_IN, built_in, read};
 use crate::{FileId, Sources};
 
 /// Scenes that together use every term of the model. New terms must be added here.
-const FULL: [&str; 7] = [
+const FULL: [&str; 8] = [
     "scene soft {
         tick 20ms
         block cube { side 20cm  mass 1kg  faces 2 }
@@ -67,6 +67,14 @@ const FULL: [&str; 7] = [
         block cube { side 1cm  mass 1g  faces 1 }
         free 50 uniform
         enclosure cylinder { radius 15cm  height 20cm  wall 1 N/m }
+    }",
+    "scene valves {
+        tick 1 s
+        block cube { side 1cm  mass 1g  faces 1 }
+        free 50 uniform
+        enclosure cylinder { radius 15cm  height 20cm  wall 1 N/m }
+        fluid { density 1000 kg/m^3  viscosity 1 mPa s }
+        bond suction { head 200 Pa  opening 5mm  supply 1 kPa s/L  valve 4 kPa s/L  passage 1 kPa s/L  seal 3mm  anchor gap 1mm }
     }",
     "scene flat {
         tick 1 s
@@ -172,11 +180,12 @@ fn the_tested_scenes_have_every_parameter() {
 /// Both reject the same values.
 #[test]
 fn names_and_ranges_match_the_language() {
-    const DEFAULTS: [&str; 6] = [
+    const DEFAULTS: [&str; 7] = [
         "bond.anchor.tilt",
         "agitation.speed.low",
         "agitation.time",
         "agitation.vertical",
+        "bond.opening",
         "flow.force",
         "messages.loss",
     ];

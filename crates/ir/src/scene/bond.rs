@@ -30,9 +30,12 @@ pub enum Bond {
         /// Pump and flow resistances.
         pump: Pump,
         /// Range of the pressure drop of the face: largest distance between the face centres \[m\].
-        seal: f64,
-        /// Condition of a capture.
-        anchor: Anchor,
+        /// `None` for the default of [`Suction`](super::Suction).
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        seal: Option<f64>,
+        /// Condition of a capture. `None` for the default of [`Suction`](super::Suction).
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        anchor: Option<Anchor>,
     },
 }
 
@@ -59,20 +62,18 @@ impl Bond {
         }
     }
 
-    pub(super) const fn anchor_mut(&mut self) -> &mut Anchor {
+    pub(super) const fn anchor_mut(&mut self) -> Option<&mut Anchor> {
         match self {
-            Bond::Attract { anchor, .. }
-            | Bond::Reject { anchor, .. }
-            | Bond::Suction { anchor, .. } => anchor,
+            Bond::Attract { anchor, .. } | Bond::Reject { anchor, .. } => Some(anchor),
+            Bond::Suction { anchor, .. } => anchor.as_mut(),
         }
     }
 
-    /// Returns the condition of a capture.
-    pub const fn anchor(&self) -> &Anchor {
+    /// Returns the condition of a capture. Returns `None` if the default applies.
+    pub const fn anchor(&self) -> Option<&Anchor> {
         match self {
-            Bond::Attract { anchor, .. }
-            | Bond::Reject { anchor, .. }
-            | Bond::Suction { anchor, .. } => anchor,
+            Bond::Attract { anchor, .. } | Bond::Reject { anchor, .. } => Some(anchor),
+            Bond::Suction { anchor, .. } => anchor.as_ref(),
         }
     }
 }
@@ -100,18 +101,25 @@ pub struct Magnets {
     pub within: f64,
 }
 
-/// Pump with its flow resistances. All flows are laminar.
+/// Pump with its flow resistances, which do not depend on the flow. `None` for a default of
+/// [`Suction`](super::Suction).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pump {
     /// Largest pressure of the pump \[Pa\].
     pub head: f64,
+    /// Diameter of the opening in a face \[m\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opening: Option<f64>,
     /// Resistance of pump and plate \[Pa s/m^3\].
-    pub supply: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub supply: Option<f64>,
     /// Resistance of an open face \[Pa s/m^3\].
-    pub valve: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub valve: Option<f64>,
     /// Resistance of the joint between the chambers of a block and its parent, or the plate \[Pa
     /// s/m^3\].
-    pub passage: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub passage: Option<f64>,
 }
 
 /// Force of constant magnitude within a distance.

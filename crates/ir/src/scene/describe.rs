@@ -43,6 +43,9 @@ pub struct DescribedValue {
     pub block: f64,
     /// Unit of the value in block units. Empty for a dimensionless number.
     pub block_unit: &'static str,
+    /// Origin of a computed default. `None` if the scene gives the value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub default: Option<&'static str>,
 }
 
 /// Term that a scene does not have.
@@ -166,8 +169,15 @@ fn collect_laws(entry: &SchemaEntry, scene: &Scene, out: &mut Vec<DescribedLaw>)
 fn law(equation: &Equation, scene: &Scene) -> Option<DescribedLaw> {
     let units = BlockUnits::from_scene(scene);
     let value = |symbol: &EquationSymbol| {
+        let mut default = None;
         let (kind, symbol, name, si) = match symbol {
             EquationSymbol::Number(it) => (it.kind, it.symbol, it.label, it.get(scene)?),
+            EquationSymbol::Default(it, computed) => {
+                let given = it.get(scene);
+                default = given.is_none().then_some(computed.source);
+                let value = given.or_else(|| (computed.of)(scene))?;
+                (it.kind, it.symbol, it.label, value)
+            }
             EquationSymbol::Derived(it) => (it.kind, it.symbol, it.label, (it.of)(scene)?),
         };
         Some(DescribedValue {
@@ -177,6 +187,7 @@ fn law(equation: &Equation, scene: &Scene) -> Option<DescribedLaw> {
             unit: kind.unit,
             block: (kind.in_block_units)(units, si),
             block_unit: kind.block_unit,
+            default,
         })
     };
     if !(equation.holds)(scene)

@@ -88,6 +88,17 @@ fn pump(change: impl FnOnce(&mut stochc_ir::scene::Pump)) -> (Ground, Scene) {
     })
 }
 
+/// Returns a pump of 5 kPa, with defaults for the resistances.
+const fn few(opening: Option<f64>) -> stochc_ir::scene::Pump {
+    stochc_ir::scene::Pump {
+        head: 5e3,
+        opening,
+        supply: None,
+        valve: None,
+        passage: None,
+    }
+}
+
 /// Returns a tank with cubes of 10 um in water.
 fn small(temperature: f64, tick: f64) -> (Ground, Scene) {
     tank(|scene| {
@@ -147,13 +158,22 @@ fn cases() -> Vec<(&'static str, (Ground, Scene))> {
         ("suction, head x 1e6", pump(|pump| pump.head *= 1e6)),
         (
             "suction, valves of 1e-9 Pa s/m^3",
-            pump(|pump| pump.valve = 1e-9),
+            pump(|pump| pump.valve = Some(1e-9)),
         ),
         (
             "suction, no other resistance than 1e-9 Pa s/m^3",
             pump(|pump| {
-                (pump.supply, pump.passage, pump.valve) = (0.0, 0.0, 1e-9);
+                (pump.supply, pump.passage, pump.valve) = (Some(0.0), Some(0.0), Some(1e-9));
             }),
+        ),
+        ("suction, only the head", pump(|pump| *pump = few(None))),
+        (
+            "suction, only the head and openings of 1 um",
+            pump(|pump| *pump = few(Some(1e-6))),
+        ),
+        (
+            "suction, only the head and openings of 1 km",
+            pump(|pump| *pump = few(Some(1e3))),
         ),
         (
             "suction, jets of 1 um",

@@ -82,6 +82,10 @@ fn reports_a_scene_without_motion_once() {
         "fluid { viscosity 1 Pa s  added_mass 0.64 }",
         "an added mass needs a density",
     );
+    missing(
+        "bond suction { head 200 Pa }",
+        "suction without `valve` needs a fluid",
+    );
     missing("fluid { }", "`fluid` lacks `viscosity`");
     missing(
         "flow jets { count 1  flow 1 L/min  nozzle 1cm }",

@@ -5,6 +5,7 @@ use super::number::{AdvisedRange, DimensionlessNumber, ExpectedRange};
 use super::settling::Settling;
 use super::softness;
 use super::speed::{self, speed};
+use super::suction::suction;
 use crate::scene::warning_kind::SceneWarningKind;
 use crate::scene::{Agitation, BOLTZMANN, Bond, ContactLaw, Enclosure, Fluid, Scene, Substeps};
 
@@ -68,6 +69,7 @@ pub fn dimensionless_numbers(scene: &Scene, steps: Substeps) -> Vec<Dimensionles
     }
     fluid(scene, v, &mut out);
     bond(scene, push, energetic, &mut out);
+    suction(scene, push, &mut out);
     if let Some(wall) = scene.enclosure.as_ref().map(Enclosure::wall) {
         let symbols = ["k τ² / m, wall", "φ k τ² / m, wall"];
         let beyond = "the wall throws blocks back with another energy";
@@ -131,7 +133,7 @@ const MAX_SINKING: f64 = 1.6;
 
 /// Converter from a force to the displacement of a block in one step.
 #[derive(Clone, Copy)]
-struct Push {
+pub(super) struct Push {
     steps: Substeps,
     /// Fraction of a velocity that viscous drag removes per tick.
     pub(super) drag: f64,
@@ -166,7 +168,7 @@ impl Push {
     ///
     /// `force` is the pull \[block lengths / tick^2\], and `within` is the capture distance \[block
     /// lengths\].
-    fn anchoring(self, force: f64, within: f64) -> DimensionlessNumber {
+    pub(super) fn anchoring(self, force: f64, within: f64) -> DimensionlessNumber {
         let value = force / within;
         DimensionlessNumber::new(
             self.symbol(["F τ² / (m d)", "φ F τ² / (m d)"]),

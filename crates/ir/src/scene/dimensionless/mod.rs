@@ -8,6 +8,7 @@ mod number;
 mod settling;
 mod softness;
 mod speed;
+mod suction;
 
 pub(super) use all::DRAG_SYMBOL;
 pub use all::dimensionless_numbers;

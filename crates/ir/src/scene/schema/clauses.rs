@@ -25,8 +25,17 @@ macro_rules! default {
 }
 
 const FACES: (u8, &str) = default!(1);
-const TILT: (f64, &str) = default!(45 deg);
+pub(in crate::scene) const TILT: (f64, &str) = default!(45 deg);
 const VERTICAL: (u8, &str) = default!(1);
+/// Defaults of `bond suction`, which [`Suction`](super::super::Suction) computes.
+pub(super) const HALF_BLOCK: &str = "half of the block length";
+pub(super) const NO_SUPPLY: &str = "0, a pump with a constant pressure";
+pub(super) const ORIFICE: &str =
+    "an orifice of this opening at the pressure `head`; requires `fluid`";
+pub(super) const AS_VALVE: &str = "the same as `valve`";
+pub(super) const CURTAIN: &str =
+    "a quarter of the opening; the gap around the opening is then as large as the opening";
+pub(super) const HALF_SEAL: &str = "`centres`, half of `seal`";
 const UNSPECIFIED_REACH: Reach = Reach {
     force: UNSPECIFIED,
     within: UNSPECIFIED,
@@ -281,14 +290,24 @@ pub static CLAUSES: [SchemaEntry; 13] = [
             })
             .equations(&[&MAGNETS, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED, &REJECTION]),
         braces!("suction" [
-            field!(HEAD), field!(SUPPLY), field!(VALVE), field!(PASSAGE), field!(SEAL), field(&ANCHOR, &ANCHORING),
+            field!(HEAD),
+            field!(OPENING).otherwise(HALF_BLOCK),
+            field!(SUPPLY).otherwise(NO_SUPPLY),
+            field!(VALVE).otherwise(ORIFICE),
+            field!(PASSAGE).otherwise(AS_VALVE),
+            field!(SEAL).otherwise(CURTAIN),
+            field(&ANCHOR, &ANCHORING)
+                .otherwise(HALF_SEAL)
+                .make(|s| if let Some(Bond::Suction { anchor, .. }) = &mut s.bond { *anchor = Some(UNSPECIFIED_ANCHOR); }),
         ])
             .means("suction: an open face draws in fluid and blocks, and holds a block that closes it")
             .make(|s| {
-                let pump = Pump { head: UNSPECIFIED, supply: UNSPECIFIED, valve: UNSPECIFIED, passage: UNSPECIFIED };
-                s.bond = Some(Bond::Suction { pump, seal: UNSPECIFIED, anchor: UNSPECIFIED_ANCHOR });
+                let pump = Pump { head: UNSPECIFIED, opening: None, supply: None, valve: None, passage: None };
+                s.bond = Some(Bond::Suction { pump, seal: None, anchor: None });
             })
-            .equations(&[&PUMP, &SINK, &SEALING, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED]),
+            .equations(&[
+                &PUMP, &OPENINGS, &SINK, &SEALING, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED,
+            ]),
     ])
     .absent(NoTerm("no block is ever captured")),
     braces!("messages" [field!(HOP), field!(LOSS).absent(NoTerm("no message is lost"))])
@@ -313,19 +332,19 @@ static ANCHORING: [SchemaPart; 4] = [
         SchemaEntry::new("gap", &[])
             .means("measured along the normal of the magnetized face; the lateral offset must be below half a block length")
             .is(|s| is_measured(s, Measure::Gap))
-            .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().measure = Measure::Gap; }),
+            .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().into_iter().for_each(|it| it.measure = Measure::Gap); }),
         SchemaEntry::new("corners", &[])
             .means("measured between each corner of the free face and the matching corner of the magnetized face")
             .is(|s| is_measured(s, Measure::Corners))
-            .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().measure = Measure::Corners; }),
+            .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().into_iter().for_each(|it| it.measure = Measure::Corners); }),
     ] },
     SchemaPart::Number(&ANCHOR),
     SchemaPart::Then(&field!(ANCHOR_TILT).otherwise(TILT.1)),
     SchemaPart::Then(&SchemaEntry::new("sampled", &[])
         .means("the distance is tested only at the end of each tick, so a fast block can pass without being anchored")
         .otherwise("the distance is tested along the whole path of each step")
-        .is(|s| s.bond.as_ref().is_some_and(|bond| bond.anchor().sampled))
-        .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().sampled = true; })),
+        .is(|s| s.bond.as_ref().and_then(Bond::anchor).is_some_and(|anchor| anchor.sampled))
+        .make(|s| if let Some(bond) = &mut s.bond { bond.anchor_mut().into_iter().for_each(|it| it.sampled = true); })),
 ];
 
 #[rustfmt::skip]

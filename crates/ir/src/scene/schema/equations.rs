@@ -2,11 +2,13 @@
 use super::super::dimensionless::rms_of_range;
 use super::super::quantity::QuantityKind;
 use super::super::{
-    Agitation, Anchor, BOLTZMANN, Flow, Fluid, Jets, Measure, Scene, Stir, Turbulence,
+    Agitation, Anchor, BOLTZMANN, Bond, Flow, Fluid, Jets, Measure, Scene, Stir, Suction,
+    Turbulence,
 };
+use super::clauses::{AS_VALVE, CURTAIN, HALF_BLOCK, HALF_SEAL, NO_SUPPLY, ORIFICE, TILT};
 use super::number::SchemaNumber;
 use super::numbers::*;
-use EquationSymbol::{Derived as D, Number as N};
+use EquationSymbol::{Default as Or, Derived as D, Number as N};
 
 /// Physical law of a term.
 #[derive(Debug)]
@@ -26,8 +28,19 @@ pub struct Equation {
 pub enum EquationSymbol {
     /// Scene parameter.
     Number(&'static SchemaNumber),
+    /// Scene parameter with a computed default.
+    Default(&'static SchemaNumber, &'static ComputedDefault),
     /// Derived value.
     Derived(&'static Derived),
+}
+
+/// Default that depends on other scene parameters.
+#[derive(Debug)]
+pub struct ComputedDefault {
+    /// Origin of the value.
+    pub source: &'static str,
+    /// Function that computes the value in SI units. Returns `None` if no law needs the value.
+    pub of: fn(&Scene) -> Option<f64>,
 }
 
 /// Value derived from scene parameters.
@@ -70,8 +83,50 @@ fn density(scene: &Scene) -> Option<f64> {
 }
 
 pub(super) fn is_measured(scene: &Scene, measured: Measure) -> bool {
-    let anchor = scene.bond.as_ref().map(super::super::Bond::anchor);
+    let anchor = scene.bond.as_ref().and_then(Bond::anchor);
     anchor.is_some_and(|&Anchor { measure, .. }| measure == measured)
+}
+
+/// Returns the condition of a capture, or the default.
+fn anchor(scene: &Scene) -> Option<Anchor> {
+    match Suction::from_scene(scene) {
+        Some(suction) => Some(suction.anchor),
+        None => scene.bond.as_ref()?.anchor().cloned(),
+    }
+}
+
+fn anchors_by(scene: &Scene, measured: Measure) -> bool {
+    anchor(scene).is_some_and(|anchor| anchor.measure == measured)
+}
+
+/// Returns the opening of a face with suction if another default depends on it.
+fn opening(scene: &Scene) -> Option<f64> {
+    let Some(Bond::Suction { pump, seal, .. }) = &scene.bond else {
+        return None;
+    };
+    let is_used = pump.valve.is_none() || seal.is_none();
+    is_used.then_some(Suction::from_scene(scene)?.opening)
+}
+
+fn has_orifice(scene: &Scene) -> bool {
+    matches!(&scene.bond, Some(Bond::Suction { pump, .. }) if pump.valve.is_none())
+}
+
+macro_rules! defaults {
+    ($($name:ident $source:expr, $of:expr;)*) => {
+        $(static $name: ComputedDefault = ComputedDefault { source: $source, of: $of };)*
+    };
+}
+
+// Origin; value in a scene.
+defaults! {
+    BY_BLOCK HALF_BLOCK, opening;
+    WITHOUT_SUPPLY NO_SUPPLY, |s| Some(Suction::from_scene(s)?.supply);
+    BY_ORIFICE ORIFICE, |s| Suction::from_scene(s)?.valve;
+    BY_VALVE AS_VALVE, |s| Suction::from_scene(s)?.passage;
+    BY_OPENING CURTAIN, |s| Some(Suction::from_scene(s)?.seal);
+    BY_SEAL HALF_SEAL, |s| Some(anchor(s)?.within);
+    BY_TILT TILT.1, |s| Some(anchor(s)?.tilt);
 }
 
 macro_rules! derived {
@@ -93,6 +148,8 @@ derived! {
     REVOLUTIONS NUMBER "Ω / 2π" "turns a second": |s| Some(stir(s)?.rate / std::f64::consts::TAU);
     STIR_POWER POWER "P" "power, F r Ω": |s| stir(s)?.power();
     JET_SPEED SPEED "U" "speed at a tube": |s| jets(s).map(Jets::speed);
+    DRAWN FLOW "Q" "flow through one open face of the plate": |s| Suction::from_scene(s)?.flow();
+    DRAWN_SPEED SPEED "" "speed in its opening": |s| Suction::from_scene(s)?.speed().filter(|_| opening(s).is_some() || OPENING.get(s).is_some());
     KICKS_RMS SPEED "j" "rms change of speed": |s| Some(rms_of_range(KICKS_MIN.get(s)?, KICKS_MAX.get(s)?));
     EDDY_RMS SPEED "σ" "rms speed in a level direction": |s| Some(eddies(s)?.1);
     EDDY_LIFE TIME "T" "time of an eddy": |s| {
@@ -180,22 +237,24 @@ equations! {
         Some("f = F / 4 (1 + d / δ)⁻⁴ between two of a pair at the distance d"); [N(&HOLD), N(&DEPTH), N(&REACH)];
     REJECTION "a block that is rejected leaves along the normal of the face"
         Some("v = J / m"); [N(&IMPULSE)];
-    PUMP "open faces share the pump through the tree of blocks; every flow is laminar"
-        Some("Δp = R Q on each way, flows into a chamber sum to none"); [N(&HEAD), N(&SUPPLY), N(&VALVE), N(&PASSAGE)];
+    PUMP "open faces share the pump through the tree of blocks; resistances do not depend on the flow"
+        Some("Δp = R Q on each way, flows into a chamber sum to none"); [N(&HEAD), Or(&OPENING, &BY_BLOCK), Or(&SUPPLY, &WITHOUT_SUPPLY), Or(&VALVE, &BY_ORIFICE), Or(&PASSAGE, &BY_VALVE)];
+    OPENINGS "without `valve`, an open face is an orifice"
+        Some("R_v = H / Q with H = 3 η Q / r³ + ρ Q² / (2 (0.6 π r²)²), r = D / 2"); [] if has_orifice;
     SINK "an open face is a sink before a wall, whose flow takes blocks along"
-        Some("u = Q / (2 π d²) towards the face"); [];
+        Some("u = Q / (2 π d²) towards the face"); [D(&DRAWN), D(&DRAWN_SPEED)];
     SEALING "a block that is close feels the pressure drop on its face"
-        Some("within s, |f| = Δp a², half on the centre, the rest on the corners"); [N(&SEAL)];
+        Some("within s, |f| = Δp a², half on the centre, the rest on the corners"); [Or(&SEAL, &BY_OPENING)];
     HOPS "a message needs this long from a block to its parent or child"
         None; [N(&HOP)];
     LOSSES "a hop may be lost, and so may its acknowledgement; without one the sender sends again"
         Some("a hop arrives with probability 1 - p; again after 2 h + 1 ticks"); [N(&LOSS)];
     ANCHOR_CENTRES "then the block is anchored, snaps onto the lattice and is fixed"
-        Some("centres of the two faces < d, normals < α from opposite"); [N(&ANCHOR), N(&ANCHOR_TILT)] if |s| is_measured(s, Measure::Centres);
+        Some("centres of the two faces < d, normals < α from opposite"); [Or(&ANCHOR, &BY_SEAL), Or(&ANCHOR_TILT, &BY_TILT)] if |s| anchors_by(s, Measure::Centres);
     ANCHOR_GAP "then the block is anchored, snaps onto the lattice and is fixed"
-        Some("gap along the normal < d, aside < a / 2, normals < α from opposite"); [N(&ANCHOR), N(&ANCHOR_TILT)] if |s| is_measured(s, Measure::Gap);
+        Some("gap along the normal < d, aside < a / 2, normals < α from opposite"); [Or(&ANCHOR, &BY_SEAL), Or(&ANCHOR_TILT, &BY_TILT)] if |s| anchors_by(s, Measure::Gap);
     ANCHOR_CORNERS "then the block is anchored, snaps onto the lattice and is fixed"
-        Some("each corner < d from its counterpart, normals < α from opposite"); [N(&ANCHOR), N(&ANCHOR_TILT)] if |s| is_measured(s, Measure::Corners);
+        Some("each corner < d from its counterpart, normals < α from opposite"); [Or(&ANCHOR, &BY_SEAL), Or(&ANCHOR_TILT, &BY_TILT)] if |s| anchors_by(s, Measure::Corners);
     ANCHOR_SAMPLED "anchoring is tested at the end of each tick, not along the way"
-        None; [] if |s| s.bond.as_ref().is_some_and(|bond| bond.anchor().sampled);
+        None; [] if |s| anchor(s).is_some_and(|anchor| anchor.sampled);
 }

@@ -11,6 +11,7 @@ pub mod numbers;
 mod reference;
 mod requirements;
 
+pub(super) use clauses::TILT;
 pub use clauses::{CLAUSES, unspecified};
 pub use entry::{Absent, Either, FieldAlternative, FieldGroup, SchemaEntry, SchemaPart};
 pub use equations::{Derived, Equation, EquationSymbol};

@@ -91,12 +91,13 @@ numbers! {
     REACH ["bond.within"] LENGTH Positive, "r" "reach": "largest distance of the centres of two faces; there is no force beyond it", |s| of!(s.bond.as_mut()?, Bond::Reject { magnets, .. } => &mut magnets.within);
     IMPULSE ["bond.impulse"] IMPULSE AtLeast(0.0), "J" "impulse": "impulse of a rejected block along the normal of the face", |s| of!(s.bond.as_mut()?, Bond::Reject { impulse, .. } => impulse);
     HEAD ["bond.head"] PRESSURE Positive, "H" "head": "largest pressure of the pump", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => &mut pump.head);
-    SUPPLY ["bond.supply"] RESISTANCE AtLeast(0.0), "R_s" "supply": "resistance from the plate to the pump", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => &mut pump.supply);
-    VALVE ["bond.valve"] RESISTANCE Positive, "R_v" "valve": "resistance of an open face", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => &mut pump.valve);
-    PASSAGE ["bond.passage"] RESISTANCE AtLeast(0.0), "R_p" "passage": "resistance from a block to its parent", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => &mut pump.passage);
-    SEAL ["bond.seal"] LENGTH Positive, "s" "seal": "distance of the centres of two faces; at a smaller distance, the pressure acts on the face of the block", |s| of!(s.bond.as_mut()?, Bond::Suction { seal, .. } => seal);
-    ANCHOR ["bond.anchor"] LENGTH Positive, "d" "anchoring distance": "largest distance of the two faces at anchoring", |s| Some((&mut s.bond.as_mut()?.anchor_mut().within).into());
-    ANCHOR_TILT ["bond.anchor.tilt"] ANGLE Acute, "α" "tilt": "largest angle between the two faces at anchoring", |s| Some((&mut s.bond.as_mut()?.anchor_mut().tilt).into());
+    OPENING ["bond.opening"] LENGTH Positive, "D" "opening": "diameter of the opening in a face", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => Optional(&mut pump.opening));
+    SUPPLY ["bond.supply"] RESISTANCE AtLeast(0.0), "R_s" "supply": "resistance from the plate to the pump", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => Optional(&mut pump.supply));
+    VALVE ["bond.valve"] RESISTANCE Positive, "R_v" "valve": "resistance of an open face", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => Optional(&mut pump.valve));
+    PASSAGE ["bond.passage"] RESISTANCE AtLeast(0.0), "R_p" "passage": "resistance from a block to its parent", |s| of!(s.bond.as_mut()?, Bond::Suction { pump, .. } => Optional(&mut pump.passage));
+    SEAL ["bond.seal"] LENGTH Positive, "s" "seal": "distance of the centres of two faces; at a smaller distance, the pressure acts on the face of the block", |s| of!(s.bond.as_mut()?, Bond::Suction { seal, .. } => Optional(seal));
+    ANCHOR ["bond.anchor"] LENGTH Positive, "d" "anchoring distance": "largest distance of the two faces at anchoring", |s| Some((&mut s.bond.as_mut()?.anchor_mut()?.within).into());
+    ANCHOR_TILT ["bond.anchor.tilt"] ANGLE Acute, "α" "tilt": "largest angle between the two faces at anchoring", |s| Some((&mut s.bond.as_mut()?.anchor_mut()?.tilt).into());
 
     HOP ["messages.hop" "messages"] TICKS Whole(0, 1_000_000), "h" "hop": "duration of a hop from a block to its parent or child", |s| Some((&mut s.messages.as_mut()?.hop).into());
     LOSS ["messages.loss"] NUMBER Between(0.0, 0.99), "p" "loss": "probability that a hop loses a message or its acknowledgement; the sender repeats the message after 2 h + 1 ticks", |s| Some(Optional(&mut s.messages.as_mut()?.loss));

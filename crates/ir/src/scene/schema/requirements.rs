@@ -1,5 +1,5 @@
 //! Terms that require other terms.
-use super::super::{Agitation, Bond, Enclosure, Scene, Strength, Turbulence};
+use super::super::{Agitation, Bond, Enclosure, Scene, Strength, Suction, Turbulence};
 
 /// Requirement of a clause.
 #[derive(Debug)]
@@ -21,7 +21,7 @@ pub struct Requirement {
 const ADD_FLUID: &str = "add `fluid { density 1000 kg/m^3  viscosity 1 mPa s }`";
 
 /// All requirements. For each clause, only the first violated one is reported.
-pub const REQUIREMENTS: [Requirement; 9] = [
+pub const REQUIREMENTS: [Requirement; 10] = [
     Requirement {
         clause: "world",
         needs: "gravity",
@@ -59,6 +59,14 @@ pub const REQUIREMENTS: [Requirement; 9] = [
         title: "this bond is not supported in a planar world",
         label: "its forces are defined in space only",
         help: "write `bond attract`, or remove `world planar`",
+    },
+    Requirement {
+        clause: "bond",
+        needs: "fluid",
+        is_broken: |s| Suction::from_scene(s).is_some_and(|it| it.valve.is_none()),
+        title: "suction without `valve` needs a fluid",
+        label: "the resistance of an open face follows from the fluid",
+        help: "add `fluid { density 1000 kg/m^3  viscosity 1 mPa s }`, or `valve` and its resistance",
     },
     Requirement {
         clause: "agitation",
