@@ -65,7 +65,7 @@ Exit status:
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Write a commented program to start from
-    #[command(after_help = "Examples:\n  stochc new tower\n  stochc new tank --template scene")]
+    #[command(after_help = "Examples:\n  stochc new tower\n  stochc new tank --template suction")]
     New(new::NewArguments),
     /// Report errors and warnings, and prove that programs complete
     #[command(

@@ -18,6 +18,9 @@ pub struct NewArguments {
     /// Kind of program
     #[arg(long, value_name = "TEMPLATE", default_value = "structure")]
     template: Template,
+    /// Replace an existing file
+    #[arg(long)]
+    force: bool,
 }
 
 /// A program to start from.
@@ -25,8 +28,14 @@ pub struct NewArguments {
 enum Template {
     /// A structure in two phases
     Structure,
-    /// A small structure in a tank of your own
-    Scene,
+    /// A structure of blocks with valves, in a stirred tank
+    Suction,
+    /// A structure of blocks with switched magnets, in a stirred tank
+    Magnets,
+    /// A structure of blocks of micrometres, moved by heat
+    Brownian,
+    /// A structure on an air table
+    Planar,
     /// A shape. `stochc plan` writes the program that builds it
     Plan,
 }
@@ -35,7 +44,10 @@ impl Template {
     fn text(self) -> &'static str {
         match self {
             Template::Structure => include_str!("new/structure.sa"),
-            Template::Scene => include_str!("new/scene.sa"),
+            Template::Suction => include_str!("new/suction.sa"),
+            Template::Magnets => include_str!("new/magnets.sa"),
+            Template::Brownian => include_str!("new/brownian.sa"),
+            Template::Planar => include_str!("new/planar.sa"),
             Template::Plan => include_str!("new/plan.sa"),
         }
     }
@@ -50,8 +62,8 @@ impl Template {
                 (simulate(file), "simulates 20 runs"),
                 (format!("stochc replay results/{name}"), "shows a run"),
             ],
-            Template::Scene => [
-                (check(" --physics"), "lists the physics of the tank"),
+            Template::Suction | Template::Magnets | Template::Brownian | Template::Planar => [
+                (check(" --physics"), "lists the physics of the scene"),
                 (simulate(file), "simulates 20 runs"),
                 (format!("stochc report results/{name}"), "writes a report"),
             ],
@@ -84,8 +96,18 @@ pub fn run(options: &NewArguments) -> Result<Exit, Failure> {
     })?;
     let text = options.template.text().replace("NAME", name);
     let path = Path::new(&path);
-    replace(path, text.as_bytes(), Replaces::Nothing)
-        .map_err(|error| Failure::not_written(path, error))?;
+    let replaced = if options.force {
+        Replaces::Ours(|_| Ok(true))
+    } else {
+        Replaces::Nothing
+    };
+    replace(path, text.as_bytes(), replaced).map_err(|error| {
+        if options.force || !path.is_file() {
+            return Failure::not_written(path, error);
+        }
+        let reason = "the file exists; choose another name, or add `--force` to replace it";
+        Failure::not_written(path, reason)
+    })?;
     if is_quiet() {
         return Ok(Exit::Success);
     }
