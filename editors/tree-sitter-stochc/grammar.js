@@ -37,8 +37,15 @@ module.exports = grammar({
     point: $ => seq('(', $.expression, ',', $.expression, ')'),
     instance: $ => seq(
       field('pattern', choice($.name, alias($._verdict, $.name))),
-      '(', optional(list(choice($.expression, $.place))), ')',
+      '(', optional(list($.argument)), ')',
+      optional('mirrored'),
+      optional(seq('turned', $.expression)),
+      optional(seq('at', $.point)),
       optional(seq('as', field('name', $.place))),
+    ),
+    argument: $ => seq(
+      optional(seq(field('parameter', $.name), '=')),
+      choice($.expression, $.place),
     ),
     yields: $ => seq('yields', field('shape', $.name)),
     wait: $ => seq('wait', $.quantity),
@@ -86,7 +93,8 @@ module.exports = grammar({
     _else_if: $ => seq('else', 'if', $.condition, $.block),
     _else: $ => seq('else', $.block),
     pattern: $ => seq('pattern', field('name', $.name), $.parameters, $.block),
-    parameters: $ => seq('(', optional(list($.name)), ')'),
+    parameters: $ => seq('(', optional(list($.parameter)), ')'),
+    parameter: $ => seq(field('name', $.name), optional(seq('=', $.expression))),
 
     // Scenes and shapes.
 
@@ -120,7 +128,7 @@ module.exports = grammar({
     index: $ => seq('[', list(choice($.range, $.expression)), ']'),
     range: $ => seq($.expression, '..', $.expression),
     expression: $ => seq($._operand, repeat(seq(choice('+', '-', '*', '/', '%'), $._operand))),
-    _operand: $ => seq(repeat('-'), choice($.integer, $.name, $.call, $.group)),
+    _operand: $ => seq(repeat('-'), choice($.integer, $.name, $.face, $.call, $.group)),
     group: $ => seq('(', $.expression, ')'),
     call: $ => seq(field('function', $.name), '(', list($.expression), ')'),
     condition: $ => seq($._condition_operand, repeat(seq($._condition_operator, $._condition_operand))),
@@ -129,7 +137,7 @@ module.exports = grammar({
     ),
     _condition_operand: $ => choice(
       seq('not', $.condition_group),
-      seq(repeat('-'), choice($.integer, $.name, $.call, $.condition_group)),
+      seq(repeat('-'), choice($.integer, $.name, $.face, $.call, $.condition_group)),
     ),
     condition_group: $ => seq('(', $.condition, ')'),
 

@@ -5,8 +5,9 @@ use crate::Symbols;
 use crate::format::lay_out;
 use crate::parse::is_unit;
 use crate::tree::{
-    Argument, Arrow, Assembly, Chain, EventReference, Expectation, ExpectedEvent, Expr, ExprKind,
-    If, Instance, Item, ItemKind, PhaseDeclaration, Place, Quantity, Subscript, Term, Tree,
+    ArgumentValue, Arrow, Assembly, Chain, EventReference, Expectation, ExpectedEvent, Expr,
+    ExprKind, If, Instance, Item, ItemKind, PhaseDeclaration, Place, Quantity, Subscript, Term,
+    Tree,
 };
 
 /// Returns the source of a tree in the layout of [`crate::format()`]. Parsing it gives the same
@@ -103,8 +104,12 @@ impl Printer<'_> {
             }
             ItemKind::Pattern(pattern) => {
                 put!(self, "pattern {}(", self.word(pattern.name.symbol));
-                self.list(&pattern.parameters, |printer, name| {
-                    printer.out.push_str(&printer.word(name.symbol));
+                self.list(&pattern.parameters, |printer, parameter| {
+                    printer.out.push_str(&printer.word(parameter.name.symbol));
+                    if let Some(default) = &parameter.default {
+                        printer.out.push_str(" = ");
+                        printer.expr(default, 0);
+                    }
                 });
                 self.out.push(')');
                 self.body(&pattern.body);
@@ -238,11 +243,29 @@ impl Printer<'_> {
     fn instance(&mut self, instance: &Instance) {
         self.out.push_str(&self.word(instance.pattern.symbol));
         self.out.push('(');
-        self.list(&instance.arguments, |printer, argument| match argument {
-            Argument::Expr(expr) => printer.expr(expr, 0),
-            Argument::Place(place) => printer.place(place),
+        self.list(&instance.arguments, |printer, argument| {
+            if let Some(name) = argument.name {
+                put!(printer, "{} = ", printer.word(name.symbol));
+            }
+            match &argument.value {
+                ArgumentValue::Expr(expr) => printer.expr(expr, 0),
+                ArgumentValue::Place(place) => printer.place(place),
+            }
         });
         self.out.push(')');
+        if let Some(placement) = &instance.placement {
+            if placement.mirrored {
+                self.out.push_str(" mirrored");
+            }
+            if let Some(angle) = &placement.turned {
+                self.out.push_str(" turned ");
+                self.expr(angle, 0);
+            }
+            if let Some(at) = &placement.at {
+                self.out.push_str(" at ");
+                self.pair(at);
+            }
+        }
         if let Some(alias) = &instance.alias {
             self.out.push_str(" as ");
             self.place(alias);
@@ -406,6 +429,7 @@ impl Printer<'_> {
                 put!(self, "{value}");
             }
             ExprKind::Name(symbol) => self.out.push_str(&self.word(*symbol)),
+            ExprKind::Face(face) => self.out.push_str(face.word()),
             ExprKind::Negate(inner) => {
                 let plain = matches!(inner.kind, ExprKind::Name(_));
                 self.out.push_str(if plain { "-" } else { "-(" });

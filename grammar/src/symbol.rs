@@ -36,8 +36,9 @@ pub const BEGINNINGS: [&str; 19] = [
 const SOFT: usize = 5;
 
 /// Keywords within a statement or declaration. Only the last one may be a name.
-pub const CONTINUATIONS: [&str; 11] = [
-    "after", "and", "as", "at", "from", "in", "not", "or", "plate", "timeout", "to",
+pub const CONTINUATIONS: [&str; 13] = [
+    "after", "and", "as", "at", "from", "in", "mirrored", "not", "or", "plate", "timeout",
+    "turned", "to",
 ];
 
 const FACES: [&str; 6] = ["up", "down", "north", "south", "east", "west"];

@@ -42,7 +42,7 @@ pub enum ItemKind {
     For(Box<For>),
     /// Condition: `if n > 2 { ... }`, `else if n == 2 { ... }` or `else { ... }`
     If(Box<If>),
-    /// Named number: `let n = 6`
+    /// Named number or face: `let n = 6`
     Let(Box<Let>),
     /// Shape that the structure must have: `yields tower`
     Yields(Name),
@@ -168,17 +168,39 @@ pub struct Instance {
     pub pattern: Name,
     /// Values of the parameters.
     pub arguments: Vec<Argument>,
+    /// Position of the instance. `None` if none is written.
+    pub placement: Option<Box<Placement>>,
     /// Name of the instance. Statements outside use it for the blocks inside.
     pub alias: Option<Place>,
 }
 
 /// An argument of a pattern.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Argument {
-    /// A number, or a bare name of any kind.
+pub struct Argument {
+    /// Name of the parameter. `None` if the position of the argument decides.
+    pub name: Option<Name>,
+    /// Value of the argument.
+    pub value: ArgumentValue,
+}
+
+/// Value of an argument.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ArgumentValue {
+    /// A number, a face, or a bare name of any kind.
     Expr(Expr),
     /// A block, possibly with a face.
     Place(Place),
+}
+
+/// Position of an instance. The instance is mirrored, then turned, then moved.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Placement {
+    /// Whether east and west are exchanged.
+    pub mirrored: bool,
+    /// Angle from east to north in degrees. `None` without a turn.
+    pub turned: Option<Expr>,
+    /// Number of blocks to the east and to the north. `None` without a move.
+    pub at: Option<(Expr, Expr)>,
 }
 
 /// A seed of the plate.
@@ -213,12 +235,12 @@ pub struct If {
     pub body: Vec<Item>,
 }
 
-/// A number with a name.
+/// A number or a face with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Let {
-    /// Name of the number.
+    /// Name of the value.
     pub name: Name,
-    /// Value of the number.
+    /// The value.
     pub value: Expr,
 }
 
@@ -279,9 +301,18 @@ pub struct Pattern {
     /// Name of the pattern.
     pub name: Name,
     /// Parameters of the pattern.
-    pub parameters: Vec<Name>,
+    pub parameters: Vec<Parameter>,
     /// Statements of the pattern.
     pub body: Vec<Item>,
+}
+
+/// A parameter of a pattern.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name of the parameter.
+    pub name: Name,
+    /// Default value. `None` for a parameter that needs an argument.
+    pub default: Option<Expr>,
 }
 
 /// An assembly program.
@@ -441,7 +472,7 @@ pub struct Import {
     pub path_span: Span,
 }
 
-/// An integer expression or a condition.
+/// An integer expression, a face or a condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expr {
     /// Content of the expression.
@@ -455,8 +486,10 @@ pub struct Expr {
 pub enum ExprKind {
     /// Number: `6`
     Int(i64),
-    /// Name of a number: `n`
+    /// Name of a number or a face: `n`
     Name(Symbol),
+    /// Face: `east`
+    Face(Face),
     /// Negation: `-n`
     Negate(Box<Expr>),
     /// Operation: `n + 1`
@@ -467,7 +500,7 @@ pub enum ExprKind {
     Not(Box<Expr>),
 }
 
-/// Functions of integers.
+/// Functions of integers and of faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Function {
     /// Smallest argument.
@@ -476,11 +509,24 @@ pub enum Function {
     Max,
     /// Absolute value of the only argument.
     Abs,
+    /// Opposite face.
+    Opposite,
+    /// Face to the left of a horizontal face, seen from above.
+    Left,
+    /// Face to the right of a horizontal face, seen from above.
+    Right,
 }
 
 impl Function {
     /// All functions.
-    pub const ALL: [Function; 3] = [Function::Min, Function::Max, Function::Abs];
+    pub const ALL: [Function; 6] = [
+        Function::Min,
+        Function::Max,
+        Function::Abs,
+        Function::Opposite,
+        Function::Left,
+        Function::Right,
+    ];
 
     /// Returns the name of the function.
     pub const fn word(self) -> &'static str {
@@ -488,6 +534,9 @@ impl Function {
             Function::Min => "min",
             Function::Max => "max",
             Function::Abs => "abs",
+            Function::Opposite => "opposite",
+            Function::Left => "left",
+            Function::Right => "right",
         }
     }
 
@@ -498,7 +547,28 @@ impl Function {
             Function::Min => arguments.min(),
             Function::Max => arguments.max(),
             Function::Abs => arguments.last()?.checked_abs(),
+            Function::Opposite | Function::Left | Function::Right => None,
         }
+    }
+
+    /// Returns whether the argument and the result are faces. Otherwise they are numbers.
+    pub const fn takes_face(self) -> bool {
+        matches!(self, Function::Opposite | Function::Left | Function::Right)
+    }
+
+    /// Returns the result for a face. Returns `None` if there is none.
+    pub fn apply_to_face(self, face: Face) -> Option<Face> {
+        match self {
+            Function::Opposite => Some(face.opposite()),
+            Function::Left => face.turned(1),
+            Function::Right => face.turned(3),
+            Function::Min | Function::Max | Function::Abs => None,
+        }
+    }
+
+    /// Returns whether the function has exactly one argument.
+    pub(crate) const fn is_unary(self) -> bool {
+        !matches!(self, Function::Min | Function::Max)
     }
 }
 

@@ -405,14 +405,18 @@ fn in_expression(location: SourceLocation, kind: &K) -> Diagnostic {
                 .help("compare it with another number, such as `n > 0`")
         }
         K::WrongFunction { word } => {
-            let title = if word == Function::Abs.word() {
-                "`abs` has one argument".to_owned()
+            let is_known = Function::ALL.iter().any(|it| it.word() == word);
+            let title = if is_known {
+                format!("`{word}` has one argument")
             } else {
                 format!("cannot find function `{}`", spelt(word))
             };
             Diagnostic::new(Code::UnknownName, title)
                 .label(location, "in this expression")
-                .help("write `min(a, b)`, `max(a, b)` or `abs(a)`")
+                .help(
+                    "write `min(a, b)`, `max(a, b)` or `abs(a)`, or for faces `opposite(f)`, \
+                     `left(f)` or `right(f)`",
+                )
         }
         _ => Diagnostic::new(Code::WrongKind, "a number is required, not a condition")
             .label(location, "this is a condition")

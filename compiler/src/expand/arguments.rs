@@ -1,21 +1,27 @@
 //! Checks the arguments of patterns.
 use stochc_grammar::Span;
-use stochc_grammar::tree::{Argument, Expr, ExprKind, Instance, Name, Pattern, Place};
+use stochc_grammar::tree::{
+    ArgumentValue, Expr, ExprKind, Instance, Name, Parameter, Pattern, Place,
+};
+use stochc_text::counted;
 use stochc_text::suggest::nearest;
 
-use super::expander::Expander;
+use super::expander::{Expander, Seeding};
+use super::frame::Frame;
 use super::place::suggested_face;
 use super::scope::BoundValue;
 use super::uses::Uses;
-use crate::diagnostic::{Code, Diagnostic, Edit, Fix};
+use crate::diagnostic::{Code, Diagnostic, Edit, Fix, suggestion};
 use crate::expanded::{NameKey, PatternInstance};
 use crate::names::ValueKind;
 use crate::{FileId, SourceLocation};
 
 /// An argument whose kind differs from the required kind.
 struct Misfit {
-    /// Index of the argument.
+    /// Index of the parameter.
     number: usize,
+    /// Index of the argument.
+    argument: usize,
     /// Kind of the argument.
     given: ValueKind,
     /// Required kind, and the location of the use that requires it.
@@ -23,23 +29,29 @@ struct Misfit {
 }
 
 impl<'a> Expander<'a, '_> {
-    /// Returns the values of the arguments of an instance. Reports arguments of the wrong kind and
-    /// makes them unknown.
+    /// Returns the value of each parameter of an instance. Returns `None` for parameters with
+    /// their default value. Reports arguments of the wrong kind and makes them unknown.
     pub(super) fn arguments(
         &mut self,
         instance: &'a Instance,
         (file, pattern): (FileId, &'a Pattern),
-    ) -> Vec<BoundValue> {
+        assigned: &[Option<usize>],
+    ) -> Vec<Option<BoundValue>> {
         self.steps = self.steps.saturating_add(instance.arguments.len());
-        let mut values: Vec<BoundValue> = (instance.arguments.iter())
-            .map(|argument| self.argument(argument))
+        let given: Vec<BoundValue> = (instance.arguments.iter())
+            .map(|argument| self.argument(&argument.value))
+            .collect();
+        let mut values: Vec<Option<BoundValue>> = (assigned.iter())
+            .map(|argument| argument.map(|argument| given[argument]))
             .collect();
         let uses = (self.known).uses((file, pattern), &self.declared.patterns, self.names);
         let misfits: Vec<Misfit> = (values.iter().zip(&*uses).enumerate())
             .filter_map(|(number, (&value, uses))| {
-                let (given, needed) = (value.kind()?, uses.only()?);
+                let (given, needed) = (value?.kind()?, uses.only()?);
+                let argument = assigned[number]?;
                 (given != needed.0).then_some(Misfit {
                     number,
+                    argument,
                     given,
                     needed,
                 })
@@ -48,18 +60,178 @@ impl<'a> Expander<'a, '_> {
         if misfits.is_empty() {
             return values;
         }
-        if let Some(order) = right_order(&misfits, &values, &uses) {
+        let is_in_order = instance.arguments.iter().all(|it| it.name.is_none());
+        let order = (is_in_order.then(|| right_order(&misfits, &given, &uses))).flatten();
+        if let Some(order) = order {
             let diagnostic = self.wrong_order(instance, pattern, &misfits, &order);
             self.diagnostics.push(diagnostic);
         } else {
             for misfit in &misfits {
-                self.misfit(instance, pattern, misfit, values[misfit.number]);
+                self.misfit(instance, pattern, misfit, given[misfit.argument]);
             }
         }
         for misfit in &misfits {
-            values[misfit.number] = BoundValue::Unknown;
+            values[misfit.number] = Some(BoundValue::Unknown);
         }
         values
+    }
+
+    /// Returns the index of the argument for each parameter. Returns `None` for parameters with
+    /// their default value. Returns `None` and reports an error if the arguments do not fit.
+    pub(super) fn assign_arguments(
+        &mut self,
+        instance: &Instance,
+        (file, pattern): (FileId, &Pattern),
+        span: Span,
+    ) -> Option<Vec<Option<usize>>> {
+        let arguments = &instance.arguments[..];
+        let parameters = &pattern.parameters[..];
+        let named = arguments.iter().position(|it| it.name.is_some());
+        let positional = named.unwrap_or(arguments.len());
+        let mut assigned = vec![None; parameters.len()];
+        for (number, argument) in arguments.iter().enumerate() {
+            let parameter = match argument.name {
+                Some(name) => Some(self.named_parameter(name, pattern)?),
+                None if number > positional => {
+                    let diagnostic = Diagnostic::new(
+                        Code::WrongArguments,
+                        "an argument without a name follows an argument with a name",
+                    )
+                    .label(self.location(span_of(&argument.value)), "has no name")
+                    .help("write arguments without names first");
+                    self.diagnostics.push(diagnostic);
+                    return None;
+                }
+                None => (number < parameters.len()).then_some(number),
+            };
+            let Some(slot) = parameter.map(|parameter| &mut assigned[parameter]) else {
+                continue;
+            };
+            if let (Some(_), Some(name)) = (slot.replace(number), argument.name) {
+                let word = self.symbols.word(name.symbol);
+                let title = format!("parameter `{word}` has two arguments");
+                let diagnostic = Diagnostic::new(Code::WrongArguments, title)
+                    .label(self.location(name.span), "second argument")
+                    .help("remove one of them");
+                self.diagnostics.push(diagnostic);
+                return None;
+            }
+        }
+        let is_missing = |(slot, parameter): (&Option<usize>, &Parameter)| {
+            slot.is_none() && parameter.default.is_none()
+        };
+        if positional > parameters.len() || assigned.iter().zip(parameters).any(is_missing) {
+            let diagnostic = self.wrong_count(instance, (file, pattern), span);
+            self.diagnostics.push(diagnostic);
+            return None;
+        }
+        Some(assigned)
+    }
+
+    /// Returns the index of the parameter with a name. Returns `None` and reports an error if there
+    /// is none.
+    fn named_parameter(&mut self, name: Name, pattern: &Pattern) -> Option<usize> {
+        let mut parameters = pattern.parameters.iter();
+        let number = parameters.position(|it| it.name.symbol == name.symbol);
+        if number.is_none() {
+            let location = self.location(name.span);
+            let words = [pattern.name, name].map(|name| self.symbols.word(name.symbol));
+            let title = "pattern `{}` has no parameter `{}`";
+            let known = pattern.parameters.iter();
+            let known = known.map(|it| self.symbols.word(it.name.symbol));
+            let suggested = suggestion(self.diagnostics, words[1], known);
+            let diagnostic = Diagnostic::about(Code::UnknownName, title, &words)
+                .label(location, "unknown parameter")
+                .suggest(location, suggested, || {
+                    "remove the name, or use the name of a parameter".to_owned()
+                });
+            self.diagnostics.push(diagnostic);
+        }
+        number
+    }
+
+    /// Returns the error for too many or too few arguments.
+    fn wrong_count(
+        &self,
+        instance: &Instance,
+        (file, pattern): (FileId, &Pattern),
+        span: Span,
+    ) -> Diagnostic {
+        let parameters = &pattern.parameters[..];
+        let most = parameters.len();
+        let least = parameters.iter().filter(|it| it.default.is_none()).count();
+        let takes = match most - least {
+            0 => counted(most, "argument"),
+            1 => format!("{least} or {}", counted(most, "argument")),
+            _ => format!("{least} to {}", counted(most, "argument")),
+        };
+        let word = self.symbols.word(pattern.name.symbol);
+        let given = instance.arguments.len();
+        let title = if (least..=most).contains(&given) {
+            format!("an argument of `{word}` is missing")
+        } else {
+            format!("`{word}` takes {takes}, not {given}")
+        };
+        let needed = parameters
+            .iter()
+            .filter(|it| it.default.is_none() || most == least);
+        let needed: Vec<&str> = needed.map(|it| self.symbols.word(it.name.symbol)).collect();
+        let suffix = if most == least {
+            ""
+        } else {
+            " without a default value"
+        };
+        let declared = SourceLocation {
+            file,
+            span: pattern.name.span,
+        };
+        Diagnostic::new(Code::WrongArguments, title)
+            .label(self.location(span), counted(given, "argument"))
+            .label(declared, counted(most, "parameter"))
+            .help(format!(
+                "write `{word}({})` with a value for each parameter{suffix}",
+                needed.join(", ")
+            ))
+    }
+
+    /// Returns the frame of an instance inside the frame around it. Returns `None` and reports an
+    /// error if it is unknown.
+    pub(super) fn frame_of(&mut self, instance: &Instance) -> Option<Frame> {
+        let Some(placement) = &instance.placement else {
+            return Some(Frame::default());
+        };
+        if let Some((x, _)) = placement
+            .at
+            .as_ref()
+            .filter(|_| self.in_phase && self.seeding.is_none())
+        {
+            let diagnostic =
+                Diagnostic::new(Code::Misplaced, "an instance in a phase has no position")
+                    .label(self.location(x.span), "moves only seeds")
+                    .help("remove `at`: the blocks of this instance are attached to its arguments");
+            self.diagnostics.push(diagnostic);
+        }
+        let mut frame = Frame {
+            is_mirrored: placement.mirrored,
+            ..Frame::default()
+        };
+        if let Some(expr) = &placement.turned {
+            let angle = self.evaluate(expr)?;
+            if angle % 90 != 0 {
+                let title = format!("an instance cannot be turned by {angle} degrees");
+                let diagnostic = Diagnostic::new(Code::WrongValue, title)
+                    .label(self.location(expr.span), "not a multiple of 90")
+                    .help("write `turned 90`, `turned 180` or `turned 270`");
+                self.diagnostics.push(self.in_instance(diagnostic));
+                return None;
+            }
+            frame.quarters = (angle / 90).rem_euclid(4) as u8;
+        }
+        if let Some((x, y)) = &placement.at {
+            let (x, y) = (self.evaluate(x), self.evaluate(y));
+            frame.offset = (x?, y?);
+        }
+        Some(frame)
     }
 
     pub(super) fn note_instance(
@@ -90,12 +262,9 @@ impl<'a> Expander<'a, '_> {
         });
     }
 
-    fn argument(&mut self, argument: &'a Argument) -> BoundValue {
+    fn argument(&mut self, argument: &'a ArgumentValue) -> BoundValue {
         match argument {
-            Argument::Place(place) => {
-                if let (Some((face, _)), true) = (place.face, place.path.is_empty()) {
-                    return BoundValue::Face(face);
-                }
+            ArgumentValue::Place(place) => {
                 if let Some((_, span)) = place.face {
                     self.diagnostics.push(
                         Diagnostic::new(
@@ -109,7 +278,7 @@ impl<'a> Expander<'a, '_> {
                 }
                 self.single_block(place)
             }
-            Argument::Expr(expr) => {
+            ArgumentValue::Expr(expr) => {
                 // A bare name is a number, a face or a block.
                 if let ExprKind::Name(word) = expr.kind {
                     let name = Name {
@@ -128,8 +297,7 @@ impl<'a> Expander<'a, '_> {
                     }
                     return value;
                 }
-                self.evaluate(expr)
-                    .map_or(BoundValue::Unknown, BoundValue::Number)
+                self.evaluate_any(expr)
             }
         }
     }
@@ -140,7 +308,10 @@ impl<'a> Expander<'a, '_> {
         else {
             return BoundValue::Unknown;
         };
-        self.role(key);
+        // Seeds have the first roles.
+        if self.seeding != Some(Seeding::Seats) {
+            self.role(key);
+        }
         BoundValue::Block(key)
     }
 
@@ -151,11 +322,11 @@ impl<'a> Expander<'a, '_> {
         misfit: &Misfit,
         value: BoundValue,
     ) {
-        let argument = &instance.arguments[misfit.number];
+        let argument = &instance.arguments[misfit.argument].value;
         let (needed, used) = misfit.needed;
         let location = self.location(span_of(argument));
         let name = |symbol| self.symbols.word(symbol);
-        let parameter = pattern.parameters[misfit.number];
+        let parameter = pattern.parameters[misfit.number].name;
         let label = format!(
             "`{}` is used as {} here",
             name(parameter.symbol),
@@ -163,7 +334,7 @@ impl<'a> Expander<'a, '_> {
         );
         // An unknown bare name was taken for a block.
         let unknown = match (argument, value) {
-            (Argument::Expr(expr), BoundValue::Block(key))
+            (ArgumentValue::Expr(expr), BoundValue::Block(key))
                 if self.plan.roles.get(&key).is_none()
                     && self.names.definition(self.file, expr.span).is_none() =>
             {
@@ -225,14 +396,16 @@ impl<'a> Expander<'a, '_> {
         order: &[(usize, usize)],
     ) -> Diagnostic {
         let word = self.symbols.word(pattern.name.symbol);
-        let location = |number: usize| self.location(span_of(&instance.arguments[number]));
+        let location = |number: usize| self.location(span_of(&instance.arguments[number].value));
         let title = match order.len() {
             2 => format!("two arguments of `{word}` are swapped"),
             _ => format!("the arguments of `{word}` are in the wrong order"),
         };
         let mut diagnostic = Diagnostic::new(Code::WrongKind, title);
         for misfit in misfits {
-            let parameter = self.symbols.word(pattern.parameters[misfit.number].symbol);
+            let parameter = self
+                .symbols
+                .word(pattern.parameters[misfit.number].name.symbol);
             let (given, needed) = (misfit.given.noun(), misfit.needed.0.noun());
             let text = format!("{given}, and `{parameter}` is {needed}");
             diagnostic = diagnostic.label(location(misfit.number), text);
@@ -291,9 +464,9 @@ fn right_order(
     order.collect()
 }
 
-fn span_of(argument: &Argument) -> Span {
+fn span_of(argument: &ArgumentValue) -> Span {
     match argument {
-        Argument::Place(place) => place.span,
-        Argument::Expr(Expr { span, .. }) => *span,
+        ArgumentValue::Place(place) => place.span,
+        ArgumentValue::Expr(Expr { span, .. }) => *span,
     }
 }

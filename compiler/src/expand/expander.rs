@@ -6,6 +6,7 @@ use stochc_ir::table::{Plate, RoleId};
 
 use super::declared_items::DeclaredItems;
 use super::duplicate::duplicate;
+use super::frame::Frame;
 use super::limits::{ExpansionSettings, Limits, MAX_NESTING};
 use super::probe::Probe;
 use super::scope::{BoundValue, Scope};
@@ -60,7 +61,7 @@ impl ExpansionSize {
     }
 }
 
-/// The two passes through a seed plate. Seeds are expanded first, so that they get the first role
+/// The passes through a seed plate. Seeds are expanded first, so that they get the first role
 /// numbers.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Seeding {
@@ -68,6 +69,8 @@ pub(super) enum Seeding {
     Seats,
     /// Second pass: expands the pre-attached blocks.
     Captures,
+    /// Last pass: expands the phases of instances.
+    Phases,
 }
 
 pub(super) struct Expander<'a, 'f> {
@@ -83,6 +86,8 @@ pub(super) struct Expander<'a, 'f> {
     /// outermost comes first.
     pub(super) blocks: Vec<&'a [Item]>,
     pub(super) file: FileId,
+    /// Frame of the current instance.
+    pub(super) frame: Frame,
     /// Patterns that are being expanded, the innermost last.
     pub(super) instances: Vec<(Symbol, SourceLocation)>,
     /// Number of instances without a name.
@@ -152,6 +157,7 @@ impl<'a, 'f> Expander<'a, 'f> {
             lets: declarations.lets.clone(),
             blocks: Vec::new(),
             file,
+            frame: Frame::default(),
             instances: Vec::new(),
             anonymous: 0,
             nesting: 0,
@@ -342,15 +348,7 @@ impl<'a> Expander<'a, '_> {
     }
 
     pub(super) fn item(&mut self, item: &'a Item) {
-        let is_chain = matches!(item.kind, ItemKind::Chain(_));
-        let belongs = match self.seeding {
-            None => true,
-            Some(Seeding::Seats) => !is_chain,
-            Some(Seeding::Captures) => {
-                is_chain || item.is_transparent() || matches!(item.kind, ItemKind::Let(_))
-            }
-        };
-        if !belongs {
+        if !self.belongs(item) || self.is_misplaced(item) {
             return;
         }
         match &item.kind {
@@ -385,14 +383,53 @@ impl<'a> Expander<'a, '_> {
         }
     }
 
+    /// Returns whether the current pass through the seed plate expands an item.
+    fn belongs(&self, item: &Item) -> bool {
+        use ItemKind as K;
+        let is_in_every_pass =
+            item.is_transparent() || matches!(item.kind, K::Let(_) | K::Instance(_));
+        match self.seeding {
+            None => true,
+            Some(Seeding::Seats) => !matches!(item.kind, K::Chain(_) | K::Phase(_)),
+            Some(Seeding::Captures) => is_in_every_pass || matches!(item.kind, K::Chain(_)),
+            Some(Seeding::Phases) => is_in_every_pass || matches!(item.kind, K::Phase(_)),
+        }
+    }
+
+    /// Reports a statement of a pattern that is not valid at the place of the instance. The parser
+    /// reports other misplaced statements.
+    fn is_misplaced(&mut self, item: &Item) -> bool {
+        use ItemKind as K;
+        let (is_misplaced, belongs) = match &item.kind {
+            K::Seat(_) => (self.seeding.is_none(), "a seed plate"),
+            K::Phase(_) => (self.in_phase, "an assembly or a seed plate"),
+            K::Chain(chain) if self.seeding.is_some() => (!chain.after.is_empty(), "a phase"),
+            K::Chain(_) | K::Release(_) => (!self.in_phase, "a phase"),
+            _ => (false, ""),
+        };
+        let Some(&(_, instance)) = self.instances.last().filter(|_| is_misplaced) else {
+            return false;
+        };
+        let what = match &item.kind {
+            K::Chain(chain) if !chain.after.is_empty() && self.seeding.is_some() => "an `after`",
+            _ => item.noun(),
+        };
+        let title = format!("{what} of a pattern is outside of {belongs}");
+        let diagnostic = Diagnostic::new(Code::Misplaced, title)
+            .label(self.location(item.span), format!("belongs into {belongs}"))
+            .label(instance, "in this instance")
+            .help(format!("write the instance into {belongs}"));
+        self.diagnostics.push(diagnostic);
+        self.mark_all_uncertain(std::slice::from_ref(item));
+        true
+    }
+
     pub(super) fn declaration(&mut self, item: &'a Item) {
         let ItemKind::Let(let_) = &item.kind else {
             return;
         };
-        // A number in doubt is declared without a value.
-        let value = self
-            .evaluate(&let_.value)
-            .map_or(BoundValue::Unknown, BoundValue::Number);
+        // A value in doubt is declared without a value.
+        let value = self.evaluate_any(&let_.value);
         self.define(let_.name, value);
     }
 

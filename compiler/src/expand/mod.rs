@@ -7,6 +7,7 @@ mod declared_items;
 mod duplicate;
 mod expander;
 mod expansion;
+mod frame;
 mod handler;
 mod limits;
 pub(crate) mod members;

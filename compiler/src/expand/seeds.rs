@@ -10,13 +10,10 @@ use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::expanded::{ExpandedPhase, ExpandedSeed};
 
-/// Returns whether the statements contain captures, that is, pre-attached blocks. The parser bounds
-/// the depth of loops.
-fn has_captures(items: &[Item]) -> bool {
-    (items.iter()).any(|item| match &item.kind {
-        ItemKind::Chain(_) => true,
-        ItemKind::For(_) | ItemKind::If(_) => has_captures(item.body()),
-        _ => false,
+/// Returns whether the statements contain such an item. The parser bounds the depth of loops.
+fn contains(items: &[Item], is_wanted: fn(&ItemKind) -> bool) -> bool {
+    (items.iter()).any(|item| {
+        is_wanted(&item.kind) || item.is_transparent() && contains(item.body(), is_wanted)
     })
 }
 
@@ -68,10 +65,19 @@ impl<'a> Expander<'a, '_> {
             depth: depth.unwrap_or(u32::MAX),
         };
         let outer = self.seeding.replace(Seeding::Seats);
+        // Instances without names have the same numbers in each pass.
+        let anonymous = self.anonymous;
         self.items(&seed.body);
-        if has_captures(&seed.body) {
+        let has_instances = contains(&seed.body, |it| matches!(it, ItemKind::Instance(_)));
+        if has_instances || contains(&seed.body, |it| matches!(it, ItemKind::Chain(_))) {
+            self.anonymous = anonymous;
             self.seeding = Some(Seeding::Captures);
             self.pre_attached(seed, location);
+        }
+        if has_instances {
+            self.anonymous = anonymous;
+            self.seeding = Some(Seeding::Phases);
+            self.items(&seed.body);
         }
         self.seeding = outer;
     }
@@ -124,6 +130,7 @@ impl<'a> Expander<'a, '_> {
         let (Some(key), Some(x), Some(y)) = (key, x, y) else {
             return self.mark_uncertain(&seat.place);
         };
+        let (x, y) = self.frame.position((x, y));
         self.probe
             .note(self.file, &seat.place.path, [key].into_iter());
         let Plate { width, depth } = self.plan.plate;
@@ -134,18 +141,17 @@ impl<'a> Expander<'a, '_> {
         let inside = |value: i64, edge: u32| (0..i64::from(edge)).contains(&value);
         if !(inside(x, width) && inside(y, depth)) {
             let at = self.location(seat.at.0.span.to(seat.at.1.span));
-            self.diagnostics.push(
-                Diagnostic::about(
-                    Code::SeedOutsidePlate,
-                    "position {} is not on the plate",
-                    &[&format!("({x}, {y})")],
-                )
-                .label(
-                    at,
-                    format!("positions go from (0, 0) to ({}, {})", width - 1, depth - 1),
-                )
-                .help(larger_plate((x, y), (width, depth))),
-            );
+            let diagnostic = Diagnostic::about(
+                Code::SeedOutsidePlate,
+                "position {} is not on the plate",
+                &[&format!("({x}, {y})")],
+            )
+            .label(
+                at,
+                format!("positions go from (0, 0) to ({}, {})", width - 1, depth - 1),
+            )
+            .help(larger_plate((x, y), (width, depth)));
+            self.diagnostics.push(self.in_instance(diagnostic));
         }
         // A seed outside of the plate can still capture, so that it causes no further errors.
         let near = |value: i64| value.clamp(-MAX_EDGE, MAX_EDGE) as i32;

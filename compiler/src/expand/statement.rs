@@ -1,11 +1,8 @@
 //! Expands captures, releases, loops, conditions and instances.
-use stochc_grammar::tree::{
-    Arrow, Chain, EventReference, For, If, Instance, Pattern, Place, Release,
-};
+use stochc_grammar::tree::{Arrow, Chain, EventReference, For, If, Instance, Place, Release};
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::Face;
 use stochc_ir::table::RoleId;
-use stochc_text::counted;
 
 use super::expander::{Expander, Pass};
 use super::scope::BoundValue;
@@ -125,19 +122,6 @@ impl<'a> Expander<'a, '_> {
         format!("capture a row of blocks with `->>`: `{parent} ->> {child}`")
     }
 
-    /// Returns the advice to pass all arguments of a pattern.
-    fn instance_help(&self, name: Symbol, pattern: &Pattern) -> String {
-        let parameters = pattern.parameters.iter();
-        let parameters: Vec<&str> = parameters
-            .map(|parameter| self.symbols.word(parameter.symbol))
-            .collect();
-        let word = self.symbols.word(name);
-        format!(
-            "write `{word}({})` with a value for each parameter",
-            parameters.join(", ")
-        )
-    }
-
     /// Returns the face that the parent captures with. Reports an error if the source names a block
     /// without a face.
     fn face(&mut self, parent: Option<RoleId>, face: Option<Face>, place: &Place) -> Option<Face> {
@@ -167,6 +151,7 @@ impl<'a> Expander<'a, '_> {
     }
 
     fn capture(&mut self, parent: RoleId, face: Face, role: RoleId, location: SourceLocation) {
+        let face = self.frame.face(face);
         self.push_event(ExpandedEvent {
             kind: EventKind::Capture { parent, face },
             role,
@@ -296,29 +281,11 @@ impl<'a> Expander<'a, '_> {
             self.recursion(depth, location);
             return;
         }
-        let (given, needed) = (instance.arguments.len(), pattern.parameters.len());
-        let values = if given == needed {
-            self.arguments(instance, (file, pattern))
-        } else {
-            let parameters = SourceLocation {
-                file,
-                span: pattern.name.span,
-            };
-            self.diagnostics.push(
-                Diagnostic::new(
-                    Code::WrongArguments,
-                    format!(
-                        "`{}` takes {}, not {given}",
-                        self.symbols.word(name),
-                        counted(needed, "argument")
-                    ),
-                )
-                .label(self.location(span), counted(given, "argument"))
-                .label(parameters, counted(needed, "parameter"))
-                .help(self.instance_help(name, pattern)),
-            );
-            vec![BoundValue::Unknown; needed]
+        let values = match self.assign_arguments(instance, (file, pattern), span) {
+            Some(assigned) => self.arguments(instance, (file, pattern), &assigned),
+            None => vec![Some(BoundValue::Unknown); pattern.parameters.len()],
         };
+        let frame = self.frame_of(instance);
         let key = match &instance.alias {
             Some(alias) => self.single_key(alias),
             None => {
@@ -335,22 +302,29 @@ impl<'a> Expander<'a, '_> {
         };
         let inside = self.instance_of(key);
         if self.pass == Pass::Writing {
-            let is_uncertain = values.contains(&BoundValue::Unknown);
+            let is_uncertain = values.contains(&Some(BoundValue::Unknown)) || frame.is_none();
             self.note_instance(inside, instance, span, (file, pattern), is_uncertain);
         }
         let mark = self.scope.enter_instance(inside);
         let outer_file = std::mem::replace(&mut self.file, file);
+        let inner = frame.unwrap_or_default().within(self.frame);
+        let outer_frame = std::mem::replace(&mut self.frame, inner);
         // A pattern can use the numbers of the assembly.
         let outer_blocks = self.blocks.split_off(1.min(self.blocks.len()));
         self.instances.push((name, location));
         for (parameter, value) in pattern.parameters.iter().zip(values) {
-            self.define(*parameter, value);
+            let default = parameter.default.as_ref();
+            let value = value
+                .or_else(|| Some(self.evaluate_any(default?)))
+                .unwrap_or(BoundValue::Unknown);
+            self.define(parameter.name, value);
         }
         self.items(&pattern.body);
         self.instances.pop();
         self.blocks.truncate(1);
         self.blocks.extend(outer_blocks);
         self.file = outer_file;
+        self.frame = outer_frame;
         self.scope.restore(mark);
     }
 

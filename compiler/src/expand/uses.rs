@@ -66,7 +66,7 @@ impl KnownUses {
             return uses.into();
         }
         for (own, parameter) in uses.iter_mut().zip(&pattern.parameters) {
-            for used in names.uses(file, parameter.span) {
+            for used in names.uses(file, parameter.name.span) {
                 match *used {
                     Use::As(kind, location) => own.note(kind, location),
                     Use::Argument(inner, number) => {

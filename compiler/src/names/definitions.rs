@@ -44,6 +44,10 @@ impl Definitions {
         self.kinds[definition.0 as usize].0
     }
 
+    pub fn word(&self, definition: Definition) -> Symbol {
+        self.kinds[definition.0 as usize].1
+    }
+
     /// Records a use of a parameter. Ignores other kinds of definitions.
     pub fn used(&mut self, definition: Definition, used: Use) {
         if self.kind(definition) == NameKind::Parameter {

@@ -1,8 +1,8 @@
 //! Resolves names by the rules of scope.
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_grammar::tree::{
-    Argument, Expectation, ExpectedEvent, Expr, ExprKind, Instance, Item, ItemKind, Name, Pattern,
-    Place, Segment, Subscript, Tree,
+    ArgumentValue, Expectation, ExpectedEvent, Expr, ExprKind, Instance, Item, ItemKind, Name,
+    Parameter, Pattern, Place, Segment, Subscript, Tree,
 };
 use stochc_grammar::{Cancellation, Cancelled, Span, Symbol};
 
@@ -24,6 +24,7 @@ pub fn resolve<'a>(
         file_numbers: FxHashMap::default(),
         declared: DeclaredNames::default(),
         scopes: FxHashMap::default(),
+        parameters: FxHashMap::default(),
         scope_count: 0,
         captured: FxHashSet::default(),
         blocks: FxHashMap::default(),
@@ -84,6 +85,8 @@ struct Resolver<'c> {
     declared: DeclaredNames,
     /// Scope of the names in each pattern.
     scopes: FxHashMap<Definition, BlockScope>,
+    /// Parameters of each pattern.
+    parameters: FxHashMap<Definition, Vec<Definition>>,
     scope_count: u32,
     /// Captured words of each pattern.
     captured: FxHashSet<(BlockScope, Symbol)>,
@@ -159,6 +162,11 @@ impl Resolver<'_> {
             if let ItemKind::Pattern(pattern) = &item.kind {
                 let scope = self.new_scope();
                 self.scopes.insert(definition, scope);
+                let add = |parameter: &Parameter| {
+                    (self.definitions).add(NameKind::Parameter, parameter.name.symbol)
+                };
+                let parameters = pattern.parameters.iter().map(add).collect();
+                self.parameters.insert(definition, parameters);
                 self.capture_words(&pattern.body, scope);
             }
         }
@@ -175,7 +183,14 @@ impl Resolver<'_> {
                         }
                     }
                 }
-                ItemKind::For(_) | ItemKind::If(_) => self.capture_words(item.body(), scope),
+                ItemKind::Seat(seat) => {
+                    if let [only] = &seat.place.path[..] {
+                        self.captured.insert((scope, only.name.symbol));
+                    }
+                }
+                ItemKind::For(_) | ItemKind::If(_) | ItemKind::Phase(_) => {
+                    self.capture_words(item.body(), scope);
+                }
                 _ => {}
             }
         }
@@ -237,8 +252,9 @@ impl Resolver<'_> {
     }
 
     fn pattern(&mut self, pattern: &Pattern, enclosing: EnclosingScope) {
-        let Some(&scope) = (self.named(NameKind::Pattern, pattern.name.symbol))
-            .and_then(|definition| self.scopes.get(&definition))
+        let definition = self.named(NameKind::Pattern, pattern.name.symbol);
+        let Some((definition, &scope)) =
+            definition.and_then(|it| Some((it, self.scopes.get(&it)?)))
         else {
             return;
         };
@@ -248,8 +264,15 @@ impl Resolver<'_> {
             std::mem::take(&mut self.bindings),
         );
         (self.enclosing, self.scope) = (enclosing, scope);
-        for &parameter in &pattern.parameters {
-            self.bind(NameKind::Parameter, parameter);
+        let declared = self
+            .parameters
+            .get(&definition)
+            .cloned()
+            .unwrap_or_default();
+        for (parameter, definition) in pattern.parameters.iter().zip(declared) {
+            parameter.default.iter().for_each(|it| self.value(it));
+            self.bindings.define(parameter.name.symbol, definition);
+            self.occur(definition, parameter.name.span, true);
         }
         self.items(&pattern.body);
         (self.enclosing, self.scope, self.bindings) = outer;
@@ -302,7 +325,7 @@ impl Resolver<'_> {
                 self.items(&block.body);
             }
             ItemKind::Let(let_) => {
-                self.expr(&let_.value);
+                self.value(&let_.value);
                 self.bind(NameKind::Number, let_.name);
             }
             ItemKind::Yields(name) => {
@@ -381,9 +404,20 @@ impl Resolver<'_> {
 
     fn instance(&mut self, instance: &Instance) {
         let pattern = self.refer(NameKind::Pattern, instance.pattern);
-        for (number, argument) in instance.arguments.iter().enumerate() {
-            match argument {
-                Argument::Expr(expr) => match expr.kind {
+        let parameters = pattern.and_then(|it| self.parameters.get(&it).cloned());
+        let parameters = parameters.unwrap_or_default();
+        for (position, argument) in instance.arguments.iter().enumerate() {
+            let mut number = position;
+            if let Some(name) = argument.name {
+                let is_named = |it: &Definition| self.definitions.word(*it) == name.symbol;
+                let Some(found) = parameters.iter().position(is_named) else {
+                    continue;
+                };
+                self.occur(parameters[found], name.span, false);
+                number = found;
+            }
+            match &argument.value {
+                ArgumentValue::Expr(expr) => match expr.kind {
                     // A bare name is the number with this name, or else the block.
                     ExprKind::Name(word) => match self.number(word) {
                         Some(definition) => {
@@ -397,7 +431,13 @@ impl Resolver<'_> {
                     },
                     _ => self.expr(expr),
                 },
-                Argument::Place(place) => self.place(place, false),
+                ArgumentValue::Place(place) => self.place(place, false),
+            }
+        }
+        if let Some(placement) = &instance.placement {
+            placement.turned.iter().for_each(|it| self.expr(it));
+            for it in placement.at.iter().flat_map(|(x, y)| [x, y]) {
+                self.expr(it);
             }
         }
         let Some(alias) = &instance.alias else { return };
@@ -438,9 +478,9 @@ impl Resolver<'_> {
         if let (None, [instances @ .., last]) = (place.face, path)
             && !instances.is_empty()
             && last.index.is_none()
-            && let Some(definition) = self.parameter(last.name.symbol)
+            && let inside = self.inside(instances)
+            && let Some(definition) = self.face_name(last.name.symbol, inside.is_none())
         {
-            let inside = self.inside(instances);
             let is_block = (inside.iter().flatten())
                 .any(|&scope| self.captured.contains(&(scope, last.name.symbol)));
             if !is_block {
@@ -493,6 +533,27 @@ impl Resolver<'_> {
             .collect();
         if let Some(definition) = self.definitions.unite(definitions) {
             self.occur(definition, last.name.span, captures);
+        }
+    }
+
+    /// Returns the parameter or the named value that can be the face of a block. In a path of
+    /// instances, only parameters can be faces.
+    fn face_name(&mut self, word: Symbol, is_after_block: bool) -> Option<Definition> {
+        match self.parameter(word) {
+            None if is_after_block => self.number(word),
+            parameter => parameter,
+        }
+    }
+
+    /// Resolves a number or a face. A bare name may be either, so it is no evidence of the kind.
+    fn value(&mut self, expr: &Expr) {
+        match expr.kind {
+            ExprKind::Name(word) => {
+                if let Some(definition) = self.number(word) {
+                    self.occur(definition, expr.span, false);
+                }
+            }
+            _ => self.expr(expr),
         }
     }
 
@@ -567,7 +628,7 @@ impl Resolver<'_> {
 
     fn expr(&mut self, expr: &Expr) {
         match &expr.kind {
-            ExprKind::Int(_) => {}
+            ExprKind::Int(_) | ExprKind::Face(_) => {}
             ExprKind::Name(word) => {
                 if let Some(definition) = self.number(*word) {
                     self.occur(definition, expr.span, false);
@@ -575,6 +636,16 @@ impl Resolver<'_> {
                 }
             }
             ExprKind::Negate(inner) | ExprKind::Not(inner) => self.expr(inner),
+            ExprKind::Call(function, arguments) if function.takes_face() => {
+                for argument in arguments {
+                    self.value(argument);
+                    if let ExprKind::Name(word) = argument.kind
+                        && let Some(definition) = self.parameter(word)
+                    {
+                        self.used_as(definition, ValueKind::Face, argument.span);
+                    }
+                }
+            }
             ExprKind::Call(_, arguments) => arguments.iter().for_each(|it| self.expr(it)),
             ExprKind::Binary(_, sides) => {
                 self.expr(&sides.0);

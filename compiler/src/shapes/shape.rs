@@ -284,7 +284,7 @@ pub fn cells(shape: &Shape, file: FileId, diagnostics: &mut Vec<Diagnostic>) -> 
 fn constant(expr: &Expr) -> Option<i64> {
     match &expr.kind {
         ExprKind::Int(value) => Some(*value),
-        ExprKind::Name(_) => None,
+        ExprKind::Name(_) | ExprKind::Face(_) => None,
         ExprKind::Negate(inner) => constant(inner)?.checked_neg(),
         ExprKind::Call(function, arguments) => {
             let values: Option<Vec<i64>> = arguments.iter().map(constant).collect();

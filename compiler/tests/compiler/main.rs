@@ -14,6 +14,7 @@ mod fixes;
 mod handlers;
 mod levels;
 mod names;
+mod patterns;
 mod planar;
 #[allow(dead_code, reason = "the texts alone are needed here")]
 mod random;

@@ -198,7 +198,7 @@ impl Generator {
         after: &str,
     ) {
         let statement = if after.is_empty() && self.reuse == Reuse::AtOnce && self.choose(4) == 0 {
-            format!("grow_{face}({parent}, {name})")
+            instance(&parent, &name, face, self.text.len())
         } else {
             format!("{parent}.{face} -> {name}{after}")
         };
@@ -291,6 +291,26 @@ impl Stage {
     }
 }
 
+/// Returns a capture as an instance of a pattern in one of eight frames.
+fn instance(parent: &str, name: &str, face: Face, frame: usize) -> String {
+    let (is_mirrored, quarters) = (frame % 2 == 1, frame / 2 % 4);
+    let mapped = |inner: &Face| {
+        let is_east_west = matches!(inner, Face::East | Face::West);
+        let inner = match is_mirrored && is_east_west {
+            true => inner.opposite(),
+            false => *inner,
+        };
+        inner.turned(quarters as u8).unwrap_or(inner) == face
+    };
+    let side = Face::ALL.into_iter().find(mapped).unwrap();
+    let side = match side {
+        Face::Up => String::new(),
+        side => format!(", side = {side}"),
+    };
+    let mirrored = if is_mirrored { " mirrored" } else { "" };
+    format!("grow({parent}, {name}{side}){mirrored} turned {quarters} * 90")
+}
+
 /// Returns the program for a list of choices, for blocks that magnetize `faces` faces at a time.
 pub fn declare(choices: Vec<u32>, faces: u8) -> Declared {
     declare_with(Reuse::Later, choices, faces)
@@ -311,13 +331,13 @@ pub fn declare_with(reuse: Reuse, choices: Vec<u32>, faces: u8) -> Declared {
         ),
     };
     if reuse == Reuse::AtOnce {
-        for face in Face::ALL {
-            let _ = writeln!(
-                generator.text,
-                "pattern grow_{face}(p, x) {{ p.{face} -> x }}"
-            );
+        let patterns = "pattern grow(p, x, side = up) {
+            let back = opposite(side)
+            let front = opposite(back)
+            p.front -> x
         }
-        generator.text.push_str("pattern drop(x) { release x }\n");
+        pattern drop(x) { release x }\n";
+        generator.text.push_str(patterns);
     }
     // Half of the programs have parameters.
     let (parameters, edge, places) = if generator.has_parameters {

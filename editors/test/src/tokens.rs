@@ -85,6 +85,7 @@ impl Program {
             Rule::EOI => return,
             Rule::name => match parent {
                 Rule::place if index > 0 && FACES.contains(&text) => "face",
+                Rule::expr | Rule::condition if FACES.contains(&text) => "face",
                 Rule::assembly_head | Rule::aggregate | Rule::scene_head | Rule::shape_head => {
                     "type"
                 }
@@ -126,7 +127,7 @@ impl Program {
 
 /// Returns whether a word is a keyword or a face.
 fn is_reserved(word: &str) -> bool {
-    const KEYWORDS: [&str; 25] = [
+    const KEYWORDS: [&str; 27] = [
         "after",
         "aggregate",
         "as",
@@ -139,6 +140,7 @@ fn is_reserved(word: &str) -> bool {
         "in",
         "layer",
         "let",
+        "mirrored",
         "on",
         "pattern",
         "phase",
@@ -150,6 +152,7 @@ fn is_reserved(word: &str) -> bool {
         "shape",
         "timeout",
         "to",
+        "turned",
         "wait",
         "yields",
     ];

@@ -12,8 +12,8 @@
 
 [
   "after" "aggregate" "allow" "and" "as" "assembly" "at" "by" "captured" "complete" "completion" "deny" "else" "expect"
-  "faster" "for" "from" "if" "import" "in" "layer" "let" "mean" "not" "on" "or" "pattern" "phase" "plate" "probability"
-  "release" "retry" "scene" "seed" "shape" "than" "timeout" "to" "wait" "with" "within" "yields"
+  "faster" "for" "from" "if" "import" "in" "layer" "let" "mean" "mirrored" "not" "on" "or" "pattern" "phase" "plate" "probability"
+  "release" "retry" "scene" "seed" "shape" "than" "timeout" "to" "turned" "wait" "with" "within" "yields"
 ] @keyword
 
 [(arrow) (times) "=" "==" "!=" "<" "<=" ">" ">=" "+" "-" "*" "/" "%" "^" ".."] @operator
@@ -41,7 +41,9 @@
 (let name: (name) @variable)
 (default name: (name) @variable)
 (for counter: (name) @variable)
-(parameters (name) @variable)
+(parameter name: (name) @variable)
+(argument parameter: (name) @variable)
+(argument (place (name) @variable))
 (expression (name) @variable)
 (condition (name) @variable)
 (chain (place (name) @variable))

@@ -5,7 +5,7 @@
 (let name: (name) @local.definition)
 (default name: (name) @local.definition)
 (for counter: (name) @local.definition)
-(parameters (name) @local.definition)
+(parameter name: (name) @local.definition)
 
 ; A place names blocks: the first segment may be a parameter.
 (seat . (place . (name) @local.definition))

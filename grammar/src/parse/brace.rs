@@ -181,15 +181,17 @@ fn holds(head: Option<Rule>, next: Rule) -> bool {
                     | R::phase_head
                     | R::handler_head
                     | R::expect
+                    | R::instance
                     | R::for_head
                     | R::if_head
             )
             | (
                 Some(R::seed_head),
-                R::seat | R::chain | R::for_head | R::if_head
+                R::seat | R::chain | R::instance | R::for_head | R::if_head
             )
             | (Some(R::phase_head), R::yields)
             | (Some(R::handler_head), R::release | R::wait | R::retry)
+            | (Some(R::pattern_head), R::seat | R::phase_head)
             | (
                 Some(R::phase_head | R::pattern_head),
                 R::chain | R::release | R::instance | R::for_head | R::if_head,

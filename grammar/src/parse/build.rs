@@ -12,10 +12,10 @@ use super::spans::{end_of, span_of};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::{
-    Aggregate, Argument, Arrow, Assembly, Chain, EventReference, Expectation, ExpectedEvent, Expr,
-    For, If, Import, Instance, Item, ItemKind, Let, Link, LintDirective, LintDirectiveKind, Name,
-    Pattern, PhaseDeclaration, Place, Quantity, Release, SceneDeclaration, Seat, Seed, Segment,
-    Shape, TimeoutHandler,
+    Aggregate, Argument, ArgumentValue, Arrow, Assembly, Chain, EventReference, Expectation,
+    ExpectedEvent, Expr, For, If, Import, Instance, Item, ItemKind, Let, Link, LintDirective,
+    LintDirectiveKind, Name, Parameter, Pattern, PhaseDeclaration, Place, Placement, Quantity,
+    Release, SceneDeclaration, Seat, Seed, Segment, Shape, TimeoutHandler,
 };
 
 impl Parser<'_, '_> {
@@ -130,18 +130,26 @@ impl Parser<'_, '_> {
             (K::Let(_) | K::Level(_) | K::For(_) | K::If(_), Some(K::Handler(_))) => {
                 (false, "a phase")
             }
-            (K::Chain(_) | K::Release(_) | K::Instance(_), outer) => (
+            (K::Chain(_) | K::Release(_), outer) => (
                 matches!(outer, Some(K::Phase(_) | K::Pattern(_))),
                 "a phase or a pattern",
             ),
+            (K::Instance(_), outer) => (outer.is_some(), "an assembly or a pattern"),
             (K::Yields(_), outer) => (matches!(outer, Some(K::Phase(_))), "a phase"),
-            (K::Seat(_), outer) => (matches!(outer, Some(K::Seed(_))), "`seed plate`"),
+            (K::Seat(_), outer) => (
+                matches!(outer, Some(K::Seed(_) | K::Pattern(_))),
+                "`seed plate` or a pattern",
+            ),
             (K::If(block), _) if block.is_else && !self.follows_if() => {
                 (false, "the line of the `}` that ends an `if`")
             }
             (K::For(_) | K::If(_), outer) => (outer.is_some(), "an assembly"),
             (K::Let(_) | K::Level(_), _) => (true, ""),
-            (K::Phase(_) | K::Seed(_) | K::Expect(_), outer) => {
+            (K::Phase(_), outer) => (
+                matches!(outer, Some(K::Assembly(_) | K::Pattern(_))),
+                "an assembly or a pattern",
+            ),
+            (K::Seed(_) | K::Expect(_), outer) => {
                 (matches!(outer, Some(K::Assembly(_))), "an assembly")
             }
             (K::Pattern(_) | K::Shape(_), outer) => (
@@ -389,11 +397,13 @@ impl Parser<'_, '_> {
     fn instance(&mut self, pair: Pair<'_, Rule>, base: usize) -> Instance {
         let mut pattern = None;
         let mut arguments = Vec::new();
+        let mut placement = None;
         let mut alias = None;
         for part in pair.into_inner() {
             match part.as_rule() {
                 Rule::name => pattern = Some(self.name(&part, base)),
                 Rule::argument => arguments.extend(self.argument(part, base)),
+                Rule::placement => placement = Some(Box::new(self.placement(part, base))),
                 Rule::place => alias = Some(self.new_place(part, base)),
                 _ => {}
             }
@@ -405,29 +415,39 @@ impl Parser<'_, '_> {
         Instance {
             pattern,
             arguments,
+            placement,
             alias,
         }
     }
 
+    fn placement(&mut self, pair: Pair<'_, Rule>, base: usize) -> Placement {
+        let mut placement = Placement::default();
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::turned => placement.turned = self.exprs(part, base).pop(),
+                Rule::point => placement.at = Some(two(self.exprs(part, base))),
+                _ => placement.mirrored = true,
+            }
+        }
+        placement
+    }
+
     fn argument(&mut self, pair: Pair<'_, Rule>, base: usize) -> Option<Argument> {
-        // The lookahead after an expression leaves no pair.
-        let part = pair.into_inner().next()?;
-        if part.as_rule() != Rule::expr {
-            return Some(Argument::Place(self.place(part, base)));
+        let mut name = None;
+        for part in pair.into_inner() {
+            let value = match part.as_rule() {
+                Rule::name => {
+                    name = Some(self.name(&part, base));
+                    continue;
+                }
+                Rule::equals => continue,
+                Rule::expr => ArgumentValue::Expr(self.expr(part, base)),
+                _ => ArgumentValue::Place(self.place(part, base)),
+            };
+            // The lookahead after an expression leaves no pair.
+            return Some(Argument { name, value });
         }
-        let mut words = part.clone().into_inner();
-        if let (Some(only), None) = (words.next(), words.next())
-            && only.as_rule() == Rule::name
-            && let Some(face) = Face::from_word(only.as_str())
-        {
-            let span = span_of(&only, base);
-            return Some(Argument::Place(Place {
-                path: SmallVec::new(),
-                face: Some((face, span)),
-                span,
-            }));
-        }
-        Some(Argument::Expr(self.expr(part, base)))
+        None
     }
 
     fn seat(&mut self, pair: Pair<'_, Rule>, base: usize) -> Seat {
@@ -609,9 +629,17 @@ impl Parser<'_, '_> {
 
     fn pattern_head(&mut self, pair: Pair<'_, Rule>, base: usize) -> Pattern {
         let names = self.names(pair.clone(), base);
+        let parameters = pair.clone().into_inner();
+        let parameters = parameters.filter(|part| part.as_rule() == Rule::pattern_parameter);
+        let parameters: Vec<Parameter> = (parameters)
+            .map(|part| Parameter {
+                default: self.exprs(part.clone(), base).pop(),
+                name: self.first_name(part, base),
+            })
+            .collect();
         Pattern {
             name: self.first_name_of(&names, &pair, base),
-            parameters: names.into_iter().skip(1).collect(),
+            parameters,
             body: Vec::new(),
         }
     }

@@ -1,5 +1,6 @@
 //! Builds trees of integer arithmetic and conditions from flat lists of terms and operators.
 use pest::iterators::{Pair, Pairs};
+use stochc_ir::Face;
 
 use super::parser::Parser;
 use super::spans::span_of;
@@ -48,7 +49,7 @@ impl Parser<'_, '_> {
         }
         match &expr.kind {
             // The arguments of a function cannot contain conditions.
-            ExprKind::Int(_) | ExprKind::Name(_) | ExprKind::Call(..) => {}
+            ExprKind::Int(_) | ExprKind::Name(_) | ExprKind::Face(_) | ExprKind::Call(..) => {}
             ExprKind::Negate(inner) => self.check_types(inner, false),
             ExprKind::Not(inner) => self.check_types(inner, true),
             ExprKind::Binary(operator, sides) => {
@@ -117,7 +118,10 @@ impl Parser<'_, '_> {
                 Rule::name => {
                     let is_arguments = |next: &Pair<'_, Rule>| next.as_rule() == Rule::arguments;
                     match pairs.peek().filter(is_arguments) {
-                        None => ExprKind::Name(self.name(&pair, base).symbol),
+                        None => match Face::from_word(pair.as_str()) {
+                            Some(face) => ExprKind::Face(face),
+                            None => ExprKind::Name(self.name(&pair, base).symbol),
+                        },
                         Some(arguments) => {
                             pairs.next();
                             span = span.to(span_of(&arguments, base));
@@ -171,7 +175,7 @@ impl Parser<'_, '_> {
             .collect();
         let word = name.as_str();
         let function = Function::ALL.into_iter().find(|it| it.word() == word);
-        match function.filter(|&it| it != Function::Abs || arguments.len() == 1) {
+        match function.filter(|it| !it.is_unary() || arguments.len() == 1) {
             Some(function) => ExprKind::Call(function, arguments),
             None => {
                 let word = word.to_owned();

@@ -28,11 +28,14 @@ pub fn word(rule: Rule) -> Option<&'static str> {
         Rule::times => "`x`",
         Rule::open => "`{`",
         Rule::close => "`}`",
+        Rule::point => "`at`",
         Rule::after | Rule::kw_after => "`after`",
         Rule::kw_as => "`as`",
         Rule::kw_at => "`at`",
         Rule::kw_from => "`from`",
         Rule::kw_in => "`in`",
+        Rule::kw_mirrored => "`mirrored`",
+        Rule::turned | Rule::kw_turned => "`turned`",
         Rule::kw_plate => "`plate`",
         Rule::kw_timeout => "`timeout`",
         Rule::aggregate | Rule::kw_aggregate => "`aggregate`",
@@ -89,7 +92,14 @@ pub fn beginnings(frame: Option<&OpenBlock>) -> &'static [&'static str] {
     match &frame.content {
         OpenBlockContent::Items(item) => match item.kind {
             ItemKind::Assembly(_) => &[
-                "`seed`", "`phase`", "`expect`", "`let`", "`for`", "`if`", "`}`",
+                "`seed`",
+                "`phase`",
+                "`expect`",
+                "`let`",
+                "`for`",
+                "`if`",
+                "a pattern",
+                "`}`",
             ],
             ItemKind::Handler(_) => &["`release`", "`wait`", "`retry`", "`}`"],
             ItemKind::Seed(_) => &[
@@ -97,6 +107,7 @@ pub fn beginnings(frame: Option<&OpenBlock>) -> &'static [&'static str] {
                 "a pre-attached block such as `A.up -> E`",
                 "`for`",
                 "`if`",
+                "a pattern",
                 "`}`",
             ],
             _ => &[

@@ -2,11 +2,11 @@
 use proptest::prelude::*;
 use proptest::sample::select;
 use stochc_grammar::tree::{
-    Aggregate, Argument, Arrow, Assembly, Chain, Docs, EventReference, Expectation, ExpectedEvent,
-    Expr, ExprKind, For, Function, If, Import, Instance, Item, ItemKind, Layer, LayerRow, Let,
-    Link, LintDirective, LintDirectiveKind, Name, Operator, Pattern, PhaseDeclaration, Place,
-    Quantity, Release, SceneDeclaration, Seat, Seed, Segment, Shape, Subscript, Term,
-    TimeoutHandler, Tree, UnitFactor,
+    Aggregate, Argument, ArgumentValue, Arrow, Assembly, Chain, Docs, EventReference, Expectation,
+    ExpectedEvent, Expr, ExprKind, For, Function, If, Import, Instance, Item, ItemKind, Layer,
+    LayerRow, Let, Link, LintDirective, LintDirectiveKind, Name, Operator, Parameter, Pattern,
+    PhaseDeclaration, Place, Placement, Quantity, Release, SceneDeclaration, Seat, Seed, Segment,
+    Shape, Subscript, Term, TimeoutHandler, Tree, UnitFactor,
 };
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::Face;
@@ -57,6 +57,7 @@ fn expr() -> impl Strategy<Value = Expr> {
             .prop_map(ExprKind::Int),
         (-9i64..9).prop_map(ExprKind::Int),
         name().prop_map(|name| ExprKind::Name(name.symbol)),
+        select(&Face::ALL[..]).prop_map(ExprKind::Face),
     ]
     .prop_map(kind);
     let operator = select(vec![
@@ -84,7 +85,8 @@ fn expr() -> impl Strategy<Value = Expr> {
                 prop::collection::vec(inner.clone(), 1..4)
             )
                 .prop_map(move |(function, arguments)| kind(ExprKind::Call(function, arguments))),
-            inner.prop_map(move |inner| kind(ExprKind::Call(Function::Abs, vec![inner]))),
+            (select(&Function::ALL[2..]), inner)
+                .prop_map(move |(function, inner)| kind(ExprKind::Call(function, vec![inner]))),
         ]
     })
 }
@@ -157,22 +159,34 @@ fn after() -> impl Strategy<Value = Vec<EventReference>> {
 }
 
 fn argument() -> impl Strategy<Value = Argument> {
-    prop_oneof![
-        expr().prop_map(Argument::Expr),
-        select(&Face::ALL[..]).prop_map(|face| Argument::Place(Place {
-            path: Default::default(),
-            face: Some((face, Span::default())),
-            span: Span::default(),
-        })),
+    let value = prop_oneof![
+        expr().prop_map(ArgumentValue::Expr),
         // A bare name is an expression.
         place().prop_map(|place| match (&place.path[..], place.face) {
-            ([only], None) if only.index.is_none() => Argument::Expr(Expr {
+            ([only], None) if only.index.is_none() => ArgumentValue::Expr(Expr {
                 kind: ExprKind::Name(only.name.symbol),
                 span: Span::default(),
             }),
-            _ => Argument::Place(place),
+            _ => ArgumentValue::Place(place),
         }),
-    ]
+    ];
+    (prop::option::of(name()), value).prop_map(|(name, value)| Argument { name, value })
+}
+
+fn placement() -> impl Strategy<Value = Option<Box<Placement>>> {
+    let placement = (
+        any::<bool>(),
+        prop::option::of(expr()),
+        prop::option::of(range()),
+    );
+    placement.prop_map(|(mirrored, turned, at)| {
+        let placement = Placement {
+            mirrored,
+            turned,
+            at,
+        };
+        (placement != Placement::default()).then(|| Box::new(placement))
+    })
 }
 
 /// Units with and without prefixes.
@@ -320,14 +334,16 @@ fn growth() -> BoxedStrategy<Item> {
     let release = (prop::collection::vec(block(), 1..3), after())
         .prop_map(|(places, after)| ItemKind::Release(Release { places, after }));
     let arguments = prop::collection::vec(argument(), 0..4);
-    let instance =
-        (name(), arguments, prop::option::of(block())).prop_map(|(pattern, arguments, alias)| {
+    let instance = (name(), arguments, placement(), prop::option::of(block())).prop_map(
+        |(pattern, arguments, placement, alias)| {
             ItemKind::Instance(Box::new(Instance {
                 pattern,
                 arguments,
+                placement,
                 alias,
             }))
-        });
+        },
+    );
     repeated(
         prop_oneof![
             3 => item(chain(after())),
@@ -341,7 +357,9 @@ fn growth() -> BoxedStrategy<Item> {
 }
 
 fn pattern() -> BoxedStrategy<Item> {
-    let parameters = prop::collection::vec(name(), 0..3);
+    let parameter =
+        (name(), prop::option::of(expr())).prop_map(|(name, default)| Parameter { name, default });
+    let parameters = prop::collection::vec(parameter, 0..3);
     let body = prop::collection::vec(growth(), 0..3);
     item(
         (name(), parameters, body).prop_map(|(name, parameters, body)| {

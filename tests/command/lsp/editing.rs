@@ -326,6 +326,8 @@ fn keywords_names_and_faces_are_completed() {
     assert!(within("B.up -> |").contains(&"left".to_owned()));
     assert!(within("B.up -> X a|").contains(&"after".to_owned()));
     assert!(within("seed p|").contains(&"plate".to_owned()));
+    assert!(within("tower(B, |").contains(&"east".to_owned()));
+    assert!(within("tower(B) t|").contains(&"turned".to_owned()));
     assert!(offered("aggregate a in hemisphere t|").contains(&"to".to_owned()));
     assert_eq!(within("tower(B) as |"), [""; 0]);
     assert_eq!(within("// |"), [""; 0]);

@@ -57,6 +57,13 @@ impl Face {
         }
     }
 
+    /// Returns the face after quarter turns from east to north. Returns `None` for `up` and `down`.
+    pub fn turned(self, quarters: u8) -> Option<Face> {
+        const CIRCLE: [Face; 4] = [Face::East, Face::North, Face::West, Face::South];
+        let at = CIRCLE.iter().position(|&face| face == self)?;
+        Some(CIRCLE[(at + usize::from(quarters)) % CIRCLE.len()])
+    }
+
     /// Returns the keyword of the face.
     pub const fn word(self) -> &'static str {
         match self {

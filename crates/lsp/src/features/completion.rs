@@ -48,10 +48,7 @@ fn words(analysis: &Analysis, line: &str) -> Vec<Value> {
         return Vec::new();
     }
     if before.ends_with('.') && !before.ends_with("..") {
-        let faces = Face::ALL.iter();
-        return faces
-            .map(|face| item(face.word(), ENUM_MEMBER, "face"))
-            .collect();
+        return faces().collect();
     }
     let names = |kinds: &[NameKind]| names(analysis, kinds, &line[before.len()..]);
     let mut words = before.split_whitespace();
@@ -77,7 +74,10 @@ fn words(analysis: &Analysis, line: &str) -> Vec<Value> {
         }
         Some("yields") => names(&[NameKind::Shape]),
         Some("after" | "release") => names(&PLACES),
-        Some(word) if word.ends_with(['>', ',', '(', '[', '=']) => names(&PLACES),
+        Some(word) if word.ends_with([',', '(', '=']) => {
+            names(&PLACES).into_iter().chain(faces()).collect()
+        }
+        Some(word) if word.ends_with(['>', '[']) => names(&PLACES),
         Some(word) if word.ends_with(['{', '}']) => {
             let kinds = [PLACES.as_slice(), &[NameKind::Pattern]].concat();
             names(&kinds)
@@ -86,6 +86,12 @@ fn words(analysis: &Analysis, line: &str) -> Vec<Value> {
             .map(|word| item(word, KEYWORD, "keyword"))
             .into(),
     }
+}
+
+fn faces() -> impl Iterator<Item = Value> {
+    Face::ALL
+        .map(|face| item(face.word(), ENUM_MEMBER, "face"))
+        .into_iter()
 }
 
 /// Returns the program's names of some kinds, each word once. If there are too many, words with the
