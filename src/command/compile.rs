@@ -13,6 +13,7 @@ use stochc_ir::graph::EventGraph;
 use stochc_ir::{Executable, Json};
 use stochc_report::figures::structure;
 
+use super::firmware::{self, MemoryOptions};
 use super::run_options::JsonOption;
 use super::source_options::SourceOptions;
 use super::terminal::{has_colour, message_width, print_with, warn_drawn};
@@ -40,9 +41,11 @@ pub struct CompileArguments {
     /// Print only this program of the file. Needed for a picture if the file contains several programs
     #[arg(long, value_name = "NAME")]
     program: Option<String>,
-    /// File for the output [default: print it]
+    /// File for the output [default: print it], or folder for firmware
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    memory: MemoryOptions,
     #[command(flatten)]
     source: SourceOptions,
 }
@@ -58,6 +61,8 @@ enum EmittedStage {
     Table,
     /// Compiled programs in one file, which `simulate` runs without the source
     Executable,
+    /// Firmware in C for the blocks of one program, in a folder
+    Firmware,
 }
 
 /// An output format of a stage.
@@ -91,12 +96,17 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
             "`--emit executable` is JSON, and has no `--format text`",
         ));
     }
-    let only = match form {
+    let is_firmware_wanted = options.emit == EmittedStage::Firmware;
+    if is_firmware_wanted && given.is_some() {
+        return Err(Failure::usage("`--emit firmware` has no `--format`"));
+    }
+    options.memory.only_for_firmware(is_firmware_wanted)?;
+    let picture = match form {
         EmittedFormat::Dot => Some(("dot", EmittedStage::Graph, "graph")),
         EmittedFormat::Svg => Some(("svg", EmittedStage::Structure, "structure")),
         EmittedFormat::Text | EmittedFormat::Json => None,
     };
-    if let Some((form, stage, name)) = only
+    if let Some((form, stage, name)) = picture
         && stage != options.emit
     {
         return Err(Failure::usage(format!(
@@ -112,8 +122,16 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     }
     UnusedValues::check_used_by(&source, &checked.programs)?;
     let stage = options.emit;
-    if stage == EmittedStage::Executable && checked.programs.is_empty() {
+    if (stage == EmittedStage::Executable || is_firmware_wanted) && checked.programs.is_empty() {
         return Err(nothing_to_run(&options.file, &checked));
+    }
+    if is_firmware_wanted {
+        only(&mut checked.programs, options.program.as_deref()).map_err(Failure::usage)?;
+        let tables = checked.programs.first().and_then(|it| it.tables.as_ref());
+        let Some(tables) = tables else {
+            return Err(nothing_to_run(&options.file, &checked));
+        };
+        return firmware::write(tables, options.out.as_deref(), &options.memory);
     }
     choose(&mut checked.programs, options.program.as_deref(), form).map_err(Failure::usage)?;
     let Some(path) = &options.out else {
@@ -216,7 +234,9 @@ fn json<'a>(
     Some(match stage {
         EmittedStage::Structure => structure_json(&program.plan, &program.layout, symbols),
         EmittedStage::Graph => graph_json(graph?, tables?),
-        EmittedStage::Table | EmittedStage::Executable => table_json(tables?),
+        EmittedStage::Table | EmittedStage::Executable | EmittedStage::Firmware => {
+            table_json(tables?)
+        }
     })
 }
 
@@ -237,6 +257,8 @@ fn text<'a>(
         (EmittedStage::Structure, _) => Box::new(structure_text(plan, layout)),
         (EmittedStage::Graph, EmittedFormat::Dot) => Box::new(graph_dot(graph?, tables?)),
         (EmittedStage::Graph, _) => Box::new(graph_text(graph?, tables?)),
-        (EmittedStage::Table | EmittedStage::Executable, _) => Box::new(table_text(tables?)),
+        (EmittedStage::Table | EmittedStage::Executable | EmittedStage::Firmware, _) => {
+            Box::new(table_text(tables?))
+        }
     })
 }

@@ -9,6 +9,7 @@ pub mod estimate;
 pub mod explain;
 pub mod export;
 mod figures;
+mod firmware;
 pub mod fit;
 pub mod fmt;
 pub mod fsck;

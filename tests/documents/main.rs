@@ -17,7 +17,8 @@ use std::process::{Command, Output, Stdio};
 use page::{Block, blocks, commands};
 
 /// Languages of blocks without commands. `python/tests` runs blocks of `python`.
-const NOT_COMMANDS: [&str; 9] = [
+const NOT_COMMANDS: [&str; 10] = [
+    "c",
     "elisp",
     "lua",
     "py",

@@ -1,0 +1,19 @@
+/* stochc firmware: controller of the seed plate. It runs the seeds, counts reports and begins the phases. */
+#ifndef SA_PLATE_H
+#define SA_PLATE_H
+
+#include "block.h"
+
+struct sa_plate {
+    uint8_t phase; /* Running phase, or the number of phases when all are complete. */
+    uint16_t reports;
+    struct sa_block seeds[SA_SEEDS];
+};
+
+/* Begins the first phase. The units of the seeds are their roles, 0 to SA_SEEDS - 1. */
+void sa_plate_start(struct sa_plate *plate);
+
+/* Works once on everything that has happened. Returns whether all phases are complete. */
+bool sa_plate_poll(struct sa_plate *plate);
+
+#endif

@@ -1,0 +1,249 @@
+//! Random orders of events, carried out by the interpreters and by the control.
+use std::collections::{BTreeMap, BTreeSet};
+
+use stochc_control::{BlockFace, Body, Docking, Orientation};
+use stochc_firmware::Image;
+use stochc_ir::Face;
+use stochc_ir::table::Tables;
+
+use crate::control::Control;
+use crate::host::{Channel, Host, HostEvent};
+
+/// States of a face in `block.h`.
+const OFF: u8 = 0;
+const OPEN: u8 = 1;
+
+/// One structure, twice.
+struct Pair<'a> {
+    host: &'a mut Host,
+    control: Control<'a>,
+    seeds: Vec<Body>,
+    /// Faces that the interpreters have switched on and that are empty.
+    open: BTreeSet<(u32, u8)>,
+    /// Blocks at faces.
+    held: BTreeMap<(u32, u8), u32>,
+    /// Free blocks.
+    free: Vec<u32>,
+    /// Blocks docked at faces that are off.
+    strays: BTreeSet<u32>,
+    random: Random,
+}
+
+/// Numbers drawn at random.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % n.max(1)
+    }
+}
+
+/// Returns the face of a block towards which the mark of `face` points.
+fn mark(face: Face) -> Face {
+    Face::ALL[(face as usize + 2) % 6]
+}
+
+/// Builds a structure with the interpreters, in one random order. The control must accept every
+/// event, and must be in the same state whenever no message is in transit.
+pub fn run(tables: &Tables, host: &mut Host, channel: Channel) -> Result<(), String> {
+    let image = Image::new(tables).map_err(|error| error.to_string())?;
+    let seeds: Vec<Body> = tables.seeds().map(|(_, cell)| Body::Seed(cell)).collect();
+    let free = tables.captures() + 2;
+    let units = seeds.len() + free;
+    host.load(&image, units, channel);
+    let mut pair = Pair {
+        host,
+        control: Control::new(tables),
+        open: BTreeSet::new(),
+        held: BTreeMap::new(),
+        free: (0..free as u32).collect(),
+        strays: BTreeSet::new(),
+        random: Random(channel.seed),
+        seeds,
+    };
+    let limit = 1000 + 400 * free;
+    for _ in 0..limit {
+        pair.step()?;
+        if pair.control.is_complete() {
+            pair.settle()?;
+            let (block, plate) = pair.host.waiting();
+            if block > image.sizes.waiting || plate > image.sizes.plate_waiting {
+                return Err(format!("{block} and {plate} waiting: {:?}", image.sizes));
+            }
+            return Ok(());
+        }
+    }
+    Err(format!("stuck: {:#?}", pair.host.states()))
+}
+
+impl Pair<'_> {
+    fn step(&mut self) -> Result<(), String> {
+        match self.random.below(8) {
+            0 => self.settle()?,
+            1 => self.stray()?,
+            2 | 3 => self.capture()?,
+            _ => {
+                let polls = 1 + self.random.below(40);
+                self.command(&format!("R {polls}"))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn command(&mut self, command: &str) -> Result<(), String> {
+        for event in self.host.events(command) {
+            self.apply(event)
+                .map_err(|error| format!("{event:?}: {error}"))?;
+        }
+        Ok(())
+    }
+
+    fn body(&self, unit: u32) -> Body {
+        let seed = self.seeds.get(unit as usize);
+        seed.map_or_else(|| Body::Free(unit - self.seeds.len() as u32), |seed| *seed)
+    }
+
+    fn unit(&self, free: u32) -> u32 {
+        free + self.seeds.len() as u32
+    }
+
+    fn apply(&mut self, event: HostEvent) -> Result<(), String> {
+        match event {
+            HostEvent::Opened { unit, face } => {
+                let block = self.control.structure.block(self.body(unit));
+                let block = block.ok_or("a block without a role")?;
+                let own = Face::ALL[usize::from(face)];
+                if !block.open().iter().any(|open| open.own == own) {
+                    return Err("the control has not opened it".into());
+                }
+                self.open.insert((unit, face));
+            }
+            HostEvent::Closed { unit, face } => {
+                let child = self.held.remove(&(unit, face)).ok_or("it holds nothing")?;
+                self.free.push(child);
+                if !self.strays.remove(&child) {
+                    let block_face = BlockFace {
+                        body: self.body(unit),
+                        face: Face::ALL[usize::from(face)],
+                    };
+                    self.control.release(block_face, Body::Free(child))?;
+                }
+            }
+            HostEvent::Phase(_) => self.control.next_phase()?,
+        }
+        Ok(())
+    }
+
+    /// Lets a random free block dock at a random open face.
+    fn capture(&mut self) -> Result<(), String> {
+        let open: Vec<_> = self.open.iter().copied().collect();
+        if open.is_empty() || self.free.is_empty() {
+            return Ok(());
+        }
+        let (unit, face) = open[self.random.below(open.len())];
+        let block_face = BlockFace {
+            body: self.body(unit),
+            face: Face::ALL[usize::from(face)],
+        };
+        if self.control.effects.lattice.target(block_face).is_none() {
+            return Ok(());
+        }
+        let child = self.free.swap_remove(self.random.below(self.free.len()));
+        let pose = self.control.effects.lattice.pose(block_face.body);
+        let parent = pose.ok_or("a parent without a place")?.orientation;
+        let child_face = Face::ALL[self.random.below(6)];
+        let turn = self.random.below(4) as u8;
+        let orientation = Orientation::docked(parent, block_face.face, child_face, turn);
+        let pointed = orientation.to_own(parent.to_structure(mark(block_face.face)));
+        self.open.remove(&(unit, face));
+        self.held.insert((unit, face), child);
+        let number = self.unit(child);
+        let (own, pointed) = (child_face as u8, pointed as u8);
+        self.control.dock(&Docking {
+            block_face,
+            child,
+            child_face,
+            turn,
+            entries: 1,
+            entered: 0,
+        });
+        self.command(&format!("D {unit} {face} {number} {own} {pointed}"))
+    }
+
+    /// Lets a free block dock at a face that is off. The capturing block must release it at once.
+    fn stray(&mut self) -> Result<(), String> {
+        let blocks: Vec<_> = self.control.structure.blocks().collect();
+        let block = blocks[self.random.below(blocks.len())];
+        let face = Face::ALL[self.random.below(6)];
+        let body = block.body();
+        let block_face = BlockFace { body, face };
+        let is_open = block.open().iter().any(|open| open.own == face);
+        if is_open || self.control.effects.lattice.target(block_face).is_none() {
+            return Ok(());
+        }
+        let unit = match body {
+            Body::Seed(_) => self.seeds.iter().position(|seed| *seed == body).unwrap() as u32,
+            Body::Free(free) => self.unit(free),
+        };
+        if self.held.contains_key(&(unit, face as u8)) || self.free.len() < 2 {
+            return Ok(());
+        }
+        // The capturing block may not have its role yet: it would keep the stray block.
+        let states = self.host.states();
+        let state = states.iter().find(|state| state.unit == unit);
+        if state.is_none_or(|state| state.faces[face as usize] != OFF) {
+            return Ok(());
+        }
+        let child = self.free.swap_remove(self.random.below(self.free.len()));
+        self.strays.insert(child);
+        self.held.insert((unit, face as u8), child);
+        let number = self.unit(child);
+        self.command(&format!("D {unit} {} {number} 0 2", face as u8))?;
+        self.command(&format!("T {unit}"))?;
+        if !self.strays.is_empty() {
+            let states = self.host.states();
+            if states.iter().any(|state| state.unit == unit) {
+                return Err(format!("unit {unit} keeps a stray block"));
+            }
+            // The capturing block has lost its role in the meantime.
+            self.command(&format!("U {unit} {}", face as u8))?;
+        }
+        Ok(())
+    }
+
+    /// Lets all messages arrive, and compares the states.
+    fn settle(&mut self) -> Result<(), String> {
+        self.command("Q")?;
+        let states = self.host.states();
+        if states.len() != self.control.structure.count() {
+            let count = self.control.structure.count();
+            return Err(format!("{} blocks instead of {count}", states.len()));
+        }
+        let phase = self.control.structure.phase();
+        for state in &states {
+            let body = self.body(state.unit);
+            let block = self.control.structure.block(body);
+            let block = block.ok_or_else(|| format!("{state:?} is not attached"))?;
+            let orientation = block.orientation();
+            let directions = Face::ALL.map(|own| orientation.to_structure(own) as u8);
+            let mut open: Vec<u8> = block.open().iter().map(|open| open.own as u8).collect();
+            open.sort_unstable();
+            let has: Vec<u8> = (0..6)
+                .filter(|&f| state.faces[usize::from(f)] == OPEN)
+                .collect();
+            let is_phase = phase.is_none_or(|phase| phase.0 == state.phase);
+            if state.role != block.role().0
+                || state.directions != directions
+                || has != open
+                || !is_phase
+            {
+                return Err(format!("{state:?} and {block:?} in phase {phase:?}"));
+            }
+        }
+        Ok(())
+    }
+}

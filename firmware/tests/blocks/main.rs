@@ -1,0 +1,12 @@
+//! Tests of the interpreter in C: one instance per block, bytes between them, next to the control
+//! that `stochc` verifies.
+#![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+#![cfg(unix)]
+mod control;
+mod driver;
+mod equal;
+mod host;
+#[allow(dead_code, reason = "other tests use more of it")]
+#[path = "../../../compiler/tests/compiler/random.rs"]
+mod random;
+mod target;

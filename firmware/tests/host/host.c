@@ -1,0 +1,321 @@
+/* Runs one interpreter per block, with bytes between them, as a test tells it on the standard input. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "plate.h"
+
+#define QUEUE 512u
+
+struct contact {
+    int unit; /* -1 without a neighbour */
+    uint8_t face;
+    uint8_t mark;
+    bool holds;
+};
+
+struct queue {
+    uint8_t bytes[QUEUE];
+    unsigned first;
+    unsigned count;
+};
+
+uint8_t sa_program[65536];
+
+static struct sa_plate plate;
+static struct sa_block *blocks;
+static struct contact *contacts;
+static struct queue *queues;
+static unsigned seeds;
+static unsigned units;
+static unsigned loss; /* of each byte [1/1000] */
+static unsigned noise; /* bytes per poll [1/1000] */
+static uint8_t now;
+static uint64_t state;
+static unsigned waiting_most;
+static unsigned plate_waiting_most;
+static bool busy;
+
+static unsigned draw(unsigned below) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return (unsigned)((state >> 33) % below);
+}
+
+static struct sa_block *block_of(unsigned unit) {
+    return unit < seeds ? &plate.seeds[unit] : &blocks[unit - seeds];
+}
+
+static struct contact *contact_of(unsigned unit, uint8_t face) {
+    return &contacts[unit * SA_FACES + face];
+}
+
+static void put(unsigned unit, uint8_t face, uint8_t byte) {
+    struct queue *queue = &queues[unit * SA_FACES + face];
+    if (queue->count < QUEUE) {
+        queue->bytes[(queue->first + queue->count) % QUEUE] = byte;
+        queue->count++;
+    }
+}
+
+void port_attract(uint16_t unit, uint8_t face) {
+    busy = true;
+    printf("O %u %u\n", unit, face);
+}
+
+void port_release(uint16_t unit, uint8_t face) {
+    struct contact *contact = contact_of(unit, face);
+    busy = true;
+    if (contact->holds) {
+        struct contact *other = contact_of((unsigned)contact->unit, contact->face);
+        printf("C %u %u\n", unit, face);
+        other->unit = -1;
+        contact->unit = -1;
+        contact->holds = false;
+    }
+}
+
+bool port_docked(uint16_t unit, uint8_t face) {
+    return contact_of(unit, face)->holds;
+}
+
+uint8_t port_mark(uint16_t unit, uint8_t face) {
+    return contact_of(unit, face)->mark;
+}
+
+void port_send(uint16_t unit, uint8_t face, uint8_t byte) {
+    const struct contact *contact = contact_of(unit, face);
+    if (contact->unit < 0) {
+        return;
+    }
+    if (loss > 0 && draw(1000) < loss) {
+        if (draw(2) == 0) {
+            return;
+        }
+        byte = (uint8_t)(byte ^ (1u << draw(8)));
+    }
+    put((unsigned)contact->unit, contact->face, byte);
+}
+
+int16_t port_receive(uint16_t unit, uint8_t face) {
+    struct queue *queue = &queues[unit * SA_FACES + face];
+    int16_t byte = -1;
+    if (noise > 0 && draw(1000) < noise) {
+        /* Delimiters are the likeliest to do harm. */
+        return (int16_t)(draw(4) == 0 ? 0x7E : draw(256));
+    }
+    if (queue->count > 0) {
+        byte = queue->bytes[queue->first];
+        queue->first = (queue->first + 1) % QUEUE;
+        queue->count--;
+    }
+    return byte;
+}
+
+uint8_t port_clock(void) {
+    return now;
+}
+
+static void poll_plate(void) {
+    uint8_t before = plate.phase;
+    unsigned seed;
+    (void)sa_plate_poll(&plate);
+    for (seed = 0; seed < seeds; seed++) {
+        if (plate.seeds[seed].waiting_count > plate_waiting_most) {
+            plate_waiting_most = plate.seeds[seed].waiting_count;
+        }
+    }
+    if (plate.phase != before) {
+        busy = true;
+        printf("P %u\n", plate.phase);
+    }
+}
+
+static void poll_block(unsigned number) {
+    sa_poll(&blocks[number]);
+    if (blocks[number].waiting_count > waiting_most) {
+        waiting_most = blocks[number].waiting_count;
+    }
+}
+
+/* Polls the plate or a block, drawn at random. */
+static void poll_one(void) {
+    unsigned which = draw(units - seeds + 1);
+    if (which == 0) {
+        poll_plate();
+    } else {
+        poll_block(which - 1);
+    }
+    if (draw(units - seeds + 1) == 0) {
+        now++;
+    }
+}
+
+static bool is_quiet(void) {
+    unsigned unit;
+    uint8_t face;
+    for (unit = 0; unit < units; unit++) {
+        const struct sa_block *block = block_of(unit);
+        if (block->up.kind != SA_NONE || block->down.kind != SA_NONE) {
+            return false;
+        }
+        for (face = 0; face < SA_FACES; face++) {
+            if (block->faces[face].sending != SA_NONE || queues[unit * SA_FACES + face].count > 0) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* Polls all until nothing is in transit and nothing happens for some rounds. */
+static void settle(void) {
+    unsigned idle = 0;
+    unsigned left = 20000;
+    unsigned quiet = noise;
+    noise = 0;
+    do {
+        unsigned number;
+        busy = false;
+        poll_plate();
+        for (number = 0; number < units - seeds; number++) {
+            poll_block(number);
+        }
+        now++;
+        left--;
+        idle = busy || !is_quiet() ? 0 : idle + 1;
+    } while (left > 0 && idle < 4);
+    noise = quiet;
+    if (left == 0) {
+        printf("! does not settle\n");
+    }
+}
+
+static void show(void) {
+    unsigned unit;
+    uint8_t face;
+    for (unit = 0; unit < units; unit++) {
+        const struct sa_block *block = block_of(unit);
+        if (sa_role(block) == SA_NO_ROLE) {
+            continue;
+        }
+        printf("B %u %u %u", unit, sa_role(block), block->phase);
+        for (face = 0; face < SA_FACES; face++) {
+            printf(" %u", block->direction[face]);
+        }
+        for (face = 0; face < SA_FACES; face++) {
+            printf(" %u", block->faces[face].state);
+        }
+        printf("\n");
+    }
+}
+
+static void load(FILE *in) {
+    unsigned length;
+    unsigned i;
+    unsigned long seed;
+    if (fscanf(in, "%u %u %u %u %lu %u", &seeds, &units, &loss, &noise, &seed, &length) != 6) {
+        exit(2);
+    }
+    state = seed;
+    memset(sa_program, 0, sizeof sa_program);
+    for (i = 0; i < length; i++) {
+        unsigned byte;
+        if (fscanf(in, "%2x", &byte) != 1) {
+            exit(2);
+        }
+        sa_program[i] = (uint8_t)byte;
+    }
+    free(blocks);
+    free(contacts);
+    free(queues);
+    blocks = calloc(units - seeds + 1, sizeof *blocks);
+    contacts = calloc((size_t)units * SA_FACES, sizeof *contacts);
+    queues = calloc((size_t)units * SA_FACES, sizeof *queues);
+    if (blocks == NULL || contacts == NULL || queues == NULL) {
+        exit(3);
+    }
+    for (i = 0; i < units * SA_FACES; i++) {
+        contacts[i].unit = -1;
+    }
+    now = 0;
+    waiting_most = 0;
+    plate_waiting_most = 0;
+    for (i = seeds; i < units; i++) {
+        sa_start(block_of(i), (uint16_t)i);
+    }
+    sa_plate_start(&plate);
+}
+
+static void dock(FILE *in) {
+    unsigned parent, parent_face, child, child_face, mark;
+    struct contact *above;
+    struct contact *below;
+    if (fscanf(in, "%u %u %u %u %u", &parent, &parent_face, &child, &child_face, &mark) != 5) {
+        exit(2);
+    }
+    above = contact_of(parent, (uint8_t)parent_face);
+    below = contact_of(child, (uint8_t)child_face);
+    above->unit = (int)child;
+    above->face = (uint8_t)child_face;
+    above->holds = true;
+    below->unit = (int)parent;
+    below->face = (uint8_t)parent_face;
+    below->mark = (uint8_t)mark;
+    queues[parent * SA_FACES + parent_face].count = 0;
+    queues[child * SA_FACES + child_face].count = 0;
+}
+
+int main(void) {
+    char command;
+    while (scanf(" %c", &command) == 1) {
+        unsigned count = 0;
+        switch (command) {
+        case 'L':
+            load(stdin);
+            break;
+        case 'D':
+            dock(stdin);
+            break;
+        case 'R':
+            if (scanf("%u", &count) != 1) {
+                return 2;
+            }
+            for (; count > 0; count--) {
+                poll_one();
+            }
+            break;
+        case 'T':
+            if (scanf("%u", &count) != 1) {
+                return 2;
+            }
+            if (count < seeds) {
+                poll_plate();
+            } else {
+                poll_block(count - seeds);
+            }
+            break;
+        case 'U': {
+            unsigned face;
+            if (scanf("%u %u", &count, &face) != 2) {
+                return 2;
+            }
+            port_release((uint16_t)count, (uint8_t)face);
+            break;
+        }
+        case 'Q':
+            settle();
+            break;
+        case 'S':
+            show();
+            break;
+        case 'W':
+            printf("W %u %u\n", waiting_most, plate_waiting_most);
+            break;
+        default:
+            return 2;
+        }
+        printf(".\n");
+        fflush(stdout);
+    }
+    return 0;
+}
