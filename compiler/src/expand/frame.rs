@@ -44,9 +44,10 @@ impl Frame {
     /// Returns the frame of an instance inside a pattern whose own frame is `outer`.
     #[must_use]
     pub fn within(self, outer: Frame) -> Frame {
-        let quarters = match outer.is_mirrored {
-            true => 4 - self.quarters,
-            false => self.quarters,
+        let quarters = if outer.is_mirrored {
+            4 - self.quarters
+        } else {
+            self.quarters
         };
         Frame {
             is_mirrored: self.is_mirrored != outer.is_mirrored,

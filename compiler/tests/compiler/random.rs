@@ -296,9 +296,10 @@ fn instance(parent: &str, name: &str, face: Face, frame: usize) -> String {
     let (is_mirrored, quarters) = (frame % 2 == 1, frame / 2 % 4);
     let mapped = |inner: &Face| {
         let is_east_west = matches!(inner, Face::East | Face::West);
-        let inner = match is_mirrored && is_east_west {
-            true => inner.opposite(),
-            false => *inner,
+        let inner = if is_mirrored && is_east_west {
+            inner.opposite()
+        } else {
+            *inner
         };
         inner.turned(quarters as u8).unwrap_or(inner) == face
     };
