@@ -121,8 +121,8 @@ impl Declared<'_> {
             ),
             Code::UnusedPattern => (
                 format!("pattern `{word}` is never used"),
-                "no phase has an instance of it",
-                format!("use it in a phase, remove it, or {keep}"),
+                "the program has no instance of it",
+                format!("write an instance of it, remove it, or {keep}"),
             ),
             Code::UnusedShape => (
                 format!("shape `{word}` is never checked"),
