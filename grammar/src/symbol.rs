@@ -9,7 +9,7 @@ use string_interner::{StringInterner, Symbol as _};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Symbol(pub u32);
 
-/// Keywords that begin a statement or declaration. Only the last [`SOFT`] may be names.
+/// Keywords that begin a statement or declaration. Only the last five may be names.
 pub const BEGINNINGS: [&str; 19] = [
     "assembly",
     "else",
