@@ -5,10 +5,7 @@ use stochc::ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text
 fn examples_compile_as_before() {
     insta::glob!("../../examples", "*.sa", |path| {
         let name = path.file_stem().unwrap().to_str().unwrap();
-        let text = std::fs::read(path).unwrap();
-        let mut reader = |_: &str| Ok(text.clone());
-        let shown = format!("examples/{name}.sa");
-        let checked = stochc::compiler::check(&shown, &mut reader, Default::default());
+        let checked = stochc::check(&format!("examples/{name}.sa"));
         assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
         let mut settings = insta::Settings::clone_current();
         settings.set_omit_expression(true);
