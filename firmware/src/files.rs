@@ -28,83 +28,38 @@ pub const MARK: &str = "stochc firmware";
 
 /// Returns the page on building.
 fn page(image: &Image, assembly: &str) -> String {
-    format!(
-        "# stochc firmware: `{assembly}`
+    let values = [
+        ("@ASSEMBLY@", assembly.to_owned()),
+        ("@PROGRAM@", image.bytes.len().to_string()),
+        ("@INTERPRETER@", Sizes::INTERPRETER.to_string()),
+        ("@RAM@", image.sizes.ram().to_string()),
+        ("@IDENTITY@", format!("0x{:04x}", image.identity())),
+    ];
+    filled(include_str!("../templates/BUILD.txt"), &values)
+}
 
-Write the seven functions at the end of `block.h` in a file `port.c`. In the main loop of a block, call `sa_start` once and
-`sa_poll` again and again. The plate calls `sa_plate_start` and `sa_plate_poll`.
-
-```sh
-avr-gcc -mmcu=atmega328p -std=c99 -Os -c block.c program.c port.c
-arm-none-eabi-gcc -mcpu=cortex-m0 -mthumb -std=c99 -Os -c block.c program.c port.c
-```
-
-Try the protocol on a computer, with one process per block:
-
-```sh
-cc -std=c99 -DSA_PLATE -o blocks block.c plate.c program.c posix.c && ./blocks
-```
-
-For the plate, define `SA_PLATE` for all files, and add `plate.c`.
-
-| memory of a block | bytes |
-|---|---|
-| flash for the program | {} |
-| flash for the interpreter, at most | {} |
-| RAM, without the stack | {} |
-
-The blocks ignore messages of other programs. The number of this program is 0x{:04x}.
-",
-        image.bytes.len(),
-        Sizes::INTERPRETER,
-        image.sizes.ram(),
-        image.identity(),
-    )
+/// Returns a template with its placeholders replaced.
+fn filled(template: &str, values: &[(&str, String)]) -> String {
+    let replace = |text: String, (name, value): &(&str, String)| text.replace(name, value);
+    values.iter().fold(template.to_owned(), replace)
 }
 
 /// Returns the header with the sizes.
 fn header(image: &Image, assembly: &str, bond: &str) -> String {
     let sizes = &image.sizes;
-    format!(
-        "/* stochc firmware: sizes of the program `{assembly}`. Generated. */
-#ifndef SA_PROGRAM_H
-#define SA_PROGRAM_H
-
-#include <stdint.h>
-
-/* Kind of bond: {bond} */
-#define SA_BOND_{}
-
-/* Observations and rules of a block in a phase, at most. */
-#define SA_SEEN {}u
-#define SA_RULES {}u
-/* Notifications that wait at a block, at most. Define SA_PLATE to compile the plate. */
-#ifdef SA_PLATE
-#define SA_WAITING {}u
-#else
-#define SA_WAITING {}u
-#endif
-#define SA_SEEDS {}u
-
-#ifdef __AVR__
-#include <avr/pgmspace.h>
-extern const uint8_t sa_program[{length}] PROGMEM;
-#define SA_READ(at) pgm_read_byte(&sa_program[(at)])
-#else
-extern const uint8_t sa_program[{length}];
-#define SA_READ(at) (sa_program[(at)])
-#endif
-
-#endif
-",
-        bond.to_uppercase(),
-        sizes.observations.max(1),
-        sizes.rules.max(1),
-        sizes.plate_waiting.max(sizes.waiting).max(1),
-        sizes.waiting.max(1),
-        sizes.seeds,
-        length = image.bytes.len(),
-    )
+    let plate_waiting = sizes.plate_waiting.max(sizes.waiting);
+    let values = [
+        ("@ASSEMBLY@", assembly.to_owned()),
+        ("@BOND@", bond.to_owned()),
+        ("@LAW@", bond.to_uppercase()),
+        ("@SEEN@", sizes.observations.max(1).to_string()),
+        ("@RULES@", sizes.rules.max(1).to_string()),
+        ("@PLATE_WAITING@", plate_waiting.max(1).to_string()),
+        ("@WAITING@", sizes.waiting.max(1).to_string()),
+        ("@SEEDS@", sizes.seeds.to_string()),
+        ("@LENGTH@", image.bytes.len().to_string()),
+    ];
+    filled(include_str!("../templates/program.h.txt"), &values)
 }
 
 /// Returns the program as a constant.

@@ -3,8 +3,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use stochc_ir::table::{Action, Condition, Notification, PhaseId, RoleId, Tables, Trigger};
 
-/// A block of one phase: its role, and whether it was attached at the start or is captured during
-/// the phase. A phase has at most one of each kind per role.
+/// A block of one phase, by its role and trigger. A block that was attached at the start differs
+/// from a block that is captured during the phase. A phase has at most one of each per role.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Node {
     /// Role of the block.

@@ -45,8 +45,8 @@ impl MemoryOptions {
                 .map(|(name, size)| format!("`{name}` ({size})"))
                 .collect();
             return Err(Failure::usage(format!(
-                "a block needs {} bytes of flash, and `--flash` allows {}\n  \
-                 interpreter: {}\n  tables of all blocks: {}\n  largest tables: {}",
+                "a block needs {} bytes of flash, and `--flash` allows {}. The interpreter takes \
+                 {}, and all tables {}. The largest tables: {}",
                 number(flash as f64),
                 number(limit as f64),
                 number(Sizes::INTERPRETER as f64),
@@ -58,15 +58,13 @@ impl MemoryOptions {
             && sizes.ram() > limit
         {
             return Err(Failure::usage(format!(
-                "a block needs {} bytes of RAM, and `--ram` allows {}\n  \
-                 waiting notifications: {} of 4 bytes\n  \
-                 observations and rules of a phase: {} and {} bits\n  the rest is the same for \
-                 every program",
+                "a block needs {} bytes of RAM, and `--ram` allows {}. Waiting notifications take \
+                 {}, observations {}, and rules {}. All else is the same for every program",
                 number(sizes.ram() as f64),
                 number(limit as f64),
-                sizes.waiting,
-                sizes.observations,
-                sizes.rules,
+                4 * sizes.waiting.max(1),
+                sizes.observations.div_ceil(8),
+                sizes.rules.div_ceil(8),
             )));
         }
         Ok(())
