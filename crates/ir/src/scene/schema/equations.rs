@@ -240,7 +240,7 @@ equations! {
     PUMP "open faces share the pump through the tree of blocks; resistances do not depend on the flow"
         Some("Δp = R Q on each way, flows into a chamber sum to none"); [N(&HEAD), Or(&OPENING, &BY_BLOCK), Or(&SUPPLY, &WITHOUT_SUPPLY), Or(&VALVE, &BY_ORIFICE), Or(&PASSAGE, &BY_VALVE)];
     OPENINGS "without `valve`, an open face is an orifice"
-        Some("R_v = H / Q with H = 3 η Q / r³ + ρ Q² / (2 (0.6 π r²)²), r = D / 2"); [] if has_orifice;
+        Some("R_v = 24 η / D³ + 22.2 ρ Q / (π² D⁴)"); [] if has_orifice;
     SINK "an open face is a sink before a wall, whose flow takes blocks along"
         Some("u = Q / (2 π d²) towards the face"); [D(&DRAWN), D(&DRAWN_SPEED)];
     SEALING "a block that is close feels the pressure drop on its face"
