@@ -200,15 +200,13 @@ impl<'a> Expander<'a, '_> {
         let Some(placement) = &instance.placement else {
             return Some(Frame::default());
         };
-        if let Some((x, _)) = placement
-            .at
-            .as_ref()
-            .filter(|_| self.in_phase && self.seeding.is_none())
-        {
-            let diagnostic =
-                Diagnostic::new(Code::Misplaced, "an instance in a phase has no position")
-                    .label(self.location(x.span), "moves only seeds")
-                    .help("remove `at`: the blocks of this instance are attached to its arguments");
+        if let Some((x, _)) = placement.at.as_ref().filter(|_| self.seeding.is_none()) {
+            let diagnostic = Diagnostic::new(
+                Code::Misplaced,
+                "an instance outside of a seed plate has no position",
+            )
+            .label(self.location(x.span), "moves only seeds")
+            .help("remove `at`: the blocks of this instance are attached to its arguments");
             self.diagnostics.push(diagnostic);
         }
         let mut frame = Frame {

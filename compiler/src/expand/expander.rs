@@ -92,6 +92,9 @@ pub(super) struct Expander<'a, 'f> {
     pub(super) instances: Vec<(Symbol, SourceLocation)>,
     /// Number of instances without a name.
     pub(super) anonymous: u32,
+    /// Number of the last instance without a name in a phase that an instance in the seed plate
+    /// contains.
+    pub(super) anonymous_in_phases: u32,
     nesting: usize,
     pub(super) steps: usize,
     /// Number of operations in expressions since the last counted step.
@@ -160,6 +163,7 @@ impl<'a, 'f> Expander<'a, 'f> {
             frame: Frame::default(),
             instances: Vec::new(),
             anonymous: 0,
+            anonymous_in_phases: 0,
             nesting: 0,
             steps: 0,
             operations: 0,
@@ -491,7 +495,16 @@ impl<'a> Expander<'a, '_> {
         self.in_phase = true;
         // This also applies after a misplaced plate, which has been reported.
         let seeding = self.seeding.take();
+        let is_in_instance = seeding == Some(Seeding::Phases);
+        let outside = self.anonymous;
+        if is_in_instance {
+            self.anonymous = self.anonymous_in_phases;
+        }
         self.items(&phase.body);
+        if is_in_instance {
+            self.anonymous_in_phases = self.anonymous;
+            self.anonymous = outside;
+        }
         self.seeding = seeding;
         self.in_phase = false;
         let end = self.grown.events as u32;

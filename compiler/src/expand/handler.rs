@@ -24,7 +24,8 @@ impl Expander<'_, '_> {
             let label = "this handler is never used";
             self.reject_handler(
                 title,
-                (head(handler), label),
+                head(handler),
+                label,
                 format!("write `phase {name} timeout 40000 ticks {{`"),
             );
             return None;
@@ -81,7 +82,8 @@ impl Expander<'_, '_> {
                 let label = "statements are missing or in another order";
                 self.reject_handler(
                     title,
-                    (head(handler), label),
+                    head(handler),
+                    label,
                     format!("write `release {name}`, then `wait 20 s` if needed, then `retry 3`"),
                 );
                 return None;
@@ -95,14 +97,17 @@ impl Expander<'_, '_> {
             let span = release.places.first().map_or(head(handler), |it| it.span);
             let title = format!("a handler of phase `{name}` releases the whole phase");
             let label = "not the name of the phase";
-            self.reject_handler(title, (span, label), format!("write `release {name}`"));
+            self.reject_handler(title, span, label, format!("write `release {name}`"));
         }
         is_own.then_some(count)
     }
 
     fn is_phase(&mut self, place: &Place, phase: &Place) -> bool {
+        if place.face.is_some() || place.path.len() != 1 {
+            return false;
+        }
         let name = self.single_key(place);
-        place.face.is_none() && name.is_some() && name == self.single_key(phase)
+        name.is_some() && name == self.single_key(phase)
     }
 
     fn retries(&mut self, count: &Expr) -> Option<u32> {
@@ -124,7 +129,7 @@ impl Expander<'_, '_> {
         None
     }
 
-    fn reject_handler(&mut self, title: String, (span, label): (Span, &str), help: String) {
+    fn reject_handler(&mut self, title: String, span: Span, label: &str, help: String) {
         let diagnostic = Diagnostic::new(Code::InvalidHandler, title)
             .label(self.location(span), label)
             .help(help);

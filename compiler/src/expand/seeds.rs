@@ -65,9 +65,11 @@ impl<'a> Expander<'a, '_> {
             depth: depth.unwrap_or(u32::MAX),
         };
         let outer = self.seeding.replace(Seeding::Seats);
-        // Instances without names have the same numbers in each pass.
+        // Instances without names have the same numbers in each pass. Instances in phases occur in
+        // the last pass only, so their numbers come after all others.
         let anonymous = self.anonymous;
         self.items(&seed.body);
+        self.anonymous_in_phases = self.anonymous;
         let has_instances = contains(&seed.body, |it| matches!(it, ItemKind::Instance(_)));
         if has_instances || contains(&seed.body, |it| matches!(it, ItemKind::Chain(_))) {
             self.anonymous = anonymous;
@@ -78,6 +80,7 @@ impl<'a> Expander<'a, '_> {
             self.anonymous = anonymous;
             self.seeding = Some(Seeding::Phases);
             self.items(&seed.body);
+            self.anonymous = self.anonymous_in_phases;
         }
         self.seeding = outer;
     }

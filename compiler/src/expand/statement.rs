@@ -288,10 +288,7 @@ impl<'a> Expander<'a, '_> {
         let frame = self.frame_of(instance);
         let key = match &instance.alias {
             Some(alias) => self.single_key(alias),
-            None => {
-                self.anonymous += 1;
-                Some(self.anonymous_key(name))
-            }
+            None => Some(self.anonymous_key(name)),
         };
         let Some(key) = key else {
             instance
@@ -330,6 +327,7 @@ impl<'a> Expander<'a, '_> {
 
     /// Returns a generated name for an instance that the program does not name.
     fn anonymous_key(&mut self, pattern: Symbol) -> NameKey {
+        self.anonymous += 1;
         let word = match self.pass {
             Pass::Writing => {
                 let text = format!("{}#{}", self.symbols.word(pattern), self.anonymous);

@@ -116,6 +116,27 @@ fn a_pattern_can_contain_seeds_and_phases() {
 }
 
 #[test]
+fn instances_without_names_keep_their_seeds() {
+    let cells = structure(
+        "pattern cap(b) { b.up -> top }
+        pattern tower() {
+            base at (0, 0)
+            phase grow { base.up -> x  cap(x) }
+            phase more { x.east -> y  cap(y) }
+        }
+        assembly a { seed plate 5 x 1 { tower() at (0, 0)  tower() at (4, 0) } }",
+    );
+    let tops: Vec<_> = (cells.iter())
+        .filter(|(name, _)| name.ends_with(".top"))
+        .map(|(_, cell)| *cell)
+        .collect();
+    assert_eq!(tops.len(), 4);
+    for cell in [(0, 0, 2), (1, 0, 2), (4, 0, 2), (5, 0, 2)] {
+        assert!(tops.contains(&cell), "{cell:?}");
+    }
+}
+
+#[test]
 fn frames_of_nested_instances_add_up() {
     let text = "pattern foot(x) { M at (x, 0) }
         pattern pair() { foot(1) as near  foot(0) mirrored turned 90 at (0, 2) as far }
@@ -231,7 +252,7 @@ fn wrong_arguments_and_frames_are_reported_once() {
         (
             "arm(A) at (1, 0)",
             Code::Misplaced,
-            "an instance in a phase has no position",
+            "an instance outside of a seed plate has no position",
         ),
         (
             "let n = up + 1",
