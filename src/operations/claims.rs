@@ -20,7 +20,7 @@ use crate::host::Host;
 
 /// Largest relative error of mean times in the rate model, in all scenes of
 /// docs/validation/rates.md.
-const RATE_ERROR: f64 = 0.2;
+const RATE_ERROR: f64 = 0.25;
 
 /// Options of tests of claims.
 #[derive(Clone, Debug)]
@@ -115,8 +115,15 @@ fn rate_error(entries: &[EnsembleProgram], options: &ClaimOptions) -> Option<Mod
         .iter()
         .map(|program| matching(&options.rates, &program.scene));
     let rates: Option<Vec<&Rates>> = rates.collect();
+    // A timeout turns an error of a time into an infinite time.
+    let has_timeout = (entries.iter()).any(|it| {
+        it.tables()
+            .phases
+            .iter()
+            .any(|phase| phase.timeout.is_some())
+    });
     let is_supported = entries.iter().all(|program| supported(program).is_ok());
-    let rates = rates.filter(|_| options.tries_rates && is_supported)?;
+    let rates = rates.filter(|_| options.tries_rates && is_supported && !has_timeout)?;
     let mut programs = entries.iter().zip(rates);
     let is_complete = programs.all(|(program, rates)| program.lower_bound(rates).is_empty());
     Some(ModelError {

@@ -152,7 +152,7 @@ fn event_time(event: ClaimedEvent, record: &RunRecord) -> TimeRange {
         ClaimedEvent::Capture { block, by } => {
             let was_block =
                 |origin: &Origin| matches!(origin, Origin::Released { role, .. } if *role == block);
-            let mut bonds = record.bonds.iter().filter(|bond| bond.parent == by);
+            let mut bonds = record.all_bonds().filter(|bond| bond.parent == by);
             let bond = bonds.find(|bond| bond.child == block || was_block(&bond.origin));
             bond.map_or_else(
                 || missing(ticks),
@@ -201,7 +201,8 @@ pub fn test_claims(
             {
                 // Runs are sorted by program and number.
                 next[number] += 1;
-                run.other = Some(time);
+                let ratio = programs[done.program].scene.tick / programs[0].scene.tick;
+                run.other = Some(TimeRange::new(time.shortest * ratio, time.longest * ratio));
                 run.cpu = run.cpu.zip(done.cpu).map(|(own, other)| own + other);
             }
         }
@@ -229,12 +230,15 @@ fn tested(claim: &Claim, runs: &[ClaimedRun], testing: ClaimTesting) -> TestedCl
             let mut test = ShareTest::new(*bound, margin, alpha);
             let decided = own.find_map(|time| test.add(time.is_within(*within)));
             let runs = &runs[..test.runs() as usize];
-            let happened = |run: &&ClaimedRun| run.own.is_within(*within) == Some(true);
-            let share = runs.iter().filter(happened).count() as f64 / runs.len() as f64;
+            let happened = runs.iter().map(|run| run.own.is_within(*within));
+            let share = happened
+                .map(|happened| happened.map(f64::from))
+                .sum::<Option<f64>>();
+            let share = share.map(|sum| sum / runs.len() as f64);
             TestedClaim {
                 verdict: verdict(decided, *relation),
                 quantity: ClaimedQuantity::Probability,
-                estimate: Some(share).filter(|_| !runs.is_empty()),
+                estimate: share.filter(|_| !runs.is_empty()),
                 limits: test.interval(),
                 runs: test.runs(),
                 cpu: cpu(runs),
@@ -266,8 +270,10 @@ fn faster(by: f64, runs: &[ClaimedRun], testing: ClaimTesting) -> TestedClaim {
         let [own, other] = [run.own, other(run)].map(|time| time.with_error(testing.error));
         let low = (1.0 - by) * other.shortest - own.longest;
         let high = (1.0 - by) * other.longest - own.shortest;
+        // A program that never completes has no mean, so its time shows nothing.
+        let is_unknown = low.is_nan() || other.shortest.is_infinite();
+        let low = if is_unknown { f64::NEG_INFINITY } else { low };
         // The difference of two times that are both unknown is unknown.
-        let low = if low.is_nan() { f64::NEG_INFINITY } else { low };
         let high = if high.is_nan() { f64::INFINITY } else { high };
         test.add(low, high)
     });
@@ -276,17 +282,20 @@ fn faster(by: f64, runs: &[ClaimedRun], testing: ClaimTesting) -> TestedClaim {
         mean(runs.iter().map(|run| run.own)),
         mean(runs.iter().map(other)),
     ];
-    let relative = |difference: f64| match others {
-        Some(mean) => by + difference / mean,
-        // Without a mean of the other program, only the sign is known.
-        None => difference.signum() * f64::INFINITY,
-    };
     let (low, high) = test.interval();
+    let limits = match others {
+        Some(mean) => (by + low / mean, by + high / mean),
+        // Without a mean of the other program, only the side of the bound is known.
+        None => (
+            if low > 0.0 { by } else { f64::NEG_INFINITY },
+            if high < 0.0 { by } else { f64::INFINITY },
+        ),
+    };
     TestedClaim {
         verdict: verdict(decided, Relation::AtLeast),
         quantity: ClaimedQuantity::Difference,
         estimate: own.zip(others).map(|(own, others)| 1.0 - own / others),
-        limits: (relative(low), relative(high)),
+        limits,
         runs: test.runs(),
         cpu: cpu(runs),
     }
