@@ -23,12 +23,15 @@ impl Sizes {
     /// Upper bound of the interpreter's size in flash \[bytes\].
     pub const INTERPRETER: usize = 4096;
 
-    /// Returns the size of a block's state on an 8-bit or 16-bit processor \[bytes\].
+    /// Returns the size of a block's state \[bytes\].
     pub fn ram(&self) -> usize {
         const FACE: usize = 20;
         const MESSAGE: usize = 4;
         let fixed = 2 + 2 + 2 + 1 + 6 + 1 + 2 + 2 * MESSAGE + 6 * FACE;
         let bits = |count: usize| count.max(1).div_ceil(8);
-        fixed + self.waiting.max(1) * MESSAGE + bits(self.observations) + bits(self.rules)
+        let size =
+            fixed + self.waiting.max(1) * MESSAGE + bits(self.observations) + bits(self.rules);
+        // Processors of 16 and 32 bits align the state.
+        size.next_multiple_of(2)
     }
 }
