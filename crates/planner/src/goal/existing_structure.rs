@@ -66,13 +66,9 @@ impl ExistingStructure {
         // Releases come before captures of the same tick, because a name is released before it is
         // reused.
         let captures = record
-            .bonds
-            .iter()
+            .all_bonds()
             .map(|bond| (bond.docked, 1, Some(bond), bond.child));
-        let releases = record
-            .releases
-            .iter()
-            .map(|it| (it.tick, 0, None, it.child));
+        let releases = record.all_releases().map(|it| (it.tick, 0, None, it.child));
         let mut events: Vec<_> = captures.chain(releases).collect();
         events.sort_by_key(|&(tick, kind, ..)| (tick, kind));
         let mut there = BTreeMap::new();
