@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares simulated blocks with published laws to which no scene was fitted.
+"""Compares simulated blocks with published laws. No scene was fitted to these laws.
 
 python3 lab/published/run.py [STOCHC [PART ...]]    needs only Python, takes some minutes
 

@@ -63,13 +63,13 @@ pub fn tested_claims(
             margin: options.margin,
             error: ModelError::NONE,
         };
-        reported.extend(of_program(program, programs, testing, options, host)?);
+        reported.extend(test_program(program, programs, testing, options, host)?);
     }
     Ok(reported)
 }
 
 /// Tests the claims of one program.
-fn of_program(
+fn test_program(
     program: &EnsembleProgram,
     programs: &[EnsembleProgram],
     mut testing: ClaimTesting,

@@ -62,7 +62,7 @@ impl Suction {
         Some(self.flow()? / (FRAC_PI_4 * self.opening * self.opening))
     }
 
-    /// Returns the distance at which one open face of the plate draws fluid with a speed \[m\].
+    /// Returns the distance from an open face of the plate where the flow has this speed \[m\].
     pub fn distance(&self, speed: f64) -> Option<f64> {
         Some((self.flow()? / (2.0 * PI * speed)).sqrt())
     }
