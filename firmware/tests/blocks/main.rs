@@ -9,4 +9,6 @@ mod host;
 #[allow(dead_code, reason = "other tests use more of it")]
 #[path = "../../../compiler/tests/compiler/random.rs"]
 mod random;
+#[path = "../../../tests/skipped/mod.rs"]
+mod skipped;
 mod target;
