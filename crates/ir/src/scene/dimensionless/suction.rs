@@ -31,7 +31,7 @@ pub(super) fn suction(scene: &Scene, push: Push, out: &mut Vec<DimensionlessNumb
     if let Some(distance) = speed.and_then(|speed| suction.distance(speed)) {
         out.push(DimensionlessNumber::new(
             "√(Q / (2 π v)) / a",
-            "block lengths to the point where the flow of an open face is as fast as the blocks",
+            "block lengths to where the flow of an open face is as fast as a block",
             units.length(distance),
         ));
     }
