@@ -33,6 +33,8 @@ pub struct ExpandedProgram {
     pub events: Vec<ExpandedEvent>,
     /// Dependencies that `after` declares, sorted by the waiting event.
     pub afters: Vec<AfterConstraint>,
+    /// Times that releases wait, sorted by the release.
+    pub delays: Vec<ReleaseDelay>,
     /// Number of blocks in a complete aggregate. `None` for an assembly. An aggregate has no plate,
     /// seeds or events. It has one phase for each size of 2 or more blocks.
     pub aggregate: Option<u32>,
@@ -112,6 +114,8 @@ pub struct ExpandedPhase {
     pub claims: Vec<(Symbol, SourceLocation)>,
     /// Reaction to a timeout. `None` if a timeout ends the run.
     pub recovery: Option<PhaseRecovery>,
+    /// Shortest durations of the phase. The longest one applies.
+    pub waits: Vec<Timeout>,
 }
 
 /// Reaction to a timeout of a phase: all its captures are released, and the phase begins again.
@@ -261,6 +265,17 @@ pub struct AfterConstraint {
     pub role: RoleId,
     /// Whether the event waits for the release of the block instead of its capture.
     pub release: bool,
+    /// Location in the source.
+    pub location: SourceLocation,
+}
+
+/// Time between the events that a release waits for, and the release.
+#[derive(Clone, Copy, Debug)]
+pub struct ReleaseDelay {
+    /// The release.
+    pub event: EventId,
+    /// The time.
+    pub time: Timeout,
     /// Location in the source.
     pub location: SourceLocation,
 }
@@ -424,6 +439,7 @@ impl ExpandedProgram {
         self.phases = Vec::new();
         self.events = Vec::new();
         self.afters = Vec::new();
+        self.delays = Vec::new();
     }
 
     /// Returns an event.
@@ -438,6 +454,14 @@ impl ExpandedProgram {
             EventKind::Capture { parent, .. } => parent,
             EventKind::Release => event.role,
         }
+    }
+
+    /// Returns the time that a release waits after its dependencies \[ticks\]. `tick` is the length
+    /// of a tick \[s\].
+    pub fn delay(&self, id: EventId, tick: f64) -> Option<u32> {
+        let delays = &self.delays;
+        let found = delays.binary_search_by_key(&id, |delay| delay.event).ok()?;
+        u32::try_from(delays[found].time.ticks(tick)).ok()
     }
 
     /// Returns the events of a phase.

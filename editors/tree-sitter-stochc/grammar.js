@@ -31,7 +31,11 @@ module.exports = grammar({
 
     chain: $ => seq($._first_place, repeat1(seq($.arrow, $.place)), optional($.after)),
     arrow: _ => choice('->', '->>'),
-    after: $ => seq('after', list(seq(optional('release'), $.place))),
+    after: $ => seq('after', choice(
+      seq(list($._subject), optional(seq(',', $.time))),
+      $.time,
+    )),
+    _subject: $ => seq(optional('release'), $.place),
     release: $ => seq('release', list($.place), optional($.after)),
     seat: $ => seq($._first_place, 'at', $.point),
     point: $ => seq('(', $.expression, ',', $.expression, ')'),
@@ -48,7 +52,7 @@ module.exports = grammar({
       choice($.expression, $.place),
     ),
     yields: $ => seq('yields', field('shape', $.name)),
-    wait: $ => seq('wait', $.quantity),
+    wait: $ => seq('wait', $.time),
     retry: $ => seq('retry', $.expression),
     expect: $ => seq('expect', choice(
       seq('mean', 'completion', $.relation, $.quantity),
@@ -110,6 +114,7 @@ module.exports = grammar({
     ),
     span_of_values: $ => seq($.number, optional($.unit), '..', $.quantity),
     quantity: $ => seq($.number, optional($.unit)),
+    time: $ => seq($.number, optional($._unit_factor)),
     unit: $ => seq($._unit_factor, repeat(seq(optional(choice('/', '*')), $._unit_factor))),
     _unit_factor: $ => seq($.unit_symbol, optional(seq(token.immediate('^'), $.unit_power))),
     unit_power: _ => token.immediate(/-?[0-9]{1,2}/),

@@ -135,7 +135,8 @@ impl<'a> Encoder<'a> {
             Action::Magnetize { child, .. } | Action::SwitchOff { child, .. } => {
                 push(&(child.0 as u16).to_le_bytes());
             }
-            Action::AskRelease | Action::Report => push(&[]),
+            // `Image::new` has rejected delays.
+            Action::AskRelease | Action::AskReleaseLater(_) | Action::Report => push(&[]),
             Action::Notify { to, notification } => {
                 let mut written = 0;
                 for node in self.nodes.receivers(phase, to, notification) {
@@ -224,7 +225,7 @@ fn action_number(action: Action) -> u8 {
     match action {
         Action::Magnetize { face, .. } => (face as u8) << 3,
         Action::SwitchOff { face, .. } => 1 | ((face as u8) << 3),
-        Action::AskRelease => 2,
+        Action::AskRelease | Action::AskReleaseLater(_) => 2,
         Action::Notify { .. } => 3,
         Action::Report => 4,
     }

@@ -1,5 +1,5 @@
 //! Program image: the bytes that the interpreter reads.
-use stochc_ir::table::{Phase, Tables};
+use stochc_ir::table::{Action, Phase, Rule, Tables};
 use thiserror::Error;
 
 use crate::encode::Encoder;
@@ -29,6 +29,9 @@ pub enum Unsupported {
     /// A phase begins again after a timeout.
     #[error("phase `{0}` begins again after a timeout, which firmware does not support yet")]
     Recovery(String),
+    /// A phase contains a time.
+    #[error("phase `{0}` waits for a time, which firmware does not support yet")]
+    Time(String),
     /// The program has too many phases.
     #[error("the program has {0} phases, and firmware supports 255")]
     Phases(usize),
@@ -80,6 +83,9 @@ impl Image {
         }
         if let Some(phase) = tables.phases.iter().find(|it| it.recovery.is_some()) {
             return Err(Unsupported::Recovery(phase.name.clone()));
+        }
+        if let Some(phase) = timed_phase(tables) {
+            return Err(Unsupported::Time(phase.name.clone()));
         }
         let (phases, roles) = (tables.phases.len(), tables.roles.len());
         let phase_count = u8::try_from(phases).map_err(|_| Unsupported::Phases(phases))?;
@@ -155,4 +161,13 @@ fn crc16(bytes: &[u8]) -> u16 {
             }
         })
     })
+}
+
+/// Returns a phase with a shortest duration, or with a release that waits for a time.
+fn timed_phase(tables: &Tables) -> Option<&Phase> {
+    let is_late = |rule: Rule<'_>| matches!(rule.then, Action::AskReleaseLater(_));
+    let mut duties = tables.duties();
+    let late = duties.find(|duty| duty.rules().any(is_late));
+    let late = late.map(|duty| &tables.phases[duty.phase.0 as usize]);
+    late.or_else(|| tables.phases.iter().find(|phase| phase.wait > 0))
 }

@@ -53,7 +53,7 @@ impl Printer<'_> {
             ItemKind::Release(release) => {
                 self.out.push_str("release ");
                 self.list(&release.places, Printer::place);
-                self.after(&release.after);
+                self.after(&release.after, release.delay.as_deref());
             }
             ItemKind::Instance(instance) => self.instance(instance),
             ItemKind::Seat(seat) => {
@@ -237,7 +237,7 @@ impl Printer<'_> {
             });
             self.place(&link.place);
         }
-        self.after(&chain.after);
+        self.after(&chain.after, None);
     }
 
     fn instance(&mut self, instance: &Instance) {
@@ -370,8 +370,8 @@ impl Printer<'_> {
         }
     }
 
-    fn after(&mut self, subjects: &[EventReference]) {
-        if subjects.is_empty() {
+    fn after(&mut self, subjects: &[EventReference], delay: Option<&Quantity>) {
+        if subjects.is_empty() && delay.is_none() {
             return;
         }
         self.out.push_str(" after ");
@@ -381,6 +381,11 @@ impl Printer<'_> {
             }
             printer.place(&subject.place);
         });
+        if let Some(delay) = delay {
+            self.out
+                .push_str(if subjects.is_empty() { "" } else { ", " });
+            self.quantity(delay);
+        }
     }
 
     fn place(&mut self, place: &Place) {

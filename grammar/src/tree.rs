@@ -55,7 +55,7 @@ pub enum ItemKind {
     /// Handler of the timeout of the phase before it: `on timeout { ... }`. Part of that phase in a
     /// finished tree.
     Handler(Box<TimeoutHandler>),
-    /// Pause of a handler: `wait 20 s`
+    /// Shortest duration of a phase, or pause of a handler: `wait 20 s`
     Wait(Quantity),
     /// Repetition in a handler: `retry 3`
     Retry(Box<Expr>),
@@ -130,6 +130,8 @@ pub struct Release {
     pub places: Vec<Place>,
     /// Events that the releases wait for.
     pub after: Vec<EventReference>,
+    /// Time between these events and the releases. `None` without a delay.
+    pub delay: Option<Box<Quantity>>,
 }
 
 /// A block or several blocks, with a face if one is written.

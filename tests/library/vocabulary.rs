@@ -39,6 +39,7 @@ fn tables(bond: BondKind, trigger: Trigger, when: Vec<Condition>, then: Action) 
     let phase = Phase {
         name: "grow".to_owned(),
         timeout: None,
+        wait: 0,
         reports: 0,
         recovery: None,
         pre_attached: false,
@@ -121,6 +122,7 @@ fn action_rows() -> Vec<(Value, String)> {
     all.extend(with_hardware(switch_off));
     let messages = [
         Action::AskRelease,
+        Action::AskReleaseLater(20),
         Action::Notify {
             to: B,
             notification,

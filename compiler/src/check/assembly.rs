@@ -236,6 +236,9 @@ impl<'a> AssemblyInput<'a> {
         if !found.cut_short {
             errors.append(&mut names);
         }
+        if let Some(scene) = scene {
+            reject_long_delays(&plan, scene, errors);
+        }
         done(Stage::Names);
         let later = &mut found.later;
         let layout = layout::lay_out(
@@ -413,4 +416,20 @@ fn jam_risks(diagnostics: &[Diagnostic]) -> Vec<JamRisk> {
     risks.sort_unstable();
     risks.dedup();
     risks
+}
+
+/// Reports delays of releases that do not fit into event tables.
+fn reject_long_delays(plan: &ExpandedProgram, scene: &Scene, diagnostics: &mut Vec<Diagnostic>) {
+    let mut reported = None;
+    for delay in &plan.delays {
+        let ticks = delay.time.ticks(scene.tick);
+        let is_new = reported.replace(delay.location) != Some(delay.location);
+        if u32::try_from(ticks).is_err() && is_new {
+            let diagnostic =
+                Diagnostic::new(Code::WrongValue, "the delay of a release is too long")
+                    .label(delay.location, format!("{ticks} ticks"))
+                    .help(format!("write at most {} ticks", u32::MAX));
+            diagnostics.push(diagnostic);
+        }
+    }
 }

@@ -14,11 +14,13 @@ impl Program {
     pub fn event_graph(&self) -> EventGraph {
         let (plan, order) = (&self.plan, self.order.as_ref());
         let phases = (0..).zip(&plan.phases);
+        let tick = self.scene.as_ref().map(|scene| scene.tick);
         let events = phases.flat_map(|(number, phase)| {
             plan.events_of(phase).map(move |id| graph::GraphEvent {
                 phase: stochc_ir::table::PhaseId(number),
                 action: plan.event(id).action(),
                 cell: self.layout.cells[id.0 as usize],
+                delay: tick.and_then(|tick| plan.delay(id, tick)).unwrap_or(0),
             })
         });
         let edges = self.graph.edge_indices().filter_map(|edge| {

@@ -1,5 +1,6 @@
 //! Warns of phases whose timeout is shorter than they need.
 use stochc_estimate::{Rates, estimate, estimate_without_timeouts};
+use stochc_ir::table::Phase;
 
 use crate::Program;
 use crate::diagnostic::{Code, Diagnostic, report};
@@ -14,6 +15,16 @@ const MAX_TIMED_OUT: f64 = 0.5;
 /// calibrated rates of the scene.
 pub fn check(program: &Program, diagnostics: &mut Vec<Diagnostic>) {
     let phases = &program.plan.phases;
+    for (phase, table) in phases.iter().zip(tables(program)) {
+        if table.timeout.is_some_and(|timeout| timeout < table.wait) {
+            let title = format!("phase `{}` always times out", phase.name);
+            let label = format!("this phase waits for {} ticks", table.wait);
+            let diagnostic = Diagnostic::new(Code::ShortTimeout, title)
+                .label(phase.location, label)
+                .help("write a timeout that is longer than the `wait`");
+            return report(diagnostics, diagnostic);
+        }
+    }
     let has_timeout = phases.iter().any(|phase| phase.timeout.is_some());
     if !has_timeout || program.plan.events.len() > MAX_ESTIMATED {
         return;
@@ -56,6 +67,12 @@ pub fn check(program: &Program, diagnostics: &mut Vec<Diagnostic>) {
         let diagnostic = Diagnostic::new(Code::ShortTimeout, title).label(phase.location, label);
         report(diagnostics, diagnostic.help(help));
     }
+}
+
+/// Returns the tables of the phases. Returns none if the program has errors.
+fn tables(program: &Program) -> &[Phase] {
+    let tables = program.tables.as_ref();
+    tables.map_or(&[], |tables| &tables.phases)
 }
 
 /// Rounds a number of ticks up to two digits.

@@ -32,6 +32,7 @@ pub fn lower(
         liveness,
         layout,
         graph,
+        tick: scene.tick,
         rules: Vec::with_capacity(plan.events.len() * 2),
         conditions: Vec::new(),
         reports: vec![0; plan.phases.len()],
@@ -74,6 +75,8 @@ struct Lowering<'a> {
     liveness: &'a Liveness,
     layout: &'a Layout,
     graph: &'a DependencyGraph,
+    /// Length of a tick \[s\].
+    tick: f64,
     rules: Vec<UnassignedRule>,
     conditions: Vec<Condition>,
     reports: Vec<u32>,
@@ -109,7 +112,11 @@ impl Lowering<'_> {
                     return;
                 };
                 let when = self.conditions_of(id, actor);
-                self.push(actor, phase, when, Action::AskRelease);
+                let ask = match self.plan.delay(id, self.tick) {
+                    Some(ticks) => Action::AskReleaseLater(ticks),
+                    None => Action::AskRelease,
+                };
+                self.push(actor, phase, when, ask);
                 let parent = self.witness(id);
                 let off = Action::SwitchOff {
                     face: on.face,
@@ -250,6 +257,10 @@ impl Lowering<'_> {
             name: phase.name.clone(),
             timeout: phase.timeout.map(|timeout| timeout.ticks(scene.tick)),
             reports,
+            wait: (phase.waits.iter())
+                .map(|wait| wait.ticks(scene.tick))
+                .max()
+                .unwrap_or(0),
             recovery: phase.recovery.map(|recovery| Recovery {
                 retries: recovery.retries,
                 reports: 0,

@@ -39,6 +39,7 @@ impl Expander<'_, '_> {
                 pre_attached: false,
                 claims: Vec::new(),
                 recovery: None,
+                waits: Vec::new(),
             })
             .collect();
     }

@@ -147,6 +147,7 @@ impl<'a, 'f> Expander<'a, 'f> {
                 phases: Vec::new(),
                 events: Vec::new(),
                 afters: Vec::new(),
+                delays: Vec::new(),
                 aggregate: None,
                 claims: Vec::new(),
                 grown: Vec::new(),
@@ -373,6 +374,12 @@ impl<'a> Expander<'a, '_> {
                 }
             }
             ItemKind::Expect(claim) => self.claim(claim, item.span),
+            ItemKind::Wait(quantity) => {
+                let time = self.time(Some(quantity), "`wait`");
+                if let (Some(time), Some(phase)) = (time, self.plan.phases.last_mut()) {
+                    phase.waits.push(time);
+                }
+            }
             // These items have been declared before, or are not a part of an assembly.
             ItemKind::Pattern(_)
             | ItemKind::Shape(_)
@@ -382,7 +389,6 @@ impl<'a> Expander<'a, '_> {
             | ItemKind::Import(_)
             | ItemKind::Level(_)
             | ItemKind::Handler(_)
-            | ItemKind::Wait(_)
             | ItemKind::Retry(_) => {}
         }
     }
@@ -408,7 +414,7 @@ impl<'a> Expander<'a, '_> {
             K::Seat(_) => (self.seeding.is_none(), "a seed plate"),
             K::Phase(_) => (self.in_phase, "an assembly or a seed plate"),
             K::Chain(chain) if self.seeding.is_some() => (!chain.after.is_empty(), "a phase"),
-            K::Chain(_) | K::Release(_) => (!self.in_phase, "a phase"),
+            K::Chain(_) | K::Release(_) | K::Wait(_) => (!self.in_phase, "a phase"),
             _ => (false, ""),
         };
         let Some(&(_, instance)) = self.instances.last().filter(|_| is_misplaced) else {
@@ -491,6 +497,7 @@ impl<'a> Expander<'a, '_> {
             pre_attached: false,
             claims: Vec::new(),
             recovery: None,
+            waits: Vec::new(),
         });
         self.in_phase = true;
         // This also applies after a misplaced plate, which has been reported.
@@ -512,7 +519,7 @@ impl<'a> Expander<'a, '_> {
         if let Some(planned) = self.plan.phases.last_mut() {
             planned.recovery = recovery;
             planned.events.end = end;
-            if start == end && planned.claims.is_empty() {
+            if start == end && planned.claims.is_empty() && planned.waits.is_empty() {
                 let mut diagnostic = Diagnostic::new(
                     Code::EmptyPhase,
                     format!("phase `{}` has no captures or releases", planned.name),

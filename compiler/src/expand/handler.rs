@@ -90,7 +90,9 @@ impl Expander<'_, '_> {
             }
         };
         let is_own = match &release.places[..] {
-            [place] => release.after.is_empty() && self.is_phase(place, &phase.name),
+            [place] if release.delay.is_none() => {
+                release.after.is_empty() && self.is_phase(place, &phase.name)
+            }
             _ => false,
         };
         if !is_own {

@@ -103,6 +103,7 @@ impl<'a> Expander<'a, '_> {
             pre_attached: true,
             claims: Vec::new(),
             recovery: None,
+            waits: Vec::new(),
         });
     }
 

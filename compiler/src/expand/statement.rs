@@ -8,7 +8,7 @@ use super::expander::{Expander, Pass};
 use super::scope::BoundValue;
 use crate::SourceLocation;
 use crate::diagnostic::{Code, Diagnostic, Fix, suggestion};
-use crate::expanded::{AfterConstraint, EventId, EventKind, ExpandedEvent, NameKey};
+use crate::expanded::{AfterConstraint, EventId, EventKind, ExpandedEvent, NameKey, ReleaseDelay};
 
 impl<'a> Expander<'a, '_> {
     /// Expands the captures of a chain in order.
@@ -188,6 +188,8 @@ impl<'a> Expander<'a, '_> {
     }
 
     pub fn release(&mut self, release: &'a Release) {
+        let delay = release.delay.as_deref();
+        let time = self.time(delay, "delay");
         for place in &release.places {
             let location = self.location(place.span);
             let Some(blocks) = self.place(place) else {
@@ -203,6 +205,14 @@ impl<'a> Expander<'a, '_> {
                     valid: true,
                 });
                 self.after(event, &release.after);
+                if let (Some(time), Some(delay), Pass::Writing) = (time, delay, self.pass) {
+                    let location = self.location(delay.span);
+                    self.plan.delays.push(ReleaseDelay {
+                        event,
+                        time,
+                        location,
+                    });
+                }
                 if self.exhausted || !self.step(place.span) {
                     return;
                 }

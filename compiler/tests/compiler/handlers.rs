@@ -104,7 +104,6 @@ fn numbers_and_times_of_a_handler_are_checked() {
 fn statements_of_handlers_have_their_place() {
     for (body, handler) in [
         ("A.up -> B retry 3", ""),
-        ("A.up -> B wait 3 s", ""),
         (BODY, "on timeout { release top A.up -> X retry 3 }"),
         (BODY, "let x = 1 on timeout { release top retry 3 }"),
     ] {

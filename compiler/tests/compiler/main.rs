@@ -20,6 +20,7 @@ mod planar;
 mod random;
 mod reach;
 mod scene_warnings;
+mod times;
 mod units;
 
 use stochc_compiler::diagnostic::{Code, Diagnostic};

@@ -88,6 +88,9 @@ impl Generator {
     fn phase(&mut self, number: usize) {
         let head = self.text.len();
         let _ = writeln!(self.text, "    phase p{number} {{");
+        if head.is_multiple_of(5) {
+            let _ = writeln!(self.text, "        wait {} ticks", 1 + head % 7);
+        }
         let mut stage = Stage {
             start: self.blocks.clone(),
             events: Vec::new(),
@@ -162,7 +165,12 @@ impl Generator {
         if after.is_empty() && self.reuse == Reuse::AtOnce && self.choose(4) == 0 {
             let _ = writeln!(self.text, "        drop({name})");
         } else {
-            let _ = writeln!(self.text, "        release {name}{after}");
+            let delay = match (self.text.len() % 3, after) {
+                (0, "") => " after 2 s",
+                (0, _) => ", 7 ticks",
+                _ => "",
+            };
+            let _ = writeln!(self.text, "        release {name}{after}{delay}");
         }
         self.blocks.remove(&name);
         stage.events.push(format!("release {name}"));

@@ -32,6 +32,17 @@ pub struct GraphEvent {
     pub action: EventAction,
     /// Cell of the block. `None` if the cell is unknown.
     pub cell: Option<Cell>,
+    /// Time between the dependencies of the event and its request \[ticks\]. 0 for a capture.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub delay: u32,
+}
+
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes a reference"
+)]
+fn is_zero(ticks: &u32) -> bool {
+    *ticks == 0
 }
 
 /// Action of an event.

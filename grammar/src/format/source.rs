@@ -58,7 +58,7 @@ impl<'t> Word<'t> {
     /// Returns the token as written, with at most one space between a value and its unit.
     pub fn text(&self) -> Cow<'t, str> {
         match self.rule {
-            Some(Rule::quantity | Rule::unit)
+            Some(Rule::quantity | Rule::time | Rule::unit)
                 if self.text.contains("  ") || self.text.contains('\t') =>
             {
                 let parts = self.text.split_ascii_whitespace();

@@ -194,7 +194,7 @@ fn holds(head: Option<Rule>, next: Rule) -> bool {
             | (Some(R::pattern_head), R::seat | R::phase_head)
             | (
                 Some(R::phase_head | R::pattern_head),
-                R::chain | R::release | R::instance | R::for_head | R::if_head,
+                R::chain | R::release | R::wait | R::instance | R::for_head | R::if_head,
             )
             | (
                 Some(R::scene_head),

@@ -120,9 +120,11 @@ impl Parser<'_, '_> {
             (K::Chain(_), Some(K::Seed(_))) => (true, ""),
             // The captures of the phase.
             (K::Release(_), Some(K::Handler(_))) => (true, ""),
-            (K::Wait(_) | K::Retry(_), outer) => {
-                (matches!(outer, Some(K::Handler(_))), "`on timeout`")
-            }
+            (K::Retry(_), outer) => (matches!(outer, Some(K::Handler(_))), "`on timeout`"),
+            (K::Wait(_), outer) => (
+                matches!(outer, Some(K::Handler(_) | K::Phase(_) | K::Pattern(_))),
+                "a phase, a pattern or `on timeout`",
+            ),
             (K::Handler(_), _) => (
                 self.follows_phase(),
                 "the line of the `}` that ends a phase",
@@ -345,7 +347,7 @@ impl Parser<'_, '_> {
                 }
                 Rule::arrow if part.as_str() == "->" => arrow = Arrow::One,
                 Rule::arrow => arrow = Arrow::Row,
-                _ => after = self.after(part, base),
+                _ => after = self.after_of_chain(part, base),
             }
         }
         let head = head.unwrap_or(Place {
@@ -354,6 +356,20 @@ impl Parser<'_, '_> {
             span: Span::default(),
         });
         Chain { head, links, after }
+    }
+
+    /// Builds the `after` of a capture. A time in it is reported as an error.
+    fn after_of_chain(&mut self, pair: Pair<'_, Rule>, base: usize) -> Vec<EventReference> {
+        if let Some(time) = delay(&pair) {
+            let kind = SyntaxErrorKind::Misplaced {
+                what: "a time in `after`",
+                within: "a capture",
+                belongs: "a `release`",
+                is_read: true,
+            };
+            self.error(kind, span_of(&time, base));
+        }
+        self.after(pair, base)
     }
 
     fn after(&mut self, pair: Pair<'_, Rule>, base: usize) -> Vec<EventReference> {
@@ -380,6 +396,7 @@ impl Parser<'_, '_> {
         let mut release = Release {
             places: Vec::new(),
             after: Vec::new(),
+            delay: None,
         };
         for part in pair.into_inner() {
             match part.as_rule() {
@@ -387,7 +404,11 @@ impl Parser<'_, '_> {
                     let place = self.block(part, base);
                     release.places.push(place);
                 }
-                Rule::after => release.after = self.after(part, base),
+                Rule::after => {
+                    let delay = delay(&part).map(|time| Box::new(self.quantity(time, base)));
+                    release.delay = delay;
+                    release.after = self.after(part, base);
+                }
                 _ => {}
             }
         }
@@ -607,9 +628,10 @@ impl Parser<'_, '_> {
         phase
     }
 
+    /// Builds the time of a `wait`.
     fn wait(&mut self, pair: Pair<'_, Rule>, base: usize) -> Quantity {
         let span = span_of(&pair, base);
-        let quantity = (pair.into_inner()).find(|part| part.as_rule() == Rule::quantity);
+        let quantity = (pair.into_inner()).find(|part| part.as_rule() == Rule::time);
         quantity.map_or(
             Quantity {
                 value: 0.0,
@@ -708,4 +730,11 @@ fn import(pair: Pair<'_, Rule>, base: usize) -> Import {
         (path, span_of(&string, base))
     });
     Import { path, path_span }
+}
+
+/// Returns the time in an `after`. Returns `None` if there is none.
+fn delay<'i>(after: &Pair<'i, Rule>) -> Option<Pair<'i, Rule>> {
+    let mut parts = after.clone().into_inner();
+    let delay = parts.find(|part| part.as_rule() == Rule::delay)?;
+    delay.into_inner().next()
 }

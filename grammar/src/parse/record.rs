@@ -34,7 +34,7 @@ impl Record {
                 continue;
             }
             let rule = part.as_rule();
-            if matches!(rule, Rule::quantity | Rule::unit) {
+            if matches!(rule, Rule::quantity | Rule::time | Rule::unit) {
                 whole_until = span.end;
             } else if part.into_inner().next().is_some() {
                 continue;

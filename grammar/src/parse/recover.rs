@@ -124,9 +124,11 @@ impl Parser<'_, '_> {
             ItemKind::Instance(_) | ItemKind::Seat(_) | ItemKind::Yields(_) => {
                 ("an `after`", "a capture or a release")
             }
-            ItemKind::Chain(Chain { after, .. }) | ItemKind::Release(Release { after, .. })
-                if !after.is_empty() =>
-            {
+            ItemKind::Chain(Chain { after, .. })
+            | ItemKind::Release(Release {
+                after, delay: None, ..
+            }) if after.is_empty() => return false,
+            ItemKind::Chain(_) | ItemKind::Release(_) => {
                 ("a second `after`", "the first one: `after A, B`")
             }
             _ => return false,

@@ -12,6 +12,7 @@ pub fn word(rule: Rule) -> Option<&'static str> {
         Rule::arrow => "`->`",
         Rule::expr | Rule::integer => "a whole number",
         Rule::range => "a range such as `1..4`",
+        Rule::delay | Rule::time => "a time",
         Rule::quantity | Rule::number | Rule::span_of_values => "a value with its unit",
         Rule::string => "a file name in quotation marks",
         Rule::code => "the code of a warning",

@@ -195,6 +195,14 @@ const UNITS: [&str; 26] = [
     "%", "deg", "kHz", "GW", "nJ", "V", "cm", "h", "mbar", "cP", "rpm",
 ];
 
+/// Generates a time. It has one unit, because a name on its line may look like a unit.
+fn time() -> impl Strategy<Value = Quantity> {
+    quantity().prop_filter_map("a time has a unit", |mut quantity| {
+        quantity.unit.truncate(1);
+        (!quantity.unit.is_empty()).then_some(quantity)
+    })
+}
+
 fn quantity() -> impl Strategy<Value = Quantity> {
     let value = prop_oneof![
         -1e3f64..1e3,
@@ -331,8 +339,16 @@ fn chain(after: impl Strategy<Value = Vec<EventReference>>) -> impl Strategy<Val
 
 /// Generates a statement of a pattern.
 fn growth() -> BoxedStrategy<Item> {
-    let release = (prop::collection::vec(block(), 1..3), after())
-        .prop_map(|(places, after)| ItemKind::Release(Release { places, after }));
+    let delay = prop::option::of(time().prop_map(Box::new));
+    let release = (prop::collection::vec(block(), 1..3), after(), delay).prop_map(
+        |(places, after, delay)| {
+            ItemKind::Release(Release {
+                places,
+                after,
+                delay,
+            })
+        },
+    );
     let arguments = prop::collection::vec(argument(), 0..4);
     let instance = (name(), arguments, placement(), prop::option::of(block())).prop_map(
         |(pattern, arguments, placement, alias)| {
@@ -348,6 +364,7 @@ fn growth() -> BoxedStrategy<Item> {
         prop_oneof![
             3 => item(chain(after())),
             1 => item(release),
+            1 => item(time().prop_map(ItemKind::Wait)),
             2 => item(instance),
             1 => let_(),
             1 => level(),
@@ -391,6 +408,7 @@ fn shape() -> BoxedStrategy<Item> {
 
 fn timeout_handler((phase, pause, count): (Place, Option<Quantity>, Expr)) -> TimeoutHandler {
     let release = ItemKind::Release(Release {
+        delay: None,
         places: vec![phase],
         after: Vec::new(),
     });
@@ -449,7 +467,7 @@ fn assembly() -> BoxedStrategy<Item> {
         kind: ExprKind::Int(value),
         span: Span::default(),
     });
-    let handler = prop::option::of((block(), prop::option::of(quantity()), count));
+    let handler = prop::option::of((block(), prop::option::of(time()), count));
     let phase = item(
         (block(), prop::option::of(quantity()), body, handler).prop_map(
             |(name, timeout, body, handler)| {

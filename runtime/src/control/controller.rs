@@ -19,6 +19,8 @@ pub struct Controller<'t> {
     phase_began: u64,
     /// Tick of the phase's timeout. `None` if it has no timeout.
     phase_ends: Option<u64>,
+    /// Tick before which the phase does not end. `None` if it may end.
+    phase_waits: Option<u64>,
     phase_ticks: Vec<u64>,
     /// Next start of an aborted phase \[ticks\]. `None` before all its captures are released.
     phase_restarts: Option<u64>,
@@ -28,7 +30,7 @@ pub struct Controller<'t> {
 
 stochc_ir::state! {
     () Controller<'_>;
-    values: phase_began, phase_ends, phase_ticks, phase_restarts, fault;
+    values: phase_began, phase_ends, phase_waits, phase_ticks, phase_restarts, fault;
     parts: structure, recorder;
     same: tables
 }
@@ -50,6 +52,7 @@ impl<'t> Controller<'t> {
             recorder: RunRecorder::new(Network::new(messages, seed, run), tables),
             phase_began: 0,
             phase_ends: None,
+            phase_waits: None,
             phase_ticks: Vec::new(),
             phase_restarts: None,
             fault: None,
@@ -106,6 +109,7 @@ impl<'t> Controller<'t> {
     pub(crate) fn next_due(&self, max_ticks: Option<u64>) -> u64 {
         let or_never = |tick: Option<u64>| tick.unwrap_or(u64::MAX);
         or_never(self.phase_ends)
+            .min(or_never(self.phase_waits))
             .min(or_never(self.phase_restarts))
             .min(or_never(max_ticks))
             .min(or_never(self.recorder.network.next_due()))
@@ -114,13 +118,25 @@ impl<'t> Controller<'t> {
     /// Records that a phase begins. `None` records that the last phase has ended.
     pub(super) fn note_phase(&mut self, phase: Option<PhaseId>) {
         self.phase_began = self.recorder.tick;
-        self.start_timeout(phase);
+        self.start_timers(phase);
         self.recorder.note_phase(phase);
     }
 
-    fn start_timeout(&mut self, phase: Option<PhaseId>) {
-        let timeout = phase.and_then(|phase| self.tables.phases[phase.0 as usize].timeout);
-        self.phase_ends = timeout.map(|ticks| self.recorder.tick.saturating_add(ticks));
+    fn start_timers(&mut self, phase: Option<PhaseId>) {
+        let phase = phase.map(|phase| &self.tables.phases[phase.0 as usize]);
+        let tick = self.recorder.tick;
+        let due = |ticks: u64| tick.saturating_add(ticks);
+        self.phase_ends = phase.and_then(|phase| phase.timeout).map(due);
+        let wait = phase.map(|phase| phase.wait).filter(|ticks| *ticks > 0);
+        self.phase_waits = wait.map(due);
+    }
+
+    /// Returns whether the phase has lasted as long as its `wait`.
+    fn is_wait_over(&mut self) -> bool {
+        let tick = self.recorder.tick;
+        // A past tick must not be due again.
+        self.phase_waits = self.phase_waits.filter(|end| tick < *end);
+        self.phase_waits.is_none()
     }
 
     /// Returns the reason why the run cannot continue, if there is one.
@@ -166,14 +182,16 @@ impl<'t> Controller<'t> {
                 self.structure.receive(from, at, message, &mut recorded);
             }
             let is_reported = self.structure.is_phase_reported();
+            let is_over = self.is_wait_over();
             if self.structure.is_aborting() {
                 if !(is_reported && self.retry(world)) {
                     return;
                 }
-            } else if is_reported {
+            } else if is_reported && is_over {
                 self.next_phase(world);
             } else if self.timed_out() && self.structure.can_abort() {
                 self.phase_ends = None;
+                self.phase_waits = None;
                 let waiting = self.waiting(world);
                 self.recorder.note_abort(waiting);
                 self.structure.abort(&mut self.recorder.in_world(world));
@@ -194,7 +212,7 @@ impl<'t> Controller<'t> {
             return false;
         }
         self.phase_restarts = None;
-        self.start_timeout(phase);
+        self.start_timers(phase);
         self.recorder.note_retry();
         self.structure.retry(&mut self.recorder.in_world(world));
         true

@@ -20,8 +20,9 @@ pub(super) struct Network {
     hop: u64,
     /// Transfers in the order of sending, which is also the order of arrival.
     running: VecDeque<Transfer>,
-    /// Transfers that may need resending, sorted by the time of resending and then by `order`.
-    reminders: VecDeque<Transfer>,
+    /// Transfers that depart later, sorted by time and then by `order`: scheduled messages, and
+    /// messages to resend unless they are acknowledged.
+    later: VecDeque<Transfer>,
     sent: u64,
     /// Number of hops so far, including resent messages.
     pub hops: u64,
@@ -32,7 +33,7 @@ pub(super) struct Network {
 /// A message between two blocks.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Transfer {
-    /// Tick of arrival or of resending.
+    /// Tick of arrival or of departure.
     due: u64,
     /// Number of transfers sent before this one.
     order: u64,
@@ -54,7 +55,7 @@ struct Loss {
 
 stochc_ir::state! {
     () Network;
-    values: running, reminders, sent, hops;
+    values: running, later, sent, hops;
     parts: loss;
     same: hop
 }
@@ -74,7 +75,7 @@ impl Network {
         Network {
             hop: messages.map_or(0, |messages| u64::from(messages.hop)),
             running: VecDeque::new(),
-            reminders: VecDeque::new(),
+            later: VecDeque::new(),
             sent: 0,
             hops: 0,
             loss: loss.map(|probability| Loss {
@@ -87,18 +88,18 @@ impl Network {
 
     pub fn clear(&mut self) {
         self.running.clear();
-        self.reminders.clear();
+        self.later.clear();
         if let Some(loss) = &mut self.loss {
             loss.channels.clear();
         }
     }
 
-    /// Returns the tick of the next arrival or resending.
+    /// Returns the tick of the next arrival or departure.
     #[inline]
     pub fn next_due(&self) -> Option<u64> {
         let arrives = self.running.front().map(|transfer| transfer.due);
-        let is_reminded = self.reminders.front().map(|transfer| transfer.due);
-        match (arrives, is_reminded) {
+        let departs = self.later.front().map(|transfer| transfer.due);
+        match (arrives, departs) {
             (Some(one), Some(other)) => Some(one.min(other)),
             (one, other) => one.or(other),
         }
@@ -108,19 +109,20 @@ impl Network {
     /// and the message.
     #[inline]
     pub fn due(&mut self, tick: u64, log: &mut Log) -> Option<(Body, Body, Message)> {
-        while !(self.running.is_empty() && self.reminders.is_empty()) {
+        while !(self.running.is_empty() && self.later.is_empty()) {
             let key = |transfer: &Transfer| (transfer.due, transfer.order);
             let first = |queue: &VecDeque<Transfer>| {
                 let first = queue.front().map(key);
                 first.filter(|(due, _)| *due <= tick)
             };
-            let (arrival, reminder) = (first(&self.running), first(&self.reminders));
-            if reminder.is_some_and(|at| arrival.is_none_or(|arrival| at < arrival)) {
-                if let (Some(transfer), Some(loss)) = (self.reminders.pop_front(), &self.loss)
-                    && loss
-                        .channels
-                        .stores(transfer.from, transfer.to, transfer.number)
-                {
+            let (arrival, departure) = (first(&self.running), first(&self.later));
+            if departure.is_some_and(|at| arrival.is_none_or(|arrival| at < arrival)) {
+                let loss = self.loss.as_ref();
+                let is_needed = |transfer: &Transfer| {
+                    let Transfer { from, to, .. } = *transfer;
+                    loss.is_none_or(|loss| loss.channels.stores(from, to, transfer.number))
+                };
+                if let Some(transfer) = self.later.pop_front().filter(is_needed) {
                     self.depart(tick, transfer, log);
                 }
                 continue;
@@ -144,7 +146,7 @@ impl Network {
             let is_new = !lost && loss.channels.take(from, to, number);
             if lost || unheard {
                 let due = due + self.hop + 1;
-                self.reminders.push_back(Transfer { due, ..transfer });
+                put_off(&mut self.later, Transfer { due, ..transfer });
             } else {
                 loss.channels.acknowledge(from, to, number);
             }
@@ -156,17 +158,34 @@ impl Network {
     }
 
     pub fn send(&mut self, tick: u64, from: Body, to: Body, message: Message, log: &mut Log) {
+        let transfer = self.transfer(from, to, message);
+        self.depart(tick, transfer, log);
+    }
+
+    /// Sends a message after a time \[ticks\].
+    pub fn send_later(&mut self, tick: u64, from: Body, to: Body, message: Message, ticks: u32) {
+        let transfer = self.transfer(from, to, message);
+        let due = tick.saturating_add(u64::from(ticks));
+        let order = self.sent;
+        let transfer = Transfer {
+            due,
+            order,
+            ..transfer
+        };
+        put_off(&mut self.later, transfer);
+    }
+
+    fn transfer(&mut self, from: Body, to: Body, message: Message) -> Transfer {
         let loss = self.loss.as_mut();
         let number = loss.map_or(0, |loss| loss.channels.send(from, to, message));
-        let transfer = Transfer {
+        Transfer {
             due: 0,
             order: 0,
             from,
             to,
             message,
             number,
-        };
-        self.depart(tick, transfer, log);
+        }
     }
 
     /// Performs `hops` hops at once if hops take no time and nothing else is in transit. Returns
@@ -202,10 +221,11 @@ impl Network {
         if let Some(loss) = &mut self.loss {
             let stays = |transfer: &Transfer| transfer.from != left && transfer.to != left;
             self.running.retain(stays);
-            self.reminders.retain(stays);
+            self.later.retain(stays);
             return loss.channels.close(left);
         }
         if unreceived > 0 {
+            self.later.retain(|transfer| transfer.from != left);
             self.running.retain(|transfer| {
                 if transfer.to == left {
                     recalled.to.push(transfer.message);
@@ -219,4 +239,11 @@ impl Network {
         }
         recalled
     }
+}
+
+/// Adds a transfer to a sorted queue.
+fn put_off(queue: &mut VecDeque<Transfer>, transfer: Transfer) {
+    let key = |transfer: &Transfer| (transfer.due, transfer.order);
+    let i = queue.partition_point(|other| key(other) <= key(&transfer));
+    queue.insert(i, transfer);
 }

@@ -151,6 +151,11 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
         network.send(*tick, from, to, message, log);
     }
 
+    fn send_later(&mut self, from: Body, to: Body, message: Message, ticks: u32) {
+        let RunRecorder { tick, network, .. } = self.recorder;
+        network.send_later(*tick, from, to, message, ticks);
+    }
+
     fn carry_to_plate(&mut self, hops: u32) -> bool {
         let RunRecorder { network, log, .. } = self.recorder;
         !self.recorder.has_more && !log.is_recording() && network.carry(hops)

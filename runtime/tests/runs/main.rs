@@ -15,3 +15,4 @@ mod state;
 mod statistics;
 #[path = "../tables/mod.rs"]
 mod tables;
+mod times;

@@ -32,6 +32,7 @@ impl Draft {
         self.phases.push(Phase {
             name: format!("phase {}", self.phases.len()),
             timeout: None,
+            wait: 0,
             reports,
             recovery: None,
             pre_attached: false,

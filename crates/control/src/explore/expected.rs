@@ -55,7 +55,9 @@ impl ProgramGoals {
                         (Notification::Anchored(child), Some(cell))
                     }
                     Action::SwitchOff { child, .. } => (Notification::Released(child), None),
-                    Action::AskRelease => (Notification::Released(duty.role), None),
+                    Action::AskRelease | Action::AskReleaseLater(_) => {
+                        (Notification::Released(duty.role), None)
+                    }
                     Action::Report | Action::Notify { .. } => continue,
                 };
                 let waits_for = rule

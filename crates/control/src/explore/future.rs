@@ -243,7 +243,7 @@ impl<'t> Forecast<'_, 't> {
     fn fire(&mut self, role: RoleId, action: Action) {
         match action {
             Action::Magnetize { child, cell, .. } => self.capture(role, child, cell),
-            Action::AskRelease => {
+            Action::AskRelease | Action::AskReleaseLater(_) => {
                 self.asked.insert(role);
                 (self.captors).add_lineage(self.state, role, &mut self.future.touched);
             }

@@ -23,6 +23,12 @@ pub trait Environment {
     /// [`Structure::receive`](super::Structure::receive).
     fn send(&mut self, from: Body, to: Body, message: Message);
 
+    /// Sends a message to a neighbour after a time \[ticks\]. A driver without time sends it at once,
+    /// because it may deliver the message at any later moment.
+    fn send_later(&mut self, from: Body, to: Body, message: Message, _ticks: u32) {
+        self.send(from, to, message);
+    }
+
     /// Decides whether a report is carried to the plate at once, over `_hops` hops. Otherwise, the
     /// report is sent hop by hop.
     ///

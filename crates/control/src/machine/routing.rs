@@ -10,7 +10,7 @@ use stochc_ir::table::RoleId;
 use super::block::Path;
 use super::block_slot::BlockSlot;
 use super::environment::Environment;
-use super::message::{Message, Recipient};
+use super::message::{Message, Payload, Recipient};
 use super::structure::Structure;
 
 impl<M: Copy> Structure<'_, M> {
@@ -60,6 +60,23 @@ impl<M: Copy> Structure<'_, M> {
                     self.forward(root, message, environment);
                 }
             }
+        }
+    }
+
+    /// Lets a block ask its parent for its release after a time \[ticks\].
+    pub(super) fn ask_later(
+        &mut self,
+        child: BlockSlot,
+        ticks: u32,
+        environment: &mut impl Environment<Mark = M>,
+    ) {
+        let role = self.slots.get(child).map(|block| block.role);
+        if let (Some(role), Some((below, above))) = (role, self.contact(child)) {
+            let message = Message {
+                target: Recipient::Block(above),
+                payload: Payload::Ask(role),
+            };
+            environment.send_later(below, above, message, ticks);
         }
     }
 

@@ -440,6 +440,9 @@ impl<'t, M: Copy> Structure<'t, M> {
         };
         let role = block.role;
         let (target, payload) = match action {
+            Action::AskReleaseLater(ticks) => {
+                return self.ask_later(at, ticks, environment);
+            }
             Action::AskRelease => match self.slots.get(block.parent) {
                 Some(parent) => (Recipient::Block(parent.body), Payload::Ask(role)),
                 None => return,

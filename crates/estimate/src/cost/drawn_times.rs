@@ -59,6 +59,7 @@ impl DrawnTimes {
                 start = (arrival, event);
             }
         }
+        start.0 += step.delay;
         start.0 += messages.map_or(0.0, |it| it.request(rng));
         (
             self.starts[step.event as usize],

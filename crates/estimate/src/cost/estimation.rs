@@ -18,7 +18,8 @@ pub fn estimate(program: ProgramParts<'_>, rates: Option<&Rates>) -> Option<Cost
 /// Estimates the times of a program as if its phases had no timeouts.
 pub fn estimate_without_timeouts(program: ProgramParts<'_>, rates: &Rates) -> Option<Cost> {
     let events = Events::new(program)?;
-    let limits = vec![PhaseLimit::NONE; program.tables.phases.len()];
+    let limits = events.limits().into_iter().map(PhaseLimit::without_timeout);
+    let limits: Vec<_> = limits.collect();
     Some(estimate_within(&events, Some(rates), &limits))
 }
 

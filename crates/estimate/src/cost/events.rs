@@ -35,15 +35,19 @@ pub struct PhaseLimit {
     pub retries: u32,
     /// Time between a timeout and the next attempt \[ticks\].
     pub pause: f64,
+    /// Shortest duration of an attempt \[ticks\].
+    pub wait: f64,
 }
 
 impl PhaseLimit {
-    /// No limit.
-    pub const NONE: PhaseLimit = PhaseLimit {
-        timeout: f64::INFINITY,
-        retries: 0,
-        pause: 0.0,
-    };
+    /// Returns the same limit without the timeout.
+    pub fn without_timeout(self) -> PhaseLimit {
+        PhaseLimit {
+            timeout: f64::INFINITY,
+            retries: 0,
+            ..self
+        }
+    }
 }
 
 pub struct Events<'a> {
@@ -110,6 +114,7 @@ impl<'a> Events<'a> {
         let limits = phases.map(|phase| PhaseLimit {
             timeout: phase.timeout.map_or(f64::INFINITY, |ticks| ticks as f64),
             retries: phase.recovery.map_or(0, |recovery| recovery.retries),
+            wait: phase.wait as f64,
             pause: phase.recovery.map_or(0.0, |recovery| recovery.pause as f64),
         });
         limits.collect()

@@ -168,7 +168,9 @@ impl Sampler<'_> {
     ) -> (f64, bool) {
         for _ in 0..limit.retries {
             let stop = began + limit.timeout;
-            let ended = self.attempt(steps, timed, began, stop);
+            let ended = self
+                .attempt(steps, timed, began, stop)
+                .max(began + limit.wait);
             if ended <= stop {
                 return (ended, false);
             }
@@ -178,6 +180,7 @@ impl Sampler<'_> {
         }
         let stop = began + limit.timeout;
         let ended = self.attempt(steps, timed, began, stop);
+        let ended = ended.max(began + limit.wait);
         (ended.min(stop), ended > stop)
     }
 

@@ -10,6 +10,8 @@ pub struct Step {
     pub event: u32,
     /// Predecessors in the same phase.
     pub before: Vec<u32>,
+    /// Time between the predecessors and the event's request \[ticks\].
+    pub delay: f64,
     /// Messages that the event needs. `None` if messages take no time.
     pub messages: Option<Box<StepMessages>>,
 }
@@ -36,6 +38,7 @@ impl Events<'_> {
             let messages = messages.as_ref().filter(|_| !self.is_pre_attached(phase));
             steps[phase.0 as usize].push(Step {
                 event: id.0,
+                delay: f64::from(graph.event(id).delay),
                 messages: messages.map(|it| Box::new(it.for_event(id, &needed))),
                 before: needed.iter().map(|edge| edge.first.0).collect(),
             });

@@ -8,6 +8,7 @@ use crate::table::{PhaseId, Tables};
 /// Returns the graph as `{ assembly, phases: [{ name, events: [{ id, event, kind, block, parent,
 /// face, after: [{ event, why }] }], longest_chain: [id] }] }`.
 ///
+/// A release with a time has its `delay` in ticks.
 /// If edges have `enough: n`, n of them suffice. A phase of pre-attached blocks also has `planted:
 /// true`, here and in the tables, and no chain.
 pub fn graph_json<'a>(graph: &'a EventGraph, tables: &'a Tables) -> Json<'a> {
@@ -49,7 +50,7 @@ fn event<'a>(graph: &'a EventGraph, tables: &'a Tables, id: EventId) -> Json<'a>
         }
         value.into()
     };
-    Json::object([
+    let mut fields = vec![
         ("id", id.0.into()),
         ("event", graph.describe(id, tables).into()),
         ("kind", kind.into()),
@@ -57,5 +58,9 @@ fn event<'a>(graph: &'a EventGraph, tables: &'a Tables, id: EventId) -> Json<'a>
         ("parent", parent.into()),
         ("face", json!(face).into()),
         ("after", Json::each(graph.waits_for(id), after)),
-    ])
+    ];
+    if graph.event(id).delay > 0 {
+        fields.push(("delay", graph.event(id).delay.into()));
+    }
+    Json::object(fields)
 }

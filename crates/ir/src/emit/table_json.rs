@@ -106,6 +106,7 @@ fn action(tables: &Tables, action: Action) -> Value {
             json!({ "do": capture, "face": face, "child": tables.name(child), "cell": cell })
         }
         Action::AskRelease => json!({ "do": "ask_release" }),
+        Action::AskReleaseLater(ticks) => json!({ "do": "ask_release", "after": ticks }),
         Action::SwitchOff { face, child } => {
             json!({ "do": release, "face": face, "child": tables.name(child) })
         }

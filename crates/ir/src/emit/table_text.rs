@@ -49,6 +49,9 @@ fn write_tables(out: &mut Formatter<'_>, tables: &Tables) -> fmt::Result {
             phase.name,
             counted(phase.reports as usize, "report")
         )?;
+        if phase.wait > 0 {
+            write!(out, " and at least {} ticks", phase.wait)?;
+        }
         match phase.timeout {
             Some(ticks) => {
                 let what = phase.recovery.map_or("fails", |_| "aborts");
@@ -168,6 +171,9 @@ fn rule_text(tables: &Tables, duty: Duty<'_>, index: usize, rule: Rule<'_>) -> S
             }
         }
         Action::AskRelease => write!(text, "ask to be released"),
+        Action::AskReleaseLater(ticks) => {
+            write!(text, "after {ticks} ticks, ask to be released")
+        }
         Action::SwitchOff { face, child } => {
             let child = name(child);
             match tables.bond {

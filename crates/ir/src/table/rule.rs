@@ -69,6 +69,8 @@ pub enum Action {
     },
     /// Requests release from the parent.
     AskRelease,
+    /// Requests release from the parent after this time \[ticks\].
+    AskReleaseLater(u32),
     /// Releases the child at a face: switches the magnet off, closes the valve, or rejects the
     /// child with an impulse.
     SwitchOff {

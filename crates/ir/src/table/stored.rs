@@ -176,8 +176,12 @@ impl StoredTables {
     fn is_recoverable(&self, number: usize, recovery: Recovery) -> bool {
         let duties = self.duties.iter();
         let duties = duties.filter(|duty| duty.phase.0 as usize == number);
-        let releases =
-            |rule: &StoredRule| matches!(rule.then, Action::SwitchOff { .. } | Action::AskRelease);
+        let releases = |rule: &StoredRule| {
+            matches!(
+                rule.then,
+                Action::SwitchOff { .. } | Action::AskRelease | Action::AskReleaseLater(_)
+            )
+        };
         let captures = |rule: &StoredRule| matches!(rule.then, Action::Magnetize { .. });
         let at_start = duties.clone().filter(|duty| duty.trigger == Trigger::Start);
         let captors = at_start.filter(|duty| duty.rules.iter().any(captures));
@@ -248,7 +252,7 @@ impl StoredTables {
                     self.known(to)?;
                     self.known_of(notification)?;
                 }
-                Action::AskRelease | Action::Report => {}
+                Action::AskRelease | Action::AskReleaseLater(_) | Action::Report => {}
             }
         }
         Ok(())

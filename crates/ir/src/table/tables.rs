@@ -49,6 +49,9 @@ pub struct Phase {
     pub timeout: Option<u64>,
     /// Number of reports after which the plate begins the next phase, in the next tick.
     pub reports: u32,
+    /// Shortest duration of the phase, and of each attempt at it \[ticks\].
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub wait: u64,
     /// Reaction to a timeout. `None` if a timeout ends the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub recovery: Option<Recovery>,
@@ -56,6 +59,14 @@ pub struct Phase {
     /// first, takes no time, and consists of captures without reports.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub pre_attached: bool,
+}
+
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes a reference"
+)]
+fn is_zero(ticks: &u64) -> bool {
+    *ticks == 0
 }
 
 /// Reaction to a timeout: the plate aborts the phase, all its captures are released, and the phase

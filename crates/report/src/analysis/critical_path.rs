@@ -35,6 +35,8 @@ pub(crate) enum SegmentKind {
     Notification,
     /// Transfer of messages to the plate. The messages report the events of a phase.
     Reports,
+    /// Shortest duration of a phase. All its events happened earlier.
+    Wait,
     /// Attempts at a phase that reached their timeouts, with the releases and pauses after them.
     Aborted,
 }
@@ -59,7 +61,10 @@ impl CriticalPathSegment {
     pub fn event(&self) -> Option<usize> {
         match self.kind {
             SegmentKind::Event { event, .. } | SegmentKind::Pending { event } => Some(event),
-            SegmentKind::Notification | SegmentKind::Reports | SegmentKind::Aborted => None,
+            SegmentKind::Notification
+            | SegmentKind::Reports
+            | SegmentKind::Wait
+            | SegmentKind::Aborted => None,
         }
     }
 }
@@ -183,7 +188,7 @@ pub(crate) fn critical_path(
     if matches!(record.outcome, Outcome::Failed { .. }) {
         return Vec::new();
     }
-    let begins = begins(record);
+    let (begins, attempts) = (begins(record), attempts(record));
     let mut segments = Vec::new();
     if let Outcome::TimedOut { phase, .. } = record.outcome {
         unfinished(events, record, moments, phase, &mut segments);
@@ -191,7 +196,19 @@ pub(crate) fn critical_path(
         add_aborted(record, phase, began.copied().unwrap_or(0), &mut segments);
     }
     for (number, _) in record.phase_ticks.iter().enumerate().rev() {
-        let end = begins[number + 1];
+        let (phase, end) = (PhaseId(number as u32), begins[number + 1]);
+        let wait = events.waits.get(number).copied().unwrap_or(0);
+        if wait > 0 && attempts[number].saturating_add(wait) == end {
+            segments.push(CriticalPathSegment {
+                phase,
+                kind: SegmentKind::Wait,
+                from: attempts[number],
+                to: end,
+                since: None,
+            });
+            add_aborted(record, phase, begins[number], &mut segments);
+            continue;
+        }
         let done = |&(i, _): &(usize, _)| moments[i].done;
         // If several events happened in the last tick, take the first one.
         let last = events.of_phase(number).rev().max_by_key(done);
@@ -410,6 +427,7 @@ mod tests {
     /// release of E, then A -> F.
     fn program() -> Events {
         Events {
+            waits: Vec::new(),
             events: vec![
                 event(0, capture(0, 2), &[]),
                 event(0, capture(2, 4), &[(0, Dependency::Anchored)]),
@@ -540,6 +558,7 @@ mod tests {
         // At most two faces are on at a time, so the third capture waits for one of the first two.
         let face = Dependency::Face { needed: 1, of: 2 };
         let events = Events {
+            waits: Vec::new(),
             events: vec![
                 event(0, capture(0, 1), &[]),
                 event(0, capture(0, 2), &[]),

@@ -10,6 +10,8 @@ pub(crate) struct Events {
     /// All events, sorted by phase. Each event comes after its dependencies, if possible directly
     /// after the last one.
     pub events: Vec<OrderedEvent>,
+    /// Shortest duration of each phase \[ticks\].
+    pub waits: Vec<u64>,
 }
 
 /// Capture or release, with its dependencies.
@@ -70,6 +72,9 @@ impl Events {
         });
         Events {
             events: events.collect(),
+            waits: (program.compiled.tables.phases.iter())
+                .map(|phase| phase.wait)
+                .collect(),
         }
     }
 
@@ -131,6 +136,7 @@ mod tests {
             phase: PhaseId(0),
             action: EventAction::Release { child: RoleId(0) },
             cell: None,
+            delay: 0,
         };
         let edges = (0..).zip(waits).flat_map(|(then, waits)| {
             waits.iter().map(move |&first| Edge {

@@ -301,6 +301,7 @@ pub(super) fn critical_paths(subject: &ReportedProgram, run: &FinishedRun) -> St
             match segment.kind {
                 SegmentKind::Notification => "notification".to_owned(),
                 SegmentKind::Reports => "reports".to_owned(),
+                SegmentKind::Wait => "wait".to_owned(),
                 SegmentKind::Aborted => "aborted".to_owned(),
                 SegmentKind::Event { event, .. } | SegmentKind::Pending { event } => {
                     subject.events.events[event].text(subject.program)

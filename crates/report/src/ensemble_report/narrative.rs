@@ -176,6 +176,11 @@ pub(crate) fn item(
             count(segment.ticks()),
             of.at(segment.from)
         ),
+        SegmentKind::Wait => format!(
+            "The <code>wait</code> of the phase took {}{share}, from tick {} on.",
+            count(segment.ticks()),
+            of.at(segment.from)
+        ),
         SegmentKind::Aborted => format!(
             "Attempts at the phase that timed out took {}{share}, from tick {} on.",
             count(segment.ticks()),

@@ -49,6 +49,7 @@ pub fn program(name: &str) -> EnsembleProgram {
     let phase = |name: &str| Phase {
         name: name.into(),
         timeout: None,
+        wait: 0,
         reports: 1,
         recovery: None,
         pre_attached: false,
@@ -123,11 +124,13 @@ fn graph() -> EventGraph {
             child: RoleId(child),
         },
         cell: Some(Cell::new(-1, 0, child as i32)),
+        delay: 0,
     };
     let release = GraphEvent {
         phase: PhaseId(1),
         action: EventAction::Release { child: RoleId(1) },
         cell: Some(Cell::new(-1, 0, 1)),
+        delay: 0,
     };
     let chains = vec![vec![EventId(0)], vec![EventId(1)]];
     let events = vec![capture(0, 1), capture(1, 2), release];
