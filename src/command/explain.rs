@@ -4,7 +4,9 @@ use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use console::style;
 use stochc_compiler::diagnostic::{Code, Severity};
 
-use super::terminal::{output_has_colour, output_is_watched, output_width, print, print_drawn};
+use super::terminal::{
+    output_has_colour, output_is_watched, output_width, print, print_drawn, wrapped,
+};
 use crate::exit::{Exit, Failure};
 use crate::operations::codes::explain;
 
@@ -52,26 +54,6 @@ fn list(width: usize) -> String {
         text += "\n";
     }
     text + "stochc explain CODE explains one of them.\n"
-}
-
-/// Wraps a text at `width` columns. The first line begins with `first`, and other lines are
-/// indented by the width of `first`.
-fn wrapped(text: &str, first: &str, width: usize) -> String {
-    let indent = first.chars().count();
-    let (mut out, mut used) = (first.to_owned(), indent);
-    for (number, word) in text.split_whitespace().enumerate() {
-        let length = word.chars().count();
-        if number > 0 && used + 1 + length > width {
-            out += &format!("\n{:indent$}", "");
-            used = indent;
-        } else if number > 0 {
-            out.push(' ');
-            used += 1;
-        }
-        out += word;
-        used += length;
-    }
-    out + "\n"
 }
 
 /// Renders a page for a terminal: wrapped text, and programs without code fences.

@@ -258,6 +258,26 @@ fn columns(terminal: &Term) -> Option<usize> {
     Some(usize::from(columns.or_else(given)?).max(MIN))
 }
 
+/// Wraps a text at `width` columns. The first line begins with `first`, and other lines are
+/// indented by the width of `first`.
+pub fn wrapped(text: &str, first: &str, width: usize) -> String {
+    let indent = first.chars().count();
+    let (mut out, mut used) = (first.to_owned(), indent);
+    for (number, word) in text.split_whitespace().enumerate() {
+        let length = word.chars().count();
+        if number > 0 && used + 1 + length > width {
+            out += &format!("\n{:indent$}", "");
+            used = indent;
+        } else if number > 0 {
+            out.push(' ');
+            used += 1;
+        }
+        out += word;
+        used += length;
+    }
+    out + "\n"
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

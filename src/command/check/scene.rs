@@ -12,8 +12,12 @@ use stochc_ir::scene::warnings::{SceneWarning, SceneWarningKind, short, structur
 use stochc_ir::scene::{ContactLaw, Scene, Substeps};
 use stochc_ir::table::Tables;
 use stochc_runtime::{StepError, step_errors};
-use stochc_text::aligned;
-use stochc_text::visible;
+use stochc_text::{aligned, visible};
+
+use crate::command::terminal::wrapped;
+
+/// Width of lines of text \[columns\].
+const WIDTH: usize = 80;
 
 /// Scene that assemblies of a file use, with the data that `--physics` lists.
 pub struct InForce<'a> {
@@ -185,11 +189,9 @@ impl<'a> InForce<'a> {
         for warning in &self.warnings {
             let SceneWarning { figure, effect, .. } = warning;
             let code = Code::from(warning.kind);
-            let _ = writeln!(
-                out,
-                "  warning[{code}]: {figure}\n    {effect}; {}",
-                warning.remedy
-            );
+            out.push_str(&wrapped(&format!("warning[{code}]: {figure}"), "  ", WIDTH));
+            let advice = format!("{effect}; {}", warning.remedy);
+            out.push_str(&wrapped(&advice, "    ", WIDTH));
         }
         if self.needed() > 1 && matches!(self.contact(), Some(ContactLaw::Rigid { .. })) {
             out.push_str("  With rigid contacts, calibrate the scene again for other substeps.\n");
@@ -274,7 +276,8 @@ impl<'a> InForce<'a> {
             lines.next().unwrap_or_default()
         );
         for (group, line) in self.numbers().zip(lines) {
-            let _ = writeln!(out, "    {line}\n      {}", group.meaning);
+            let _ = writeln!(out, "    {line}");
+            out.push_str(&wrapped(group.meaning, "      ", WIDTH));
         }
     }
 
