@@ -110,12 +110,23 @@ pub struct ExpandedPhase {
     /// Whether the blocks of the phase are pre-attached. Only the first phase can have pre-attached
     /// blocks.
     pub pre_attached: bool,
-    /// Claimed shapes, with the locations of the claims.
-    pub claims: Vec<(Symbol, SourceLocation)>,
+    /// Claims about the structure at the end of the phase.
+    pub claims: Vec<ShapeClaim>,
     /// Reaction to a timeout. `None` if a timeout ends the run.
     pub recovery: Option<PhaseRecovery>,
     /// Shortest durations of the phase. The longest one applies.
     pub waits: Vec<Timeout>,
+}
+
+/// Claim about the structure at the end of a phase.
+#[derive(Clone, Copy, Debug)]
+pub struct ShapeClaim {
+    /// Name of the shape.
+    pub shape: Symbol,
+    /// Whether the structure may have further blocks.
+    pub at_least: bool,
+    /// Location of the name.
+    pub location: SourceLocation,
 }
 
 /// Reaction to a timeout of a phase: all its captures are released, and the phase begins again.

@@ -51,7 +51,7 @@ module.exports = grammar({
       optional(seq(field('parameter', $.name), '=')),
       choice($.expression, $.place),
     ),
-    yields: $ => seq('yields', field('shape', $.name)),
+    yields: $ => seq('yields', optional(seq('at', 'least')), field('shape', $.name)),
     wait: $ => seq('wait', $.time),
     retry: $ => seq('retry', $.expression),
     expect: $ => seq('expect', choice(

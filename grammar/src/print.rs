@@ -69,8 +69,9 @@ impl Printer<'_> {
                 let code = self.word(level.code.symbol);
                 put!(self, "{} {code} \"{}\"", level.verdict.word(), level.reason);
             }
-            ItemKind::Yields(name) => {
-                put!(self, "yields {}", self.word(name.symbol));
+            ItemKind::Yields(claim) => {
+                let least = if claim.at_least { "at least " } else { "" };
+                put!(self, "yields {least}{}", self.word(claim.shape.symbol));
             }
             ItemKind::Expect(claim) => self.expectation(claim),
             ItemKind::Import(import) => {

@@ -44,8 +44,8 @@ pub enum ItemKind {
     If(Box<If>),
     /// Named number or face: `let n = 6`
     Let(Box<Let>),
-    /// Shape that the structure must have: `yields tower`
-    Yields(Name),
+    /// Shape that the structure must have: `yields tower`, `yields at least tower`
+    Yields(YieldsClaim),
     /// Claim about runs: `expect complete within 8000 ticks with probability >= 0.95`
     Expect(Box<Expectation>),
     /// Level of a warning: `allow unused-seed "kept for the next phase"`
@@ -315,6 +315,15 @@ pub struct Parameter {
     pub name: Name,
     /// Default value. `None` for a parameter that needs an argument.
     pub default: Option<Expr>,
+}
+
+/// A claim about the structure at the end of a phase.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct YieldsClaim {
+    /// Name of the shape.
+    pub shape: Name,
+    /// Whether the structure may have further blocks.
+    pub at_least: bool,
 }
 
 /// An assembly program.

@@ -56,8 +56,8 @@ impl Checked {
     fn shapes(&self, program: &Program) -> Vec<String> {
         let claims = program.plan.phases.iter().flat_map(|phase| &phase.claims);
         let mut names: Vec<String> = Vec::new();
-        for (name, _) in claims {
-            let name = self.symbols.word(*name);
+        for claim in claims {
+            let name = self.symbols.word(claim.shape);
             if !names.iter().any(|known| known == name) {
                 names.push(name.to_owned());
             }

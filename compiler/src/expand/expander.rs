@@ -15,7 +15,7 @@ use crate::check::changes::ParameterChange;
 use crate::diagnostic::{Code, Diagnostic, Fix, LONG, has_enough_errors, removal, report};
 use crate::expanded::{
     AfterConstraint, EventId, ExpandedEvent, ExpandedPhase, ExpandedProgram, NameKey, Roles,
-    Timeout,
+    ShapeClaim, Timeout,
 };
 use crate::names::{Definition, Names};
 use crate::{FileId, SourceLocation, Sources};
@@ -366,11 +366,15 @@ impl<'a> Expander<'a, '_> {
             ItemKind::Seed(seed) => self.seed_plate(seed, item.span),
             ItemKind::Seat(seat) => self.seat(seat, item),
             ItemKind::Phase(phase) => self.phase(phase, item),
-            ItemKind::Yields(name) => {
-                let location = self.location(name.span);
+            ItemKind::Yields(claim) => {
+                let location = self.location(claim.shape.span);
                 self.grown.claims += 1;
                 if let Some(phase) = self.plan.phases.last_mut() {
-                    phase.claims.push((name.symbol, location));
+                    phase.claims.push(ShapeClaim {
+                        shape: claim.shape.symbol,
+                        at_least: claim.at_least,
+                        location,
+                    });
                 }
             }
             ItemKind::Expect(claim) => self.claim(claim, item.span),

@@ -328,8 +328,8 @@ impl Resolver<'_> {
                 self.value(&let_.value);
                 self.bind(NameKind::Number, let_.name);
             }
-            ItemKind::Yields(name) => {
-                self.refer(NameKind::Shape, *name);
+            ItemKind::Yields(claim) => {
+                self.refer(NameKind::Shape, claim.shape);
             }
             ItemKind::Expect(claim) => self.expectation(claim),
             ItemKind::Phase(phase) => {

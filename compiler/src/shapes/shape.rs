@@ -9,7 +9,7 @@ use stochc_ir::{Cell, CellBounds};
 use crate::diagnostic::layer_picture::layer_picture;
 use crate::diagnostic::{Code, Diagnostic, Severity, is_full, report, suggestion};
 use crate::expand::Shapes;
-use crate::expanded::ExpandedProgram;
+use crate::expanded::{ExpandedProgram, ShapeClaim};
 use crate::names::Names;
 use crate::shapes::layout::Layout;
 use crate::{FileId, SourceLocation};
@@ -40,7 +40,8 @@ pub fn check(
         let built = &mut comparison.built;
         emptied.iter().for_each(|&cell| built.remove(cell));
         filled.iter().for_each(|&cell| built.insert(cell));
-        for &(name, location) in &phase.claims {
+        for &claim in &phase.claims {
+            let (name, location) = (claim.shape, claim.location);
             cancellation.check()?;
             let word = symbols.word(name);
             let definition = names.definition(location.file, location.span);
@@ -67,7 +68,7 @@ pub fn check(
             if is_full(diagnostics, Severity::Error) {
                 continue;
             }
-            if let Some((title, help)) = comparison.difference(name, word) {
+            if let Some((title, help)) = comparison.difference(claim, word) {
                 let diagnostic = Diagnostic::new(Code::ShapeMismatch, title)
                     .label(location, "claimed by this phase")
                     .label(declared, "declared here")
@@ -86,9 +87,9 @@ struct Comparison {
     claimed: FxHashMap<Symbol, Option<ClaimedShape>>,
     /// Total number of blocks of the shapes read so far.
     blocks: usize,
-    /// Results by shape and fingerprint: a title and a help, or `None` if shape and structure are
-    /// equal.
-    results: FxHashMap<(Symbol, u64), Option<(String, String)>>,
+    /// Results by shape, kind of claim and fingerprint: a title and a help, or `None` if the claim
+    /// is true.
+    results: FxHashMap<(Symbol, bool, u64), Option<(String, String)>>,
     /// Number of compared cells.
     compared: usize,
 }
@@ -123,15 +124,16 @@ impl Comparison {
         is_read
     }
 
-    /// Returns the title and the help of the error for a shape that differs from the structure.
-    /// Returns `None` if they are equal.
-    fn difference(&mut self, name: Symbol, word: &str) -> Option<(String, String)> {
-        let claimed = self.claimed.get(&name)?.as_ref()?;
-        let now = (name, self.built.fingerprint);
+    /// Returns the title and the help of the error for a false claim. Returns `None` if the claim
+    /// is true.
+    fn difference(&mut self, claim: ShapeClaim, word: &str) -> Option<(String, String)> {
+        let claimed = self.claimed.get(&claim.shape)?.as_ref()?;
+        let at_least = claim.at_least;
+        let now = (claim.shape, at_least, self.built.fingerprint);
         if let Some(known) = self.results.get(&now) {
             return known.clone();
         }
-        let result = match claimed.is(&self.built) {
+        let result = match claimed.is_built(&self.built, at_least) {
             true => None,
             false if self.compared > MAX_COMPARED => Some((
                 format!("the phase does not build shape `{word}`"),
@@ -139,7 +141,12 @@ impl Comparison {
             )),
             false => {
                 self.compared += claimed.cells.len() + self.built.cells.len();
-                Some(difference(word, &claimed.cells, &self.built.cells))
+                Some(difference(
+                    word,
+                    &claimed.cells,
+                    &self.built.cells,
+                    at_least,
+                ))
             }
         };
         self.results.insert(now, result.clone());
@@ -158,11 +165,12 @@ impl ClaimedShape {
         }
     }
 
-    /// Returns whether the structure occupies exactly the cells of the shape.
-    fn is(&self, built: &BuiltCells) -> bool {
-        self.fingerprint == built.fingerprint
-            && self.cells.len() == built.cells.len()
-            && self.cells.iter().all(|cell| built.cells.contains(cell))
+    /// Returns whether the structure occupies the cells of the shape. It may occupy further cells
+    /// only with `at_least`.
+    fn is_built(&self, built: &BuiltCells, at_least: bool) -> bool {
+        let may_be_equal =
+            self.fingerprint == built.fingerprint && self.cells.len() == built.cells.len();
+        (at_least || may_be_equal) && self.cells.iter().all(|cell| built.cells.contains(cell))
     }
 }
 
@@ -299,11 +307,16 @@ fn constant(expr: &Expr) -> Option<i64> {
 }
 
 /// Returns the title and the help of the error for a shape and a structure that differ. The cells
-/// of the shape are sorted.
-fn difference(word: &str, claimed: &[Cell], built: &FxHashSet<Cell>) -> (String, String) {
+/// of the shape are sorted. With `at_least`, only missing blocks count.
+fn difference(
+    word: &str,
+    claimed: &[Cell],
+    built: &FxHashSet<Cell>,
+    at_least: bool,
+) -> (String, String) {
     let absent = |cell: &&Cell| !built.contains(cell);
     let missing: Vec<Cell> = claimed.iter().filter(absent).copied().collect();
-    let unclaimed = |cell: &&Cell| claimed.binary_search(cell).is_err();
+    let unclaimed = |cell: &&Cell| !at_least && claimed.binary_search(cell).is_err();
     let mut extra: Vec<Cell> = built.iter().filter(unclaimed).copied().collect();
     extra.sort_unstable();
     let count = |cells: &[Cell], what: &str| match cells.len() {

@@ -287,6 +287,42 @@ fn a_missing_statement_may_use_a_seed() {
 }
 
 #[test]
+fn a_structure_contains_a_shape() {
+    for (claim, row, expected) in [
+        ("yields gate", "# #", &[][..]),
+        ("yields at least gate", "# #", &[]),
+        ("yields at least gate", "# .", &[]),
+        ("yields gate", "# .", &[Code::ShapeMismatch]),
+        ("yields at least gate", "# # #", &[Code::ShapeMismatch]),
+        (
+            "yields gate yields at least gate",
+            ". #",
+            &[Code::ShapeMismatch],
+        ),
+        ("yields at least other", "# #", &[Code::UnknownName]),
+    ] {
+        let text = format!(
+            "shape gate {{ layer 1 {{\n {row}\n}} }}
+            assembly a {{
+                seed plate 2 x 1 {{ A at (0, 0) B at (1, 0) }}
+                phase grow {{ A.up -> L B.up -> R {claim} }}
+            }}"
+        );
+        assert_eq!(codes(&self::text(&text)), expected, "{text}");
+    }
+}
+
+#[test]
+fn a_shape_can_have_any_name() {
+    let text = "shape least { layer 1 {\n #\n} }
+        assembly a {
+            seed plate 1 x 1 { A at (0, 0) }
+            phase grow { A.up -> L yields least yields at least least }
+        }";
+    assert_eq!(codes(&self::text(text)), []);
+}
+
+#[test]
 fn an_after_needed_in_one_iteration_is_not_redundant() {
     let program = |rounds: &str| {
         codes(&text(&format!(

@@ -12,7 +12,7 @@
 
 [
   "after" "aggregate" "allow" "and" "as" "assembly" "at" "by" "captured" "complete" "completion" "deny" "else" "expect"
-  "faster" "for" "from" "if" "import" "in" "layer" "let" "mean" "mirrored" "not" "on" "or" "pattern" "phase" "plate" "probability"
+  "faster" "for" "from" "if" "import" "in" "layer" "least" "let" "mean" "mirrored" "not" "on" "or" "pattern" "phase" "plate" "probability"
   "release" "retry" "scene" "seed" "shape" "than" "timeout" "to" "turned" "wait" "with" "within" "yields"
 ] @keyword
 

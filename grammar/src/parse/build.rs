@@ -15,7 +15,7 @@ use crate::tree::{
     Aggregate, Argument, ArgumentValue, Arrow, Assembly, Chain, EventReference, Expectation,
     ExpectedEvent, Expr, For, If, Import, Instance, Item, ItemKind, Let, Link, LintDirective,
     LintDirectiveKind, Name, Parameter, Pattern, PhaseDeclaration, Place, Placement, Quantity,
-    Release, SceneDeclaration, Seat, Seed, Segment, Shape, TimeoutHandler,
+    Release, SceneDeclaration, Seat, Seed, Segment, Shape, TimeoutHandler, YieldsClaim,
 };
 
 impl Parser<'_, '_> {
@@ -34,7 +34,13 @@ impl Parser<'_, '_> {
             Rule::instance => ItemKind::Instance(Box::new(self.instance(pair, base))),
             Rule::seat => ItemKind::Seat(Box::new(self.seat(pair, base))),
             Rule::level => ItemKind::Level(Box::new(self.level(pair, base))),
-            Rule::yields => ItemKind::Yields(self.first_name(pair, base)),
+            Rule::yields => ItemKind::Yields(YieldsClaim {
+                at_least: pair
+                    .clone()
+                    .into_inner()
+                    .any(|part| part.as_rule() == Rule::kw_least),
+                shape: self.first_name(pair, base),
+            }),
             Rule::wait => ItemKind::Wait(self.wait(pair, base)),
             Rule::retry => ItemKind::Retry(Box::new(two(self.exprs(pair, base)).0)),
             Rule::expect => ItemKind::Expect(Box::new(self.expectation(pair, base))),

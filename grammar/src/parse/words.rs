@@ -60,6 +60,7 @@ pub fn word(rule: Rule) -> Option<&'static str> {
         Rule::for_head | Rule::kw_for => "`for`",
         Rule::if_head | Rule::kw_if => "`if`",
         Rule::import | Rule::kw_import => "`import`",
+        Rule::kw_least => "`least`",
         Rule::layer_head | Rule::kw_layer => "`layer`",
         Rule::let_ | Rule::kw_let => "`let`",
         Rule::pattern_head | Rule::kw_pattern => "`pattern`",

@@ -6,7 +6,7 @@ use stochc_grammar::tree::{
     ExpectedEvent, Expr, ExprKind, For, Function, If, Import, Instance, Item, ItemKind, Layer,
     LayerRow, Let, Link, LintDirective, LintDirectiveKind, Name, Operator, Parameter, Pattern,
     PhaseDeclaration, Place, Placement, Quantity, Release, SceneDeclaration, Seat, Seed, Segment,
-    Shape, Subscript, Term, TimeoutHandler, Tree, UnitFactor,
+    Shape, Subscript, Term, TimeoutHandler, Tree, UnitFactor, YieldsClaim,
 };
 use stochc_grammar::{Span, Symbols};
 use stochc_ir::Face;
@@ -461,7 +461,10 @@ fn assembly() -> BoxedStrategy<Item> {
     let seed = item(
         (range(), seats).prop_map(|(size, body)| ItemKind::Seed(Box::new(Seed { size, body }))),
     );
-    let claim = item(name().prop_map(ItemKind::Yields));
+    let claim = item(
+        (name(), any::<bool>())
+            .prop_map(|(shape, at_least)| ItemKind::Yields(YieldsClaim { shape, at_least })),
+    );
     let body = prop::collection::vec(prop_oneof![4 => growth(), 1 => claim], 0..4);
     let count = (1i64..9).prop_map(|value| Expr {
         kind: ExprKind::Int(value),

@@ -72,7 +72,7 @@ fn words(analysis: &Analysis, line: &str) -> Vec<Value> {
             let built_in = BUILT_IN.map(|(name, _)| item(name, CLASS, "built-in scene"));
             [names(&[NameKind::Scene]), built_in.into()].concat()
         }
-        Some("yields") => names(&[NameKind::Shape]),
+        Some("yields" | "least") => names(&[NameKind::Shape]),
         Some("after" | "release") => names(&PLACES),
         Some(word) if word.ends_with([',', '(', '=']) => {
             names(&PLACES).into_iter().chain(faces()).collect()

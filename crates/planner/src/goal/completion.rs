@@ -254,8 +254,8 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
     let mut is_claimed = false;
     for program in &checked.programs {
         for (number, phase) in program.plan.phases.iter().enumerate() {
-            for &(symbol, location) in &phase.claims {
-                let name = checked.symbols.word(symbol);
+            for &claim in &phase.claims {
+                let (name, location) = (checked.symbols.word(claim.shape), claim.location);
                 let known = shapes.seen_from(&program.plan, name);
                 let Some(declared) = known.filter(|_| shape.is_none_or(|shape| shape == name))
                 else {
@@ -264,9 +264,12 @@ fn unbuilt<'a>(checked: &'a Checked, shape: Option<&str>) -> Result<Claim<'a>, N
                 is_claimed = true;
                 let cells = shape_cells(declared.shape, declared.file, &mut Vec::new());
                 let mut cells = cells.ok_or(NotCompleted::Wrong)?;
+                let there = existing(program, number);
+                if claim.at_least {
+                    cells.extend(there.iter().map(|(block, _)| block.cell));
+                }
                 cells.sort_unstable();
                 cells.dedup();
-                let there = existing(program, number);
                 if !there
                     .iter()
                     .map(|(block, _)| block.cell)
@@ -335,7 +338,7 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
         let span = name.span;
         SourceLocation { file, span } == claim.location
     };
-    let claims = |item: &&Item| matches!(&item.kind, ItemKind::Yields(name) if is_claim(name));
+    let claims = |item: &&Item| matches!(&item.kind, ItemKind::Yields(it) if is_claim(&it.shape));
     let bodies = checked
         .tree
         .items
@@ -365,7 +368,7 @@ fn change(checked: &Checked, claim: &Claim<'_>, new: &str) -> Result<Change, Not
             at: after(text, phase.span.end as usize),
             around: [
                 format!("\nphase {new} {{\n"),
-                format!("{}yields {}\n}}\n", &text[start..written.start], claim.name),
+                format!("{}\n}}\n", &text[start..written.end]),
             ],
         }
     })

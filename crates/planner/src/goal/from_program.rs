@@ -25,7 +25,7 @@ impl Goal {
         let symbols = &checked.symbols;
         let claims = |plan: &ExpandedProgram| -> Vec<&str> {
             let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
-            let names = claims.map(|&(name, _)| symbols.word(name));
+            let names = claims.map(|claim| symbols.word(claim.shape));
             // The declared names live as long as the file.
             names.collect()
         };

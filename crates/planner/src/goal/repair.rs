@@ -25,7 +25,7 @@ impl Goal {
     ) -> Result<Goal, NoGoal> {
         let plan = &program.plan;
         let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
-        let claimed = claims.last().map(|&(name, _)| checked.symbols.word(name));
+        let claimed = claims.last().map(|claim| checked.symbols.word(claim.shape));
         let mut goal = match shape.or(claimed) {
             Some(shape) => match DeclaredShapes::new(checked).seen_from(plan, shape) {
                 Some(known) => Goal::from_shape(checked, known, Some(program))?,

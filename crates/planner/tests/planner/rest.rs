@@ -168,6 +168,15 @@ fn a_phase_with_captures_moves_its_claim_to_a_later_one() {
     assert_eq!(checked.diagnostics.len(), 0, "{:?}", checked.diagnostics);
 }
 
+#[test]
+fn a_structure_that_contains_the_shape_keeps_its_other_blocks() {
+    let claim = "R.up -> rest\n        B[3].west -> flag\n        yields at least arch";
+    let planned = completed(&PART.replace("yields arch", claim)).unwrap();
+    assert!(planned.text.contains("yields at least arch"));
+    let checked = check_text("whole.sa", &planned.text);
+    assert_eq!(checked.diagnostics.len(), 0, "{:?}", checked.diagnostics);
+}
+
 /// The false claim is completed, and not the first one of the file.
 #[test]
 fn completes_the_unsatisfied_claim() {
