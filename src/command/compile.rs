@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use stochc_compiler::emit::{built_structure, structure_json, structure_text};
+use stochc_compiler::emit::{built_structure, structure_json, structure_stl, structure_text};
 use stochc_compiler::{Checked, Program, Symbols};
 use stochc_files::atomic::{Draft, Replaces};
 use stochc_files::programs::is_executable;
@@ -76,6 +76,8 @@ enum EmittedFormat {
     Dot,
     /// Picture of the structure
     Svg,
+    /// Surface of the final structure in millimetres, for CAD programs and 3D printers
+    Stl,
 }
 
 /// Compiles a file and prints the result of one stage.
@@ -104,6 +106,7 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     let picture = match form {
         EmittedFormat::Dot => Some(("dot", EmittedStage::Graph, "graph")),
         EmittedFormat::Svg => Some(("svg", EmittedStage::Structure, "structure")),
+        EmittedFormat::Stl => Some(("stl", EmittedStage::Structure, "structure")),
         EmittedFormat::Text | EmittedFormat::Json => None,
     };
     if let Some((form, stage, name)) = picture
@@ -165,7 +168,8 @@ fn choose(
     if name.is_some() {
         only(programs, name)?;
     }
-    if form != EmittedFormat::Svg || programs.is_empty() {
+    let is_of_one = matches!(form, EmittedFormat::Svg | EmittedFormat::Stl);
+    if !is_of_one || programs.is_empty() {
         return Ok(());
     }
     programs.retain(|program| program.plan.aggregate.is_none());
@@ -253,6 +257,10 @@ fn text<'a>(
         (EmittedStage::Structure, EmittedFormat::Svg) => {
             let built = built_structure(plan, layout, symbols)?;
             Box::new(structure(&built).file())
+        }
+        (EmittedStage::Structure, EmittedFormat::Stl) => {
+            let millimetres = program.scene.as_ref()?.block.side * 1000.0;
+            Box::new(structure_stl(plan, layout, millimetres))
         }
         (EmittedStage::Structure, _) => Box::new(structure_text(plan, layout)),
         (EmittedStage::Graph, EmittedFormat::Dot) => Box::new(graph_dot(graph?, tables?)),

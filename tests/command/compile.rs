@@ -39,9 +39,37 @@ fn every_stage_has_a_text_and_a_json() {
     );
 }
 
+/// The volume is the sum of the signed volumes of the triangles with the origin.
+#[test]
+fn the_surface_of_a_structure_encloses_the_volume_of_its_blocks() {
+    let file = "examples/five_tower.sa";
+    let surface = stochc(&format!("compile --emit structure --format stl {file}")).out;
+    let number = |word: &str| word.parse::<f64>().unwrap();
+    let corners = surface.lines().filter_map(|it| it.strip_prefix("vertex "));
+    let corners = corners.flat_map(|it| it.split(' ').map(number));
+    let corners: Vec<f64> = corners.collect();
+    let volumes = corners.chunks(9).map(|of| {
+        let [a, b, c] = [&of[..3], &of[3..6], &of[6..]];
+        let cross = |i: usize, j: usize| b[i] * c[j] - b[j] * c[i];
+        (a[0] * cross(1, 2) + a[1] * cross(2, 0) + a[2] * cross(0, 1)) / 6.0
+    });
+    // Ten blocks of 20 cm.
+    let expected = 10.0 * 200_f64.powi(3);
+    assert!((volumes.sum::<f64>() / expected - 1.0).abs() < 1e-9);
+    let heights = corners.iter().skip(2).step_by(3).copied();
+    assert_eq!(
+        heights.fold((1.0, 0.0), |(low, high), z| (z.min(low), z.max(high))),
+        (0.0, 400.0)
+    );
+}
+
 #[test]
 fn pictures_are_of_one_stage_each() {
-    for (form, beginning, drawn) in [("dot", "digraph", "graph"), ("svg", "<svg", "structure")] {
+    for (form, beginning, drawn) in [
+        ("dot", "digraph", "graph"),
+        ("svg", "<svg", "structure"),
+        ("stl", "solid", "structure"),
+    ] {
         let picture = emit(drawn, form);
         assert!(picture.starts_with(beginning), "{picture}");
         for stage in ["graph", "table", "structure"] {

@@ -14,7 +14,7 @@ use crate::shapes::layout::Layout;
 use crate::shapes::placed_blocks::{PlacedBlock, placed_blocks};
 use crate::shapes::shape::MAX_CELLS;
 
-fn find(blocks: &[PlacedBlock], cell: Cell) -> Option<&PlacedBlock> {
+pub(super) fn find(blocks: &[PlacedBlock], cell: Cell) -> Option<&PlacedBlock> {
     let at = blocks.binary_search_by_key(&cell, |block| block.cell);
     at.ok().map(|at| &blocks[at])
 }
