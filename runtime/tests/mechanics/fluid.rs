@@ -254,8 +254,8 @@ fn a_turning_block_is_slowed_too<W: SpatialWorld>() {
     let viscosity = 0.002;
     let mut slow: W = world(&fluid(None, Some(viscosity)), &settings(2), &[start]);
     pass(&mut slow, 10);
-    // Viscous: 6 eta a^3 divided by I = 1 / 6.
-    let exact = 0.3 * (-36.0 * viscosity * 10.0_f64).exp();
+    // Viscous: 8.07 eta a^3 divided by I = 1 / 6.
+    let exact = 0.3 * (-8.07 * 6.0 * viscosity * 10.0_f64).exp();
     let spin = slow.state(0).spin.y;
     assert!((spin / exact - 1.0).abs() < 1e-5, "{spin} {exact}");
     let mut wake: W = world(&fluid(Some(0.9), None), &settings(2), &[start]);

@@ -260,14 +260,14 @@ fn if_drag_dominates_a_step_is_as_long_as_its_motion() {
             .find(|it| it.symbol == symbol)
             .unwrap_or_else(|| panic!("{symbol}"))
     };
-    // A velocity decays in m / f = 8 us, with f = 6 π 1e-3 0.660678 1e-5 = 1.24534e-7 N s/m. In 10
-    // s the pull of 20 fN moves a block by F τ / f = 1.606 um at its terminal speed. The wall
-    // closes k τ / f = 0.803 of a distance. Heat moves a block by √(6 D τ), with D = k T / f =
-    // 3.2484e-14 m²/s.
+    // A velocity decays in m / f = 8 us, with f = 6 π 1e-3 0.675 1e-5 = 1.27235e-7 N s/m. In 10
+    // s the pull of 20 fN moves a block by F τ / f = 1.572 um at its terminal speed. The wall
+    // closes k τ / f = 0.786 of a distance. Heat moves a block by √(6 D τ), with D = k T / f =
+    // 3.1794e-14 m²/s.
     let values = [
-        ("φ F τ² / (m d)", 1.60599, 2.0),
-        ("φ k τ² / m, wall", 0.802995, 1.0),
-        ("v τ / a", 0.139607, 0.2),
+        ("φ F τ² / (m d)", 1.571901, 2.0),
+        ("φ k τ² / m, wall", 0.785950, 1.0),
+        ("v τ / a", 0.138117, 0.2),
     ];
     for (symbol, value, most) in values {
         let number = found(symbol);
@@ -312,7 +312,7 @@ fn slow_drag_does_not_shorten_steps() {
         .find(|it| it.symbol == "φ F τ² / (m d)")
         .unwrap();
     // m / f is 84 ticks: the first terms of φ are 1 - x / 2.
-    let x = 1.245339e-7 / 1.05e-12 * 1e-7;
+    let x = 1.272345e-7 / 1.05e-12 * 1e-7;
     let free = 20e-15 * 1e-14 / (1.05e-12 * 1e-6);
     assert!(
         (pull.value / (free * (1.0 - x / 2.0)) - 1.0).abs() < x * x,
@@ -338,7 +338,7 @@ fn added_mass_slows_motion_but_not_the_balance_of_forces() {
     };
     // (m + C ρ a³) / m with ρ a³ = 1 ng.
     let inertia = 1.69 / 1.05;
-    assert!(close(ratio("6 π η 0.6607 a τ / m"), 1.0 / inertia));
+    assert!(close(ratio("6 π η 0.675 a τ / m"), 1.0 / inertia));
     for balance in ["h / a", "D τ / a²", "F r / (m v² / 2)"] {
         assert!(close(ratio(balance), 1.0), "{balance}");
     }

@@ -18,13 +18,17 @@ pub struct Fluid {
 /// Boltzmann's constant \[J/K\], exact.
 pub const BOLTZMANN: f64 = 1.380649e-23;
 
-/// Hydrodynamic radius of a cube \[block lengths\]: its electrostatic capacity, accurate within
-/// about one percent.
+/// Hydrodynamic radius of a cube \[block lengths\], computed by `lab/published/cube_drag.py`.
 ///
 /// # Source
 ///
-/// J. B. Hubbard and J. F. Douglas, Phys. Rev. E 47, R2983 (1993).
-const CUBE: f64 = 0.660_678;
+/// The settling speeds of E. S. Pettyjohn and E. B. Christiansen, Chemical Engineering Progress 44,
+/// 157 (1948), correspond to 0.673.
+const CUBE_RADIUS: f64 = 0.675;
+
+/// Stokes' torque on a rotating cube of edge 1, for unit viscosity and spin. Computed by
+/// `lab/published/cube_drag.py`.
+const CUBE_TORQUE: f64 = 8.07;
 
 impl Fluid {
     /// Returns the added mass of a cube \[kg\].
@@ -35,13 +39,12 @@ impl Fluid {
 
     /// Returns Stokes' friction coefficient of a moving cube \[N s/m\].
     pub fn friction(viscosity: f64, side: f64) -> f64 {
-        6.0 * std::f64::consts::PI * viscosity * CUBE * side
+        6.0 * std::f64::consts::PI * viscosity * CUBE_RADIUS * side
     }
 
-    /// Returns Stokes' friction coefficient of a rotating cube \[N m s\]. It equals the coefficient
-    /// of a sphere with the same volume, 8 pi eta r^3.
+    /// Returns Stokes' friction coefficient of a rotating cube \[N m s\].
     pub fn turning_friction(viscosity: f64, side: f64) -> f64 {
-        6.0 * viscosity * side.powi(3)
+        CUBE_TORQUE * viscosity * side.powi(3)
     }
 
     /// Returns the wake drag of a cube, divided by its squared speed \[N s^2/m^2\], for a drag

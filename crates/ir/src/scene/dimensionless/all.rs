@@ -214,7 +214,7 @@ fn fluid(scene: &Scene, v: Option<f64>, out: &mut Vec<DimensionlessNumber>) {
     };
     let friction = Fluid::friction(viscosity, side);
     out.push(DimensionlessNumber::new(
-        "6 π η 0.6607 a τ / m",
+        "6 π η 0.675 a τ / m",
         "what viscous drag takes from a speed in a tick; exact for any step",
         units.damping(friction),
     ));

@@ -210,7 +210,7 @@ equations! {
     WAKE "drag of a wake, on the motion relative to the fluid"
         Some("m v' = -ρ a² |v - u| (v - u) / 2; I ω' = -ρ a⁵ |ω - w| (ω - w) / 32"); [N(&FLUID_DENSITY)];
     STOKES "Stokes' drag of a cube, on the motion relative to the fluid"
-        Some("m v' = -6 π η 0.6607 a (v - u); I ω' = -6 η a³ (ω - w)"); [N(&FLUID_VISCOSITY)];
+        Some("m v' = -6 π η 0.675 a (v - u); I ω' = -8.07 η a³ (ω - w)"); [N(&FLUID_VISCOSITY)];
     ADDED "blocks accelerate as if they were heavier; weight and buoyancy stay"
         Some("m + C ρ a³ in place of m in every m v' and m ω', and in the pressure of the flow (1 + C) ρ a³"); [N(&FLUID_ADDED_MASS), D(&INERTIAL)] if |s| s.fluid.as_ref().is_some_and(|fluid| fluid.added_mass.is_some());
     STIR "the fluid turns about the vertical axis: as a whole within the ring, without vorticity outside"
@@ -222,7 +222,7 @@ equations! {
     EDDIES "the fluid moves in eddies without sources, which come and go by chance"
         Some("<u(x, t) u(x, t + s)> = σ² exp(-s / T), wave length 2 ℓ, Gaussian"); [D(&EDDY_RMS), N(&EDDY_LENGTH), N(&EDDY_VERTICAL), D(&EDDY_LIFE)];
     HEAT "fluctuations that balance the viscous drag, of place and of orientation"
-        Some("<x²> = 2 D t with D = k T / (6 π η 0.6607 a), Einstein's relation"); [N(&TEMPERATURE), D(&DIFFUSION)];
+        Some("<x²> = 2 D t with D = k T / (6 π η 0.675 a), Einstein's relation"); [N(&TEMPERATURE), D(&DIFFUSION)];
     DRAG "slows the centre of every free block"
         Some("v' = -γ v, by v *= exp(-γ dt) in each step"); [N(&DRAG_RATE)];
     RIGID "blocks, structure and floor do not overlap; they collide, and rub"
