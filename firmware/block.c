@@ -431,12 +431,29 @@ static void forget(struct sa_block *block) {
     block->down.kind = SA_NONE;
     block->waiting_count = 0;
     for (face = 0; face < SA_FACES; face++) {
+        if ((block->faces[face].state == SA_OPEN) || (block->faces[face].state == SA_NAMING)) {
+            port_release(block->unit, face);
+        }
         block->faces[face].state = SA_OFF;
         block->faces[face].sending = SA_NONE;
     }
 }
 
-/* Takes the role in a frame from the parent at a face. */
+/* Returns whether a block is a seed or holds other blocks. */
+static bool is_bound(const struct sa_block *block) {
+    bool is_held = false;
+    bool holds = false;
+    uint8_t face;
+    for (face = 0; face < SA_FACES; face++) {
+        uint8_t state = block->faces[face].state;
+        is_held = is_held || (state == SA_PARENT) || (state == SA_NAMED);
+        holds = holds || (state == SA_CHILD) || (state == SA_FREEING);
+    }
+    return holds || ((block->node != SA_NO_ROLE) && !is_held);
+}
+
+/* Takes the role in a frame from the parent at a face. The block may have an earlier role, if its
+ * former parent has not learnt about it or has lost the contact. */
 static bool take_role(struct sa_block *block, uint8_t face) {
     struct sa_face *parent = &block->faces[face];
     uint16_t role = (uint16_t)(parent->frame[AT_NODE] | ((uint16_t)parent->frame[AT_NODE + 1] << 8));
@@ -444,15 +461,22 @@ static bool take_role(struct sa_block *block, uint8_t face) {
     uint8_t to_mark = parent->frame[AT_DETAIL] & 0x0Fu;
     uint8_t mark = port_mark(block->unit, face);
     if ((role >= word(PROGRAM_ROLES)) || !perpendicular(to_face, to_mark) ||
-        !perpendicular(face, mark)) {
+        !perpendicular(face, mark) || is_bound(block)) {
         return false;
     }
+    forget(block);
     orient(block, face, to_face, mark, to_mark);
     block->node = role | SA_ANCHORED;
-    begin(block, parent->frame[AT_PHASE]);
-    parent->state = SA_PARENT;
+    block->phase = parent->frame[AT_PHASE];
+    parent->state = SA_NAMED;
     parent->heard = parent->frame[AT_NUMBER];
     return true;
+}
+
+/* Begins the duty of a role. The parent has received the acknowledgement of the name. */
+static void confirm(struct sa_block *block, uint8_t from) {
+    block->faces[from].state = SA_PARENT;
+    begin(block, block->phase);
 }
 
 /* Processes a message of the running phase. Returns whether there was room for it. */
@@ -478,20 +502,26 @@ static bool accept(struct sa_block *block, uint8_t from, uint8_t kind) {
     struct sa_face *face = &block->faces[from];
     uint8_t number = face->frame[AT_NUMBER];
     uint8_t phase = face->frame[AT_PHASE];
-    if (block->node == SA_NO_ROLE) {
-        /* The parent may have missed the acknowledgement of its last frame. */
-        return (kind == (uint8_t)SA_NAME) ? take_role(block, from) : (kind == (uint8_t)SA_FREE);
+    if (kind == (uint8_t)SA_NAME) {
+        return take_role(block, from);
     }
-    if ((face->state != SA_PARENT) && (face->state != SA_CHILD) && (face->state != SA_FREEING)) {
+    if (block->node == SA_NO_ROLE) {
+        /* The parent may have missed the last acknowledgement, or this block has restarted. */
+        if ((kind == (uint8_t)SA_PHASE) && take_role(block, from)) {
+            confirm(block, from);
+        }
+        return (kind != (uint8_t)SA_REPORT) && (kind != (uint8_t)SA_ASK);
+    }
+    if ((face->state == SA_OFF) || (face->state == SA_OPEN) || (face->state == SA_NAMING)) {
         return false;
     }
     if (number == face->heard) {
         return true;
     }
+    if (face->state == SA_NAMED) {
+        confirm(block, from);
+    }
     if (face->state == SA_PARENT) {
-        if (kind == (uint8_t)SA_NAME) {
-            return false;
-        }
         if (phase > block->phase) {
             block->node &= (uint16_t)~SA_ANCHORED;
             begin(block, phase);
@@ -512,6 +542,17 @@ static bool accept(struct sa_block *block, uint8_t from, uint8_t kind) {
     return true;
 }
 
+/* Ends the hold of a face. */
+static void end_hold(struct sa_block *block, uint8_t at) {
+    struct sa_face *face = &block->faces[at];
+    face->state = SA_OFF;
+    if (block->down_face == at) {
+        block->down.kind = SA_NONE;
+    }
+    port_release(block->unit, at);
+    see(block, RELEASED, face->role);
+}
+
 /* Processes an acknowledgement of the last frame sent. */
 static void acknowledged(struct sa_block *block, uint8_t from) {
     struct sa_face *face = &block->faces[from];
@@ -524,16 +565,11 @@ static void acknowledged(struct sa_block *block, uint8_t from) {
     case SA_NAMING:
         face->state = SA_CHILD;
         face->is_new = true;
-        face->tells = false;
+        face->tells = true; /* The next frame confirms the role. */
         see(block, DOCKED, face->role);
         break;
     case SA_FREEING:
-        face->state = SA_OFF;
-        if (block->down_face == from) {
-            block->down.kind = SA_NONE;
-        }
-        port_release(block->unit, from);
-        see(block, RELEASED, face->role);
+        end_hold(block, from);
         break;
     case SA_PARENT:
         block->up.kind = SA_NONE;
@@ -608,6 +644,11 @@ static void watch(struct sa_block *block, uint8_t at) {
     } else if ((face->state == SA_NAMING) && !docked) {
         face->state = SA_OPEN;
         face->sending = SA_NONE;
+    } else if ((face->state == SA_FREEING) && !docked) {
+        end_hold(block, at);
+    } else if ((face->state == SA_CHILD) && !docked && (block->down_face == at)) {
+        /* A lost child must not block the messages to the others. */
+        block->down.kind = SA_NONE;
     } else if ((face->state == SA_OFF) && docked && (block->node != SA_NO_ROLE)) {
         port_release(block->unit, at);
     } else {
@@ -622,10 +663,12 @@ static void transmit(struct sa_block *block, uint8_t at) {
     uint8_t kind = SA_NONE;
     uint16_t node = face->role;
     uint8_t detail = 0;
+    uint8_t directions =
+        (uint8_t)((block->direction[at] << 4) | block->direction[(at + 2u) % SA_FACES]);
     switch (face->state) {
     case SA_NAMING:
         kind = SA_NAME;
-        detail = (uint8_t)((block->direction[at] << 4) | block->direction[(at + 2u) % SA_FACES]);
+        detail = directions;
         break;
     case SA_FREEING:
         kind = SA_FREE;
@@ -638,6 +681,7 @@ static void transmit(struct sa_block *block, uint8_t at) {
     case SA_CHILD:
         if (face->tells) {
             kind = SA_PHASE;
+            detail = face->is_new ? directions : 0u;
         } else if (block->down_face == at) {
             message = &block->down;
             kind = message->kind;
@@ -711,13 +755,15 @@ void sa_poll(struct sa_block *block) {
     uint8_t face;
     for (face = 0; face < SA_FACES; face++) {
         uint8_t left = BYTES_PER_POLL;
-        int16_t byte = port_receive(block->unit, face);
+        int16_t byte;
+        /* An acknowledgement does not count if its sender has left. */
+        watch(block, face);
+        byte = port_receive(block->unit, face);
         while (byte >= 0) {
             receive_byte(block, face, (uint8_t)byte);
             left--;
             byte = (left > 0u) ? port_receive(block->unit, face) : (int16_t)-1;
         }
-        watch(block, face);
     }
     while (fire_one(block)) {
         /* One rule at a time. */

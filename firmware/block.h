@@ -28,13 +28,13 @@ enum { SA_EAST, SA_WEST, SA_NORTH, SA_SOUTH, SA_UP, SA_DOWN };
 /* Kinds of frames. */
 enum { SA_NONE, SA_NAME, SA_PHASE, SA_FREE, SA_NOTIFY, SA_REPORT, SA_ASK, SA_ACK };
 
-/* States of a face. */
-enum { SA_OFF, SA_OPEN, SA_NAMING, SA_CHILD, SA_FREEING, SA_PARENT };
+/* States of a face. SA_NAMED: the parent has sent a role, and has not confirmed it yet. */
+enum { SA_OFF, SA_OPEN, SA_NAMING, SA_CHILD, SA_FREEING, SA_PARENT, SA_NAMED };
 
 /* A face and its link to the neighbour. */
 struct sa_face {
     uint8_t state;
-    bool tells;       /* The child has not acknowledged the running phase. */
+    bool tells;       /* The child has not acknowledged the phase or its role. */
     bool is_new;      /* The child was captured during the running phase. */
     uint8_t sending;  /* Kind of the frame that waits for an acknowledgement. */
     uint8_t number;   /* Number of the last frame sent. */

@@ -5,6 +5,7 @@
 mod control;
 mod driver;
 mod equal;
+mod faults;
 mod host;
 #[allow(dead_code, reason = "other tests use more of it")]
 #[path = "../../../compiler/tests/compiler/random.rs"]

@@ -12,6 +12,7 @@ struct contact {
     uint8_t face;
     uint8_t mark;
     bool holds;
+    bool is_mute; /* All bytes sent here are lost. */
 };
 
 struct queue {
@@ -74,6 +75,14 @@ void port_release(uint16_t unit, uint8_t face) {
     }
 }
 
+static void mute(FILE *in) {
+    unsigned unit, face, is_mute;
+    if (fscanf(in, "%u %u %u", &unit, &face, &is_mute) != 3) {
+        exit(2);
+    }
+    contact_of(unit, (uint8_t)face)->is_mute = is_mute != 0;
+}
+
 bool port_docked(uint16_t unit, uint8_t face) {
     return contact_of(unit, face)->holds;
 }
@@ -84,7 +93,7 @@ uint8_t port_mark(uint16_t unit, uint8_t face) {
 
 void port_send(uint16_t unit, uint8_t face, uint8_t byte) {
     const struct contact *contact = contact_of(unit, face);
-    if (contact->unit < 0) {
+    if (contact->unit < 0 || contact->is_mute) {
         return;
     }
     if (loss > 0 && draw(1000) < loss) {
@@ -167,6 +176,16 @@ static bool is_quiet(void) {
     return true;
 }
 
+/* Polls all once. */
+static void poll_all(void) {
+    unsigned number;
+    poll_plate();
+    for (number = 0; number < units - seeds; number++) {
+        poll_block(number);
+    }
+    now++;
+}
+
 /* Polls all until nothing is in transit and nothing happens for some rounds. */
 static void settle(void) {
     unsigned idle = 0;
@@ -174,13 +193,8 @@ static void settle(void) {
     unsigned quiet = noise;
     noise = 0;
     do {
-        unsigned number;
         busy = false;
-        poll_plate();
-        for (number = 0; number < units - seeds; number++) {
-            poll_block(number);
-        }
-        now++;
+        poll_all();
         left--;
         idle = busy || !is_quiet() ? 0 : idle + 1;
     } while (left > 0 && idle < 4);
@@ -302,6 +316,18 @@ int main(void) {
             port_release((uint16_t)count, (uint8_t)face);
             break;
         }
+        case 'G':
+            poll_all();
+            break;
+        case 'M':
+            mute(stdin);
+            break;
+        case 'X':
+            if (scanf("%u", &count) != 1) {
+                return 2;
+            }
+            sa_start(block_of(count), (uint16_t)count);
+            break;
         case 'Q':
             settle();
             break;
