@@ -112,6 +112,7 @@ fn every_attempt_without_physics_is_undone() {
 
 #[test]
 fn a_run_with_retries_is_reproducible() {
-    let runs = || (0..3).map(|number| record(Model::Rigid, 1500, "", number));
+    let runs = || (0..3).map(|number| record(Model::Rigid, 1000, "", number));
+    assert!(runs().any(|record| !record.aborts.is_empty()));
     assert!(runs().eq(runs()));
 }

@@ -217,6 +217,31 @@ fn messages_that_take_time_and_get_lost() {
     }
 }
 
+/// Messages take 3 ticks per hop, so an abort takes several ticks. There is a checkpoint at every
+/// tick.
+#[test]
+fn aborted_attempts_and_their_pauses() {
+    let text = "assembly tower {
+        seed plate 1 x 1 { A at (0, 0) }
+        phase grow timeout 7 ticks { A.up ->> T[1..3] }
+            on timeout { release grow  wait 9 ticks  retry 3 }
+    }";
+    let settings = Settings {
+        max_ticks: Some(500),
+        ..Settings::new(Model::Shuffle, 1)
+    };
+    let mut program = programs(text).remove(0);
+    program.scene.messages = Some(Messages { hop: 3, loss: None });
+    let (record, _) = made(&program, &settings, &mut Keeper::default()).expect("a valid scene");
+    assert!(record.aborts.len() > 1, "{record:?}");
+    let first = &record.aborts[0];
+    assert!(
+        !first.releases.is_empty() && first.retried > Some(first.tick + 9),
+        "{first:?}"
+    );
+    assert!(resumed_everywhere(&program, &settings, 1) > 60);
+}
+
 #[test]
 fn fluids_suction_and_magnets_that_always_attract() {
     for text in [

@@ -271,7 +271,7 @@ impl PointTally {
         self.spent += time.time;
         // Pre-attached blocks are recorded but were not captured.
         let is_captured = |bond: &&BondRecord| !program.is_pre_attached(bond.phase);
-        for bond in record.bonds.iter().filter(is_captured) {
+        for bond in record.all_bonds().filter(is_captured) {
             self.captures += 1;
             self.released += usize::from(matches!(bond.origin, Origin::Released { .. }));
         }

@@ -10,25 +10,46 @@ use crate::manifest::SweepAxes;
 /// Condition for nulls in the columns about the captured block.
 const CENSORED: &str = "the waiting time is censored";
 
-/// Row of the table of bonds: a capture, or a waiting time in progress at the end of the run.
+/// Row of the table of bonds.
 #[derive(Clone, Copy)]
-pub(super) enum BondRow<'a> {
+pub(super) struct BondRow<'a> {
+    wait: Wait<'a>,
+    /// End of the run or of the aborted attempt \[ticks\].
+    end: u64,
+    is_aborted: bool,
+}
+
+/// A capture, or a waiting time in progress at the end of the run or of an aborted attempt.
+#[derive(Clone, Copy)]
+enum Wait<'a> {
     Docked(&'a BondRecord),
     Waiting(&'a WaitRecord),
 }
 
-/// Returns the captures of a run in order, then the waiting times in progress.
+/// Returns the captures of a run in order and the waiting times in progress, then those of aborted
+/// attempts.
 pub(super) fn bonds(run: RunContext<'_>) -> impl Iterator<Item = BondRow<'_>> {
-    let docked = run.record.bonds.iter().map(BondRow::Docked);
-    docked.chain(run.record.waiting.iter().map(BondRow::Waiting))
+    let record = run.record;
+    let aborted = record.aborts.iter();
+    let aborted = aborted.map(|it| (&it.bonds, &it.waiting, it.tick, true));
+    let attempts = [(&record.bonds, &record.waiting, record.ticks, false)].into_iter();
+    (attempts.chain(aborted)).flat_map(|(bonds, waiting, end, is_aborted)| {
+        let docked = bonds.iter().map(Wait::Docked);
+        let waits = docked.chain(waiting.iter().map(Wait::Waiting));
+        waits.map(move |wait| BondRow {
+            wait,
+            end,
+            is_aborted,
+        })
+    })
 }
 
-/// Returns a field that both variants of [`BondRow`] have.
+/// Returns a field that both variants of [`Wait`] have.
 macro_rules! both {
-    ($bond:expr, $field:ident) => {
-        match $bond {
-            BondRow::Docked(bond) => bond.$field,
-            BondRow::Waiting(wait) => wait.$field,
+    ($row:expr, $field:ident) => {
+        match $row.wait {
+            Wait::Docked(bond) => bond.$field,
+            Wait::Waiting(wait) => wait.$field,
         }
     };
 }
@@ -51,17 +72,18 @@ impl<'a> BondRow<'a> {
     }
 
     fn docked(self) -> Option<&'a BondRecord> {
-        match self {
-            BondRow::Docked(bond) => Some(bond),
-            BondRow::Waiting(_) => None,
+        match self.wait {
+            Wait::Docked(bond) => Some(bond),
+            Wait::Waiting(_) => None,
         }
     }
 
-    /// Returns the ticks from switching the face on to the capture, or to the end of the run.
-    fn wait(self, run: RunContext<'_>) -> u64 {
+    /// Returns the ticks from switching the face on to the capture, or to the end of the attempt.
+    fn wait(self) -> u64 {
         let docked = self.docked().map(|bond| bond.docked);
-        let end = docked.unwrap_or(run.record.ticks);
-        end.saturating_sub(both!(self, magnetized))
+        docked
+            .unwrap_or(self.end)
+            .saturating_sub(both!(self, magnetized))
     }
 
     /// Returns the former role of the captured block and the tick of its release. Returns `None` if
@@ -77,7 +99,7 @@ impl<'a> BondRow<'a> {
 pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, BondRow<'a>>> {
     let mut table = keyed(
         "bonds",
-        "a capture, or a face that waited for one when the run ended",
+        "a capture, or a face that waited for one when the run or an attempt ended",
         axes,
     );
     add_phase(&mut table, |of: &BondRow<'a>| of.phase());
@@ -127,19 +149,24 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     table
         .integer(
             "wait",
-            "waiting time: from `magnetized` to `docked`; if it is censored, to the end of the run",
-            |row| row.item.wait(row.run),
+            "waiting time: from `magnetized` to `docked`; if it is censored, to the end of the run or attempt",
+            |row| row.item.wait(),
         )
         .unit("ticks");
     table
         .real("wait_seconds", "`wait` in seconds of the scene", |row| {
-            row.run.seconds(row.item.wait(row.run))
+            row.run.seconds(row.item.wait())
         })
         .unit("s");
     table.truth(
         "censored",
-        "whether the run ended before the block docked; the waiting time is then a lower bound",
+        "whether the run or attempt ended before the block docked; the waiting time is then a lower bound",
         |row| row.item.docked().is_none(),
+    );
+    table.truth(
+        "aborted",
+        "whether the row belongs to an attempt at the phase that reached its timeout and was undone",
+        |row| row.item.is_aborted,
     );
     add_capture(&mut table);
     table

@@ -77,17 +77,17 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     table.integer(
         "captures",
         "number of captures: rows of `bonds.parquet` that are not censored",
-        |row| row.run.record.bonds.len() as u64,
+        |row| row.run.record.all_bonds().count() as u64,
     );
     table.integer(
         "censored_captures",
-        "number of faces still waiting at the end: rows of `bonds.parquet` that are censored",
-        |row| row.run.record.waiting.len() as u64,
+        "number of faces still waiting at the end of the run or an attempt: rows of `bonds.parquet` that are censored",
+        |row| row.run.record.all_waiting().count() as u64,
     );
     table.integer(
         "releases",
         "number of releases: rows of `releases.parquet`",
-        |row| row.run.record.releases.len() as u64,
+        |row| row.run.record.all_releases().count() as u64,
     );
     table.integer(
         "unplanned",

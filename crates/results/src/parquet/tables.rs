@@ -21,7 +21,7 @@ macro_rules! for_each_table {
         $do!(0, runs, |_| [()]);
         $do!(1, phases, phases::reached);
         $do!(2, bonds, bonds::bonds);
-        $do!(3, releases, |run| &run.record.releases);
+        $do!(3, releases, releases::releases);
         $do!(4, unplanned, |run| &run.record.unplanned_bonds);
     };
 }
@@ -81,9 +81,9 @@ fn each_group<E: From<JournalError>>(
         let record = &done.record;
         let parts = [
             record.phase_ticks.len(),
-            record.bonds.len(),
-            record.waiting.len(),
-            record.releases.len(),
+            record.all_bonds().count(),
+            record.all_waiting().count(),
+            record.all_releases().count(),
             record.unplanned_bonds.len(),
         ];
         size += 1 + parts.iter().sum::<usize>();

@@ -1,8 +1,10 @@
 //! Events of a program, to validate records.
+use std::collections::HashMap;
+
 use stochc_ir::Cell;
 use stochc_ir::graph::{Dependency, Edge, EventAction, EventGraph, EventId};
-use stochc_ir::record::RunRecord;
-use stochc_ir::table::PhaseId;
+use stochc_ir::record::{AbortRecord, BondRecord, ReleaseRecord, RunRecord, WaitRecord};
+use stochc_ir::table::{PhaseId, RoleId};
 
 use crate::EnsembleProgram;
 
@@ -35,46 +37,8 @@ impl<'m> ProgramEvents<'m> {
     /// Checks that the program has every event of a record, and that each event follows its
     /// predecessors.
     pub fn check(&self, record: &RunRecord) -> Checked {
-        let times = self.times(record)?;
-        self.check_phases(&times)?;
-        for (id, of) in times.iter().enumerate() {
-            let Some(of) = of else { continue };
-            let waits_for = self.graph.waits_for(EventId(id as u32));
-            if !(waits_for.iter()).all(|edge| is_satisfied(edge, *of, &times)) {
-                return Err("an event comes before one that it waits for");
-            }
-        }
-        Ok(())
-    }
-
-    /// Returns the times of each event of the program, taken from the captures, waits and releases
-    /// of a record.
-    fn times(&self, record: &RunRecord) -> Checked<Vec<Option<EventTimes>>> {
         let mut times = vec![None; self.graph.events.len()];
-        for bond in &record.bonds {
-            let action = EventAction::Capture {
-                parent: bond.parent,
-                face: bond.face,
-                child: bond.child,
-            };
-            let id = self.next(&times, bond.phase, action, Some(bond.cell))?;
-            times[id] = Some(EventTimes {
-                ready: bond.magnetized,
-                done: Some(bond.docked),
-            });
-        }
-        for wait in &record.waiting {
-            let action = EventAction::Capture {
-                parent: wait.parent,
-                face: wait.face,
-                child: wait.child,
-            };
-            let id = self.next(&times, wait.phase, action, Some(wait.cell))?;
-            times[id] = Some(EventTimes {
-                ready: wait.magnetized,
-                done: None,
-            });
-        }
+        self.add_captures(&record.bonds, &record.waiting, &mut times)?;
         for release in &record.releases {
             let action = EventAction::Release {
                 child: release.child,
@@ -85,7 +49,98 @@ impl<'m> ProgramEvents<'m> {
                 done: Some(release.tick),
             });
         }
-        Ok(times)
+        self.check_phases(&times)?;
+        self.check_order(&times, PhaseId(0))?;
+        let aborts = record.aborts.iter();
+        aborts
+            .map(|abort| self.check_abort(abort, &times))
+            .collect()
+    }
+
+    /// Checks that the events in phase `since` and in later phases follow their predecessors.
+    fn check_order(&self, times: &[Option<EventTimes>], since: PhaseId) -> Checked {
+        let events = self.graph.events.partition_point(|it| it.phase < since);
+        for (id, of) in times.iter().enumerate().skip(events) {
+            let Some(of) = of else { continue };
+            let waits_for = self.graph.waits_for(EventId(id as u32));
+            if !(waits_for.iter()).all(|edge| is_satisfied(edge, *of, times)) {
+                return Err("an event comes before one that it waits for");
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks an aborted attempt. `times` are those of the events that were not undone.
+    fn check_abort(&self, abort: &AbortRecord, times: &[Option<EventTimes>]) -> Checked {
+        let end = abort.retried.unwrap_or(u64::MAX);
+        let is_within =
+            |from: u64, to: u64| (abort.began..=abort.tick).contains(&from) && from <= to;
+        let bonds = abort.bonds.iter();
+        let is_ordered = (abort.began <= abort.tick && abort.tick <= end)
+            && bonds
+                .clone()
+                .all(|it| is_within(it.magnetized, it.docked) && it.docked <= abort.tick)
+            && (abort.waiting.iter()).all(|it| is_within(it.magnetized, abort.tick))
+            && (abort.releases.iter()).all(|it| (abort.tick..=end).contains(&it.tick));
+        if !is_ordered {
+            return Err("an event of an aborted attempt is outside of the attempt");
+        }
+        let phases = (bonds.clone().map(|it| it.phase))
+            .chain(abort.waiting.iter().map(|it| it.phase))
+            .chain(abort.releases.iter().map(|it| it.phase));
+        if phases.clone().any(|phase| phase != abort.phase) {
+            return Err("an event of an aborted attempt is in another phase");
+        }
+        let captured: HashMap<u32, (RoleId, RoleId)> =
+            bonds.map(|it| (it.body, (it.parent, it.child))).collect();
+        let is_captured =
+            |it: &ReleaseRecord| captured.get(&it.body) == Some(&(it.parent, it.child));
+        if !abort.releases.iter().all(is_captured) {
+            return Err("an aborted attempt releases a block that it has not captured");
+        }
+        // Later events happened after the attempt.
+        let events = self
+            .graph
+            .events
+            .partition_point(|it| it.phase < abort.phase);
+        let mut times = times[..events].to_vec();
+        times.resize(self.graph.events.len(), None);
+        self.add_captures(&abort.bonds, &abort.waiting, &mut times)?;
+        self.check_order(&times, abort.phase)
+    }
+
+    /// Adds the times of captures and waits to the times of each event of the program.
+    fn add_captures(
+        &self,
+        bonds: &[BondRecord],
+        waiting: &[WaitRecord],
+        times: &mut [Option<EventTimes>],
+    ) -> Checked {
+        for bond in bonds {
+            let action = EventAction::Capture {
+                parent: bond.parent,
+                face: bond.face,
+                child: bond.child,
+            };
+            let id = self.next(times, bond.phase, action, Some(bond.cell))?;
+            times[id] = Some(EventTimes {
+                ready: bond.magnetized,
+                done: Some(bond.docked),
+            });
+        }
+        for wait in waiting {
+            let action = EventAction::Capture {
+                parent: wait.parent,
+                face: wait.face,
+                child: wait.child,
+            };
+            let id = self.next(times, wait.phase, action, Some(wait.cell))?;
+            times[id] = Some(EventTimes {
+                ready: wait.magnetized,
+                done: None,
+            });
+        }
+        Ok(())
     }
 
     /// Returns the index of the first event with `phase` and `action` that has no entry in `times`

@@ -146,8 +146,8 @@ fn a_corrupted_manifest_is_left_alone() {
 }
 
 /// Returns the journal lines of a finished folder without checksums. [`sealed`] adds the checksums.
-fn unsealed(folder: &Path) -> Vec<String> {
-    complete(folder, &manifest(4), 1);
+fn unsealed(folder: &Path, runs: u64) -> Vec<String> {
+    complete(folder, &manifest(runs), 1);
     fs::remove_file(folder.join("checksums.json")).unwrap();
     let text = fs::read_to_string(folder.join("journal.jsonl")).unwrap();
     let line = |line: &str| line.rsplit_once(",\"crc\"").unwrap().0.to_owned() + "}";
@@ -164,7 +164,7 @@ fn sealed(lines: &[String]) -> String {
 #[test]
 fn impossible_records_are_reported_and_left_out() {
     let folder = tempfile::tempdir().unwrap();
-    let mut lines = unsealed(folder.path());
+    let mut lines = unsealed(folder.path(), 4);
     let mut manifest = manifest(4);
     manifest.settings.max_ticks = Some(1_000);
     put(&folder.path().join("manifest.json"), manifest.to_json());
@@ -193,6 +193,37 @@ fn impossible_records_are_reported_and_left_out() {
         put(&folder.path().join("journal.jsonl"), sealed(&lines));
         let contents = Folder::read(folder.path()).unwrap();
         assert_eq!(contents.finished.len(), 7, "{what}");
+        assert!(contents.damage[0].contains(reason), "{:?}", contents.damage);
+    }
+}
+
+#[test]
+fn impossible_aborted_attempts_are_reported_and_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut lines = unsealed(folder.path(), 40);
+    let has_capture = |line: &String| {
+        let aborts = line.split_once("\"aborts\":");
+        aborts.is_some_and(|(_, aborts)| aborts.contains("docked"))
+    };
+    let at = lines.iter().position(has_capture).unwrap();
+    let first: serde_json::Value = serde_json::from_str(&lines[at]).unwrap();
+    for (what, with, reason) in [
+        ("phase", 0, "in another phase"),
+        ("tick", 0, "outside of the attempt"),
+        ("retried", 1, "outside of the attempt"),
+        ("bonds/0/magnetized", 0, "outside of the attempt"),
+        ("bonds/0/phase", 0, "in another phase"),
+        ("bonds/0/child", 1, "has not captured"),
+        ("releases/0/body", 1, "has not captured"),
+        ("bonds/0/cell/2", 5, "no such event"),
+    ] {
+        let mut changed = first.clone();
+        let pointer = format!("/record/aborts/0/{what}");
+        *changed.pointer_mut(&pointer).unwrap() = with.into();
+        lines[at] = changed.to_string();
+        put(&folder.path().join("journal.jsonl"), sealed(&lines));
+        let contents = Folder::read(folder.path()).unwrap();
+        assert_eq!(contents.finished.len(), 79, "{what}");
         assert!(contents.damage[0].contains(reason), "{:?}", contents.damage);
     }
 }

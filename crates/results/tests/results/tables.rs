@@ -7,7 +7,9 @@ use std::sync::atomic::AtomicBool;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use serde_json::{Value, json};
-use stochc_ir::record::{Limit, Origin, Outcome};
+use stochc_ir::record::{
+    AbortRecord, BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
+};
 use stochc_ir::table::PhaseId;
 use stochc_results::{Destination, Finished, Folder, Varied, tables};
 
@@ -78,6 +80,11 @@ fn seconds(ticks: u64) -> f64 {
     ticks as f64 * scene().tick
 }
 
+/// Sums a number over all aborted attempts of a run.
+fn aborted(record: &RunRecord, number: impl Fn(&AbortRecord) -> usize) -> usize {
+    record.aborts.iter().map(number).sum()
+}
+
 /// Returns the expected row of the table of runs.
 fn run_row(done: &Finished, seed: u64) -> Value {
     let record = &done.record;
@@ -97,9 +104,9 @@ fn run_row(done: &Finished, seed: u64) -> Value {
         "phase_names": PHASES,
         "phase_ticks": record.phase_ticks,
         "blocks_used": record.blocks_used,
-        "captures": record.bonds.len(),
-        "censored_captures": record.waiting.len(),
-        "releases": record.releases.len(),
+        "captures": record.bonds.len() + aborted(record, |it| it.bonds.len()),
+        "censored_captures": record.waiting.len() + aborted(record, |it| it.waiting.len()),
+        "releases": record.releases.len() + aborted(record, |it| it.releases.len()),
         "unplanned": record.unplanned,
         "hops": record.hops,
         "seed": seed,
@@ -128,7 +135,7 @@ fn the_table_of_phases_has_start_and_end() {
         let mut began = 0;
         for (i, ticks) in record.phase_ticks.iter().enumerate() {
             let ended = began + ticks;
-            let more = json!({ "outcome": "completed", "began": began, "ended": ended, "retries": 0, "ticks": ticks, "seconds": seconds(*ticks) });
+            let more = json!({ "outcome": "completed", "began": began, "ended": ended, "retries": i * record.aborts.len(), "ticks": ticks, "seconds": seconds(*ticks) });
             expected.push(row(done, PhaseId(i as u32), more));
             began = ended;
         }
@@ -136,7 +143,7 @@ fn the_table_of_phases_has_start_and_end() {
         let (outcome, phase, _) = word(&record.outcome);
         if let Some(phase) = phase.filter(|phase| phase.0 as usize == record.phase_ticks.len()) {
             let ticks = record.ticks - began;
-            let more = json!({ "outcome": outcome, "began": began, "ended": null, "retries": 0, "ticks": ticks, "seconds": seconds(ticks) });
+            let more = json!({ "outcome": outcome, "began": began, "ended": null, "retries": phase.0 as usize * record.aborts.len(), "ticks": ticks, "seconds": seconds(ticks) });
             expected.push(row(done, phase, more));
         }
     }
@@ -145,65 +152,86 @@ fn the_table_of_phases_has_start_and_end() {
     assert_eq!(table(folder.path(), "phases"), expected);
 }
 
+/// Returns the expected row about a capture.
+fn bond_row(done: &Finished, bond: &BondRecord, is_aborted: bool) -> Value {
+    let released = match bond.origin {
+        Origin::Free => None,
+        Origin::Released { role, tick } => Some((ROLES[role.0 as usize], tick)),
+    };
+    let more = json!({
+        "parent": ROLES[bond.parent.0 as usize],
+        "face": "up",
+        "child": ROLES[bond.child.0 as usize],
+        "x": bond.cell.x,
+        "y": bond.cell.y,
+        "z": bond.cell.z,
+        "magnetized": bond.magnetized,
+        "docked": bond.docked,
+        "docked_seconds": seconds(bond.docked),
+        "wait": bond.docked - bond.magnetized,
+        "wait_seconds": seconds(bond.docked - bond.magnetized),
+        "censored": false,
+        "aborted": is_aborted,
+        "entries": bond.entries,
+        "docking": bond.docking,
+        "body": bond.body,
+        "origin": if released.is_some() { "released" } else { "free" },
+        "origin_role": released.map(|(role, _)| role),
+        "released_at": released.map(|(_, tick)| tick),
+    });
+    row(done, bond.phase, more)
+}
+
+/// Returns the expected row about a face that waited until the tick `end`.
+fn wait_row(done: &Finished, wait: &WaitRecord, end: u64, is_aborted: bool) -> Value {
+    let more = json!({
+        "parent": ROLES[wait.parent.0 as usize],
+        "face": "up",
+        "child": ROLES[wait.child.0 as usize],
+        "x": wait.cell.x,
+        "y": wait.cell.y,
+        "z": wait.cell.z,
+        "magnetized": wait.magnetized,
+        "docked": null,
+        "docked_seconds": null,
+        "wait": end - wait.magnetized,
+        "wait_seconds": seconds(end - wait.magnetized),
+        "censored": true,
+        "aborted": is_aborted,
+        "entries": wait.entries,
+        "docking": null,
+        "body": null,
+        "origin": null,
+        "origin_role": null,
+        "released_at": null,
+    });
+    row(done, wait.phase, more)
+}
+
 #[test]
 fn the_table_of_bonds_matches_the_records() {
     let folder = tempfile::tempdir().unwrap();
     let results = complete(folder.path(), &manifest(40), 2);
-    let (mut expected, mut running) = (Vec::new(), 0);
+    let mut expected = Vec::new();
     for done in &results.finished.to_vec().unwrap() {
-        for bond in &done.record.bonds {
-            let released = match bond.origin {
-                Origin::Free => None,
-                Origin::Released { role, tick } => Some((ROLES[role.0 as usize], tick)),
-            };
-            let more = json!({
-                "parent": ROLES[bond.parent.0 as usize],
-                "face": "up",
-                "child": ROLES[bond.child.0 as usize],
-                "x": bond.cell.x,
-                "y": bond.cell.y,
-                "z": bond.cell.z,
-                "magnetized": bond.magnetized,
-                "docked": bond.docked,
-                "docked_seconds": seconds(bond.docked),
-                "wait": bond.docked - bond.magnetized,
-                "wait_seconds": seconds(bond.docked - bond.magnetized),
-                "censored": false,
-                "entries": bond.entries,
-                "docking": bond.docking,
-                "body": bond.body,
-                "origin": if released.is_some() { "released" } else { "free" },
-                "origin_role": released.map(|(role, _)| role),
-                "released_at": released.map(|(_, tick)| tick),
-            });
-            expected.push(row(done, bond.phase, more));
-        }
-        for wait in &done.record.waiting {
-            running += 1;
-            let more = json!({
-                "parent": ROLES[wait.parent.0 as usize],
-                "face": "up",
-                "child": ROLES[wait.child.0 as usize],
-                "x": wait.cell.x,
-                "y": wait.cell.y,
-                "z": wait.cell.z,
-                "magnetized": wait.magnetized,
-                "docked": null,
-                "docked_seconds": null,
-                "wait": done.record.ticks - wait.magnetized,
-                "wait_seconds": seconds(done.record.ticks - wait.magnetized),
-                "censored": true,
-                "entries": wait.entries,
-                "docking": null,
-                "body": null,
-                "origin": null,
-                "origin_role": null,
-                "released_at": null,
-            });
-            expected.push(row(done, wait.phase, more));
+        let record = &done.record;
+        let bonds = record.bonds.iter().map(|it| bond_row(done, it, false));
+        expected.extend(bonds);
+        let waiting = record.waiting.iter();
+        expected.extend(waiting.map(|it| wait_row(done, it, record.ticks, false)));
+        for abort in &record.aborts {
+            expected.extend(abort.bonds.iter().map(|it| bond_row(done, it, true)));
+            let waiting = abort.waiting.iter();
+            expected.extend(waiting.map(|it| wait_row(done, it, abort.tick, true)));
         }
     }
-    assert!(expected.len() > 100 && running > 2);
+    let count = |is_censored: bool, is_aborted: bool| {
+        let rows = expected.iter();
+        rows.filter(|it| it["censored"] == is_censored && it["aborted"] == is_aborted)
+            .count()
+    };
+    assert!(count(false, false) > 100 && count(true, false) > 2);
+    assert!(count(false, true) > 0 && count(true, true) > 0);
     assert_eq!(table(folder.path(), "bonds"), expected);
 }
 
@@ -213,16 +241,21 @@ fn the_tables_of_releases_and_unplanned_bonds_match_the_records() {
     let results = complete(folder.path(), &manifest(40), 2);
     let (mut releases, mut unplanned) = (Vec::new(), Vec::new());
     for done in &results.finished.to_vec().unwrap() {
-        for release in &done.record.releases {
+        let mut add = |release: &ReleaseRecord, is_aborted: bool| {
             let more = json!({
                 "tick": release.tick,
                 "seconds": seconds(release.tick),
                 "parent": ROLES[release.parent.0 as usize],
                 "child": ROLES[release.child.0 as usize],
                 "body": release.body,
+                "aborted": is_aborted,
             });
             releases.push(row(done, release.phase, more));
-        }
+        };
+        let (record, aborts) = (&done.record, &done.record.aborts);
+        record.releases.iter().for_each(|it| add(it, false));
+        let aborted = aborts.iter().flat_map(|abort| &abort.releases);
+        aborted.for_each(|it| add(it, true));
         for bond in &done.record.unplanned_bonds {
             let more = json!({
                 "tick": bond.tick,
@@ -258,7 +291,7 @@ fn large_tables_have_groups_of_rows() {
         Ok(record)
     });
     let finished = results.unwrap().finished.to_vec().unwrap();
-    let rows = |of: &Finished| of.record.bonds.len() + of.record.waiting.len();
+    let rows = |of: &Finished| of.record.all_bonds().count() + of.record.all_waiting().count();
     let rows: usize = finished.iter().map(rows).sum();
     let file = File::open(folder.path().join("bonds.parquet")).unwrap();
     let reader = SerializedFileReader::new(file).unwrap();

@@ -5,12 +5,13 @@ use std::sync::atomic::AtomicBool;
 
 use stochc_ir::graph::{EventAction, EventGraph, EventId, GraphEvent};
 use stochc_ir::record::{
-    BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, UnplannedRecord, WaitRecord,
+    AbortRecord, BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, UnplannedRecord,
+    WaitRecord,
 };
 use stochc_ir::scene::schema::unspecified;
 use stochc_ir::scene::{Arrangement, Block, Enclosure, Free, Scene};
 use stochc_ir::state::StateReader;
-use stochc_ir::table::{Action, Phase, PhaseId, Plate, Role, RoleId, Tables, Trigger};
+use stochc_ir::table::{Action, Phase, PhaseId, Plate, Recovery, Role, RoleId, Tables, Trigger};
 use stochc_ir::{Cell, Executable, Face};
 use stochc_results::{
     Destination, EnsembleError, EnsembleProgram, Folder, Interval, Manifest, Progress, Results,
@@ -54,6 +55,15 @@ pub fn program(name: &str) -> EnsembleProgram {
         recovery: None,
         pre_attached: false,
     };
+    let retried = Phase {
+        timeout: Some(5),
+        recovery: Some(Recovery {
+            retries: 1,
+            reports: 1,
+            pause: 3,
+        }),
+        ..phase("second")
+    };
     let catch = |child, z| Action::Magnetize {
         face: Face::Up,
         child: RoleId(child),
@@ -67,7 +77,7 @@ pub fn program(name: &str) -> EnsembleProgram {
         name,
         1,
         Plate { width: 1, depth: 1 },
-        vec![phase("first"), phase("second")],
+        vec![phase("first"), retried],
         vec![
             role("A", Some(Cell::new(0, 0, 0))),
             role("B", None),
@@ -205,6 +215,7 @@ pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRec
             record.bonds.clear();
             record.waiting.clear();
             record.releases.clear();
+            record.aborts.clear();
             record.outcome = Outcome::Failed {
                 phase: PhaseId(0),
                 reason: "block 7 left the world".into(),
@@ -215,9 +226,12 @@ pub fn simulate(program: usize, run: u64, mut watch: &RunWatch) -> Result<RunRec
     Ok(record)
 }
 
-/// Adds releases, unplanned captures and timeouts to some of the runs.
+/// Adds aborted attempts, releases, unplanned captures and timeouts to some of the runs.
 fn add_rare_events(record: &mut RunRecord) {
     let total = record.ticks;
+    if total.is_multiple_of(5) && record.phase_ticks[1] > 20 {
+        add_abort(record);
+    }
     let (parent, child, body) = (RoleId(0), RoleId(1), record.bonds[0].body);
     if total.is_multiple_of(3) {
         record.releases.push(ReleaseRecord {
@@ -259,6 +273,45 @@ fn add_rare_events(record: &mut RunRecord) {
             });
         }
     }
+}
+
+/// Adds an aborted attempt at the second phase, with its capture or with its open face.
+fn add_abort(record: &mut RunRecord) {
+    let began = record.phase_ticks[0];
+    let last = &mut record.bonds[1];
+    let bond = BondRecord {
+        magnetized: began,
+        docked: began + 3,
+        docking: 1,
+        ..last.clone()
+    };
+    last.magnetized = began + 10;
+    let wait = WaitRecord {
+        phase: bond.phase,
+        parent: bond.parent,
+        face: bond.face,
+        child: bond.child,
+        cell: bond.cell,
+        magnetized: began,
+        entries: 1,
+    };
+    let release = ReleaseRecord {
+        phase: bond.phase,
+        parent: bond.parent,
+        child: bond.child,
+        tick: began + 7,
+        body: bond.body,
+    };
+    let is_captured = record.ticks.is_multiple_of(2);
+    record.aborts.push(AbortRecord {
+        phase: bond.phase,
+        began,
+        tick: began + 5,
+        retried: Some(began + 10),
+        waiting: if is_captured { vec![] } else { vec![wait] },
+        bonds: if is_captured { vec![bond] } else { vec![] },
+        releases: if is_captured { vec![release] } else { vec![] },
+    });
 }
 
 /// Makes the runs of an ensemble on this number of threads.
