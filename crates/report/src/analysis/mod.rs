@@ -9,5 +9,6 @@ pub(crate) mod events;
 pub(crate) mod maps;
 pub(crate) mod pairwise;
 pub(crate) mod reported_program;
+pub(crate) mod slow_runs;
 pub(crate) mod sweep;
 pub(crate) mod waits;

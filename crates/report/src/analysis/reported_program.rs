@@ -17,6 +17,7 @@ use crate::svg::PlotAxis;
 use super::critical_path::{CriticalPathSegment, critical_path, moments};
 use super::decisive_events::DecisiveEvents;
 use super::events::Events;
+use super::slow_runs::{MIN_RUNS, SlowRuns};
 
 /// Error of creating a report.
 #[derive(Debug, thiserror::Error)]
@@ -71,6 +72,8 @@ pub(crate) struct ReportedProgram<'a> {
     size_times: Vec<TimeSample>,
     /// Example runs, each with a description such as "median".
     example_runs: Vec<(&'static str, FinishedRun)>,
+    /// `None` if the program has too few runs, or is an aggregate.
+    pub slow_runs: Option<SlowRuns>,
 }
 
 #[derive(Clone, Debug)]
@@ -125,6 +128,7 @@ pub(crate) fn subjects<'a>(
         })?;
         for subject in &mut subjects[first..] {
             subject.choose(&input.finished)?;
+            subject.compare_slow_runs(&input.finished)?;
         }
         sweeps.extend(sweep.map(|sweep| shown_sweep(sweep.finish(), shown)));
     }
@@ -202,6 +206,7 @@ impl<'a> ReportedProgram<'a> {
             phase_times: vec![TimeSample::default(); program.phases().len()],
             size_times: vec![TimeSample::default(); program.phases().len()],
             example_runs: Vec::new(),
+            slow_runs: None,
             events,
         }
     }
@@ -258,6 +263,33 @@ impl<'a> ReportedProgram<'a> {
                     .push((what, FinishedRun::from_record(&self.events, &done.record)));
             }
         }
+        Ok(())
+    }
+
+    /// Compares the critical paths of the slowest and the fastest tenth of the runs.
+    fn compare_slow_runs(&mut self, finished: &Records) -> Result<(), ReportError> {
+        let mut runs = self.times.clone();
+        if runs.len() < MIN_RUNS || self.is_aggregate() {
+            return Ok(());
+        }
+        sort_by_time(&mut runs);
+        let tenth = runs.len() / 10;
+        let mut slow_runs = SlowRuns::new(&self.events, tenth);
+        let read = |(run, _): &(u64, Observation)| {
+            let done = finished.get(self.number, *run)?;
+            Ok::<_, ReportError>(done.map(|it| FinishedRun::from_record(&self.events, &it.record)))
+        };
+        for run in &runs[..tenth] {
+            if let Some(run) = read(run)? {
+                slow_runs.add_fast(&run);
+            }
+        }
+        for run in &runs[runs.len() - tenth..] {
+            if let Some(run) = read(run)? {
+                slow_runs.add_slow(&run);
+            }
+        }
+        self.slow_runs = Some(slow_runs);
         Ok(())
     }
 

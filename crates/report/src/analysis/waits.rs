@@ -22,6 +22,11 @@ pub(crate) struct ReportedCapture {
     pub share: Option<f64>,
     /// Number of runs with the capture on the critical path.
     pub decided: usize,
+    /// Mean time on the critical path in the slowest tenth of the runs, minus that in the fastest
+    /// tenth \[ticks\]. `None` with few runs.
+    pub slower: Option<f64>,
+    /// Slow run with the largest time of the capture on the critical path.
+    pub run_to_watch: Option<u64>,
 }
 
 impl ReportedCapture {
@@ -66,6 +71,7 @@ pub(crate) fn waits(subject: &mut ReportedProgram) -> Vec<ReportedCapture> {
         decided,
         total,
     } = &subject.decisive;
+    let slow_runs = subject.slow_runs.as_ref();
     let mut known = std::mem::take(&mut subject.waits).finish();
     let mut done = Repetitions::default();
     let mut found: Vec<ReportedCapture> = Vec::new();
@@ -88,6 +94,8 @@ pub(crate) fn waits(subject: &mut ReportedProgram) -> Vec<ReportedCapture> {
             waits: known.remove(&key),
             share: (*total > 0.0).then(|| spent[number] / total),
             decided: decided[number],
+            slower: slow_runs.map(|it| it.difference(number)),
+            run_to_watch: slow_runs.and_then(|it| it.run_to_watch(number)),
         });
     }
     found

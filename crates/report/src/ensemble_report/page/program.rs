@@ -1,4 +1,6 @@
 //! Section about one program: its phases, captures, origins of blocks, and single runs.
+use std::fmt::Write as _;
+
 use stochc_experiments::Time;
 use stochc_experiments::statistics::Observation;
 use stochc_files::shell;
@@ -10,6 +12,7 @@ use super::maps::maps;
 use super::origin::{first_of_text, text_id};
 use super::parts::ROWS;
 use crate::analysis::reported_program::ReportedProgram;
+use crate::analysis::slow_runs::SlowRuns;
 use crate::analysis::waits::ReportedCapture;
 use crate::ensemble_report::CRITICAL_PATHS;
 use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
@@ -235,8 +238,8 @@ pub(super) fn captures(subject: &ReportedProgram, waits: &[ReportedCapture], out
             HtmlCell::Number(wait.share.map_or("–".into(), percent)),
         ]
     };
-    let rows: Vec<_> = shown.iter().map(row).collect();
-    let header = [
+    let mut rows: Vec<_> = shown.iter().map(row).collect();
+    let mut header = vec![
         "capture",
         "phase",
         "waiting time",
@@ -246,11 +249,39 @@ pub(super) fn captures(subject: &ReportedProgram, waits: &[ReportedCapture], out
         "on the critical path",
         "share of time",
     ];
+    if let Some(slow_runs) = &subject.slow_runs {
+        header.extend(["slow runs", "run to watch"]);
+        for (row, wait) in rows.iter_mut().zip(&shown) {
+            row.push(figure(wait.slower, Some(subject.tick())));
+            let run = wait.run_to_watch.map(|run| run.to_string());
+            row.push(HtmlCell::Number(run.unwrap_or("–".into())));
+        }
+        out.note(&slow_runs_note(slow_runs));
+    }
     out.table(
         "Mean waiting and docking times of the captures in ticks, with seconds below (± is the 95 % confidence interval)",
         &header,
         &rows,
     );
+}
+
+/// Explains the columns about slow runs.
+fn slow_runs_note(slow_runs: &SlowRuns) -> String {
+    let mut note = format!(
+        "<em>Slow runs</em> compares the slowest with the fastest tenth of the runs, {} runs each: the \
+         difference of the mean times in which a run waited only for this capture. In the run to \
+         watch, this time is longest.",
+        slow_runs.runs
+    );
+    if slow_runs.unplanned != [0; 2] {
+        let [slow, fast] =
+            (slow_runs.unplanned).map(|it| number(it as f64 / slow_runs.runs as f64));
+        let _ = write!(
+            note,
+            " Slow runs rejected {slow} blocks on average, and fast runs {fast}."
+        );
+    }
+    note
 }
 
 pub(super) fn origins(parts: &Parts, index: usize, out: &mut Html, drawings: &mut Vec<Drawing>) {
