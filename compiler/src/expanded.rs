@@ -231,11 +231,45 @@ impl Timeout {
 
     /// Returns the time limit \[ticks\], from 1 to 9e15. `tick` is the length of a tick \[s\].
     pub fn ticks(self, tick: f64) -> u64 {
+        let ticks = self.exact_ticks(tick);
+        ticks.round().clamp(1.0, Timeout::MAX_TICKS) as u64
+    }
+
+    /// Returns the time limit \[ticks\]. It may be a fraction. `tick` is the length of a tick
+    /// \[s\].
+    pub(crate) fn exact_ticks(self, tick: f64) -> f64 {
+        /// Largest relative difference due to the conversion of decimal numbers to binary ones.
+        const ROUNDING: f64 = 1e-12;
         match self {
-            Timeout::Ticks(ticks) => ticks,
+            Timeout::Ticks(ticks) => ticks as f64,
             Timeout::Seconds(seconds) => {
-                (seconds / tick).round().clamp(1.0, Timeout::MAX_TICKS) as u64
+                let ticks = seconds / tick;
+                let whole = ticks.round();
+                if (ticks - whole).abs() <= ROUNDING * ticks {
+                    whole
+                } else {
+                    ticks
+                }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Timeout;
+
+    #[test]
+    fn only_rounding_errors_are_removed() {
+        for (seconds, tick, ticks) in [
+            (0.3, 0.1, 3.0),
+            (0.35, 0.1, 3.5),
+            (60.0, 0.02, 3000.0),
+            (60.0 + 1e-6, 0.02, 3000.00005),
+        ] {
+            let exact = Timeout::Seconds(seconds).exact_ticks(tick);
+            assert!((exact - ticks).abs() < 1e-9 * ticks, "{exact}");
+            assert_eq!(exact.fract() == 0.0, f64::fract(ticks) == 0.0, "{exact}");
         }
     }
 }

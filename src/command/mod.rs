@@ -16,6 +16,7 @@ pub mod fsck;
 mod host;
 mod imports;
 pub(crate) mod interrupt;
+mod junit;
 pub mod levels;
 pub mod lsp;
 pub mod man;

@@ -1,14 +1,15 @@
 //! `stochc test`.
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::json;
 use stochc_experiments::Verdict;
-use stochc_report::tables::claims_to_text;
+use stochc_report::tables::{ReportedClaim, claims_to_text};
 use stochc_results::MAX_RUNS;
 use stochc_text::share;
 
 use super::ensemble::ProgramOptions;
 use super::host::Terminal;
 use super::interrupt::stop_on_interrupt;
+use super::junit::claims_to_junit;
 use super::run_options::{JsonOption, ThreadsOption};
 use super::terminal::{output_width, print};
 use crate::exit::{Exit, Failure};
@@ -35,8 +36,28 @@ pub struct TestArguments {
     runs: u64,
     #[command(flatten)]
     work: ThreadsOption,
+    /// Format of the verdicts
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        default_value = "text",
+        conflicts_with = "json",
+        help_heading = "Output"
+    )]
+    format: Format,
     #[command(flatten)]
     output: JsonOption,
+}
+
+/// Format of the verdicts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// Table
+    Text,
+    /// The same as `--json`
+    Json,
+    /// XML for continuous integration. A test case for each claim
+    Junit,
 }
 
 pub fn run(options: &TestArguments) -> Result<Exit, Failure> {
@@ -76,14 +97,19 @@ pub fn run(options: &TestArguments) -> Result<Exit, Failure> {
         threads: options.work.threads,
     };
     let claims = tested_claims(&programs, &how, &host)?;
-    if options.output.json {
-        let claims: Vec<_> = claims.iter().map(|claim| claim.to_json()).collect();
-        print(&document(
-            json!({ "alpha": options.alpha, "claims": claims }),
-        ))?;
+    let format = if options.output.json {
+        Format::Json
     } else {
-        print(&claims_to_text(&claims, output_width()))?;
-    }
+        options.format
+    };
+    print(&match format {
+        Format::Text => claims_to_text(&claims, output_width()),
+        Format::Json => {
+            let claims: Vec<_> = claims.iter().map(ReportedClaim::to_json).collect();
+            document(json!({ "alpha": options.alpha, "claims": claims }))
+        }
+        Format::Junit => claims_to_junit(&claims).map_err(Failure::usage)?,
+    })?;
     let hold = claims.iter().all(|it| it.tested.verdict == Verdict::Holds);
     Ok(Exit::from_runs(hold))
 }

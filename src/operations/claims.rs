@@ -1,7 +1,9 @@
 //! Tests of the claims of programs.
 use std::sync::LazyLock;
 
-use stochc_experiments::{ClaimTesting, ModelError, Verdict, test_claims};
+use stochc_experiments::{
+    ClaimTesting, ModelError, TestedClaim, Verdict, decide_claims, test_claims,
+};
 use stochc_ir::claim::{Claim, ClaimedEvent};
 use stochc_report::figures::Figures;
 use stochc_report::tables::ReportedClaim;
@@ -154,7 +156,26 @@ fn add(
         // The error of captures in the rate model is unknown.
         is_open(&decided[number]) && (is_exact || !is_capture(&program.claims[number]))
     });
-    let numbers: Vec<usize> = numbers.collect();
+    let mut numbers: Vec<usize> = numbers.collect();
+    let report = |number: usize, tested: TestedClaim| ReportedClaim {
+        program: program.name.clone(),
+        file: program.sources.first().map(|file| file.path.clone()),
+        claim: program.claims[number].describe(program.tables()),
+        tested,
+        model: settings.model,
+    };
+    // The distribution differs slightly from runs, which matters only without a model error.
+    if settings.model == Model::Rate && !is_exact {
+        let exact = decide_exactly(entries, &settings.rates, testing.error);
+        numbers.retain(|&number| {
+            let exact = exact[number].clone();
+            let needs_runs = exact.is_none();
+            if let Some(exact) = exact {
+                decided[number] = Some(report(number, exact));
+            }
+            needs_runs
+        });
+    }
     if numbers.is_empty() {
         return Ok(());
     }
@@ -183,14 +204,27 @@ fn add(
     }
     let tested = test(&made.results.finished)?;
     for (number, tested) in numbers.into_iter().zip(tested) {
-        decided[number] = Some(ReportedClaim {
-            program: program.name.clone(),
-            claim: program.claims[number].describe(program.tables()),
-            tested,
-            model: settings.model,
-        });
+        decided[number] = Some(report(number, tested));
     }
     Ok(())
+}
+
+/// Decides the claims of the first program without runs, as far as this is possible.
+fn decide_exactly(
+    entries: &[EnsembleProgram],
+    rates: &[Rates],
+    error: ModelError,
+) -> Vec<Option<TestedClaim>> {
+    let claims = &entries[0].claims;
+    let supported = entries.iter().map(|it| {
+        let rates = Rates::known(rates, &it.scene);
+        rates.filter(|_| supported(it).is_ok())
+    });
+    let rates: Option<Vec<&Rates>> = supported.collect();
+    rates.map_or_else(
+        || vec![None; claims.len()],
+        |rates| decide_claims(claims, entries, &rates, error),
+    )
 }
 
 fn is_capture(claim: &Claim) -> bool {

@@ -35,13 +35,13 @@ pub(super) fn check(
                 bound,
             } => Claim::Probability {
                 event: resolver.event(event, claim.location)?,
-                within: within.map(|within| within.ticks(scene.tick)),
+                within: within.map(|within| within.exact_ticks(scene.tick)),
                 relation: *relation,
                 bound: *bound,
             },
             ClaimKind::Mean { relation, bound } => Claim::Mean {
                 relation: *relation,
-                bound: bound.ticks(scene.tick) as f64,
+                bound: bound.exact_ticks(scene.tick),
             },
             ClaimKind::Faster { than, by } => Claim::Faster {
                 than: resolver.other_program(*than)?,

@@ -21,7 +21,10 @@ mod cost;
 mod geometry;
 mod waits;
 
-pub use cost::{CaptureCost, Cost, PhaseCost, ProgramParts, estimate, estimate_without_timeouts};
+pub use cost::{
+    CaptureCost, Cost, PhaseCost, ProgramParts, SerialCapture, estimate, estimate_without_timeouts,
+    reference_count, serial_captures,
+};
 pub use geometry::accessibility::{offsets, sees};
 pub use geometry::gap::{beside_gap, gap_entrances};
 pub use geometry::interaction::Interaction;

@@ -45,6 +45,8 @@ pub struct TestedClaim {
     pub runs: u64,
     /// CPU time of these runs \[s\]. `None` if it was not measured.
     pub cpu: Option<f64>,
+    /// Whether the distribution of the model decided, without runs.
+    pub is_exact: bool,
 }
 
 /// Settings of a test of claims.
@@ -87,6 +89,8 @@ struct TimeRange {
 
 const NEVER: TimeRange = TimeRange::new(f64::INFINITY, f64::INFINITY);
 
+const UNKNOWN: TimeRange = TimeRange::new(0.0, f64::INFINITY);
+
 impl TimeRange {
     const fn new(shortest: f64, longest: f64) -> TimeRange {
         TimeRange { shortest, longest }
@@ -94,11 +98,6 @@ impl TimeRange {
 
     const fn known(time: f64) -> TimeRange {
         TimeRange::new(time, time)
-    }
-
-    /// Returns the time of an event that has not happened until `time`.
-    const fn after(time: f64) -> TimeRange {
-        TimeRange::new(time, f64::INFINITY)
     }
 
     fn with_error(self, error: ModelError) -> TimeRange {
@@ -113,8 +112,8 @@ impl TimeRange {
     }
 
     /// Returns whether the event happens within a limit. Returns `None` if this is unknown.
-    fn is_within(self, limit: Option<u64>) -> Option<bool> {
-        let limit = limit.map_or(f64::MAX, |limit| limit as f64);
+    fn is_within(self, limit: Option<f64>) -> Option<bool> {
+        let limit = limit.unwrap_or(f64::MAX);
         if self.longest <= limit {
             Some(true)
         } else {
@@ -126,26 +125,25 @@ impl TimeRange {
 /// Returns the time of an event in a run.
 fn event_time(event: ClaimedEvent, record: &RunRecord) -> TimeRange {
     let ticks = record.ticks as f64;
-    let has_ended = match &record.outcome {
-        Outcome::Completed => true,
-        Outcome::TimedOut { by, .. } => *by == Limit::Timeout,
-        Outcome::Failed { .. } => false,
+    let missing = |earliest: f64| match &record.outcome {
+        Outcome::Completed
+        | Outcome::TimedOut {
+            by: Limit::Timeout, ..
+        } => NEVER,
+        Outcome::TimedOut { .. } => TimeRange::new(earliest, f64::INFINITY),
+        // The events of the last tick are unknown.
+        Outcome::Failed { .. } => TimeRange::new((earliest - 1.0).max(0.0), f64::INFINITY),
     };
-    let missing = |until: f64| {
-        if has_ended {
-            NEVER
-        } else {
-            TimeRange::after(until)
-        }
-    };
+    // The run has processed the events of its last tick.
+    let next = ticks + 1.0;
     match event {
         ClaimedEvent::Completion if record.outcome == Outcome::Completed => TimeRange::known(ticks),
-        ClaimedEvent::Completion => missing(ticks),
+        ClaimedEvent::Completion => missing(next),
         ClaimedEvent::Phase(phase) => {
             let (phase, phases) = (phase.0 as usize, &record.phase_ticks);
             match phases.get(phase) {
                 Some(&time) => TimeRange::known(time as f64),
-                None if phases.len() == phase => missing(ticks - phases.iter().sum::<u64>() as f64),
+                None if phases.len() == phase => missing(next - phases.iter().sum::<u64>() as f64),
                 None => missing(0.0),
             }
         }
@@ -155,7 +153,7 @@ fn event_time(event: ClaimedEvent, record: &RunRecord) -> TimeRange {
             let mut bonds = record.all_bonds().filter(|bond| bond.parent == by);
             let bond = bonds.find(|bond| bond.child == block || was_block(&bond.origin));
             bond.map_or_else(
-                || missing(ticks),
+                || missing(next),
                 |bond| TimeRange::known(bond.docked as f64),
             )
         }
@@ -242,6 +240,7 @@ fn tested(claim: &Claim, runs: &[ClaimedRun], testing: ClaimTesting) -> TestedCl
                 limits: test.interval(),
                 runs: test.runs(),
                 cpu: cpu(runs),
+                is_exact: false,
             }
         }
         Claim::Mean { relation, bound } => {
@@ -255,6 +254,7 @@ fn tested(claim: &Claim, runs: &[ClaimedRun], testing: ClaimTesting) -> TestedCl
                 limits: test.interval(),
                 runs: test.runs(),
                 cpu: cpu(runs),
+                is_exact: false,
             }
         }
         Claim::Faster { by, .. } => faster(*by, runs, testing),
@@ -265,7 +265,7 @@ fn tested(claim: &Claim, runs: &[ClaimedRun], testing: ClaimTesting) -> TestedCl
 /// Runs with the same number have the same seed.
 fn faster(by: f64, runs: &[ClaimedRun], testing: ClaimTesting) -> TestedClaim {
     let mut test = MeanTest::new(0.0, testing.alpha);
-    let other = |run: &ClaimedRun| run.other.unwrap_or(TimeRange::after(0.0));
+    let other = |run: &ClaimedRun| run.other.unwrap_or(UNKNOWN);
     let decided = runs.iter().find_map(|run| {
         let [own, other] = [run.own, other(run)].map(|time| time.with_error(testing.error));
         let low = (1.0 - by) * other.shortest - own.longest;
@@ -298,6 +298,7 @@ fn faster(by: f64, runs: &[ClaimedRun], testing: ClaimTesting) -> TestedClaim {
         limits,
         runs: test.runs(),
         cpu: cpu(runs),
+        is_exact: false,
     }
 }
 
@@ -344,18 +345,19 @@ mod tests {
         }
     }
 
-    /// A run that reached its tick limit has failed a claim about a shorter time, and is in doubt
-    /// for a longer time.
+    /// A run that reached its tick limit has failed a claim about a time up to the limit, and is in
+    /// doubt for a longer time.
     #[test]
     fn stopped_runs_never_count_as_successes() {
         let limit = stopped(Limit::MaxTicks);
         let time = event_time(ClaimedEvent::Completion, &limit);
-        assert_eq!(time.is_within(Some(99)), Some(false));
-        assert_eq!(time.is_within(Some(100)), None);
+        assert_eq!(time.is_within(Some(100.0)), Some(false));
+        assert_eq!(time.is_within(Some(100.5)), Some(false));
+        assert_eq!(time.is_within(Some(101.0)), None);
         assert_eq!(time.is_within(None), None);
         let timeout = stopped(Limit::Timeout);
         let time = event_time(ClaimedEvent::Completion, &timeout);
-        assert_eq!(time.is_within(Some(200)), Some(false));
+        assert_eq!(time.is_within(Some(200.0)), Some(false));
         assert_eq!(time.is_within(None), Some(false));
     }
 
@@ -364,8 +366,8 @@ mod tests {
         let limit = stopped(Limit::MaxTicks);
         let phase = |number| event_time(ClaimedEvent::Phase(PhaseId(number)), &limit);
         assert_eq!(phase(0), TimeRange::known(70.0));
-        assert_eq!(phase(1), TimeRange::after(30.0));
-        assert_eq!(phase(2), TimeRange::after(0.0));
+        assert_eq!(phase(1), TimeRange::new(31.0, f64::INFINITY));
+        assert_eq!(phase(2), UNKNOWN);
         let timeout = stopped(Limit::Timeout);
         let phase = event_time(ClaimedEvent::Phase(PhaseId(2)), &timeout);
         assert_eq!(phase, NEVER);
@@ -378,9 +380,9 @@ mod tests {
             longest: 2.0,
         };
         let time = TimeRange::known(100.0).with_error(error);
-        assert_eq!(time.is_within(Some(49)), Some(false));
-        assert_eq!(time.is_within(Some(100)), None);
-        assert_eq!(time.is_within(Some(200)), Some(true));
+        assert_eq!(time.is_within(Some(49.0)), Some(false));
+        assert_eq!(time.is_within(Some(100.0)), None);
+        assert_eq!(time.is_within(Some(200.0)), Some(true));
     }
 
     /// Pairs of runs whose times differ by a quarter each.

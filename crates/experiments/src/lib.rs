@@ -5,6 +5,7 @@ pub mod calibration;
 mod captures;
 mod claims;
 mod comparison;
+mod exact_claims;
 pub mod fit;
 pub mod resampling;
 mod stamped_json;
@@ -20,4 +21,5 @@ pub use comparison::{
     ProgramSummary, Time, TimeUnit, completion_status, completion_time, last_seen, median_run,
     pairwise_tests, phase_time, sort_by_time,
 };
+pub use exact_claims::decide_claims;
 pub use summary_tables::summary_table;

@@ -8,8 +8,8 @@ pub enum Claim {
     Probability {
         /// The event.
         event: ClaimedEvent,
-        /// Time limit for the event \[ticks\]. `None` without a limit.
-        within: Option<u64>,
+        /// Time limit for the event \[ticks\], not rounded. `None` without a limit.
+        within: Option<f64>,
         /// Relation of the probability to the bound.
         relation: Relation,
         /// Bound between 0 and 1.
@@ -19,7 +19,7 @@ pub enum Claim {
     Mean {
         /// Relation of the mean to the bound.
         relation: Relation,
-        /// Bound \[ticks\].
+        /// Bound \[ticks\], not rounded.
         bound: f64,
     },
     /// Claim that the mean completion time is shorter than that of another program.
@@ -79,12 +79,12 @@ impl Claim {
                 bound,
             } => {
                 let event = event.describe(tables);
-                let within = within.map_or_else(String::new, |it| format!(" within {it} ticks"));
+                let within = within.map_or_else(String::new, |it| format!(" within {}", ticks(it)));
                 let sign = relation.sign();
                 format!("{event}{within} with probability {sign} {bound}")
             }
             Claim::Mean { relation, bound } => {
-                format!("mean completion {} {bound} ticks", relation.sign())
+                format!("mean completion {} {}", relation.sign(), ticks(*bound))
             }
             Claim::Faster { than, by } if *by == 0.0 => format!("faster than {than}"),
             Claim::Faster { than, by } => {
@@ -93,6 +93,11 @@ impl Claim {
             }
         }
     }
+}
+
+/// Returns a time \[ticks\] as text with at most three decimals.
+fn ticks(ticks: f64) -> String {
+    format!("{} ticks", (ticks * 1e3).round() / 1e3)
 }
 
 impl ClaimedEvent {

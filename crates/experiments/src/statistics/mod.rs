@@ -4,6 +4,7 @@
 //! than that. A run that timed out in a phase never completes. [`Observation`] distinguishes these
 //! cases. [`Summary`] is for complete times, [`KaplanMeier`] for incomplete ones. [`compare`]
 //! compares two programs.
+mod convolution;
 mod difference;
 mod distribution;
 mod holm;
@@ -18,6 +19,7 @@ mod share;
 mod summary;
 mod survival;
 
+pub(crate) use convolution::convolution;
 pub(crate) use difference::correct;
 pub use difference::{Difference, Longer, SIGNIFICANT, Test, compare};
 pub use mean::Mean;

@@ -2,13 +2,15 @@
 use serde_json::{Value, json};
 use stochc_experiments::{ClaimedQuantity, TestedClaim, Verdict};
 use stochc_runtime::Model;
-use stochc_text::{TextColumn, TextTable, number, paragraph};
+use stochc_text::{TextColumn, TextTable, counted, number, paragraph};
 
 /// A tested claim of a program.
 #[derive(Clone, Debug)]
 pub struct ReportedClaim {
     /// Name of the program.
     pub program: String,
+    /// File of the program. `None` for a program in compiled form.
+    pub file: Option<String>,
     /// The claim as text.
     pub claim: String,
     /// Result of the test.
@@ -27,9 +29,11 @@ impl ReportedClaim {
             limits: (low, high),
             runs,
             cpu,
+            is_exact,
         } = &self.tested;
         json!({
             "program": self.program,
+            "file": self.file,
             "claim": self.claim,
             "verdict": verdict,
             "quantity": quantity,
@@ -39,7 +43,38 @@ impl ReportedClaim {
             "runs": runs,
             "cpu_seconds": cpu,
             "model": self.model.name(),
+            "exact": is_exact,
         })
+    }
+
+    /// Returns the estimate, the limits and the number of runs as text.
+    pub fn evidence(&self) -> String {
+        let runs = counted(self.tested.runs as usize, "run");
+        format!(
+            "estimate {}, limits {}, {runs}, model {}",
+            self.estimate(),
+            self.limits(),
+            self.method()
+        )
+    }
+
+    fn method(&self) -> String {
+        let exact = if self.tested.is_exact {
+            ", no runs"
+        } else {
+            ""
+        };
+        format!("{}{exact}", self.model.name())
+    }
+
+    fn estimate(&self) -> String {
+        let estimate = self.tested.estimate;
+        estimate.map_or("?".to_owned(), |value| self.value(value))
+    }
+
+    fn limits(&self) -> String {
+        let (low, high) = self.tested.limits;
+        format!("{} to {}", self.value(low), self.value(high))
     }
 
     /// Returns a value of the claimed quantity as text.
@@ -57,45 +92,49 @@ impl ReportedClaim {
 
 /// Returns a table of claims for each program. `width` is the width of the terminal
 /// \[characters\].
-pub fn claims_to_text(claims: &[ReportedClaim], width: usize) -> String {
+pub fn claims_to_text(all: &[ReportedClaim], width: usize) -> String {
     let mut text = String::new();
-    for claims in claims.chunk_by(|a, b| a.program == b.program) {
+    for claims in all.chunk_by(|a, b| (&a.program, &a.file) == (&b.program, &b.file)) {
         if !text.is_empty() {
             text.push('\n');
         }
-        text += &table(claims).text(width, false);
+        text += &table(claims, &label(&claims[0], all)).text(width, false);
     }
     text.push('\n');
-    text + &paragraph(&summary(claims), width)
+    text + &paragraph(&summary(all), width)
 }
 
-fn table(claims: &[ReportedClaim]) -> TextTable {
+/// Returns the name of a claim's program, with its file if another file has a program of this name.
+fn label(claim: &ReportedClaim, all: &[ReportedClaim]) -> String {
+    let is_other = |it: &ReportedClaim| it.program == claim.program && it.file != claim.file;
+    match &claim.file {
+        Some(file) if all.iter().any(is_other) => format!("{} ({file})", claim.program),
+        _ => claim.program.clone(),
+    }
+}
+
+fn table(claims: &[ReportedClaim], label: &str) -> TextTable {
     let column = |show: &dyn Fn(&ReportedClaim) -> String| claims.iter().map(show).collect();
     let verdict = |it: &ReportedClaim| match it.tested.verdict {
         Verdict::Holds => "holds".to_owned(),
         Verdict::Fails => "FAILS".to_owned(),
         Verdict::Undecided => "undecided".to_owned(),
     };
-    let estimate = |it: &ReportedClaim| it.tested.estimate.map_or("?".to_owned(), |x| it.value(x));
-    let limits = |it: &ReportedClaim| {
-        let (low, high) = it.tested.limits;
-        format!("{} to {}", it.value(low), it.value(high))
-    };
-    let cpu = |it: &ReportedClaim| {
-        it.tested
-            .cpu
-            .map_or("?".to_owned(), |s| format!("{s:.2} s"))
+    let cpu = |it: &ReportedClaim| match it.tested.cpu {
+        Some(seconds) => format!("{seconds:.2} s"),
+        None if it.tested.is_exact => String::new(),
+        None => "?".to_owned(),
     };
     TextTable {
-        label: claims[0].program.clone(),
+        label: label.to_owned(),
         labels: column(&|it| it.claim.clone()),
         columns: vec![
             TextColumn::words("", column(&verdict)),
-            TextColumn::figures("estimate", column(&estimate)),
-            TextColumn::figures("limits", column(&limits)),
+            TextColumn::figures("estimate", column(&ReportedClaim::estimate)),
+            TextColumn::figures("limits", column(&ReportedClaim::limits)),
             TextColumn::figures("runs", column(&|it| it.tested.runs.to_string())),
             TextColumn::figures("CPU time", column(&cpu)),
-            TextColumn::words("model", column(&|it| it.model.name().to_owned())),
+            TextColumn::words("model", column(&ReportedClaim::method)),
         ],
         red: Vec::new(),
     }

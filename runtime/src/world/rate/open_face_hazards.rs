@@ -2,7 +2,9 @@
 use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
-use stochc_estimate::{Neighbourhood, Rivals, SIGHT, Wait, feature_cells, rivalry};
+use stochc_estimate::{
+    Neighbourhood, Rivals, SIGHT, Wait, feature_cells, reference_count, rivalry,
+};
 use stochc_ir::{Cell, Face};
 
 use crate::world::grid::ChunkedGrid;
@@ -287,11 +289,9 @@ impl OpenFaceHazards {
     /// Sets the number of blocks in the hazards to `free`, if `free` is larger or less than half as
     /// large. Returns whether the number was set.
     pub fn follow(&mut self, free: u32) -> bool {
-        if free <= self.reference_count && self.reference_count / 2 <= free {
-            return false;
-        }
-        self.reference_count = free;
-        true
+        let before = self.reference_count;
+        self.reference_count = reference_count(before, free);
+        self.reference_count != before
     }
 }
 
