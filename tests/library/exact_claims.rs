@@ -14,9 +14,9 @@ const TEXT: &str = "assembly hook {
     phase foot { M.up ->> T[1..3] }
     phase arm { T[3].east -> E1  E1.east -> E2  E2.down -> D }
     expect complete within 3500 ticks with probability >= 0.5
-    expect complete within 100.01 s with probability >= 0.5
+    expect complete within 75.01 s with probability >= 0.5
     expect phase foot within 1500 ticks with probability >= 0.5
-    expect phase arm within 40 s with probability <= 0.5
+    expect phase arm within 30 s with probability <= 0.5
     expect captured E1 by T[3] within 2500 ticks with probability >= 0.5
     expect mean completion <= 4000 ticks
 }";

@@ -46,7 +46,10 @@ fn every_flipped_bit_is_found() {
             flipped[bit / 8] ^= 1 << (bit % 8);
             put(&path, &flipped);
             assert!(is_reported(folder.path()), "bit {bit} of {name}");
-            assert_eq!(corrupted(folder.path()), [name], "bit {bit}");
+            let mut found = corrupted(folder.path());
+            // Runs can contradict the changed manifest. Their journal is then reported, too.
+            found.retain(|it| name != "manifest.json" || it != "journal.jsonl");
+            assert_eq!(found, [name], "bit {bit}");
             // Opening may have removed a partial line at the end of a journal.
             put(&path, &whole);
         }
