@@ -37,7 +37,12 @@ fn exact_probabilities_and_means_agree_with_runs() {
     let runs: Records = runs.collect::<Vec<_>>().into();
     let rates = Rates::built_in(&executable.scene).unwrap();
     let program = EnsembleProgram::new("hook", Vec::new(), executable);
-    let exact = decide_claims(&claims, &[program.clone()], &[rates], ModelError::NONE);
+    let exact = decide_claims(
+        &claims,
+        std::slice::from_ref(&program),
+        &[rates],
+        ModelError::NONE,
+    );
     // No test decides at this error probability, so all runs count.
     let testing = ClaimTesting {
         alpha: 1e-300,

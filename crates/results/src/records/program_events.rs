@@ -51,10 +51,8 @@ impl<'m> ProgramEvents<'m> {
         }
         self.check_phases(&times)?;
         self.check_order(&times, PhaseId(0))?;
-        let aborts = record.aborts.iter();
-        aborts
-            .map(|abort| self.check_abort(abort, &times))
-            .collect()
+        let mut aborts = record.aborts.iter();
+        aborts.try_for_each(|abort| self.check_abort(abort, &times))
     }
 
     /// Checks that the events in phase `since` and in later phases follow their predecessors.
