@@ -89,7 +89,7 @@ fn captures_one_after_the_other_need_no_runs() {
     let document = outcome.json();
     let claims = document["claims"].as_array().unwrap();
     for claim in claims.iter().take(3) {
-        assert_eq!(claim["exact"], true);
+        assert_eq!(claim["without_runs"], true);
         assert_eq!(
             (&claim["runs"], &claim["model"]),
             (&0.into(), &"rate".into())

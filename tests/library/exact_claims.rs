@@ -68,3 +68,18 @@ fn exact_probabilities_and_means_agree_with_runs() {
         );
     }
 }
+
+/// A phase with `wait` lasts longer than its captures, so its claims need runs.
+#[test]
+fn phases_with_a_wait_need_runs() {
+    let text = TEXT.replace("E2.down -> D }", "E2.down -> D  wait 500 s }");
+    assert_ne!(text, TEXT);
+    let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
+    let checked = stochc_compiler::check("hook.sa", &mut reader, Default::default());
+    let claims = checked.programs[0].claims.clone();
+    let executable = stochc::compile(checked).unwrap().remove(0);
+    let rates = Rates::built_in(&executable.scene).unwrap();
+    let program = EnsembleProgram::new("hook", Vec::new(), executable);
+    let decided = decide_claims(&claims, &[program], &[rates], ModelError::NONE);
+    assert!(decided.iter().all(Option::is_none), "{decided:#?}");
+}

@@ -38,14 +38,14 @@ impl SerialCapture {
 }
 
 /// Returns the captures of a program in order. Returns `None` if two faces can be open at the same
-/// time, if a block is released, if messages take time, or if a phase has a timeout.
+/// time, if a block is released, if messages take time, or if a phase has a timeout or a `wait`.
 ///
 /// In these programs, the surroundings of a face do not change while it waits. Waiting times are
 /// therefore independent, and the completion time is their sum.
 pub fn serial_captures(parts: ProgramParts<'_>, rates: &Rates) -> Option<Vec<SerialCapture>> {
     let events = Events::new(parts)?;
     let graph = parts.graph;
-    let is_limited = |limit: &PhaseLimit| limit.timeout.is_finite();
+    let is_limited = |limit: &PhaseLimit| limit.timeout.is_finite() || limit.wait > 0.0;
     let has_choice = graph.edges().iter().any(|edge| edge.why.is_choice());
     let has_releases = (graph.events.iter()).any(|event| !event.action.is_capture());
     let needs_time = MessageTimes::new(&events).is_some();

@@ -43,7 +43,7 @@ impl ReportedClaim {
             "runs": runs,
             "cpu_seconds": cpu,
             "model": self.model.name(),
-            "exact": is_exact,
+            "without_runs": is_exact,
         })
     }
 
