@@ -70,6 +70,16 @@ fn released_blocks_have_a_head_start() {
     );
 }
 
+/// A face that is switched on later than the agitation catches a block sooner.
+#[test]
+fn faces_that_open_after_a_time_agree() {
+    agree(&["tests/fixtures/times/late_phase.sa"], Interaction::Apart);
+    agree(
+        &["tests/fixtures/times/late_face.sa"],
+        Interaction::Releases,
+    );
+}
+
 #[test]
 fn messages_take_time() {
     agree(&["tests/fixtures/messages/apart.sa"], Interaction::Apart);

@@ -1,5 +1,6 @@
 //! Events of a program, their dependencies and the parents of their blocks.
 use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 use stochc_ir::graph::{Dependency, EventGraph, EventId};
 use stochc_ir::scene::Scene;
 use stochc_ir::table::{PhaseId, RoleId, Tables};
@@ -106,6 +107,23 @@ impl<'a> Events<'a> {
 
     pub fn is_capture(&self, id: EventId) -> bool {
         self.parts.graph.event(id).action.is_capture()
+    }
+
+    /// Returns whether each event depends on a release that happens only after a time.
+    pub fn delayed(&self) -> Vec<bool> {
+        let graph = self.parts.graph;
+        let mut predecessors = vec![SmallVec::<[EventId; 2]>::new(); graph.events.len()];
+        for edge in graph.edges().iter().filter(|edge| !edge.unneeded) {
+            predecessors[edge.then.0 as usize].push(edge.first);
+        }
+        let mut delayed = vec![false; graph.events.len()];
+        for id in &self.order {
+            let number = id.0 as usize;
+            let is_late = |first: &EventId| delayed[first.0 as usize];
+            delayed[number] =
+                graph.event(*id).delay > 0 || predecessors[number].iter().any(is_late);
+        }
+        delayed
     }
 
     /// Returns the time limit of each phase.

@@ -44,6 +44,8 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
     let mut cold = true;
     let mut released = [Released::default(), Released::default()];
     let of_releases = rates.head_starts();
+    let limits = all.limits();
+    let delayed = all.delayed();
     for phase in all.phases() {
         let events = all.of_phase(phase);
         occupancy.begin(&events);
@@ -71,7 +73,7 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
                 let around = rates.surroundings(cell, direction, near, open_direction);
                 rates.wait(&Surroundings {
                     free,
-                    cold: cold && level == 1,
+                    cold: cold && level == 1 && !delayed[event.id.0 as usize],
                     ..around
                 })
             };
@@ -89,7 +91,8 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
         }
         occupancy.end(&events);
         before = bound.last().copied().unwrap_or(before);
-        cold &= all.is_pre_attached(phase) || events.is_empty();
+        cold &= all.is_pre_attached(phase)
+            || (events.is_empty() && limits[phase.0 as usize].wait <= 0.0);
     }
     waits
 }

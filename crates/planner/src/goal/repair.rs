@@ -14,7 +14,8 @@ use super::scenes::WrittenScenes;
 
 impl Goal {
     /// Returns the final shape of a program as a goal. This is the shape with this name, the shape
-    /// claimed last, or the cells of all captures.
+    /// claimed last, or the cells of all captures. If the last claim is `yields at least`, the goal
+    /// also contains the other blocks at the end of its phase.
     ///
     /// # Errors
     /// If there is no such shape.
@@ -24,8 +25,11 @@ impl Goal {
         shape: Option<&str>,
     ) -> Result<Goal, NoGoal> {
         let plan = &program.plan;
-        let claims = plan.phases.iter().flat_map(|phase| &phase.claims);
-        let claimed = claims.last().map(|claim| checked.symbols.word(claim.shape));
+        let phases = plan.phases.iter().enumerate();
+        let claims =
+            phases.flat_map(|(number, phase)| phase.claims.iter().map(move |it| (number, it)));
+        let last_claim = claims.last();
+        let claimed = last_claim.map(|(_, claim)| checked.symbols.word(claim.shape));
         let mut goal = match shape.or(claimed) {
             Some(shape) => match DeclaredShapes::new(checked).seen_from(plan, shape) {
                 Some(known) => Goal::from_shape(checked, known, Some(program))?,
@@ -41,6 +45,20 @@ impl Goal {
                 }
             }
         };
+        if let Some((phase, _)) = last_claim.filter(|(_, claim)| shape.is_none() && claim.at_least)
+        {
+            let built = existing(program, phase).into_iter();
+            let cells = goal
+                .cells
+                .iter()
+                .copied()
+                .chain(built.map(|(block, _)| block.cell));
+            let cells: BTreeSet<Cell> = cells.collect();
+            goal = Goal {
+                scenes: WrittenScenes::new(checked),
+                ..Goal::from_cells(&plan.name, cells.into_iter().collect())
+            };
+        }
         goal.plate = Some(plan.plate.clone());
         goal.seeds = seats(plan);
         goal.scene = scene_of(program);

@@ -290,6 +290,29 @@ fn a_shape_is_that_of_its_assembly() {
     assert_eq!(last.cells.len(), 3);
 }
 
+/// Blocks next to a shape that is claimed with `at least` belong to the goal.
+#[test]
+fn a_weaker_claim_keeps_the_other_blocks() {
+    let text = "\
+shape tower { layer 1..2 { # } }
+assembly a {
+    seed plate 3 x 1 { M at (0, 0) N at (2, 0) }
+    phase g { M.up -> A  N.up -> B.up -> C }
+    phase h { A.up -> D yields at least tower }
+}
+";
+    let checked = check_text("weak.sa", text);
+    assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
+    let goal = Goal::from_end(&checked, &checked.programs[0], None).unwrap();
+    assert_eq!(goal.cells.len(), 4);
+    let named = Goal::from_end(&checked, &checked.programs[0], Some("tower")).unwrap();
+    assert_eq!(named.cells.len(), 2);
+    let (mut goal, structure) = left(text, 1);
+    goal.stand_on(&structure, &BTreeSet::new()).unwrap();
+    let planned = goal.plan(&[], PlanSearch::default()).unwrap();
+    assert!(!planned.text.contains("release"), "{}", planned.text);
+}
+
 /// The scene replaces the built-in one, also in the written program.
 #[test]
 fn a_scene_named_like_a_built_in_one_is_written() {

@@ -253,8 +253,7 @@ fn add_aborted(
     }
 }
 
-/// Adds the path of an unfinished phase, which ends with the pending capture that has waited
-/// longest.
+/// Adds the path of an unfinished phase, which ends with the pending event that has waited longest.
 fn unfinished(
     events: &Events,
     record: &RunRecord,
@@ -263,9 +262,7 @@ fn unfinished(
     segments: &mut Vec<CriticalPathSegment>,
 ) {
     let here = || events.of_phase(phase.0 as usize);
-    let waiting = here().filter(|(i, event)| {
-        event.action.is_capture() && moments[*i].done.is_none() && moments[*i].ready.is_some()
-    });
+    let waiting = here().filter(|(i, _)| moments[*i].done.is_none() && moments[*i].ready.is_some());
     match waiting.min_by_key(|&(i, _)| moments[i].ready) {
         Some((event, _)) => {
             let since = since(events, moments, event);
@@ -282,8 +279,22 @@ fn unfinished(
                 back(events, moments, first, segments);
             }
         }
-        // All events have happened, but the plate has not received all reports yet.
+        // All events have happened, but the phase has a longer `wait`, or the plate has not received
+        // all reports yet.
         None => {
+            let number = phase.0 as usize;
+            let wait = events.waits.get(number).copied().unwrap_or(0);
+            let attempt = attempts(record).get(number).copied().unwrap_or(0);
+            if record.ticks.saturating_sub(attempt) < wait {
+                segments.push(CriticalPathSegment {
+                    phase,
+                    kind: SegmentKind::Wait,
+                    from: attempt,
+                    to: record.ticks,
+                    since: None,
+                });
+                return;
+            }
             let done = here().filter(|&(i, _)| moments[i].done.is_some());
             if let Some((last, _)) = done.max_by_key(|&(i, _)| moments[i].done) {
                 segments.push(CriticalPathSegment {
@@ -607,6 +618,36 @@ mod tests {
         let segments = critical_path(&events, &record, &moments(&events, &record));
         assert_eq!(summary(&segments), [(Some(0), 0, 30), (Some(1), 30, 500)]);
         assert_eq!(segments[1].kind, SegmentKind::Pending { event: 1 });
+    }
+
+    #[test]
+    fn a_stopped_run_can_wait_for_a_release_or_a_time() {
+        let outcome = |phase| Outcome::TimedOut {
+            phase: PhaseId(phase),
+            by: Limit::MaxTicks,
+        };
+        let first = || {
+            vec![
+                bond(0, 1, 3, 0, 10),
+                bond(0, 0, 2, 0, 30),
+                bond(0, 2, 4, 30, 40),
+            ]
+        };
+        let stopped = record(outcome(1), 500, &[40], first());
+        let events = program();
+        let segments = critical_path(&events, &stopped, &moments(&events, &stopped));
+        let last = segments.last().unwrap();
+        assert_eq!(last.kind, SegmentKind::Pending { event: 3 });
+        assert_eq!((last.from, last.to), (40, 500));
+        let events = Events {
+            waits: vec![1000, 0],
+            ..program()
+        };
+        let stopped = record(outcome(0), 500, &[], first());
+        let segments = critical_path(&events, &stopped, &moments(&events, &stopped));
+        assert_eq!(segments.len(), 1);
+        assert_eq!(segments[0].kind, SegmentKind::Wait);
+        assert_eq!((segments[0].from, segments[0].to), (0, 500));
     }
 
     #[test]
