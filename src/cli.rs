@@ -96,7 +96,7 @@ pub enum Command {
     Simulate(Box<simulate::SimulateArguments>),
     /// Test the claims of programs by simulation
     #[command(
-        after_help = "Exit status:\n  0  all claims hold\n  1  a program has errors\n  2  wrong command line, or no claims\n  3  a claim fails or is undecided\n\nExamples:\n  stochc test tower.sa\n  stochc test tower.sa --margin 1% --alpha 1%"
+        after_help = "Exit status:\n  0  All claims hold.\n  1  A program has errors.\n  2  The command line is wrong, or there are no claims.\n  3  A claim fails or is undecided.\n\nExamples:\n  stochc test tower.sa\n  stochc test tower.sa --margin 1% --alpha 1%"
     )]
     Test(Box<test::TestArguments>),
     /// Simulate programs for several values of scene parameters or settings

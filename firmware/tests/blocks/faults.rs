@@ -46,7 +46,7 @@ enum Fault {
 
 #[derive(Clone, Copy, Debug)]
 struct Case {
-    /// Round in which the silence begins.
+    /// First silent round.
     start: usize,
     /// Number of silent rounds.
     length: usize,
@@ -186,7 +186,7 @@ impl Trial<'_> {
     }
 }
 
-/// Returns the rounds and contacts at which a capture or a release is unfinished.
+/// Returns the rounds and contacts with an unfinished capture or release.
 fn unfinished(host: &mut Host, image: &Image) -> Vec<(usize, usize)> {
     let mut trial = Trial::new(host, image);
     let mut found = Vec::new();

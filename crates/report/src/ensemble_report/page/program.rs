@@ -268,8 +268,8 @@ pub(super) fn captures(subject: &ReportedProgram, waits: &[ReportedCapture], out
 /// Explains the columns about slow runs.
 fn slow_runs_note(slow_runs: &SlowRuns) -> String {
     let mut note = format!(
-        "<em>Slow runs</em> compares the slowest with the fastest tenth of the runs, {} runs each: the \
-         difference of the mean times in which a run waited only for this capture. In the run to \
+        "<em>Slow runs</em> compares the slowest with the fastest tenth of the runs, {} runs each. It is \
+         the difference of the mean times that a run waited only for this capture. In the run to \
          watch, this time is longest.",
         slow_runs.runs
     );
