@@ -90,8 +90,8 @@ fn near(parts: &Parts, n: usize, maps: &Maps, out: &mut Html, drawings: &mut Vec
         });
     let columns: Vec<MapColumn> = columns.collect();
     let title = format!("{label}: free blocks near the structure");
-    let description = "Mean number of free blocks in each cell, and how often blocks enter the reach of an open face, at the cell that the \
-                face fills.";
+    let description = "Mean number of free blocks in each cell. Cells that open faces fill show how often blocks enter the reach of \
+                the face.";
     let file = format!("near-{n}");
     let figure = |medium| picture(medium, &file, (&title, description), &columns);
     let slices = maps.occupation.iter().flatten().map(|map| match map.slice {
