@@ -5,7 +5,7 @@ use console::style;
 use stochc_compiler::diagnostic::{Code, Severity};
 
 use super::terminal::{
-    output_has_colour, output_is_watched, output_width, print, print_drawn, wrapped,
+    WIDTH, output_has_colour, output_is_watched, output_width, print, print_drawn, wrapped,
 };
 use crate::exit::{Exit, Failure};
 use crate::operations::codes::explain;
@@ -18,12 +18,9 @@ pub struct ExplainArguments {
     code: Option<String>,
 }
 
-/// Largest width of explanations \[columns\].
-const MAX_WIDTH: usize = 80;
-
 /// Prints the page about a diagnostic code, or the list of all codes.
 pub fn run(options: &ExplainArguments) -> Result<Exit, Failure> {
-    let width = output_width().min(MAX_WIDTH);
+    let width = output_width().min(WIDTH);
     match &options.code {
         None => print(&list(width))?,
         Some(name) => {
@@ -117,17 +114,14 @@ mod tests {
     #[test]
     fn pages_fit_a_terminal() {
         for code in Code::ALL {
-            let text = rendered(code.page(), MAX_WIDTH, false);
+            let text = rendered(code.page(), WIDTH, false);
             assert!(!text.contains("```"), "{code}");
             let mut lines = text.lines().filter(|line| !line.starts_with("    "));
-            assert!(
-                lines.all(|line| line.chars().count() <= MAX_WIDTH),
-                "{text}"
-            );
+            assert!(lines.all(|line| line.chars().count() <= WIDTH), "{text}");
         }
-        let text = list(MAX_WIDTH);
+        let text = list(WIDTH);
         assert!(
-            text.lines().all(|line| line.chars().count() <= MAX_WIDTH),
+            text.lines().all(|line| line.chars().count() <= WIDTH),
             "{text}"
         );
     }

@@ -245,7 +245,7 @@ pub fn message_width() -> usize {
 }
 
 /// Width of output that does not go to a terminal \[columns\].
-const WIDTH: usize = 80;
+pub const WIDTH: usize = 80;
 
 /// Returns the width of a terminal \[columns\]. For other output, returns the number in the
 /// environment variable `COLUMNS`, or `None`.

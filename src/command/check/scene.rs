@@ -14,10 +14,7 @@ use stochc_ir::table::Tables;
 use stochc_runtime::{StepError, step_errors};
 use stochc_text::{aligned, visible};
 
-use crate::command::terminal::wrapped;
-
-/// Width of lines of text \[columns\].
-const WIDTH: usize = 80;
+use crate::command::terminal::{WIDTH, wrapped};
 
 /// Scene that assemblies of a file use, with the data that `--physics` lists.
 pub struct InForce<'a> {

@@ -7,7 +7,7 @@ use super::message_times::MessageTimes;
 use super::waits::{CaptureWait, waits};
 use crate::{Rates, Wait};
 
-/// Capture of a program in which at most one face is open at any time.
+/// Capture of a program whose faces open one after the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SerialCapture {
     /// The capture.

@@ -44,7 +44,6 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
     let mut cold = true;
     let mut released = [Released::default(), Released::default()];
     let of_releases = rates.head_starts();
-    let limits = all.limits();
     let delayed = all.delayed();
     for phase in all.phases() {
         let events = all.of_phase(phase);
@@ -92,7 +91,7 @@ pub fn waits(all: &Events<'_>, rates: &Rates) -> Vec<Option<CaptureWait>> {
         occupancy.end(&events);
         before = bound.last().copied().unwrap_or(before);
         cold &= all.is_pre_attached(phase)
-            || (events.is_empty() && limits[phase.0 as usize].wait <= 0.0);
+            || (events.is_empty() && all.parts.tables.phases[phase.0 as usize].wait == 0);
     }
     waits
 }
