@@ -103,6 +103,18 @@ fn wrong_times_are_reported() {
 }
 
 #[test]
+fn an_empty_after_lists_a_time_only_for_releases() {
+    for (body, expected) in [
+        ("release B after", "a block to wait for or a time"),
+        ("A.up -> D after", "a block to wait for"),
+    ] {
+        let checked = checked(&program("", body));
+        let title = format!("expected {expected}, found `}}`");
+        assert_eq!(checked.diagnostics[0].title, title);
+    }
+}
+
+#[test]
 fn a_wait_longer_than_the_timeout_is_reported() {
     assert_eq!(codes("timeout 20 s", "wait 20 s"), []);
     assert_eq!(codes("timeout 20 s", "wait 21 s"), [Code::ShortTimeout]);

@@ -2,7 +2,7 @@
 use super::open_block::{Mode, OpenBlockContent};
 use super::parser::Parser;
 use super::window::{self, Cause, Unreadable};
-use super::{trivia, words};
+use super::{Rule, trivia, words};
 use crate::Span;
 use crate::error::SyntaxErrorKind;
 use crate::tree::{
@@ -55,11 +55,16 @@ impl Parser<'_, '_> {
                 expected: if at == start {
                     words::beginnings(self.frames.last()).to_vec()
                 } else {
-                    let mut expected: Vec<_> = error
-                        .expected
-                        .iter()
-                        .filter_map(|&rule| words::word(rule))
-                        .collect();
+                    let last = self.frames.last().and_then(|frame| frame.body.last());
+                    let is_release =
+                        last.is_some_and(|item| matches!(item.kind, ItemKind::Release(_)));
+                    let is_after = error.expected.contains(&Rule::subject);
+                    let phrase = |&rule: &Rule| match rule {
+                        // Only a release can wait for a time.
+                        Rule::number if is_after => is_release.then_some("a time"),
+                        _ => words::word(rule),
+                    };
+                    let mut expected: Vec<_> = error.expected.iter().filter_map(phrase).collect();
                     expected.sort_unstable();
                     expected.dedup();
                     // A name in a list is more often complete than the name of a function.
