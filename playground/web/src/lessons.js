@@ -143,6 +143,25 @@ assembly gate {
     done: ({ check }) => isProved(check) && releases(check).length >= 1,
   },
   {
+    title: 'Time limits and retries',
+    text: `A capture can take long by chance, and a block can jam. <code>timeout</code> limits the duration of a phase. <code>on timeout { release grow  retry 3 }</code> after the phase releases the blocks that it has captured, and begins it again, at most three times. stochc proves that every attempt starts from the same structure. <code>release ARM after 20 s</code> releases a block 20 s later than it could.`,
+    task: 'Give the phase <code>grow</code> the handler: write <code>on timeout { release grow  wait 20 s  retry 3 }</code> after its brace. Then release <code>ARM</code> with <code>after 20 s</code>.',
+    program: `assembly tower {
+    seed plate 3 x 3 {
+        M at (1, 1)
+    }
+    phase grow timeout 2 min {
+        M.up ->> T[1..3].east -> ARM
+    }
+    phase clear {
+        release ARM
+    }
+}
+`,
+    solution: text => text.replace(/\}\n    phase clear/, '} on timeout {\n        release grow\n        wait 20 s\n        retry 3\n    }\n    phase clear').replace('release ARM\n', 'release ARM after 20 s\n'),
+    done: ({ check, text }) => isProved(check) && phases(check).some(({ recovery }) => recovery) && releases(check).length >= 1 && /release ARM after \d/.test(text),
+  },
+  {
     title: 'A scene of your own',
     text: `A <em>scene</em> is the physical world: blocks, fluid, agitation, enclosure. <code>scene crowded from hemisphere</code> copies the built-in scene <code>hemisphere</code> and changes single parameters. <b>Many runs</b> repeats the program with other random numbers. It draws the share of complete runs over time.`,
     task: 'Double the number of free blocks to <code>free 240 uniform</code>. Then make at least 10 runs under <b>Many runs</b>.',

@@ -688,7 +688,7 @@ function welcome() {
     node('p', {}, 'Cubes without motors drift in an agitated tank. A program lists which face of which block attracts the next block. This program builds the gate in the picture. stochc has proved that it completes in every order of arrivals.'),
     node('div', { className: 'row' },
       node('button', { className: 'primary', onclick: () => run() }, '▶ Watch it build itself'),
-      node('button', { onclick: () => openLesson(0) }, 'Learn it in 8 short lessons'),
+      node('button', { onclick: () => openLesson(0) }, `Learn it in ${LESSONS.length} short lessons`),
       node('button', { onclick: () => { place.hidden = true; } }, 'Close')));
 }
 
