@@ -10,6 +10,7 @@ use stochc_ir::table::{Plate, RoleId};
 use stochc_ir::{Cell, Face};
 
 use crate::SourceLocation;
+use crate::expand::branches::Branches;
 use crate::expand::units::to_si;
 
 /// A program with loops and patterns expanded.
@@ -44,6 +45,8 @@ pub struct ExpandedProgram {
     pub grown: Vec<PatternInstance>,
     /// Number of visited statements.
     pub(crate) steps: usize,
+    /// Branches of conditions that are taken.
+    pub(crate) branches: Branches,
     /// First words of names whose block or instance may be missing because of a wrong statement.
     pub uncertain: FxHashSet<Symbol>,
 }

@@ -372,6 +372,9 @@ fn programs(
         if !about.is_trial && program.tables.is_some() {
             short_timeout::check(&program, diagnostics);
         }
+        for diagnostic in &mut diagnostics[before..] {
+            program.plan.branches.explain(diagnostic, symbols);
+        }
         attribute(&mut diagnostics[before..], programs.len());
         programs.push(program);
     }

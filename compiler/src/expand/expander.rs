@@ -4,6 +4,7 @@ use stochc_grammar::tree::{Assembly, Item, ItemKind, Let, Name, PhaseDeclaration
 use stochc_grammar::{Cancellation, Span, Symbol, Symbols};
 use stochc_ir::table::{Plate, RoleId};
 
+use super::branches::Branches;
 use super::declared_items::DeclaredItems;
 use super::duplicate::duplicate;
 use super::frame::Frame;
@@ -116,6 +117,8 @@ pub(super) struct Expander<'a, 'f> {
     pub(super) in_phase: bool,
     /// Whether the current `if` or one of its `else if` is true. `None` if this is unknown.
     pub(super) has_branch: Option<bool>,
+    /// Numbers that the conditions of the current `if` name.
+    pub(super) compared: Vec<(Symbol, i64)>,
     pub(super) seeding: Option<Seeding>,
     pub(super) sources: &'f Sources,
     pub(super) symbols: &'f mut Symbols,
@@ -152,6 +155,7 @@ impl<'a, 'f> Expander<'a, 'f> {
                 claims: Vec::new(),
                 grown: Vec::new(),
                 steps: 0,
+                branches: Branches::default(),
                 uncertain: Default::default(),
             },
             declared: declarations.declared.clone(),
@@ -180,6 +184,7 @@ impl<'a, 'f> Expander<'a, 'f> {
             phase_sites: FxHashMap::default(),
             in_phase: false,
             has_branch: None,
+            compared: Vec::new(),
             seeding: None,
             sources,
             symbols,
@@ -361,7 +366,7 @@ impl<'a> Expander<'a, '_> {
             ItemKind::Release(release) => self.release(release),
             ItemKind::Instance(instance) => self.instance(instance, item.span),
             ItemKind::For(block) => self.repeat(block),
-            ItemKind::If(block) => self.branch(block),
+            ItemKind::If(block) => self.branch(block, item.span),
             ItemKind::Let(_) => self.declaration(item),
             ItemKind::Seed(seed) => self.seed_plate(seed, item.span),
             ItemKind::Seat(seat) => self.seat(seat, item),

@@ -2,6 +2,7 @@
 mod aggregate;
 mod arguments;
 mod arithmetic;
+pub(crate) mod branches;
 mod claim;
 mod declared_items;
 mod duplicate;

@@ -1,5 +1,5 @@
-//! Expands captures, releases, loops, conditions and instances.
-use stochc_grammar::tree::{Arrow, Chain, EventReference, For, If, Instance, Place, Release};
+//! Expands captures, releases, loops and instances.
+use stochc_grammar::tree::{Arrow, Chain, EventReference, For, Instance, Place, Release};
 use stochc_grammar::{Span, Symbol};
 use stochc_ir::Face;
 use stochc_ir::table::RoleId;
@@ -237,24 +237,6 @@ impl<'a> Expander<'a, '_> {
                 .define(counter, BoundValue::Number(value), location);
             self.items(&block.body);
             self.scope.restore(mark);
-        }
-    }
-
-    /// Expands the statements of an `if` or `else` if its condition is the first true one.
-    pub fn branch(&mut self, block: &'a If) {
-        if !block.is_else {
-            self.has_branch = Some(false);
-        }
-        if self.has_branch == Some(false) {
-            let condition = block.condition.as_ref();
-            let value = condition.map_or(Some(1), |condition| self.evaluate(condition));
-            self.has_branch = value.map(|value| value != 0);
-            if self.has_branch == Some(true) {
-                return self.items(&block.body);
-            }
-        }
-        if self.has_branch.is_none() {
-            self.mark_all_uncertain(&block.body);
         }
     }
 

@@ -1,5 +1,5 @@
 //! Tests conditions and functions of numbers.
-use stochc_compiler::diagnostic::Code;
+use stochc_compiler::diagnostic::{Code, Label};
 
 use super::checked;
 
@@ -156,4 +156,86 @@ fn an_unknown_condition_causes_no_further_errors() {
         found,
         [(Code::UnknownName, "cannot find number `unknown`".to_owned())]
     );
+}
+
+/// Returns the labels of the first diagnostic that are about branches, with their source.
+fn branches(text: &str) -> Vec<(String, String)> {
+    let checked = checked(text);
+    let labels = checked.diagnostics[0].labels.iter();
+    let branches = labels.filter(|label| label.text.contains("branch"));
+    let source = |label: &Label| checked.sources.text(label.location).to_owned();
+    branches
+        .map(|label| (source(label), label.text.clone()))
+        .collect()
+}
+
+#[test]
+fn diagnostics_point_at_the_branches_around_them() {
+    for (parameters, statements, expected) in [
+        (
+            "n = 3",
+            "if n > 1 { X.up -> A }",
+            &[("n > 1", "because `n` is 3")][..],
+        ),
+        (
+            "n = 3, m = 2",
+            "if n > 3 { } else if m + n > 4 { X.up -> A }",
+            &[("m + n > 4", "because `n` is 3 and `m` is 2")],
+        ),
+        (
+            "n = 3",
+            "if n > 3 { } else { X.up -> A }",
+            &[("else", "because `n` is 3")],
+        ),
+        (
+            "n = 3",
+            "if n > 1 { for i in 1..9 { if i > n { X.up -> A[i] } } }",
+            &[
+                (
+                    "i > n",
+                    "when `i` is 4, 5, 6 or another number and `n` is 3",
+                ),
+                ("n > 1", "because `n` is 3"),
+            ],
+        ),
+        ("n = 3", "if n > 1 { } X.up -> A", &[]),
+        ("n = 3", "if 2 > 1 { X.up -> A }", &[]),
+        ("n = 3", "if X > 1 { M.up -> A }", &[]),
+    ] {
+        let expected: Vec<_> = (expected.iter())
+            .map(|(source, reason)| {
+                let text = format!("this branch is taken {reason}");
+                ((*source).to_owned(), text)
+            })
+            .collect();
+        let found = branches(&program(parameters, statements));
+        assert_eq!(found, expected, "{statements}");
+    }
+}
+
+/// Later stages find these errors, after the expansion.
+#[test]
+fn errors_in_cells_and_order_point_at_their_branch() {
+    for statements in [
+        "M.up -> A.up -> B  if n > 1 { A.up -> C }",
+        "M.up -> A.up -> B  if n > 1 { release A }",
+        "if n > 1 { M.up -> A after B  A.up -> B }",
+    ] {
+        let found = branches(&program("n = 3", statements));
+        let expected = "this branch is taken because `n` is 3";
+        assert_eq!(found, [("n > 1".to_owned(), expected.to_owned())]);
+    }
+}
+
+#[test]
+fn branches_of_patterns_are_shown_in_the_pattern() {
+    let text = "pattern tower(base, height) {
+            if height > 2 { base.up -> T } else { base.up -> T  X.up -> U }
+        }
+        assembly a {
+            seed plate 1 x 1 { M at (0, 0) }
+            phase p { tower(M, 2) as t  tower(t.T, 3) }
+        }";
+    let expected = "this branch is taken because `height` is 2";
+    assert_eq!(branches(text), [("else".to_owned(), expected.to_owned())]);
 }
