@@ -10,6 +10,8 @@ mod check;
 mod checkpoints;
 mod claims;
 mod compile;
+#[cfg(target_os = "linux")]
+mod emulated;
 mod explain;
 mod fit;
 mod fix;
