@@ -32,6 +32,9 @@ struct packet {
 
 static const char *const face_names[] = {"east", "west", "north", "south", "up", "down"};
 
+/* Whether this process is the medium. The medium fails if another process ends. */
+static bool is_medium;
+
 static void fail(const char *what) {
     perror(what);
     exit(1);
@@ -46,7 +49,10 @@ static void transfer(int socket, struct packet *packet, bool is_sent) {
         if (count > 0) {
             done += (size_t)count;
         } else if (count == 0 || errno != EINTR) {
-            exit(0); /* The other process has ended. */
+            if (is_medium) {
+                fprintf(stderr, "a block or the plate has ended\n");
+            }
+            exit(is_medium ? 1 : 0);
         }
     }
 }
@@ -297,6 +303,7 @@ int main(int count, char **arguments) {
     units = SEEDS + processes - 1;
     sockets = calloc(processes, sizeof *sockets);
     sites = calloc((size_t)units * SA_FACES, sizeof *sites);
+    signal(SIGPIPE, SIG_IGN);
     srand(count > 1 ? (unsigned)atoi(arguments[1]) : 1u);
     for (i = 0; i < units * SA_FACES; i++) {
         sites[i].unit = -1;
@@ -322,6 +329,7 @@ int main(int count, char **arguments) {
         close(pair[1]);
         sockets[i] = pair[0];
     }
+    is_medium = true;
     run_medium(processes, children);
     return 0;
 }
