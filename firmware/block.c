@@ -59,6 +59,8 @@ static uint16_t captor(uint16_t node, uint8_t phase) {
         } else if (when < phase) {
             /* A block that was attached before this phase has a parent that was, too. */
             found = word((uint16_t)(at + 1u)) & (uint16_t)~SA_ANCHORED;
+        } else {
+            /* A later capture. */
         }
         at = (uint16_t)(at + 3u);
     }
@@ -159,13 +161,13 @@ static uint8_t own_face(const struct sa_block *block, uint8_t direction) {
 /* ---- Frames ---- */
 
 static uint16_t check(uint16_t sum, uint8_t byte) {
+    uint16_t next = sum ^ (uint16_t)((uint16_t)byte << 8);
     uint8_t bit;
-    sum ^= (uint16_t)((uint16_t)byte << 8);
     for (bit = 0; bit < 8u; bit++) {
-        sum = (uint16_t)(((sum & 0x8000u) != 0u) ? (((uint16_t)(sum << 1)) ^ 0x1021u)
-                                                 : ((uint16_t)(sum << 1)));
+        next = (uint16_t)(((next & 0x8000u) != 0u) ? (((uint16_t)(next << 1)) ^ 0x1021u)
+                                                   : ((uint16_t)(next << 1)));
     }
-    return sum;
+    return next;
 }
 
 static void send_byte(uint16_t unit, uint8_t face, uint8_t byte) {
