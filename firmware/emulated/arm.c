@@ -12,6 +12,8 @@
 #define UART_INTERRUPTS_ON AT(0x40002304)
 #define UART_INTERRUPTS_OFF AT(0x40002308)
 #define UART_ENABLE AT(0x40002500)
+#define UART_TX_PIN AT(0x4000250C)
+#define UART_RX_PIN AT(0x40002514)
 #define UART_RX AT(0x40002518)
 #define UART_TX AT(0x4000251C)
 #define UART_BAUD AT(0x40002524)
@@ -36,6 +38,7 @@ extern uint32_t _end[];
 int main(void);
 
 static volatile uint8_t ticks;
+static bool is_sending;
 
 static void reset(void) {
     uint32_t *at;
@@ -50,6 +53,7 @@ static void count_tick(void) {
     ticks++;
 }
 
+/* A byte has arrived. On hardware, store it here: the UART has room for six bytes. */
 static void wake(void) {
     UART_INTERRUPTS_OFF = UART_RECEIVED;
 }
@@ -68,11 +72,12 @@ uint8_t port_clock(void) {
 }
 
 void processor_start(void) {
+    UART_TX_PIN = 24; /* Pins of the micro:bit. */
+    UART_RX_PIN = 25;
     UART_ENABLE = 4;
     UART_BAUD = 0x10000000; /* 1,000,000 baud */
     UART_START_RX = 1;
     UART_START_TX = 1;
-    UART_TX_READY = 1;
     TIMER_PRESCALER = 4; /* 1 MHz */
     TIMER_COMPARE = 10000;
     TIMER_SHORTS = 1; /* Start again after the comparison. */
@@ -90,8 +95,9 @@ int16_t processor_read(void) {
 }
 
 void processor_write(uint8_t byte) {
-    while (UART_TX_READY == 0u) {
+    while (is_sending && (UART_TX_READY == 0u)) {
     }
+    is_sending = true;
     UART_TX_READY = 0;
     UART_TX = byte;
 }

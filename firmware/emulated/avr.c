@@ -12,7 +12,7 @@ ISR(TIMER1_COMPA_vect) {
     ticks++;
 }
 
-/* A byte has arrived. */
+/* A byte has arrived. On hardware, store it here: the UART has room for two bytes. */
 ISR(USART_RX_vect) {
     UCSR0B &= (uint8_t)~(1u << RXCIE0);
 }
