@@ -16,9 +16,9 @@ use crate::command::interrupt::outlive_file_limit;
 pub use crate::command::terminal::show_deferred;
 use crate::command::terminal::{Color, TerminalOptions, configure, output_has_colour, print_drawn};
 use crate::command::{
-    calibrate, check, compile, completions, estimate, explain, export, fit, fmt, fsck, lsp, man,
-    new, plan, repeat, replay, report, resume, shard, show, simulate, sweep, test, trace, trade,
-    verify,
+    calibrate, check, compile, completions, estimate, explain, export, fit, fmt, fsck, import, lsp,
+    man, new, plan, repeat, replay, report, resume, shard, show, simulate, sweep, test, trace,
+    trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -154,6 +154,11 @@ pub enum Command {
         after_help = "Examples:\n  stochc calibrate hemisphere -o hemisphere.rates\n  stochc calibrate tower.sa -n 20 -o tank.rates"
     )]
     Calibrate(calibrate::CalibrateArguments),
+    /// Read the log of a real experiment into a results folder
+    #[command(
+        after_help = "Examples:\n  stochc import log.csv --program tower.sa -o results/bench\n  stochc import log.jsonl --program towers.sa --assembly tall -o results/tall"
+    )]
+    Import(import::ImportArguments),
     /// Fit scene parameters to measured times
     #[command(
         after_help = "Examples:\n  stochc fit tower.sa --data times.csv --vary free=50..500\n  stochc fit a.sa b.sa --data times.csv --vary 'bond.pull=2..12 N' --hold-out b"
@@ -339,7 +344,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
         ],
     ),
     ("Look", &["show", "report", "replay", "export"]),
-    ("Trust", &["trade", "calibrate", "fit"]),
+    ("Trust", &["trade", "calibrate", "import", "fit"]),
     ("Many machines", &["shard"]),
     ("Keep", &["fsck", "lsp", "completions", "man"]),
 ];
@@ -412,6 +417,7 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         Command::Export(options) => export::run(&options),
         Command::Trade(options) => trade::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),
+        Command::Import(options) => import::run(&options),
         Command::Fit(options) => fit::run(&options),
         Command::Shard(options) => shard::run(&options),
         Command::Fsck(options) => fsck::run(&options),

@@ -54,6 +54,7 @@ pub fn run(
             let mut world = RateWorld::new(tables, scene, &settings.rates, seed, run)?;
             drive(tables, messages, &mut world, limit, seed, run, watch)
         }
+        Model::Measured => Err(RunError::Measured),
         Model::Shuffle => {
             let strays = if tables.bond.is_passive() {
                 STRAYS
@@ -100,6 +101,7 @@ pub fn observe(
             observed(tables, scene, world, settings, key, watch, observer)
         }
         Model::Rate | Model::Shuffle => Err(RunError::Nowhere(settings.model)),
+        Model::Measured => Err(RunError::Measured),
     }
 }
 

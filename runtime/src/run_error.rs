@@ -13,6 +13,8 @@ pub enum RunError {
     Cancelled,
     /// Blocks have no positions in this model.
     Nowhere(Model),
+    /// The run was measured in an experiment.
+    Measured,
     /// This build does not contain the model.
     Absent(Model),
     /// The data of [`Watch::saved`](crate::Watch::saved) are not a state of this run.
@@ -28,6 +30,9 @@ impl std::fmt::Display for RunError {
                 f,
                 "blocks have no positions in the model `{}`; use `--model rigid`",
                 model.name()
+            ),
+            RunError::Measured => f.write_str(
+                "the run was measured in an experiment, so it cannot be simulated again",
             ),
             RunError::Absent(model) => {
                 write!(

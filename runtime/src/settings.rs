@@ -57,6 +57,8 @@ pub enum Model {
     Rate,
     /// No physics: one random capture per tick. For testing protocols; its times are meaningless.
     Shuffle,
+    /// No model: the runs were measured in an experiment.
+    Measured,
 }
 
 /// Setting that only some models use.
@@ -100,7 +102,7 @@ pub enum Reduction {
 }
 
 impl Model {
-    /// All models. The default comes first.
+    /// All models that can simulate runs. The default comes first.
     pub const ALL: [Model; 4] = [Model::Rigid, Model::Rapier, Model::Rate, Model::Shuffle];
 
     /// Returns whether blocks have positions.
@@ -121,6 +123,7 @@ impl Model {
             Model::Rigid => "rigid",
             Model::Rate => "rate",
             Model::Shuffle => "shuffle",
+            Model::Measured => "measured",
         }
     }
 
@@ -135,6 +138,7 @@ impl Model {
                 "No motion. Waiting times are drawn from rates that were measured with `rigid`. Thousands of times faster"
             }
             Model::Shuffle => "No physics. Each tick has one random capture, to test event tables",
+            Model::Measured => "No model. The runs were measured in an experiment",
         }
     }
 
@@ -144,7 +148,7 @@ impl Model {
             Model::Rigid => !matches!(setting, Setting::Rates),
             Model::Rapier => matches!(setting, Setting::Steps | Setting::SolverIterations),
             Model::Rate => matches!(setting, Setting::Rates),
-            Model::Shuffle => false,
+            Model::Shuffle | Model::Measured => false,
         }
     }
 
@@ -294,7 +298,7 @@ impl Settings {
     pub fn iterations(&self) -> u32 {
         let usual = match self.model {
             Model::Rapier => 4,
-            Model::Rigid | Model::Rate | Model::Shuffle => ROUNDS,
+            Model::Rigid | Model::Rate | Model::Shuffle | Model::Measured => ROUNDS,
         };
         self.solver_iterations.unwrap_or(usual).max(1)
     }

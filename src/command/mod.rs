@@ -14,6 +14,7 @@ pub mod fit;
 pub mod fmt;
 pub mod fsck;
 mod host;
+pub mod import;
 mod imports;
 pub(crate) mod interrupt;
 mod junit;

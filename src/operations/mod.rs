@@ -10,6 +10,7 @@ pub mod estimate;
 pub mod export;
 pub mod fit;
 pub mod forecast;
+pub mod import;
 mod in_memory;
 pub mod json;
 pub mod plan;

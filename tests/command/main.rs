@@ -19,6 +19,7 @@ mod fmt;
 mod fsck;
 mod hardware;
 mod hostile;
+mod import;
 #[cfg(unix)]
 mod interrupted;
 mod json;
@@ -28,6 +29,9 @@ mod kinds;
 #[allow(dead_code, reason = "shared with the tests of reports")]
 mod layout;
 mod levels;
+#[path = "../experiment_log/mod.rs"]
+#[allow(dead_code, reason = "shared with the tests of results folders")]
+mod logs;
 mod lsp;
 mod manifest;
 mod manual;

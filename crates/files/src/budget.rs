@@ -39,6 +39,8 @@ pub const SHARDS: ReadBudget = json(MIB);
 pub const RATES: ReadBudget = json(16 * MIB);
 /// Limit for a table of times to fit.
 pub const TIMES: ReadBudget = any(256 * MIB);
+/// Limit for the log of an experiment.
+pub const LOG: ReadBudget = any(64 * MIB);
 /// Limit for the voxels of a target.
 pub const VOXELS: ReadBudget = any(256 * MIB);
 /// Limit for a page of an earlier report.

@@ -37,6 +37,7 @@
 mod build;
 mod checkpoint;
 mod execution;
+mod experiment_log;
 mod folder;
 pub mod integrity;
 mod journal;
@@ -54,6 +55,7 @@ pub use execution::{
     RunWatch, Snapshot, Totals, check_stored, forecast_cpu_time, now, run, time_left, unless,
     until,
 };
+pub use experiment_log::{LogError, MeasuredRuns, RowError, read_log};
 pub use folder::{
     CHECKPOINTS, Contents, DAMAGED, Folder, FolderError, FolderState, Further, FurtherFiles,
     MANIFEST, Resume, check_manifest, is_remnant, survey, write_tables,

@@ -89,6 +89,11 @@ pub fn from_manifest(path: &Path, runs: Option<u64>, host: &dyn Host) -> Result<
 /// Returns the manifest with only this build in its list of builds. `runs` replaces the number of
 /// runs.
 fn by_this_build(mut manifest: Manifest, runs: Option<u64>) -> Result<Manifest, Failure> {
+    if manifest.uses(Model::Measured) {
+        return Err(Failure::usage(
+            "these runs were measured in an experiment, so they cannot be simulated; `stochc import` reads another log into a new folder",
+        ));
+    }
     manifest.runs = runs.unwrap_or(manifest.runs);
     manifest.builds = vec![this_build()];
     manifest.within_limits().map_err(Failure::usage)?;

@@ -128,7 +128,12 @@ impl Manifest {
         };
         let number = |n: u64| n.to_string();
         compare("the version", &self.stochc, &other.stochc);
-        compare("the seed", &number(self.seed), &number(other.seed));
+        let seed = if self.uses(Model::Measured) && other.uses(Model::Measured) {
+            "the checksum of the log"
+        } else {
+            "the seed"
+        };
+        compare(seed, &number(self.seed), &number(other.seed));
         for (what, there, here) in self.settings.differences(&other.settings) {
             compare(what, &there, &here);
         }

@@ -17,14 +17,14 @@ pub(crate) struct ProgramEvents<'m> {
 
 /// Times of an event, taken from a record.
 #[derive(Clone, Copy)]
-struct EventTimes {
+pub(crate) struct EventTimes {
     /// Tick when all predecessors of the event had happened.
-    ready: u64,
+    pub ready: u64,
     /// Tick of the event. `None` if it had not happened at the end of the run.
-    done: Option<u64>,
+    pub done: Option<u64>,
 }
 
-type Checked<T = ()> = Result<T, &'static str>;
+pub(crate) type Checked<T = ()> = Result<T, &'static str>;
 
 impl<'m> ProgramEvents<'m> {
     pub fn new(program: &'m EnsembleProgram) -> ProgramEvents<'m> {
@@ -37,6 +37,16 @@ impl<'m> ProgramEvents<'m> {
     /// Checks that the program has every event of a record, and that each event follows its
     /// predecessors.
     pub fn check(&self, record: &RunRecord) -> Checked {
+        let times = self.times(record)?;
+        self.check_phases(&times)?;
+        self.check_order(&times, PhaseId(0))?;
+        let mut aborts = record.aborts.iter();
+        aborts.try_for_each(|abort| self.check_abort(abort, &times))
+    }
+
+    /// Returns the times of each event of the program, without aborted attempts. `None` for an
+    /// event that is not in the record.
+    pub fn times(&self, record: &RunRecord) -> Checked<Vec<Option<EventTimes>>> {
         let mut times = vec![None; self.graph.events.len()];
         self.add_captures(&record.bonds, &record.waiting, &mut times)?;
         for release in &record.releases {
@@ -49,10 +59,7 @@ impl<'m> ProgramEvents<'m> {
                 done: Some(release.tick),
             });
         }
-        self.check_phases(&times)?;
-        self.check_order(&times, PhaseId(0))?;
-        let mut aborts = record.aborts.iter();
-        aborts.try_for_each(|abort| self.check_abort(abort, &times))
+        Ok(times)
     }
 
     /// Checks that the events in phase `since` and in later phases follow their predecessors.
@@ -150,16 +157,20 @@ impl<'m> ProgramEvents<'m> {
         action: EventAction,
         cell: Option<Cell>,
     ) -> Checked<usize> {
+        let is_next = |id: &EventId| {
+            times[id.0 as usize].is_none() && (cell.is_none() || self.graph.event(*id).cell == cell)
+        };
+        let found = self.of(phase, action).find(is_next);
+        let found = found.map(|id| id.0 as usize);
+        found.ok_or("its program has no such event")
+    }
+
+    /// Returns the events with `phase` and `action`, in source order.
+    pub fn of(&self, phase: PhaseId, action: EventAction) -> impl Iterator<Item = EventId> {
         let searched = (phase, action);
         let begin = (self.sorted).partition_point(|&id| key(self.graph, id) < searched);
-        let same = self.sorted[begin..].iter();
-        let mut same = same.take_while(|&&id| key(self.graph, id) == searched);
-        let is_next = |id: &&EventId| {
-            times[id.0 as usize].is_none()
-                && (cell.is_none() || self.graph.event(**id).cell == cell)
-        };
-        let found = same.find(is_next).map(|id| id.0 as usize);
-        found.ok_or("its program has no such event")
+        let same = self.sorted[begin..].iter().copied();
+        same.take_while(move |&id| key(self.graph, id) == searched)
     }
 
     /// Checks that no phase begins before the previous one has ended.

@@ -2,8 +2,11 @@
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 mod checkpoints;
 mod corrupted;
+mod experiment_log;
 mod faults;
 mod interrupted;
+#[path = "../../../../tests/experiment_log/mod.rs"]
+mod logs;
 #[path = "../../../../tests/pages/mod.rs"]
 mod pages;
 mod refused;

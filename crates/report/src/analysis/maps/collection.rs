@@ -7,7 +7,6 @@ use stochc_experiments::resampling::{Ratio, Replicates, weights};
 use stochc_ir::Cell;
 use stochc_results::JournalError;
 use stochc_results::recording::RecordingError;
-use stochc_runtime::Model;
 
 use super::places::{HALF_SLICE, LocatedCapture, MapPlaces, REACH, SlicePlace};
 use super::slice::{FaceEntries, Maps, Slice, SliceMap};
@@ -29,8 +28,7 @@ pub(crate) fn maps(
     recordings: &RecordingReader,
 ) -> Result<Option<Maps>, JournalError> {
     let model = subject.manifest.settings_of(subject.program).model;
-    let is_still = matches!(model, Model::Shuffle | Model::Rate);
-    if is_still || subject.program.captures() == 0 {
+    if !model.has_places() || subject.program.captures() == 0 {
         return Ok(None);
     }
     let mut first = None;

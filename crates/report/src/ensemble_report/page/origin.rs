@@ -2,7 +2,7 @@
 use stochc_files::shell;
 use stochc_ir::scene::describe;
 use stochc_results::{ChosenSetting, EnsembleProgram, Manifest};
-use stochc_runtime::{Precision, Settings};
+use stochc_runtime::{Model, Precision, Settings};
 use stochc_text::number;
 
 use super::Parts;
@@ -39,12 +39,15 @@ pub(super) fn origin(parts: &Parts, out: &mut Html) {
         .map(|(what, value)| vec![HtmlCell::Plain(what.into()), HtmlCell::Marked(name(&value))])
         .collect();
         out.table("The ensemble", &["", "value"], &rows);
-        out.paragraph("Repeat the same runs, bit for bit:");
-        out.raw(&command(&format!(
-            "stochc repeat {} --out AGAIN",
-            shell::file(&input.path)
-        )));
-        if let Some(line) = simulate(manifest) {
+        let is_measured = manifest.uses(Model::Measured);
+        if !is_measured {
+            out.paragraph("Repeat the same runs, bit for bit:");
+            out.raw(&command(&format!(
+                "stochc repeat {} --out AGAIN",
+                shell::file(&input.path)
+            )));
+        }
+        if let Some(line) = simulate(manifest).filter(|_| !is_measured) {
             out.paragraph("Repeat them from the source files, if these are unchanged:");
             out.raw(&command(&line));
         }
