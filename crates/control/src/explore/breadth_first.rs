@@ -52,9 +52,7 @@ pub(super) fn shortest<'t>(
         if let Some(persistent) = &mut persistent {
             transitions = persistent.choose(&state, transitions);
         }
-        if transitions.is_empty()
-            && let Some(wrong) = checker.hang(&state)
-        {
+        if let Some(wrong) = checker.hang(&state, &transitions) {
             return violated(wrong, &arrivals, at, &state, None);
         }
         for transition in transitions {

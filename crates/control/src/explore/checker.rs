@@ -58,10 +58,10 @@ impl PropertyChecker<'_> {
         Some((property, self.describer.fault(fault)))
     }
 
-    /// Returns the property that a state without further transitions violates. Returns `None` if it
-    /// violates none.
-    pub fn hang(&self, state: &ProgramState<'_>) -> Option<Breach> {
-        if state.is_complete() {
+    /// Returns the property that a state violates if none of its transitions is certain. Returns
+    /// `None` if it violates none.
+    pub fn hang(&self, state: &ProgramState<'_>, transitions: &[Transition]) -> Option<Breach> {
+        if state.is_complete() || transitions.iter().any(Transition::is_certain) {
             return None;
         }
         let (phase, waits) = (self.describer.phase(state), self.describer.waits(state));

@@ -112,11 +112,7 @@ impl<'s, 't> DepthFirst<'s, 't> {
             todo = persistent.choose(&state, todo);
             self.work += std::mem::take(&mut persistent.work);
         }
-        let stuck = if todo.is_empty() {
-            self.checker.hang(&state)
-        } else {
-            None
-        };
+        let stuck = self.checker.hang(&state, &todo);
         // The list is used from its end.
         todo.reverse();
         self.path.push(Visit {

@@ -59,6 +59,18 @@ impl Describer<'_> {
                 }
                 None => "a face that is off captures a block".to_owned(),
             },
+            Transition::Hold(block_face) => match self.face(before, block_face) {
+                Some((parent, face, child)) => format!(
+                    "{}.{face} captures a block for {}, which does not answer",
+                    self.name(parent),
+                    self.name(child)
+                ),
+                None => "a face that is off captures a block".to_owned(),
+            },
+            Transition::Answer(block_face) => match self.face(before, block_face) {
+                Some((_, _, child)) => format!("{} answers late", self.name(child)),
+                None => "a released block answers".to_owned(),
+            },
             Transition::Arrive(transit) => self.arrival(before, transit, effects),
             Transition::CaptureMistaken(block_face, _) => match self.face(before, block_face) {
                 Some((parent, face, child)) => format!(
@@ -224,6 +236,7 @@ impl Describer<'_> {
                 };
                 let why = match state.lattice.target(block_face) {
                     Some(_) => "which no block can reach",
+                    None if state.silent.contains(&block_face) => "whose block does not answer",
                     None => "which is occupied",
                 };
                 waits.push(format!(

@@ -17,6 +17,9 @@ pub struct Faults {
     /// Number of anchored blocks that fail: they no longer act or forward messages, but keep their
     /// children.
     pub dead: u8,
+    /// Number of captured blocks that do not acknowledge their name. They acknowledge it later or
+    /// never.
+    pub silent: u8,
     /// Number of stray blocks, which are captured at faces that are off.
     pub strays: u8,
     /// Whether a stray block remains attached when its face is switched off. Default: it is
@@ -32,6 +35,7 @@ impl Default for Faults {
             lost: 0,
             sent_again: true,
             dead: 0,
+            silent: 0,
             strays: 0,
             stuck: false,
             mistaken: 0,
@@ -53,7 +57,8 @@ pub(super) struct FaultChoice {
 impl Faults {
     /// Returns whether there are no faults.
     pub fn is_none(&self) -> bool {
-        self.lost == 0 && self.dead == 0 && self.strays == 0 && self.mistaken == 0
+        let blocks = [self.dead, self.silent, self.strays, self.mistaken];
+        self.lost == 0 && blocks == [0; 4]
     }
 
     /// Returns every choice of affected blocks, in an order that needs little memory.

@@ -30,8 +30,8 @@
 //!    one cannot happen without the earlier.
 //! 5. *A fault* at a block depends on everything that may touch the block. The losses of one
 //!    message depend on each other. All transitions are tried if blocks fail, if a stray block may
-//!    still come, or if blocks misjudge orientations. For failures, a smaller set missed one of 21
-//!    deadlocks of a random program.
+//!    still come, if blocks are silent or may still be, or if blocks misjudge orientations. For
+//!    failures, a smaller set missed one of 21 deadlocks of a random program.
 //! 6. *Equal names*: if two rules give the same name in one phase, the path to the name is not
 //!    known in advance. The compiler does not make such tables. All transitions are tried for them.
 //! 7. *Resending* changes only the message's own state, as does a duplicate at its receiver. A
@@ -124,7 +124,9 @@ impl<'t> PersistentSets<'t> {
             || !struck.mistaken.is_empty()
             || strays_to_come
             || state.structure.is_aborting()
-            || state.can_abort()
+            || state.can_abort(&self.context)
+            || state.may_be_silent(&self.context)
+            || !state.silent.is_empty()
             || transitions.contains(&Transition::EndPhase)
         {
             return transitions;

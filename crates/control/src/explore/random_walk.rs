@@ -97,7 +97,7 @@ fn follow(
             return Some(checker.violated(&context, wrong, phase, &made));
         }
     }
-    let wrong = checker.hang(&state)?;
+    let wrong = checker.hang(&state, &[])?;
     if exploration.hangs_allowed {
         report.hangs += 1;
         return None;
@@ -114,7 +114,7 @@ fn draw(
 ) -> (Option<Transition>, u64) {
     let (transits, faces) = (state.in_transit.len(), state.lattice.active().len());
     let all = (transits + faces) as u32;
-    let is_plain = context.faults.is_none() && context.reach.is_none() && !state.can_abort();
+    let is_plain = context.faults.is_none() && context.reach.is_none() && !state.can_abort(context);
     // Most open faces and messages are enabled, so rejection sampling is cheaper than listing all.
     if is_plain && all > 0 && !state.structure.is_phase_reported() {
         for attempt in 0..ATTEMPTS {
@@ -133,6 +133,8 @@ fn draw(
     }
     let mut transitions = state.transitions(context);
     let count = transitions.len();
-    let drawn = (count > 0).then(|| transitions.swap_remove(choose(0, count as u32) as usize));
+    // A block that has not answered until then is dead.
+    let is_going = transitions.iter().any(Transition::is_certain);
+    let drawn = is_going.then(|| transitions.swap_remove(choose(0, count as u32) as usize));
     (drawn, count as u64)
 }

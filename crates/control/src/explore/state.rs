@@ -27,6 +27,10 @@ pub(super) struct ProgramState<'t> {
     pub done: PhaseProgress,
     /// Cells of stray blocks so far.
     pub strayed: BTreeSet<Cell>,
+    /// Open faces with a block that has not acknowledged its name.
+    pub silent: BTreeSet<BlockFace>,
+    /// Number of silent blocks so far.
+    pub silenced: u8,
 }
 
 impl<'t> ProgramState<'t> {
@@ -39,6 +43,8 @@ impl<'t> ProgramState<'t> {
             channels: Ignored(Channels::default()),
             done: PhaseProgress::default(),
             strayed: BTreeSet::new(),
+            silent: BTreeSet::new(),
+            silenced: 0,
         };
         let mut effects = state.carry_out(context, |structure, environment| {
             structure.start(environment)
@@ -114,6 +120,7 @@ impl<'t> ProgramState<'t> {
             }
         }
         self.add_captures(context, &mut transitions);
+        transitions.extend(self.silent.iter().map(|face| Transition::Answer(*face)));
         for &role in &context.struck.dead {
             let block = self.structure.holder(role);
             if block.is_some_and(|block| !block.is_dead()) {
@@ -126,7 +133,7 @@ impl<'t> ProgramState<'t> {
         } else if !self.structure.is_aborting() && is_reported {
             transitions.push(Transition::EndPhase);
         }
-        if self.can_abort() {
+        if self.can_abort(context) {
             transitions.push(Transition::Abort);
         }
         transitions
@@ -135,11 +142,17 @@ impl<'t> ProgramState<'t> {
     /// Returns whether the phase may reach its timeout. Time is not explored, so this may happen
     /// at any moment before the last report.
     ///
-    /// Each phase is aborted at most once. A retry begins with the state at the start of the phase,
-    /// which is checked, so further aborts would add no new states.
-    pub fn can_abort(&self) -> bool {
+    /// Without silent blocks, each phase is aborted at most once. A retry begins with the state at
+    /// the start of the phase, which is checked, so further aborts would add no new states. With
+    /// silent blocks, a phase is aborted only if it holds one. It would otherwise have no retry
+    /// left for a later one.
+    pub fn can_abort(&self, context: &ExplorationContext<'_>) -> bool {
         let structure = &self.structure;
-        structure.can_abort() && structure.aborts() == 0 && !structure.is_phase_reported()
+        let is_tried = match context.faults.silent {
+            0 => structure.aborts() == 0,
+            _ => !self.silent.is_empty(),
+        };
+        structure.can_abort() && is_tried && !structure.is_phase_reported()
     }
 
     fn add_captures(&self, context: &ExplorationContext<'t>, transitions: &mut Vec<Transition>) {
@@ -161,6 +174,9 @@ impl<'t> ProgramState<'t> {
                 transitions.extend((1..24).map(|how| Transition::CaptureMistaken(block_face, how)));
             } else {
                 transitions.push(Transition::Capture(block_face));
+                if self.may_be_silent(context) && child.is_some() {
+                    transitions.push(Transition::Hold(block_face));
+                }
             }
         }
         for &cell in &context.struck.strays {
@@ -180,6 +196,11 @@ impl<'t> ProgramState<'t> {
                 }
             }
         }
+    }
+
+    /// Returns whether the next captured block may be silent.
+    pub fn may_be_silent(&self, context: &ExplorationContext<'_>) -> bool {
+        self.silenced < context.faults.silent
     }
 
     /// Returns the occupied cells above the plate.
@@ -212,6 +233,17 @@ impl<'t> ProgramState<'t> {
                 Effects::default()
             }
             Transition::Capture(block_face) => self.capture(context, block_face, 0),
+            Transition::Hold(block_face) => {
+                let child = self.opened(block_face).map_or(u32::MAX, |child| child.0);
+                self.lattice.dock(&docking(block_face, child, 0));
+                self.silent.insert(block_face);
+                self.silenced += 1;
+                Effects::default()
+            }
+            Transition::Answer(block_face) => {
+                self.silent.remove(&block_face);
+                self.capture(context, block_face, 0)
+            }
             Transition::CaptureMistaken(block_face, how) => self.capture(context, block_face, how),
             Transition::Stray(block_face) => {
                 self.strayed.extend(self.lattice.target(block_face));
@@ -369,6 +401,8 @@ impl<'t> ProgramState<'t> {
             effects: &mut effects,
         };
         act(&mut self.structure, &mut environment);
+        let lattice = &self.lattice;
+        (self.silent).retain(|face| lattice.held(*face).is_some());
         for block_face in &effects.opened {
             let block = self.structure.block(block_face.body);
             let spare = usize::from(context.tables.faces.max(1));

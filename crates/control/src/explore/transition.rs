@@ -31,6 +31,10 @@ pub(super) enum Transition {
     LoseAnswer(InTransit),
     SendAgain(InTransit),
     Capture(BlockFace),
+    /// A block docks at a face, but does not acknowledge its name.
+    Hold(BlockFace),
+    /// A silent block acknowledges its name. It may also stay silent.
+    Answer(BlockFace),
     /// A face captures a block that assumes one of 23 wrong orientations.
     CaptureMistaken(BlockFace, u8),
     /// A block is captured at a face that is off.
@@ -46,6 +50,11 @@ pub(super) enum Transition {
 }
 
 impl Transition {
+    /// Returns whether the transition happens if nothing else does.
+    pub fn is_certain(&self) -> bool {
+        !matches!(self, Transition::Answer(_))
+    }
+
     /// Returns the message of the transition. Returns `None` for a transition without a message.
     pub fn transit(&self) -> Option<InTransit> {
         match *self {

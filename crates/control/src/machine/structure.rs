@@ -233,7 +233,19 @@ impl<'t, M: Copy> Structure<'t, M> {
         }
     }
 
-    /// Processes the capture of a block.
+    /// Returns the role of the block that a face waits for. Returns `None` if the face waits for
+    /// none.
+    pub fn awaited(&self, block_face: BlockFace) -> Option<RoleId> {
+        let block = self.block(block_face.body)?;
+        let mut open = block.open().iter();
+        open.find(|open| open.own == block_face.face)
+            .map(|open| open.child)
+    }
+
+    /// Processes the capture of a block: it has docked and acknowledged its role.
+    ///
+    /// A docked block that has not acknowledged its role has no part in the structure. Its face
+    /// stays open, so an abort switches the face off and releases the block.
     pub fn dock(&mut self, docking: &Docking, environment: &mut impl Environment<Mark = M>) {
         let BlockFace { body, face } = docking.block_face;
         // An earlier capture in the same tick may have released the parent, and with it this block.

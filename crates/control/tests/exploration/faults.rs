@@ -17,6 +17,7 @@ const NONE: Faults = Faults {
     lost: 0,
     sent_again: true,
     dead: 0,
+    silent: 0,
     strays: 0,
     stuck: false,
     mistaken: 0,
@@ -134,6 +135,26 @@ fn survives_a_block_that_dies_when_idle() {
 }
 
 #[test]
+fn a_silent_block_only_hangs_without_retries() {
+    for tables in small() {
+        for silent in [1, 2] {
+            let report = with_hangs(&tables, Faults { silent, ..NONE });
+            assert_eq!(
+                report.verdict,
+                ExplorationVerdict::Holds,
+                "{}",
+                tables.assembly
+            );
+            assert!(report.hangs > 0);
+        }
+        let silent = Faults { silent: 1, ..NONE };
+        let violation = with(&tables, silent).violation().cloned().unwrap();
+        assert_eq!(violation.property, Property::NoHang);
+        assert!(violation.what.contains("whose block does not answer"));
+    }
+}
+
+#[test]
 fn survives_an_unplanned_bond() {
     let stray = Faults { strays: 1, ..NONE };
     // All orders are explored until the stray docks. That is too much for the larger programs.
@@ -211,10 +232,15 @@ proptest! {
         faces in 1u8..=3,
     ) {
         let tables = declare(choices, faces).tables();
-        for faults in [Faults { lost: 1, ..NONE }, Faults { dead: 1, ..NONE }] {
+        let faults = [
+            Faults { lost: 1, ..NONE },
+            Faults { dead: 1, ..NONE },
+            Faults { silent: 2, ..NONE },
+        ];
+        for faults in faults {
             let report = explore_as(&tables, |all| {
                 all.faults = faults;
-                all.hangs_allowed = faults.dead > 0;
+                all.hangs_allowed = faults.lost == 0;
                 all.bounds = ExplorationBounds { states: 5_000, ..ExplorationBounds::default() };
             });
             if let Some(violation) = report.violation() {

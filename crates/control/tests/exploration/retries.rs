@@ -4,6 +4,7 @@ use stochc_control::explore::{
     Property,
 };
 use stochc_ir::table::Tables;
+use stochc_runtime::counter_rng::schedules;
 
 use crate::programs::{explore, explore_as, tables, tables_of};
 
@@ -102,4 +103,70 @@ fn a_failed_block_prevents_a_retry_only() {
 fn a_late_capture_in_an_aborted_phase_is_rejected() {
     let report = explore_as(&span(), |all| all.faults.strays = 1);
     assert_eq!(report.verdict, ExplorationVerdict::Holds);
+}
+
+/// Program whose phases can all be retried once.
+const RETRIED: &str = "
+assembly retried {
+    seed plate 3 x 1 { A at (0, 0)  B at (2, 0) }
+    phase feet timeout 10 ticks { A.up -> F } on timeout { release feet  retry 1 }
+    phase span timeout 10 ticks {
+        F.up -> C.up -> D
+        C.west -> W after G
+        B.up -> G after C
+    } on timeout { release span  retry 1 }
+}";
+
+#[test]
+fn as_many_retries_as_silent_blocks_are_enough() {
+    for retries in [1, 2] {
+        let text = RETRIED.replace("retry 1", &format!("retry {retries}"));
+        let tables = tables(&text);
+        for silent in [retries, retries + 1] {
+            let report = explore_as(&tables, |all| all.faults.silent = silent);
+            if silent == retries {
+                assert_eq!(report.verdict, ExplorationVerdict::Holds);
+            } else {
+                assert_eq!(violated(&report), Some(Property::NoHang));
+            }
+        }
+    }
+}
+
+#[test]
+fn silent_blocks_and_lost_messages_delay_a_retry_only() {
+    let report = explore_as(&tables(RETRIED), |all| {
+        all.faults.silent = 1;
+        all.faults.lost = 1;
+        all.bounds.states = 3_000_000;
+    });
+    assert_eq!(report.verdict, ExplorationVerdict::Holds);
+}
+
+#[test]
+fn random_orders_find_a_silent_block_that_is_not_survived() {
+    let sampled = |retries: u8, silent: u8| {
+        let tables = tables(&RETRIED.replace("retry 1", &format!("retry {retries}")));
+        let expected = ProgramGoals::new(&tables);
+        let faults = Faults {
+            silent,
+            ..Faults::default()
+        };
+        let bounds = ExplorationBounds::default();
+        let all = Exploration::new(&tables, &expected, bounds, faults);
+        all.sample(500, &mut schedules(1)).verdict
+    };
+    assert_eq!(sampled(2, 2), ExplorationVerdict::Sampled);
+    assert!(matches!(
+        sampled(1, 2),
+        ExplorationVerdict::Violated(violation) if violation.property == Property::NoHang
+    ));
+}
+
+#[test]
+fn a_silent_block_is_named_in_the_trace() {
+    let mut alone = tables(RETRIED);
+    alone.phases[1].recovery = None;
+    let report = explore_as(&alone, |all| all.faults.silent = 1);
+    insta::assert_snapshot!(report.violation().unwrap());
 }
