@@ -31,6 +31,8 @@ struct Generator {
     /// Whether the program has parameters, which its conditions compare.
     has_parameters: bool,
     text: String,
+    /// Declarations of the shapes that the phases claim.
+    shapes: String,
 }
 
 /// Earliest reuse of names, cells and faces.
@@ -119,6 +121,7 @@ impl Generator {
                 self.capture(&mut stage, parent, face, name, &after);
             }
         }
+        self.claim(number);
         self.text.push_str("    }");
         // Phases with releases cannot be retried.
         if stage.released.is_empty()
@@ -139,6 +142,22 @@ impl Generator {
         let releases = stage.released.into_iter();
         self.spare
             .extend(releases.filter(|name| !self.blocks.contains_key(name)));
+    }
+
+    /// Claims the structure at the end of a phase, or every second cell of it.
+    fn claim(&mut self, number: usize) {
+        let (claim, step) = match self.text.len() % 4 {
+            0 => ("yields", 1),
+            1 => ("yields at least", 2),
+            _ => return,
+        };
+        let blocks = self.blocks.values().map(|block| block.cell);
+        let cells: BTreeSet<Cell> = blocks.filter(|cell| cell.z > 0).collect();
+        let cells: BTreeSet<Cell> = cells.into_iter().step_by(step).collect();
+        if !cells.is_empty() {
+            let _ = writeln!(self.text, "        {claim} s{number}");
+            self.shapes.push_str(&shape(number, &cells));
+        }
     }
 
     /// Returns the blocks that can be released: those without children.
@@ -208,15 +227,22 @@ impl Generator {
         let statement = if after.is_empty() && self.reuse == Reuse::AtOnce && self.choose(4) == 0 {
             instance(&parent, &name, face, self.text.len())
         } else {
-            format!("{parent}.{face} -> {name}{after}")
+            match name.strip_suffix(']') {
+                Some(head) if self.text.len().is_multiple_of(5) => {
+                    let last = head.rsplit(' ').next().unwrap_or_default();
+                    format!("{parent}.{face} ->> {head}..{last}]{after}")
+                }
+                _ => format!("{parent}.{face} -> {name}{after}"),
+            }
         };
         // The other branch contains names that do not exist.
-        let (start, end) = match self.text.len() % 4 {
+        let (start, end) = match self.text.len() % 5 {
             0 if self.has_parameters => ("if edge > 2 and not (last == 0) {", "} else { drop() }"),
             1 if self.has_parameters => (
                 "if edge % 2 == 0 { release Nothing } else if min(edge, 9) == abs(last + 1) {",
                 "} else { Nothing.up -> None }",
             ),
+            2 => ("for round in 3..3 {", "}"),
             _ => ("", ""),
         };
         let _ = writeln!(self.text, "        {start} {statement} {end}");
@@ -299,6 +325,27 @@ impl Stage {
     }
 }
 
+/// Returns the declaration of a shape with these cells.
+fn shape(number: usize, cells: &BTreeSet<Cell>) -> String {
+    let range = |of: fn(&Cell) -> i32| {
+        let values = || cells.iter().map(of);
+        values().min().unwrap()..=values().max().unwrap()
+    };
+    let (columns, rows) = (range(|cell| cell.x), range(|cell| cell.y));
+    let (west, south) = (columns.start(), rows.start());
+    let mut text = format!("shape s{number} at ({west}, {south}) {{\n");
+    for z in 1..=*range(|cell| cell.z).end() {
+        let _ = writeln!(text, "layer {z} {{");
+        for y in rows.clone().rev() {
+            let is_full = |x| cells.contains(&Cell::new(x, y, z));
+            text.extend(columns.clone().map(|x| if is_full(x) { '#' } else { '.' }));
+            text.push('\n');
+        }
+        text.push_str("}\n");
+    }
+    text + "}\n"
+}
+
 /// Returns a capture as an instance of a pattern in one of eight frames.
 fn instance(parent: &str, name: &str, face: Face, frame: usize) -> String {
     let (is_mirrored, quarters) = (frame % 2 == 1, frame / 2 % 4);
@@ -334,7 +381,7 @@ pub fn declare_with(reuse: Reuse, choices: Vec<u32>, faces: u8) -> Declared {
         names: 0,
         spare: Vec::new(),
         reuse,
-
+        shapes: String::new(),
         text: format!(
             "scene many from hemisphere {{ block cube {{ side 20cm mass 1kg faces {faces} }} }}\n"
         ),
@@ -374,6 +421,7 @@ pub fn declare_with(reuse: Reuse, choices: Vec<u32>, faces: u8) -> Declared {
         generator.phase(number);
     }
     generator.text.push_str("}\n");
+    generator.text.push_str(&generator.shapes);
     let structure = generator
         .blocks
         .into_iter()
