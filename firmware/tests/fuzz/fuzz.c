@@ -154,6 +154,9 @@ static void work(void) {
 #endif
     for (unit = 0; unit < UNITS; unit++) {
         check_block(block_of(unit));
+#ifdef SA_PLATE
+        require(sa_role(block_of(unit)) == unit);
+#endif
     }
     queue_at = 0;
     queue_length = 0;
