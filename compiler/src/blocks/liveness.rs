@@ -668,6 +668,14 @@ impl Checker<'_> {
             return None;
         }
         let key = self.plan.roles.key(role);
+        if let Some(absent) = self.plan.branches.absent(key.word) {
+            let label = "captured or declared in a branch that is not taken";
+            return Some(
+                diagnostic
+                    .label(absent, label)
+                    .help("check the condition of the branch"),
+            );
+        }
         let roles = &self.plan.roles;
         if let Some(members) = members(key, self.blocks(), roles, self.symbols) {
             return Some(diagnostic.help(members.describe("block")));

@@ -1,12 +1,14 @@
-//! Branches of conditions that are taken, for diagnostics about their statements.
+//! Branches of conditions, for diagnostics about their statements.
 use std::collections::BTreeMap;
 
-use stochc_grammar::tree::{Expr, ExprKind, If, Name};
+use rustc_hash::{FxHashMap, FxHashSet};
+use stochc_grammar::tree::{Expr, ExprKind, If, ItemKind, Name};
 use stochc_grammar::{Span, Symbol, Symbols};
 use stochc_text::series;
 
 use super::expander::{Expander, Pass};
 use super::scope::BoundValue;
+use super::uncertain::each_name;
 use crate::diagnostic::{Diagnostic, Label};
 use crate::{FileId, SourceLocation};
 
@@ -16,9 +18,17 @@ const MAX_VALUES: usize = 3;
 /// Largest number of nested branches in a message.
 const MAX_NESTED: usize = 3;
 
-/// Branches that a program takes, by file and first byte.
+/// File and first byte of a branch.
+type BranchKey = (FileId, u32);
+
+/// Branches that a program takes or skips.
 #[derive(Clone, Debug, Default)]
-pub struct Branches(BTreeMap<(FileId, u32), Branch>);
+pub struct Branches {
+    taken: BTreeMap<BranchKey, Branch>,
+    skipped: FxHashSet<BranchKey>,
+    /// First name of each word that a skipped branch declares.
+    absent: FxHashMap<Symbol, (BranchKey, SourceLocation)>,
+}
 
 /// A branch that is taken at least once.
 #[derive(Clone, Debug)]
@@ -37,7 +47,7 @@ impl Branches {
         let Some((file, at)) = diagnostic.place() else {
             return;
         };
-        let before = self.0.range((file, 0)..(file, at)).rev();
+        let before = self.taken.range((file, 0)..(file, at)).rev();
         let around = before.filter(|(_, branch)| branch.head.span.end <= at && at < branch.end);
         for (_, branch) in around.take(MAX_NESTED) {
             diagnostic.labels.push(Label {
@@ -45,6 +55,13 @@ impl Branches {
                 text: branch.reason(symbols),
             });
         }
+    }
+
+    /// Returns the location of a block in a branch that is never taken. Returns `None` if there is
+    /// no such branch.
+    pub(crate) fn absent(&self, word: Symbol) -> Option<SourceLocation> {
+        let (branch, location) = self.absent.get(&word)?;
+        (!self.taken.contains_key(branch)).then_some(*location)
     }
 }
 
@@ -95,8 +112,9 @@ impl<'a> Expander<'a, '_> {
                 return self.items(&block.body);
             }
         }
-        if self.has_branch.is_none() {
-            self.mark_all_uncertain(&block.body);
+        match self.has_branch {
+            Some(_) => self.note_skipped(block, span),
+            None => self.mark_all_uncertain(&block.body),
         }
     }
 
@@ -135,8 +153,24 @@ impl<'a> Expander<'a, '_> {
             end: span.end,
             values: Vec::new(),
         };
-        let branches = &mut self.plan.branches.0;
+        let branches = &mut self.plan.branches.taken;
         let branch = branches.entry((self.file, start)).or_insert(new);
         branch.add(&self.compared);
+    }
+
+    fn note_skipped(&mut self, block: &If, span: Span) {
+        let (file, branch) = (self.file, (self.file, span.start));
+        let branches = &mut self.plan.branches;
+        if self.pass == Pass::Counting || !branches.skipped.insert(branch) {
+            return;
+        }
+        each_name(&block.body, &mut |item, place| {
+            let span = place.span;
+            let first = place.path.first().map(|segment| segment.name.symbol);
+            if let (Some(word), false) = (first, matches!(item.kind, ItemKind::Release(_))) {
+                let location = SourceLocation { file, span };
+                branches.absent.entry(word).or_insert((branch, location));
+            }
+        });
     }
 }

@@ -13,29 +13,23 @@ impl Expander<'_, '_> {
 
     /// Records that the effect of these statements is unknown.
     pub(super) fn mark_all_uncertain(&mut self, items: &[Item]) {
-        for item in items {
-            match &item.kind {
-                ItemKind::Chain(chain) => {
-                    (chain.links.iter()).for_each(|link| self.mark_uncertain(&link.place));
-                }
-                ItemKind::Release(release) => {
-                    release
-                        .places
-                        .iter()
-                        .for_each(|place| self.mark_uncertain(place));
-                }
-                ItemKind::Seat(seat) => self.mark_uncertain(&seat.place),
-                ItemKind::Instance(instance) => {
-                    instance
-                        .alias
-                        .iter()
-                        .for_each(|alias| self.mark_uncertain(alias));
-                }
-                ItemKind::For(_) | ItemKind::If(_) | ItemKind::Phase(_) => {
-                    self.mark_all_uncertain(item.body());
-                }
-                _ => {}
+        each_name(items, &mut |_, place| self.mark_uncertain(place));
+    }
+}
+
+/// Calls a function for each block or instance that these statements declare, and for each block
+/// that they release.
+pub(super) fn each_name(items: &[Item], note: &mut dyn FnMut(&Item, &Place)) {
+    for item in items {
+        match &item.kind {
+            ItemKind::Chain(chain) => chain.links.iter().for_each(|it| note(item, &it.place)),
+            ItemKind::Release(release) => release.places.iter().for_each(|it| note(item, it)),
+            ItemKind::Seat(seat) => note(item, &seat.place),
+            ItemKind::Instance(instance) => instance.alias.iter().for_each(|it| note(item, it)),
+            ItemKind::For(_) | ItemKind::If(_) | ItemKind::Phase(_) => {
+                each_name(item.body(), note);
             }
+            _ => {}
         }
     }
 }

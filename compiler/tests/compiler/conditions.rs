@@ -239,3 +239,33 @@ fn branches_of_patterns_are_shown_in_the_pattern() {
     let expected = "this branch is taken because `height` is 2";
     assert_eq!(branches(text), [("else".to_owned(), expected.to_owned())]);
 }
+
+#[test]
+fn names_in_a_skipped_branch_are_shown() {
+    let label = "captured or declared in a branch that is not taken";
+    for (statements, expected) in [
+        ("if n > 3 { M.up -> A }  A.up -> B", &[("A", label)][..]),
+        (
+            "if n > 3 { for i in 1..2 { M.up -> A[i] } }  A[1].up -> B",
+            &[("A[i]", label)],
+        ),
+        (
+            "if n < 9 { M.up -> B } else { M.up -> A }  A.up -> C",
+            &[("A", label)],
+        ),
+        ("if n > 3 { release A }  A.up -> B", &[]),
+        (
+            "for i in 1..2 { if i > 1 { M.up -> A[i] } }  A[1].up -> B",
+            &[],
+        ),
+    ] {
+        let expected: Vec<_> = (expected.iter())
+            .map(|(source, text)| ((*source).to_owned(), (*text).to_owned()))
+            .collect();
+        assert_eq!(
+            branches(&program("n = 3", statements)),
+            expected,
+            "{statements}"
+        );
+    }
+}
