@@ -35,7 +35,7 @@ pub struct Branches {
 struct Branch {
     /// Its condition, or its `else`.
     head: SourceLocation,
-    /// Location behind its last byte.
+    /// Position after its last byte.
     end: u32,
     /// Names in the evaluated conditions, with their different values.
     values: Vec<(Symbol, Vec<i64>)>,

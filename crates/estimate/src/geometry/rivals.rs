@@ -7,7 +7,7 @@ use stochc_ir::{Cell, Face, offsets_within};
 pub struct Rivals {
     /// Number of faces with the same direction whose open cells are next to this face's open cell.
     /// Includes only cells perpendicular to the normal.
-    pub beside: u8,
+    pub adjacent: u8,
     /// Number of faces with the same direction whose open cells are diagonal to this face's open
     /// cell. Includes only cells perpendicular to the normal.
     pub across: u8,
@@ -20,8 +20,8 @@ pub struct Rivals {
 /// Kind of rival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rivalry {
-    /// Rival that [`Rivals::beside`] counts.
-    Beside,
+    /// Rival that [`Rivals::adjacent`] counts.
+    Adjacent,
     /// Rival that [`Rivals::across`] counts.
     Across,
     /// Rival that [`Rivals::around`] counts twice: the open cells share a side or an edge.
@@ -45,7 +45,7 @@ impl Rivals {
 
     fn number(&mut self, of: Rivalry) -> (&mut u8, u8) {
         match of {
-            Rivalry::Beside => (&mut self.beside, 1),
+            Rivalry::Adjacent => (&mut self.adjacent, 1),
             Rivalry::Across => (&mut self.across, 1),
             Rivalry::Around => (&mut self.around, 2),
             Rivalry::AtCorner => (&mut self.around, 1),
@@ -69,7 +69,7 @@ pub fn rivalry((cell, direction): (Cell, Face), other: (Cell, Face)) -> Option<R
     let apart: i32 = offset.iter().map(|part| part.abs()).sum();
     match apart {
         0 => None,
-        1 if other.1 == direction && along(direction) == 0 => Some(Rivalry::Beside),
+        1 if other.1 == direction && along(direction) == 0 => Some(Rivalry::Adjacent),
         2 if other.1 == direction && along(direction) == 0 => Some(Rivalry::Across),
         _ if along(other.1) > 0 => None,
         3 => Some(Rivalry::AtCorner),
@@ -119,7 +119,7 @@ mod tests {
     #[test]
     fn faces_of_the_same_direction_are_classified() {
         let up = |offset: [i32; 3]| found(Face::Up, &[(offset, Face::Up)]);
-        let counts = |rivals: Rivals| [rivals.beside, rivals.across, rivals.around];
+        let counts = |rivals: Rivals| [rivals.adjacent, rivals.across, rivals.around];
         assert_eq!(counts(up([1, 0, 0])), [1, 0, 0]);
         assert_eq!(counts(up([1, -1, 0])), [0, 1, 0]);
         assert_eq!(counts(up([0, 1, -1])), [0, 0, 2]);
@@ -150,19 +150,19 @@ mod tests {
     fn a_rotated_pattern_has_the_same_rivals() {
         for direction in Face::ALL {
             let [x, y, z] = direction.normal().map(i32::abs);
-            let beside = [y, z, x];
-            let other = Face::ALL.into_iter().find(|face| face.normal() == beside);
+            let adjacent = [y, z, x];
+            let other = Face::ALL.into_iter().find(|face| face.normal() == adjacent);
             let other = other.expect("there is one");
             let found = found(
                 direction,
                 &[
-                    (beside, direction),
-                    (beside.map(|part| -part), other),
+                    (adjacent, direction),
+                    (adjacent.map(|part| -part), other),
                     ([0; 3], direction),
                 ],
             );
             let expected = Rivals {
-                beside: 1,
+                adjacent: 1,
                 across: 0,
                 around: 2,
             };
@@ -174,6 +174,6 @@ mod tests {
     fn overflowing_cells_are_not_near() {
         let [low, high] = [i32::MIN, i32::MAX].map(|x| (Cell::new(x, 0, 1), Face::Up));
         assert_eq!(rivalry(low, high), None);
-        assert_eq!(rivals(high.0, Face::Up, |_| Some(Face::Up)).beside, 3);
+        assert_eq!(rivals(high.0, Face::Up, |_| Some(Face::Up)).adjacent, 3);
     }
 }

@@ -28,21 +28,21 @@ pub fn around(
 /// Returns the surroundings without other open faces.
 pub(crate) fn blocked_around(cell: Cell, direction: Face, near: Neighbourhood) -> Surroundings {
     let [of_cell, of_parent] = &FLANKS[direction as usize];
-    let beside = |of: &Flanks| near.meets(of.beside);
-    let corner = |of: &Flanks| near.meets(of.across_edge) && !beside(of);
+    let adjacent = |of: &Flanks| near.meets(of.adjacent);
+    let corner = |of: &Flanks| near.meets(of.across_edge) && !adjacent(of);
     let [.., up] = direction.normal();
     let is_block_ahead = near.is_blocked(direction.normal()) && cell.z + up >= 1;
     Surroundings {
         open: unobstructed(direction, near),
         density: 1.0,
         free: 1.0,
-        beside: beside(of_cell),
-        beside_parent: beside(of_parent),
+        adjacent: adjacent(of_cell),
+        adjacent_parent: adjacent(of_parent),
         corner: corner(of_cell),
         corner_parent: corner(of_parent),
         near_parent: near.meets(of_parent.two_away)
-            && !near.meets(of_parent.beside.and(of_parent.across_edge)),
-        ahead: is_block_ahead && !beside(of_cell),
+            && !near.meets(of_parent.adjacent.and(of_parent.across_edge)),
+        ahead: is_block_ahead && !adjacent(of_cell),
         rivals: Rivals::default(),
         cold: false,
     }
@@ -50,7 +50,7 @@ pub(crate) fn blocked_around(cell: Cell, direction: Face, near: Neighbourhood) -
 
 /// Cells around a cell, perpendicular to a direction.
 struct Flanks {
-    beside: Neighbourhood,
+    adjacent: Neighbourhood,
     across_edge: Neighbourhood,
     two_away: Neighbourhood,
 }
@@ -59,7 +59,7 @@ struct Flanks {
 static FLANKS: LazyLock<[[Flanks; 2]; 6]> = LazyLock::new(|| {
     Face::ALL.map(|direction| {
         [[0; 3], direction.opposite().normal()].map(|of| Flanks {
-            beside: Neighbourhood::from_cells(at_distance(1, direction, of)),
+            adjacent: Neighbourhood::from_cells(at_distance(1, direction, of)),
             across_edge: Neighbourhood::from_cells(across_edge(direction, of)),
             two_away: Neighbourhood::from_cells(at_distance(2, direction, of)),
         })
@@ -76,7 +76,7 @@ static FEATURE_CELLS: LazyLock<[Neighbourhood; 6]> = LazyLock::new(|| {
         let mut cells = in_reach(direction);
         let [of_cell, of_parent] = &FLANKS[direction as usize];
         for of in [of_cell, of_parent] {
-            cells = cells.and(of.beside).and(of.across_edge);
+            cells = cells.and(of.adjacent).and(of.across_edge);
         }
         cells = cells.and(of_parent.two_away);
         cells.block(direction.normal());
@@ -122,14 +122,14 @@ mod tests {
             around(cell, direction, Neighbourhood::new(cell, is_full), open)
         };
         let seen = around(Cell::new(0, 0, 1), Face::Up, &|_| false, &|_| None);
-        assert!(seen.beside_parent && !seen.beside && seen.rivals == Rivals::default());
+        assert!(seen.adjacent_parent && !seen.adjacent && seen.rivals == Rivals::default());
         let tower = |cell: Cell| (cell.x, cell.y) == (0, 0) && cell.z < 5;
         let seen = around(Cell::new(0, 0, 5), Face::Up, &tower, &|_| None);
-        assert!(!seen.beside_parent && !seen.beside);
+        assert!(!seen.adjacent_parent && !seen.adjacent);
         let seen = around(Cell::new(1, 0, 1), Face::East, &tower, &|cell| {
             (cell == Cell::new(1, 1, 1)).then_some(Face::East)
         });
-        assert!(seen.beside && seen.rivals.beside == 1);
+        assert!(seen.adjacent && seen.rivals.adjacent == 1);
     }
 
     #[test]
@@ -155,12 +155,12 @@ mod tests {
             };
             let corner = seen(&corners[..1], &corners[1..]);
             assert!(
-                corner.corner && !corner.corner_parent && !corner.beside,
+                corner.corner && !corner.corner_parent && !corner.adjacent,
                 "{direction:?}"
             );
-            assert_eq!((corner.rivals.across, corner.rivals.beside), (3, 0));
+            assert_eq!((corner.rivals.across, corner.rivals.adjacent), (3, 0));
             let both = seen(&[corners[0], flank, of_parent], &[]);
-            assert!(!both.corner && both.beside && both.corner_parent && !both.beside_parent);
+            assert!(!both.corner && both.adjacent && both.corner_parent && !both.adjacent_parent);
             assert_eq!(both.rivals, Rivals::default());
         }
     }

@@ -14,10 +14,10 @@ pub struct Surroundings {
     /// Fraction of the initial free blocks that are still free.
     pub free: f64,
     /// Whether a block or the ground is next to the open cell, perpendicular to the face's normal.
-    pub beside: bool,
+    pub adjacent: bool,
     /// Whether a block or the ground is next to the capturing block, perpendicular to the face's
     /// normal.
-    pub beside_parent: bool,
+    pub adjacent_parent: bool,
     /// Whether no block is next to the open cell, but a block is across one of the cell's edges.
     /// Only directions perpendicular to the face's normal count.
     pub corner: bool,
@@ -73,11 +73,11 @@ impl Parameters {
             meaning: "exponent of the density of the free gas",
         },
         Parameter {
-            name: "beside",
+            name: "adjacent",
             meaning: "logarithm of the rate's factor if a block is next to the cell",
         },
         Parameter {
-            name: "beside-parent",
+            name: "adjacent-parent",
             meaning: "logarithm of the rate's factor if a block is next to the parent",
         },
         Parameter {
@@ -117,11 +117,11 @@ impl Parameters {
             meaning: "logarithm of the mean docking time, in ticks",
         },
         Parameter {
-            name: "docking-beside",
+            name: "docking-adjacent",
             meaning: "logarithm of its factor if a block is next to the cell",
         },
         Parameter {
-            name: "docking-beside-parent",
+            name: "docking-adjacent-parent",
             meaning: "logarithm of its factor if a block is next to the parent",
         },
         Parameter {
@@ -165,15 +165,15 @@ impl Parameters {
         [f64; Parameters::COUNT - Parameters::RATE],
     ) {
         let indicator = |is: bool| f64::from(u8::from(is));
-        let (beside, parent) = (indicator(of.beside), indicator(of.beside_parent));
+        let (adjacent, parent) = (indicator(of.adjacent), indicator(of.adjacent_parent));
         let corner_parent = indicator(of.corner_parent);
-        let rival = indicator(of.rivals.beside > 0);
+        let rival = indicator(of.rivals.adjacent > 0);
         (
             [
                 1.0,
                 libm::log(of.open + MIN_OPEN),
                 libm::log(of.density.max(MIN_DENSITY)),
-                beside,
+                adjacent,
                 parent,
                 indicator(of.corner),
                 corner_parent,
@@ -186,7 +186,7 @@ impl Parameters {
             ],
             [
                 1.0,
-                beside,
+                adjacent,
                 parent,
                 corner_parent,
                 rival,

@@ -59,7 +59,7 @@ impl<'r> RateModel<'r> {
         let (rivals, is_cold) = (face.rivals, face.since == 0);
         let numbers = [
             face.direction as u8,
-            rivals.beside,
+            rivals.adjacent,
             rivals.across,
             rivals.around,
         ];
