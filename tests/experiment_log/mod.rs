@@ -15,15 +15,33 @@ pub enum Detail {
     All,
 }
 
-/// Row of a log: time, then the order within a tick, then the texts of the row.
-type LogRow = ([u64; 4], [String; 3], Option<u32>);
+/// Row of a log.
+struct LogRow {
+    /// Tick, then the order within a tick.
+    order: (u64, PhaseId, usize, Kind),
+    texts: [String; 3],
+    body: Option<u32>,
+}
+
+/// Kinds of rows, in their order within a tick.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    Phase,
+    Captured,
+    Released,
+    Rejected,
+    Opened,
+    Timeout,
+    Undone,
+}
 
 /// Returns runs as a log in CSV, with times in seconds.
 pub fn csv(records: &[RunRecord], program: &EnsembleProgram, detail: Detail) -> String {
     let mut table = CsvTable::new(["run", "seconds", "event", "block", "by", "body"]);
     for record in records {
-        for ([tick, ..], [event, block, by], body) in rows(record, program, detail) {
-            let seconds = tick as f64 * program.scene.tick;
+        for LogRow { order, texts, body } in rows(record, program, detail) {
+            let [event, block, by] = texts;
+            let seconds = order.0 as f64 * program.scene.tick;
             let body = body.map_or(String::new(), |body| body.to_string());
             table.row([
                 record.run.to_string(),
@@ -42,7 +60,8 @@ pub fn csv(records: &[RunRecord], program: &EnsembleProgram, detail: Detail) -> 
 pub fn json_lines(records: &[RunRecord], program: &EnsembleProgram, detail: Detail) -> String {
     let mut text = String::new();
     for record in records {
-        for ([tick, ..], [event, block, by], body) in rows(record, program, detail) {
+        for LogRow { order, texts, body } in rows(record, program, detail) {
+            let (tick, [event, block, by]) = (order.0, texts);
             let row = serde_json::json!({
                 "run": record.run, "ticks": tick, "event": event, "block": block, "by": by, "body": body,
             });
@@ -52,130 +71,117 @@ pub fn json_lines(records: &[RunRecord], program: &EnsembleProgram, detail: Deta
     text
 }
 
-/// Attempt at a phase: its events, and the order of the attempt among all attempts.
-struct Attempt<'a> {
-    order: u64,
-    bonds: Vec<&'a BondRecord>,
-    waiting: Vec<&'a WaitRecord>,
-    releases: Vec<&'a ReleaseRecord>,
+/// Rows of a run.
+struct LogRows<'a> {
+    program: &'a EnsembleProgram,
+    detail: Detail,
+    rows: Vec<LogRow>,
 }
 
-fn rows(record: &RunRecord, program: &EnsembleProgram, detail: Detail) -> Vec<LogRow> {
-    let role = |role: RoleId| program.role(role).to_owned();
-    let mut rows: Vec<LogRow> = Vec::new();
-    let mut row = |tick: u64, order: [u64; 3], texts: [String; 3], body: Option<u32>| {
-        rows.push(([tick, order[0], order[1], order[2]], texts, body));
-    };
-    let mut began = 0;
-    for phase in (0..program.phases().len() as u32).map(PhaseId) {
-        let name = program.phase(phase).to_owned();
-        let aborts: Vec<&AbortRecord> = record
-            .aborts
+impl LogRows<'_> {
+    fn role(&self, role: RoleId) -> &str {
+        self.program.role(role)
+    }
+
+    fn add(&mut self, order: (u64, PhaseId, usize, Kind), texts: [&str; 3], body: Option<u32>) {
+        let texts = texts.map(str::to_owned);
+        self.rows.push(LogRow { order, texts, body });
+    }
+
+    /// Adds an attempt at a phase. `number` is the number of earlier attempts.
+    fn attempt(&mut self, number: usize, bonds: &[BondRecord], waiting: &[WaitRecord]) {
+        let opened = bonds
             .iter()
-            .filter(|it| it.phase == phase)
-            .collect();
-        let mut attempts: Vec<Attempt<'_>> = Vec::new();
-        for (order, abort) in (0..).zip(&aborts) {
-            attempts.push(Attempt {
-                order,
-                bonds: abort.bonds.iter().collect(),
-                waiting: abort.waiting.iter().collect(),
-                releases: Vec::new(),
-            });
-            row(
-                abort.tick,
-                [phase.0.into(), order, 5],
-                ["timeout".into(), name.clone(), String::new()],
-                None,
-            );
-            for it in &abort.releases {
-                let texts = ["released".into(), role(it.child), role(it.parent)];
-                row(it.tick, [phase.0.into(), order, 6], texts, Some(it.body));
-            }
-            if let Some(tick) = abort.retried {
-                row(
-                    tick,
-                    [phase.0.into(), order + 1, 0],
-                    ["phase".into(), name.clone(), String::new()],
+            .map(|it| (it.magnetized, it.phase, it.parent, it.face, it.child));
+        let waits = waiting
+            .iter()
+            .map(|it| (it.magnetized, it.phase, it.parent, it.face, it.child));
+        if self.detail == Detail::All {
+            for (tick, phase, parent, face, child) in opened.chain(waits) {
+                let [by, child] = [
+                    format!("{}.{face}", self.role(parent)),
+                    self.role(child).into(),
+                ];
+                self.add(
+                    (tick, phase, number, Kind::Opened),
+                    ["opened", &child, &by],
                     None,
                 );
             }
         }
-        attempts.push(Attempt {
-            order: aborts.len() as u64,
-            bonds: record.bonds.iter().filter(|it| it.phase == phase).collect(),
-            waiting: record
-                .waiting
-                .iter()
-                .filter(|it| it.phase == phase)
-                .collect(),
-            releases: record
-                .releases
-                .iter()
-                .filter(|it| it.phase == phase)
-                .collect(),
-        });
-        let is_reached = record.phase_ticks.len() >= phase.0 as usize;
-        if program.is_pre_attached(phase) || !is_reached {
+        for it in bonds {
+            let by = format!("{}.{}", self.role(it.parent), it.face);
+            let child = self.role(it.child).to_owned();
+            let order = (it.docked, it.phase, number, Kind::Captured);
+            self.add(order, ["captured", &child, &by], Some(it.body));
+        }
+    }
+
+    fn releases(&mut self, number: usize, releases: &[ReleaseRecord], kind: Kind) {
+        for it in releases {
+            let [parent, child] = [it.parent, it.child].map(|role| self.role(role).to_owned());
+            let order = (it.tick, it.phase, number, kind);
+            self.add(order, ["released", &child, &parent], Some(it.body));
+        }
+    }
+
+    fn aborts(&mut self, name: &str, aborts: &[&AbortRecord]) {
+        for (number, abort) in aborts.iter().enumerate() {
+            let order = (abort.tick, abort.phase, number, Kind::Timeout);
+            self.add(order, ["timeout", name, ""], None);
+            self.attempt(number, &abort.bonds, &abort.waiting);
+            self.releases(number, &abort.releases, Kind::Undone);
+            if let Some(tick) = abort.retried {
+                let order = (tick, abort.phase, number + 1, Kind::Phase);
+                self.add(order, ["phase", name, ""], None);
+            }
+        }
+    }
+}
+
+/// Returns the items of a phase.
+fn of_phase<T: Clone>(items: &[T], is_of_phase: impl Fn(&T) -> bool) -> Vec<T> {
+    items.iter().filter(|it| is_of_phase(it)).cloned().collect()
+}
+
+fn rows(record: &RunRecord, program: &EnsembleProgram, detail: Detail) -> Vec<LogRow> {
+    let mut rows = LogRows {
+        program,
+        detail,
+        rows: Vec::new(),
+    };
+    let mut began = 0;
+    for (number, of) in program.phases().iter().enumerate() {
+        let phase = PhaseId(number as u32);
+        if of.pre_attached || record.phase_ticks.len() < number {
             continue;
         }
         if detail == Detail::All {
-            row(
-                began,
-                [phase.0.into(), 0, 0],
-                ["phase".into(), name, String::new()],
+            rows.add(
+                (began, phase, 0, Kind::Phase),
+                ["phase", &of.name, ""],
                 None,
             );
         }
-        for Attempt {
-            order,
-            bonds,
-            waiting,
-            releases,
-        } in attempts
-        {
-            let at = |kind| [phase.0.into(), order, kind];
-            let opened = bonds
-                .iter()
-                .map(|it| (it.magnetized, it.parent, it.face, it.child));
-            let waits = waiting
-                .iter()
-                .map(|it| (it.magnetized, it.parent, it.face, it.child));
-            for (tick, parent, face, child) in opened.chain(waits).filter(|_| detail == Detail::All)
-            {
-                let by = format!("{}.{face}", role(parent));
-                row(tick, at(4), ["opened".into(), role(child), by], None);
-            }
-            for it in bonds {
-                let by = format!("{}.{}", role(it.parent), it.face);
-                row(
-                    it.docked,
-                    at(1),
-                    ["captured".into(), role(it.child), by],
-                    Some(it.body),
-                );
-            }
-            for it in releases {
-                let texts = ["released".into(), role(it.child), role(it.parent)];
-                row(it.tick, at(2), texts, Some(it.body));
-            }
-        }
-        began += record
-            .phase_ticks
-            .get(phase.0 as usize)
-            .copied()
-            .unwrap_or(0);
+        let aborts: Vec<_> = record
+            .aborts
+            .iter()
+            .filter(|it| it.phase == phase)
+            .collect();
+        rows.aborts(&of.name, &aborts);
+        let bonds = of_phase(&record.bonds, |it| it.phase == phase);
+        let waiting = of_phase(&record.waiting, |it| it.phase == phase);
+        rows.attempt(aborts.len(), &bonds, &waiting);
+        let releases = of_phase(&record.releases, |it| it.phase == phase);
+        rows.releases(aborts.len(), &releases, Kind::Released);
+        began += record.phase_ticks.get(number).copied().unwrap_or(0);
     }
     for it in &record.unplanned_bonds {
-        let by = format!("{}.{}", role(it.parent), it.face);
-        row(
-            it.tick,
-            [it.phase.0.into(), 0, 3],
-            ["rejected".into(), String::new(), by],
-            Some(it.body),
-        );
+        let by = format!("{}.{}", rows.role(it.parent), it.face);
+        let order = (it.tick, it.phase, 0, Kind::Rejected);
+        rows.add(order, ["rejected", "", &by], Some(it.body));
     }
-    rows.sort_by_key(|(order, ..)| *order);
+    rows.rows.sort_by_key(|row| row.order);
     let last = match record.outcome {
         Outcome::TimedOut {
             phase,
@@ -183,8 +189,8 @@ fn rows(record: &RunRecord, program: &EnsembleProgram, detail: Detail) -> Vec<Lo
         } => ["timeout", program.phase(phase), ""],
         _ => ["end", "", ""],
     };
-    rows.push(([record.ticks, 0, 0, 0], last.map(str::to_owned), None));
-    rows
+    rows.add((record.ticks, PhaseId(0), 0, Kind::Phase), last, None);
+    rows.rows
 }
 
 /// Returns a record without the quantities that no log contains.

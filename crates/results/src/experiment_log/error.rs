@@ -26,6 +26,9 @@ pub enum LogError {
         "`{0}` is an aggregate, and logs are of assemblies: the blocks of an aggregate have no names"
     )]
     Aggregate(String),
+    /// The program has no phase.
+    #[error("`{0}` has no phase, so nothing happens in its runs")]
+    NoPhase(String),
     /// The scene of the program cannot be set up.
     #[error("`{0}` cannot start: {1}")]
     Program(String, String),

@@ -31,6 +31,9 @@ impl<'p> LoggedProgram<'p> {
         if tables.aggregate.is_some() {
             return Err(LogError::Aggregate(program.name.clone()));
         }
+        if tables.phases.iter().all(|phase| phase.pre_attached) {
+            return Err(LogError::NoPhase(program.name.clone()));
+        }
         let settings = Settings {
             max_ticks: Some(0),
             ..Settings::new(Model::Shuffle, 1)

@@ -142,7 +142,9 @@ fn row<'a>(
     let (time, unit) = match (cell("seconds"), cell("ticks")) {
         (Some(seconds), None) => (seconds, tick),
         (None, Some(ticks)) => (ticks, 1.0),
-        (Some(_), Some(_)) => return Err(RowError::Key("ticks".to_owned())),
+        (Some(_), Some(_)) => {
+            return Err(RowError::Syntax("its time is in `seconds` and in `ticks`"));
+        }
         (None, None) => return Err(RowError::Missing("seconds")),
     };
     let event = required("event")?;

@@ -27,6 +27,12 @@ fn programs(text: &str) -> Vec<EnsembleProgram> {
         .collect()
 }
 
+/// Returns the program of a file in the folder `examples`.
+pub fn example(file: &str) -> EnsembleProgram {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    program(&fs::read_to_string(path.join(file)).unwrap())
+}
+
 fn program(text: &str) -> EnsembleProgram {
     programs(text).remove(0)
 }
@@ -223,10 +229,21 @@ fn wrong_rows_are_rejected_with_their_line() {
         "{\"run\":0}",
         "{\"run\":0,\n",
         "{\"colour\":0}",
+        "{\"run\":0,\"seconds\":1,\"ticks\":1}",
     ] {
         errors += &format!("{log:?}\n    {}\n", read(log).unwrap_err());
     }
     insta::assert_snapshot!(errors);
+}
+
+#[test]
+fn programs_without_names_or_phases_have_no_log() {
+    let seeds = program("assembly seeds { seed plate 1 x 1 { A at (0, 0)  A.up -> B } }");
+    let error = read_log(LOG.as_bytes(), seeds).unwrap_err().to_string();
+    assert!(error.contains("`seeds` has no phase"), "{error}");
+    let group = program("aggregate pair in magnet_tank to 2");
+    let error = read_log(LOG.as_bytes(), group).unwrap_err().to_string();
+    assert!(error.contains("`pair` is an aggregate"), "{error}");
 }
 
 #[test]
