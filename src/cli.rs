@@ -121,7 +121,7 @@ pub enum Command {
     Repeat(Box<repeat::RepeatArguments>),
     /// Estimate completion times immediately, from calibrated rates and without physics
     #[command(
-        after_help = "Examples:\n  stochc estimate tower.sa\n  stochc estimate tower.sa --captures=10"
+        after_help = "Examples:\n  stochc estimate tower.sa\n  stochc estimate --remaining results/bench"
     )]
     Estimate(estimate::EstimateArguments),
     /// Print the results of a folder

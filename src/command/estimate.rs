@@ -1,8 +1,10 @@
 //! `stochc estimate`.
+use std::path::PathBuf;
+
 use clap::Args;
 use serde_json::json;
 use stochc_report::estimate::CompletionEstimate;
-use stochc_report::tables::estimates_to_text;
+use stochc_report::tables::{estimates_to_text, remaining_to_text};
 use stochc_results::MAX_RUNS;
 
 use super::host::Terminal;
@@ -11,7 +13,7 @@ use super::run_options::{ALL, MeasuringOptions, RatesOption, count};
 use super::source_options::SourceOptions;
 use super::terminal::{output_width, print};
 use crate::exit::{Exit, Failure};
-use crate::operations::estimate::{Estimating, estimates};
+use crate::operations::estimate::{Estimating, estimates, remaining};
 use crate::operations::json::document;
 use crate::operations::programs::programs;
 
@@ -20,8 +22,11 @@ use crate::operations::programs::programs;
 #[command(mut_arg("seed", |it| it.requires("runs")))]
 pub struct EstimateArguments {
     /// Programs (`*.sa`) or compiled programs
-    #[arg(value_name = "FILE", required = true)]
+    #[arg(value_name = "FILE", required_unless_present = "remaining")]
     files: Vec<String>,
+    /// Estimate the remaining time of the runs in progress in this results folder of `stochc import`
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["files", "runs", "captures"])]
+    remaining: Option<PathBuf>,
     #[command(flatten)]
     rates: RatesOption,
     /// Estimate from N runs of the rate model per program (2 to 10,000,000). The default adds waiting times along the
@@ -47,6 +52,16 @@ pub fn run(options: &EstimateArguments) -> Result<Exit, Failure> {
         output,
     } = &options.measuring;
     let host = Terminal::default();
+    if let Some(folder) = &options.remaining {
+        stop_on_interrupt()?;
+        let runs = remaining(folder, &options.rates.rates, &host)?;
+        print(&if output.json {
+            document(json!({ "remaining": runs }))
+        } else {
+            remaining_to_text(&runs, output_width())
+        })?;
+        return Ok(Exit::Success);
+    }
     let source = options.source.settings();
     let programs = programs(&options.files, &source, &host)?;
     stop_on_interrupt()?;

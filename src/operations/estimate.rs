@@ -1,14 +1,17 @@
 //! Estimates of completion times with the rate model.
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-use stochc_report::estimate::{CompletionEstimate, Method, PhaseEstimate, Share};
-use stochc_results::{EnsembleProgram, Manifest};
-use stochc_runtime::rates::{Rates, estimate};
+use stochc_report::estimate::{
+    CompletionEstimate, Method, PhaseEstimate, RemainingEstimate, Share,
+};
+use stochc_results::{EnsembleProgram, Finished, Manifest, partial_run};
+use stochc_runtime::rates::{EventState, Rates, estimate, remaining_time};
 use stochc_runtime::{Model, Settings};
 
 use super::in_memory::all_runs;
 use super::rates::{matching, rates_for_scenes, read_rates_for, supported};
+use super::results::read;
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
@@ -103,6 +106,47 @@ fn estimate_graph(program: &EnsembleProgram, rates: &Rates) -> Option<Completion
             })
             .collect(),
     })
+}
+
+/// Estimates the remaining time of each run in progress of a results folder.
+///
+/// # Errors
+/// If the folder cannot be read, or the rate model does not support its program.
+pub fn remaining(
+    folder: &Path,
+    rates: &[PathBuf],
+    host: &dyn Host,
+) -> Result<Vec<RemainingEstimate>, Failure> {
+    let (manifest, finished) = read(folder, host)?;
+    let programs = &manifest.programs;
+    programs.iter().try_for_each(supported)?;
+    let given = read_rates_for(rates, programs.iter().map(|it| &it.scene), host)?;
+    let mut found = Vec::new();
+    let estimate = |done: &Finished| {
+        let program = &programs[done.program];
+        let Some(state) = partial_run(program, &done.record) else {
+            return;
+        };
+        let rates = Rates::known_or_guessed(&given, &program.scene);
+        let events = program.compiled.graph.events.iter().zip(&state.events);
+        let events = events.filter(|(event, _)| !program.is_pre_attached(event.phase));
+        let is_happened = |(_, state): &(_, &EventState)| matches!(state, EventState::Happened(_));
+        found.push(RemainingEstimate {
+            program: program.name.clone(),
+            run: done.record.run,
+            elapsed: done.record.ticks,
+            happened: events.clone().filter(is_happened).count(),
+            events: events.count(),
+            remaining: (rates.as_deref())
+                .and_then(|rates| remaining_time(program.parts(), rates, &state)),
+            is_first_guess: rates.as_deref().is_none_or(Rates::is_guess),
+            lower_bound: (rates.as_deref())
+                .map(|rates| program.lower_bound(rates))
+                .unwrap_or_default(),
+        });
+    };
+    finished.each(estimate).map_err(Failure::usage)?;
+    Ok(found)
 }
 
 fn estimate_runs(

@@ -185,6 +185,14 @@ fn estimates_plans_and_trades_have_schemas() {
     assert_output("estimate", &stochc_with("estimate --json --quiet", &[line]));
     let runs = "estimate --runs 5 --json --quiet";
     assert_output("estimate", &stochc_with(runs, &[line]));
+    let measured = tempfile::tempdir().unwrap();
+    let measured = path(measured.path(), "measured");
+    let import =
+        "import examples/bench/log.csv --program examples/five_tower_reconfigured.sa --quiet --out";
+    assert_eq!(stochc_with(import, &[&measured]).status, 0);
+    let remaining = stochc_with("estimate --json --remaining", &[&measured]);
+    assert_output("remaining", &remaining);
+    assert_eq!(remaining.json()["remaining"][0]["happened"], 7);
     let plan = "plan examples/planned/chair.sa --tries 3 --json --quiet";
     assert_output("plan", &stochc(plan));
     let folder = tempfile::tempdir().unwrap();

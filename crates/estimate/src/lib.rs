@@ -22,8 +22,9 @@ mod geometry;
 mod waits;
 
 pub use cost::{
-    CaptureCost, Cost, PhaseCost, ProgramParts, SerialCapture, estimate, estimate_without_timeouts,
-    reference_count, serial_captures,
+    CaptureCost, Cost, EventState, PartialRun, PhaseCost, ProgramParts, RemainingTime,
+    SerialCapture, estimate, estimate_without_timeouts, reference_count, remaining_time,
+    serial_captures,
 };
 pub use geometry::accessibility::{offsets, sees};
 pub use geometry::gap::{beside_gap, gap_entrances};

@@ -4,7 +4,7 @@ use stochc_experiments::statistics::{Observation, Summary};
 use stochc_experiments::{completion_time, phase_time};
 use stochc_ir::record::RunRecord;
 use stochc_results::EnsembleProgram;
-use stochc_runtime::rates::{Interaction, LowerBoundReasons, Times};
+use stochc_runtime::rates::{Interaction, LowerBoundReasons, RemainingTime, Times};
 
 use crate::analysis::critical_path::{critical_path, moments};
 use crate::analysis::events::Events;
@@ -59,6 +59,27 @@ pub struct PhaseEstimate {
     /// Durations of the phase in the samples that reached it \[ticks\]. `None` under the conditions
     /// of [`CompletionEstimate::total`], applied to this phase.
     pub times: Option<Times>,
+}
+
+/// Estimated remaining time of a run in progress.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RemainingEstimate {
+    /// Name of the program.
+    pub program: String,
+    /// Number of the run.
+    pub run: u64,
+    /// Time since the start of the run \[ticks\].
+    pub elapsed: u64,
+    /// Number of captures and releases that have happened.
+    pub happened: usize,
+    /// Number of captures and releases of the program.
+    pub events: usize,
+    /// Remaining time. `None` if a capture has no free block left.
+    pub remaining: Option<RemainingTime>,
+    /// Whether the scene has no calibrated rates, so that the estimate is uncalibrated.
+    pub is_first_guess: bool,
+    /// Reasons why the times are lower bounds. Empty if they are estimates.
+    pub lower_bound: LowerBoundReasons,
 }
 
 /// Share of an event in the completion time.

@@ -69,4 +69,4 @@ pub use parquet::{
     ColumnShape, ColumnValues, FilledTable, TableShape, each_row_group, table_metadata, tables,
     tables_of,
 };
-pub use records::{Finished, Records, record_json};
+pub use records::{Finished, Records, partial_run, record_json};

@@ -1,6 +1,7 @@
 //! Event times of a program in one random sample.
 use rand_chacha::ChaCha8Rng;
 
+use super::partial_run::PartialRun;
 use super::steps::Step;
 
 /// Mark of an event that waited for no other event of its phase.
@@ -43,13 +44,25 @@ impl DrawnTimes {
         }
     }
 
+    /// Records an event that happened at a known tick.
+    pub fn set(&mut self, event: u32, tick: f64) {
+        let at = event as usize;
+        (self.starts[at], self.ends[at], self.last[at]) = (tick, tick, NO_BLOCK);
+    }
+
     pub fn has_happened(&self, event: u32) -> bool {
         self.ends[event as usize].is_finite()
     }
 
     /// Computes the earliest possible time of a step \[ticks\]. All its predecessors must have
-    /// happened. The phase starts at `began`.
-    pub fn begin(&mut self, step: &Step, began: f64, rng: &mut ChaCha8Rng) -> f64 {
+    /// happened. The phase starts at `began`. If `partial` is given, its run continues.
+    pub fn begin(
+        &mut self,
+        step: &Step,
+        began: f64,
+        partial: Option<&PartialRun>,
+        rng: &mut ChaCha8Rng,
+    ) -> f64 {
         let messages = step.messages.as_deref();
         let mut start = (began, NO_BLOCK);
         for (i, &event) in step.before.iter().enumerate() {
@@ -61,6 +74,9 @@ impl DrawnTimes {
         }
         start.0 += step.delay;
         start.0 += messages.map_or(0.0, |it| it.request(rng));
+        if let Some(run) = partial {
+            start.0 = run.start(step.event, start.0);
+        }
         (
             self.starts[step.event as usize],
             self.last[step.event as usize],

@@ -4,6 +4,8 @@ use stochc_ir::graph::EventId;
 
 use super::costs::{CaptureCost, Cost};
 use super::events::{Events, PhaseLimit, ProgramParts};
+use super::partial_run::{PartialRun, RemainingTime};
+use super::sampling::Sampled;
 use super::waits::CaptureWait;
 use super::{sampling, scarcity, waits};
 use crate::{Interaction, LowerBoundReasons, Rates, Times, Wait};
@@ -23,6 +25,37 @@ pub fn estimate_without_timeouts(program: ProgramParts<'_>, rates: &Rates) -> Op
     Some(estimate_within(&events, Some(rates), &limits))
 }
 
+/// Estimates the remaining time of a run in progress. Returns `None` if the graph has a cycle, or a
+/// capture has no free block left.
+pub fn remaining_time(
+    program: ProgramParts<'_>,
+    rates: &Rates,
+    run: &PartialRun,
+) -> Option<RemainingTime> {
+    let events = Events::new(program)?;
+    let limits = events.limits();
+    let (_, sampled) = sampled(&events, rates, &limits, Some(run))?;
+    Some(RemainingTime::new(&sampled.draws, run.now))
+}
+
+/// Samples the event times of a program. Also returns the waiting times. Returns `None` if a
+/// capture has no free block left.
+fn sampled(
+    events: &Events<'_>,
+    rates: &Rates,
+    limits: &[PhaseLimit],
+    partial: Option<&PartialRun>,
+) -> Option<(Vec<Option<CaptureWait>>, Sampled)> {
+    let waits = waits::waits(events, rates);
+    if (waits.iter().flatten()).any(|waits| waits.wait.rate <= 0.0) {
+        return None;
+    }
+    let steps = events.steps();
+    let scarce = scarcity::scarce_blocks(events, &steps, &waits, rates);
+    let sampled = sampling::sample(events, &steps, limits, &waits, scarce, partial);
+    Some((waits, sampled))
+}
+
 fn estimate_within(events: &Events<'_>, rates: Option<&Rates>, limits: &[PhaseLimit]) -> Cost {
     let mut cost = Cost {
         phases: events.shapes(),
@@ -40,13 +73,9 @@ fn estimate_within(events: &Events<'_>, rates: Option<&Rates>, limits: &[PhaseLi
         graph, jam_risks, ..
     } = events.parts;
     cost.lower_bound = LowerBoundReasons::new(jam_risks, rates, graph.largest_structure());
-    let waits = waits::waits(events, rates);
-    if (waits.iter().flatten()).any(|waits| waits.wait.rate <= 0.0) {
+    let Some((waits, sampled)) = sampled(events, rates, limits, None) else {
         return cost;
-    }
-    let steps = events.steps();
-    let scarce = scarcity::scarce_blocks(events, &steps, &waits, rates);
-    let sampled = sampling::sample(events, &steps, limits, &waits, scarce);
+    };
     let complete = sampled.draws.iter().filter(|draw| draw.is_complete);
     let complete: Vec<f64> = complete.map(|draw| draw.ticks).collect();
     let never = sampled.draws.len() - complete.len();

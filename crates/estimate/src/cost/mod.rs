@@ -11,6 +11,7 @@ mod events;
 mod exponential;
 mod message_times;
 mod occupancy;
+mod partial_run;
 mod sampling;
 mod scarcity;
 mod serial;
@@ -19,6 +20,7 @@ mod timed_phase;
 mod waits;
 
 pub use costs::{CaptureCost, Cost, PhaseCost};
-pub use estimation::{estimate, estimate_without_timeouts};
+pub use estimation::{estimate, estimate_without_timeouts, remaining_time};
 pub use events::ProgramParts;
+pub use partial_run::{EventState, PartialRun, RemainingTime};
 pub use serial::{SerialCapture, reference_count, serial_captures};

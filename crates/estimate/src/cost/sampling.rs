@@ -8,6 +8,7 @@ use stochc_ir::{Cell, Draw};
 use super::drawn_times::{DrawnTimes, NO_BLOCK};
 use super::events::{Events, PhaseLimit};
 use super::exponential::exponential;
+use super::partial_run::PartialRun;
 use super::scarcity::ScarceBlocks;
 use super::steps::Step;
 use super::timed_phase::TimedPhase;
@@ -59,13 +60,14 @@ pub struct Sampled {
     pub waits: Vec<Option<f64>>,
 }
 
-/// Samples the event times of a program.
+/// Samples the event times of a program. If `partial` is given, its run continues.
 pub fn sample(
     events: &Events<'_>,
     steps: &[Vec<Step>],
     limits: &[PhaseLimit],
     waits: &[Option<CaptureWait>],
     scarce: Option<Vec<ScarceBlocks<'_>>>,
+    partial: Option<&PartialRun>,
 ) -> Sampled {
     let count = waits.iter().flatten().count().max(1);
     let times = (DRAWN / count).clamp(MIN, MAX);
@@ -88,6 +90,11 @@ pub fn sample(
     let mut stopped = vec![0; steps.len()];
     let mut draws = Vec::with_capacity(times);
     let mut has_race = false;
+    let first = partial.map_or(0, |run| run.phase.0 as usize);
+    let earlier = steps.iter().take(first).flatten();
+    let earlier: Vec<(u32, f64)> = earlier
+        .filter_map(|step| Some((step.event, partial?.happened(step.event)?)))
+        .collect();
     for number in 0..times {
         if number >= MIN && sampler.retried > MAX_RETRIED * times {
             break;
@@ -95,9 +102,15 @@ pub fn sample(
         let mut total = 0.0;
         let mut is_complete = true;
         sampler.drawn.clear();
+        for &(event, tick) in &earlier {
+            sampler.drawn.set(event, tick);
+        }
         let phases = steps.iter().zip(&timed).zip(&mut durations).zip(limits);
-        for (phase, (((steps, timed), durations), limit)) in phases.enumerate() {
-            let (ended, is_timed_out) = sampler.phase(steps, timed.as_ref(), total, *limit);
+        for (phase, (((steps, timed), durations), limit)) in phases.enumerate().skip(first) {
+            let partial = partial.filter(|_| phase == first);
+            total = partial.map_or(total, |run| run.began);
+            let (ended, is_timed_out) =
+                sampler.phase(steps, timed.as_ref(), total, *limit, partial);
             if is_timed_out {
                 total = ended;
                 stopped[phase] += 1;
@@ -157,19 +170,20 @@ struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    /// Samples a phase that begins at `began`, with its retries. Returns its end, and whether the
-    /// last attempt has timed out.
+    /// Samples a phase that begins at `began`, with its retries. If `partial` is given, the first
+    /// attempt continues its run. Returns the end, and whether the last attempt has timed out.
     fn phase(
         &mut self,
         steps: &[Step],
         timed: Option<&TimedPhase<'_>>,
         mut began: f64,
         limit: PhaseLimit,
+        mut partial: Option<&PartialRun>,
     ) -> (f64, bool) {
-        for _ in 0..limit.retries {
+        for _ in 0..partial.map_or(limit.retries, |run| run.retries) {
             let stop = began + limit.timeout;
             let ended = self
-                .attempt(steps, timed, began, stop)
+                .attempt(steps, timed, began, stop, partial.take())
                 .max(began + limit.wait);
             if ended <= stop {
                 return (ended, false);
@@ -179,7 +193,7 @@ impl Sampler<'_> {
             self.drawn.begin_again(steps);
         }
         let stop = began + limit.timeout;
-        let ended = self.attempt(steps, timed, began, stop);
+        let ended = self.attempt(steps, timed, began, stop, partial);
         let ended = ended.max(began + limit.wait);
         (ended.min(stop), ended > stop)
     }
@@ -192,13 +206,14 @@ impl Sampler<'_> {
         timed: Option<&TimedPhase<'_>>,
         total: f64,
         stop: f64,
+        partial: Option<&PartialRun>,
     ) -> f64 {
         let Sampler {
             waits, drawn, rng, ..
         } = self;
         match timed {
-            Some(timed) => timed.draw(total, drawn, rng),
-            None => draw_in_order(steps, waits, total, drawn, rng),
+            Some(timed) => timed.draw(total, drawn, rng, partial),
+            None => draw_in_order(steps, waits, total, drawn, rng, partial),
         }
         let mut latest = (total, NO_BLOCK);
         for step in steps {
@@ -235,12 +250,18 @@ fn draw_in_order(
     began: f64,
     times: &mut DrawnTimes,
     rng: &mut ChaCha8Rng,
+    partial: Option<&PartialRun>,
 ) {
     for step in steps {
-        let start = times.begin(step, began, rng);
+        if let Some(tick) = partial.and_then(|run| run.happened(step.event)) {
+            times.set(step.event, tick);
+            continue;
+        }
+        let start = times.begin(step, began, partial, rng);
         let wait = waits[step.event as usize].as_ref();
         let end = wait.map_or(start, |wait| {
-            start + wait.wait.about_time_of(exponential(rng))
+            let survived = partial.map_or(0.0, |run| run.survived(wait.wait, start));
+            start + wait.wait.about_time_of(survived + exponential(rng))
         });
         times.ends[step.event as usize] = end;
     }

@@ -12,10 +12,14 @@ use smallvec::SmallVec;
 
 use super::drawn_times::DrawnTimes;
 use super::exponential::exponential;
+use super::partial_run::PartialRun;
 use super::scarcity::ScarceBlocks;
 use super::steps::Step;
 use super::waits::CaptureWait;
 use crate::{ReleaseNearby, Wait};
+
+/// Largest number of draws of a capture after `now`.
+const MAX_DRAWS: usize = 100;
 
 /// A phase to simulate in the order of time.
 pub struct TimedPhase<'a> {
@@ -54,6 +58,8 @@ struct PhaseDraw<'a, 'b> {
     missing: Vec<u32>,
     queue: BinaryHeap<Scheduled<StepEvent>>,
     few: Option<RemainingBlocks<'a, 'b>>,
+    /// Run that continues. `None` for a new run.
+    partial: Option<&'b PartialRun>,
     times: &'b mut DrawnTimes,
     rng: &'b mut ChaCha8Rng,
 }
@@ -116,8 +122,15 @@ impl<'a> TimedPhase<'a> {
         })
     }
 
-    /// Draws the event times of the phase. It starts at `began`.
-    pub fn draw(&self, began: f64, times: &mut DrawnTimes, rng: &mut ChaCha8Rng) {
+    /// Draws the event times of the phase. It starts at `began`. If `partial` is given, its run
+    /// continues.
+    pub fn draw(
+        &self,
+        began: f64,
+        times: &mut DrawnTimes,
+        rng: &mut ChaCha8Rng,
+        partial: Option<&PartialRun>,
+    ) {
         let few = self.scarce.as_ref().map(|blocks| RemainingBlocks {
             blocks,
             taken: blocks.before,
@@ -137,6 +150,7 @@ impl<'a> TimedPhase<'a> {
                 .collect(),
             queue: BinaryHeap::new(),
             few,
+            partial,
             times,
             rng,
         };
@@ -193,11 +207,17 @@ impl PhaseDraw<'_, '_> {
     /// Starts a step after all its predecessors have happened.
     fn begin(&mut self, step: u32) {
         let of = &self.phase.steps[step as usize];
-        let opens = self.times.begin(of, self.began, self.rng);
+        if let Some(tick) = self.partial.and_then(|run| run.happened(of.event)) {
+            return self.schedule(tick, step, StepEvent::Ends);
+        }
+        let opens = self.times.begin(of, self.began, self.partial, self.rng);
         let Some(wait) = &self.phase.waits[of.event as usize] else {
             return self.schedule(opens, step, StepEvent::Ends);
         };
-        let hazard = exponential(self.rng);
+        let survived = self
+            .partial
+            .map_or(0.0, |run| run.survived(wait.wait, opens));
+        let hazard = survived + exponential(self.rng);
         match &mut self.few {
             None => {
                 let end = opens + wait.wait.about_time_of(hazard);
@@ -247,9 +267,16 @@ impl PhaseDraw<'_, '_> {
         let Some(start) = nearby.after(since) else {
             return;
         };
-        if self.rng.random::<f64>() < start.probability {
+        let now = self.partial.map_or(0.0, |run| run.now);
+        for _ in 0..MAX_DRAWS {
+            if self.rng.random::<f64>() >= start.probability {
+                return;
+            }
             let end = time + start.time(exponential(self.rng));
-            self.schedule(end, step, StepEvent::Docks(release));
+            // The run in progress has no capture before `now`, so such a draw is rejected.
+            if end >= now {
+                return self.schedule(end, step, StepEvent::Docks(release));
+            }
         }
     }
 

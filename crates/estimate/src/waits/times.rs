@@ -96,6 +96,12 @@ pub fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
     Cases { sorted, never: 0 }.quantile(q)
 }
 
+/// Returns the quantile `q` of a sorted sample and of `never` cases that never end. Returns `None`
+/// if the quantile is infinite, or if there are no cases.
+pub(crate) fn quantile_of_cases(sorted: &[f64], never: usize, q: f64) -> Option<f64> {
+    Cases { sorted, never }.quantile(q)
+}
+
 /// Sorted times, and the number of cases that never end.
 #[derive(Clone, Copy)]
 struct Cases<'a> {

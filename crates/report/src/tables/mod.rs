@@ -6,6 +6,7 @@ mod estimate;
 mod fit;
 mod published;
 mod rates;
+mod remaining;
 mod sweep;
 pub(crate) mod trade;
 
@@ -16,5 +17,6 @@ pub use estimate::{estimates_to_text, left_out, lower_bound};
 pub use fit::fit_to_text;
 pub use published::{published_comparison, published_sweep};
 pub use rates::{KNOWN_BIAS, first_guess, lower_bounds, rates_to_text};
+pub use remaining::remaining_to_text;
 pub use sweep::sweep_to_text;
 pub use trade::trade_to_text;

@@ -10,6 +10,7 @@ mod logs;
 #[path = "../../../../tests/pages/mod.rs"]
 mod pages;
 mod refused;
+mod remaining;
 mod shards;
 mod tables;
 mod world;
