@@ -32,10 +32,10 @@ pub struct FitArguments {
     /// Programs whose times were measured
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
-    /// CSV file with measured times. The header is `program,ticks`, with a row for each run, or
+    /// Results folder of `stochc import`, or CSV file with measured times. The header is `program,ticks`, with a row for each run, or
     /// `program,n,mean_ticks,sd_ticks`. Times can be in `seconds` instead of `ticks`. In a third column `stopped`, `true`
     /// marks a run that was stopped at this time
-    #[arg(long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "DIR|FILE.csv")]
     data: PathBuf,
     /// Scene parameter to fit, and its range. Examples: `bond.pull=2..12 N` and `free=50..500 log`
     #[arg(long, value_name = "NAME=RANGE", required = true, value_parser = Prior::parse)]

@@ -4,9 +4,10 @@ use std::path::Path;
 use stochc_compiler::LintLevels;
 use stochc_experiments::completion_time;
 use stochc_experiments::fit::{
-    Design, Emulator, Fit, FittedProgram, MeasuredTimes, Measurement, Observed, Posterior, Prior,
-    Simulated, Unit,
+    DataError, Design, Emulator, Fit, FittedProgram, MeasuredTimes, Measurement, Observed,
+    Posterior, Prior, Simulated, Unit,
 };
+use stochc_experiments::statistics::Observation;
 use stochc_experiments::sweep::RangeError;
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
@@ -18,6 +19,7 @@ use stochc_text::number;
 
 use super::forecast::cpu_time;
 use super::in_memory::all_runs;
+use super::results::read;
 use super::sweep::{at_point, share_tables};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
@@ -90,12 +92,15 @@ pub fn check_priors(
     Ok(priors)
 }
 
-/// Reads the measured times of each program from a CSV file. Warns if many times are equal, which
-/// suggests stopped runs.
+/// Reads the measured times of each program from a CSV file or a results folder. Warns if many times
+/// in a file are equal, which suggests stopped runs.
 ///
 /// # Errors
-/// If the file cannot be read or is not a table of times.
+/// If the file cannot be read or is not a table of times, or the folder has too few runs.
 pub fn measured_times(path: &Path, host: &dyn Host) -> Result<MeasuredTimes, Failure> {
+    if path.is_dir() {
+        return times_in_folder(path, host);
+    }
     let shown = path.display();
     let bytes = read_file(path, TIMES)
         .map_err(|error| Failure::usage(format!("cannot read {shown}: {error}")))?;
@@ -105,6 +110,32 @@ pub fn measured_times(path: &Path, host: &dyn Host) -> Result<MeasuredTimes, Fai
         host.warn(&format!("warning: `{shown}`: {pile_up}\n"));
     }
     Ok(times)
+}
+
+/// Returns the times of the runs in a results folder, in seconds.
+fn times_in_folder(folder: &Path, host: &dyn Host) -> Result<MeasuredTimes, Failure> {
+    let (manifest, finished) = read(folder, host)?;
+    let mut runs = vec![Vec::new(); manifest.programs.len()];
+    let read = finished.each(|done| {
+        let tick = manifest.programs[done.program].scene.tick;
+        let observed = completion_time(&done.record);
+        runs[done.program].extend(observed.map(|it| Observation {
+            time: it.time * tick,
+            ..it
+        }));
+    });
+    read.map_err(Failure::usage)?;
+    let programs = manifest.programs.iter().zip(runs).map(|(program, runs)| {
+        let name = program.name.clone();
+        let observed = Observed::from_runs(&runs);
+        let observed = observed.ok_or_else(|| Failure::usage(DataError::TooFew(name.clone())))?;
+        Ok((name, observed))
+    });
+    Ok(MeasuredTimes {
+        unit: Unit::Seconds,
+        programs: programs.collect::<Result<_, Failure>>()?,
+        pile_ups: Vec::new(),
+    })
 }
 
 /// Matches programs with measured times by name.

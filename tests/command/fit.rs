@@ -3,6 +3,8 @@ use std::fs;
 
 use serde_json::Value;
 use stochc::report::figures::Medium;
+use stochc_ir::record::Outcome;
+use stochc_results::Folder;
 
 use crate::layout;
 use crate::stochc::{path, stochc_with};
@@ -96,6 +98,32 @@ fn recovers_a_parameter_and_predicts_held_out_programs() {
         stochc_with("fit --quiet --runs 16 --points 10", &options).status,
         2
     );
+}
+
+#[test]
+fn a_results_folder_has_the_times_of_its_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, data, runs] =
+        ["small.sa", "times.csv", "runs"].map(|name| path(folder.path(), name));
+    fs::write(&file, programs(20)).unwrap();
+    let simulate = "simulate --runs 12 --seed 900 --max-ticks 400 --quiet --out";
+    assert_eq!(stochc_with(simulate, &[&runs, &file]).status, 3);
+    let results = Folder::read(std::path::Path::new(&runs)).unwrap();
+    let mut table = "program,seconds,stopped\n".to_owned();
+    for done in results.finished.to_vec().unwrap() {
+        let program = &results.manifest.programs[done.program];
+        let seconds = done.record.ticks as f64 * program.scene.tick;
+        let is_stopped = done.record.outcome != Outcome::Completed;
+        table += &format!("{},{seconds},{is_stopped}\n", program.name);
+    }
+    fs::write(&data, table).unwrap();
+    let [of_table, of_folder] = [&data, &runs].map(|data| {
+        let options = [&file, "--data", data, "--vary", "free=8..60"];
+        let fit = "fit --quiet --runs 4 --points 8 --rounds 1 --max-ticks 2000";
+        stochc_with(fit, &options)
+    });
+    assert_eq!((of_folder.status, &of_folder.err), (0, &of_table.err));
+    assert_eq!(of_folder.out, of_table.out);
 }
 
 #[test]
