@@ -160,3 +160,13 @@ fn the_unit_decides_between_meanings_of_a_short_name() {
     let outcome = stochc_with("check", &[&file, "--set", "agitation=310 K"]);
     assert_eq!(outcome.status, 0, "{}", outcome.err);
 }
+
+#[test]
+fn the_patterns_of_the_examples_build_their_shapes() {
+    let outcome = stochc_with(
+        "check --deny warnings --allow-import examples/lib",
+        &["tests/fixtures/parts.sa"],
+    );
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    assert_eq!(outcome.out.matches("proved: builds").count(), 2);
+}
