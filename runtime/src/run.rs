@@ -36,23 +36,22 @@ pub fn run(
     run: u64,
     watch: &mut dyn Watch,
 ) -> Result<RunRecord, RunError> {
-    let messages = scene.messages.as_ref();
-    let limit = settings.max_ticks;
+    let key = RunKey { seed, run };
     match settings.model {
         #[cfg(not(feature = "rapier"))]
         Model::Rapier => Err(RunError::Absent(Model::Rapier)),
         #[cfg(feature = "rapier")]
         Model::Rapier => {
             let mut world = RapierWorld::for_tables(tables, scene, settings, seed, run)?;
-            drive(tables, messages, &mut world, limit, seed, run, watch)
+            executed(tables, scene, &mut world, settings, key, watch)
         }
         Model::Rigid => {
             let mut world = RigidWorld::for_tables(tables, scene, settings, seed, run)?;
-            drive(tables, messages, &mut world, limit, seed, run, watch)
+            executed(tables, scene, &mut world, settings, key, watch)
         }
         Model::Rate => {
             let mut world = RateWorld::new(tables, scene, &settings.rates, seed, run)?;
-            drive(tables, messages, &mut world, limit, seed, run, watch)
+            executed(tables, scene, &mut world, settings, key, watch)
         }
         Model::Measured => Err(RunError::Measured),
         Model::Shuffle => {
@@ -66,7 +65,7 @@ pub fn run(
             if tables.aggregate.is_some() {
                 world = world.with_groups();
             }
-            drive(tables, messages, &mut world, limit, seed, run, watch)
+            executed(tables, scene, &mut world, settings, key, watch)
         }
     }
 }
@@ -111,6 +110,23 @@ struct RunKey {
     run: u64,
 }
 
+/// Runs tables in a world that is in its initial state.
+fn executed(
+    tables: &Tables,
+    scene: &Scene,
+    world: &mut impl World,
+    settings: &Settings,
+    RunKey { seed, run }: RunKey,
+    watch: &mut (impl Watch + ?Sized),
+) -> Result<RunRecord, RunError> {
+    let limit = settings.max_ticks;
+    if tables.aggregate.is_some() {
+        return gather(tables, world, limit, run, watch, ());
+    }
+    let controller = Controller::in_scene(tables, scene, seed, run);
+    follow(controller, world, limit, run, watch, ())
+}
+
 fn observed(
     tables: &Tables,
     scene: &Scene,
@@ -125,7 +141,7 @@ fn observed(
     if tables.aggregate.is_some() {
         return gather(tables, &mut world, limit, run, watch, observation);
     }
-    let mut controller = Controller::new(tables, scene.messages.as_ref(), seed, run);
+    let mut controller = Controller::in_scene(tables, scene, seed, run);
     controller.keep_log();
     follow(controller, &mut world, limit, run, watch, observation)
 }
@@ -134,8 +150,8 @@ fn observed(
 ///
 /// A world can wrap another one and inspect it at every tick, for example to record trajectories.
 ///
-/// `max_ticks` is as in [`Settings::max_ticks`]. `seed` and `run` are the key of the random draws
-/// for message loss. `run` is also the run number in the record.
+/// The hardware has no faults. `max_ticks` is as in [`Settings::max_ticks`]. `seed` and `run` are
+/// the key of the random draws for message loss. `run` is also the run number in the record.
 ///
 /// # Errors
 ///

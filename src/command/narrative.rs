@@ -2,7 +2,9 @@
 use std::fmt::Write as _;
 
 use serde_json::json;
-use stochc_ir::record::{BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord};
+use stochc_ir::record::{
+    BondRecord, FaultKind, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
+};
 use stochc_ir::table::{PhaseId, RoleId};
 use stochc_results::{EnsembleProgram, record_json};
 use stochc_text::counted;
@@ -184,6 +186,16 @@ impl RunNarrator<'_> {
         if record.unplanned > 0 {
             let bonds = counted(record.unplanned as usize, "unplanned bond");
             out += &format!("  {bonds}, undone at once\n");
+        }
+        let faults = |kind| record.faults.iter().filter(|it| it.kind == kind).count();
+        let (dead, latches) = (faults(FaultKind::Dead), faults(FaultKind::Latch));
+        if dead > 0 {
+            let times = counted(dead, "time");
+            out += &format!("  a dead block docked {times}\n");
+        }
+        if latches > 0 {
+            let times = counted(latches, "time");
+            out += &format!("  a latch failed {times}\n");
         }
         out
     }

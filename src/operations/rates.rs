@@ -171,7 +171,7 @@ impl Effort {
     }
 }
 
-/// Calibrates the rates of a scene with physical simulations.
+/// Calibrates the rates of a scene with physical simulations, without hardware faults.
 ///
 /// # Errors
 /// If the scene cannot be set up, or the user interrupts.
@@ -179,6 +179,10 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
     if let Some(error) = RateWorld::unsupported(scene) {
         return Err(Failure::invalid_program(error.to_string()));
     }
+    let scene = &Scene {
+        faults: None,
+        ..scene.clone()
+    };
     let mut observed: Vec<EnsembleProgram> = Vec::new();
     let mut least = u64::MAX;
     for (name, text) in PROGRAMS {

@@ -40,6 +40,9 @@ pub struct RunRecord {
     /// lists.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub aborts: Vec<AbortRecord>,
+    /// Captures that a hardware fault of the scene prevented, in order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<FaultRecord>,
 }
 
 impl RunRecord {
@@ -58,6 +61,7 @@ impl RunRecord {
             releases: Vec::new(),
             unplanned_bonds: Vec::new(),
             aborts: Vec::new(),
+            faults: Vec::new(),
         }
     }
 
@@ -264,6 +268,31 @@ pub struct UnplannedRecord {
     pub tick: u64,
     /// Number of the captured block, from 0.
     pub body: u32,
+}
+
+/// Capture that a hardware fault prevented.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FaultRecord {
+    /// Phase of the capture.
+    pub phase: PhaseId,
+    /// Role that the block would have had.
+    pub child: RoleId,
+    /// Tick of the capture.
+    pub tick: u64,
+    /// Number of the block, from 0.
+    pub body: u32,
+    /// Kind of the fault.
+    pub kind: FaultKind,
+}
+
+/// Kind of a hardware fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FaultKind {
+    /// The block is dead. It stays until its face is switched off.
+    Dead,
+    /// The latch failed. The block was released at once.
+    Latch,
 }
 
 /// Origin of a captured block.

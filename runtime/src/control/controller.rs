@@ -1,10 +1,11 @@
 //! Drives a run: the state machines of all blocks, their messages and the record.
 use stochc_control::{BlockFace, Body, Docking, Orientation, Structure, StructureBlock};
 use stochc_ir::Cell;
-use stochc_ir::record::{BondRecord, Outcome, RunRecord, WaitRecord};
-use stochc_ir::scene::Messages;
+use stochc_ir::record::{BondRecord, FaultKind, Outcome, RunRecord, WaitRecord};
+use stochc_ir::scene::{Messages, Scene};
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 
+use super::hardware::HardwareFaults;
 use super::network::Network;
 use super::recorder::RunRecorder;
 use crate::observe::{Log, ObservedEvent};
@@ -26,13 +27,15 @@ pub struct Controller<'t> {
     phase_restarts: Option<u64>,
     /// Reason why the run cannot continue.
     fault: Option<String>,
+    /// Hardware faults of the scene. `None` if there are none.
+    hardware: Option<HardwareFaults>,
 }
 
 stochc_ir::state! {
     () Controller<'_>;
     values: phase_began, phase_ends, phase_waits, phase_ticks, phase_restarts, fault;
     parts: structure, recorder;
-    same: tables
+    same: tables, hardware
 }
 
 impl<'t> Controller<'t> {
@@ -56,6 +59,17 @@ impl<'t> Controller<'t> {
             phase_ticks: Vec::new(),
             phase_restarts: None,
             fault: None,
+            hardware: None,
+        }
+    }
+
+    /// Returns a controller like [`Controller::new`], with the messages and the hardware faults of
+    /// a scene.
+    pub fn in_scene(tables: &'t Tables, scene: &Scene, seed: u64, run: u64) -> Controller<'t> {
+        let hardware = scene.faults.as_ref();
+        Controller {
+            hardware: hardware.map(|faults| HardwareFaults::new(faults, seed, run)),
+            ..Controller::new(tables, scene.messages.as_ref(), seed, run)
         }
     }
 
@@ -88,10 +102,39 @@ impl<'t> Controller<'t> {
         self.recorder.tick = world.tick();
         for (i, docking) in dockings.iter().enumerate() {
             self.recorder.has_more = i + 1 < dockings.len();
+            if self.is_prevented(docking, world) {
+                continue;
+            }
             self.structure
                 .dock(docking, &mut self.recorder.in_world(world));
         }
         self.settle(world);
+    }
+
+    /// Returns whether a hardware fault prevents a capture. A block whose latch fails is released
+    /// at once, and the face stays on. A dead block stays until the face is switched off.
+    fn is_prevented(&mut self, docking: &Docking, world: &mut impl World) -> bool {
+        let Some(hardware) = &mut self.hardware else {
+            return false;
+        };
+        let Some(child) = self.structure.awaited(docking.block_face) else {
+            return false;
+        };
+        let (body, tick) = (docking.child, self.recorder.tick);
+        let phases = &self.tables.phases;
+        let is_early = |bond: &&BondRecord| phases[bond.phase.0 as usize].pre_attached;
+        let mut pre_attached = self.recorder.bonds.iter().take_while(is_early);
+        let kind = if hardware.latch_fails(body, tick) {
+            world.switch_off(docking.block_face);
+            world.magnetize(docking.block_face);
+            FaultKind::Latch
+        } else if hardware.is_dead(body) && !pre_attached.any(|bond| bond.body == body) {
+            FaultKind::Dead
+        } else {
+            return false;
+        };
+        self.recorder.note_fault(child, body, kind);
+        true
     }
 
     /// Returns the running phase, or `None` if all are complete.
@@ -283,6 +326,7 @@ impl<'t> Controller<'t> {
             waiting,
             releases: self.recorder.releases,
             aborts: self.recorder.aborts,
+            faults: self.recorder.faults,
             unplanned_bonds: self.recorder.unplanned,
         };
         let bodies = || record.all_bonds().map(|bond| bond.body as usize);

@@ -12,6 +12,7 @@
 //! report arrives at tick t ends at t. Faces that the next phase switches on act from the next
 //! step. All blocks learn at once that a phase begins; this broadcast is not counted as messages.
 mod controller;
+mod hardware;
 mod network;
 mod recorder;
 

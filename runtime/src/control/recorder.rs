@@ -5,7 +5,8 @@ use stochc_control::{
 };
 use stochc_ir::Face;
 use stochc_ir::record::{
-    AbortRecord, BondRecord, Origin, ReleaseRecord, UnplannedRecord, WaitRecord,
+    AbortRecord, BondRecord, FaultKind, FaultRecord, Origin, ReleaseRecord, UnplannedRecord,
+    WaitRecord,
 };
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 
@@ -33,12 +34,15 @@ pub(super) struct RunRecorder {
     pub releases: Vec<ReleaseRecord>,
     /// Blocks captured at faces that expected none.
     pub unplanned: Vec<UnplannedRecord>,
+    /// Captures that a hardware fault prevented.
+    pub faults: Vec<FaultRecord>,
     pub log: Log,
 }
 
 stochc_ir::state! {
     () RunRecorder;
-    values: tick, phase, released, bonds, earlier_bonds, attempt_began, aborts, releases, unplanned;
+    values: tick, phase, released, bonds, earlier_bonds, attempt_began, aborts, releases, unplanned,
+        faults;
     parts: network;
     // Not part of the state: both have their initial values between ticks.
     same: log, has_more
@@ -59,6 +63,7 @@ impl RunRecorder {
             aborts: Vec::new(),
             releases: Vec::with_capacity(releases),
             unplanned: Vec::new(),
+            faults: Vec::new(),
             log: Log::default(),
         }
     }
@@ -99,6 +104,17 @@ impl RunRecorder {
             abort.retried = Some(self.tick);
         }
         self.note_phase(Some(self.phase));
+    }
+
+    /// Records that a hardware fault has prevented a capture.
+    pub fn note_fault(&mut self, child: RoleId, body: u32, kind: FaultKind) {
+        self.faults.push(FaultRecord {
+            phase: self.phase,
+            child,
+            tick: self.tick,
+            body,
+            kind,
+        });
     }
 
     /// Returns the list of releases of the running attempt.

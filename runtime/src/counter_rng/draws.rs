@@ -27,6 +27,9 @@ pub enum Stream {
     Rate = 6,
     /// Statistics: the weight of a run in each bootstrap sample.
     Resample = 7,
+    /// Hardware faults of a scene. Step 0: whether a block is dead. Other steps: whether a latch
+    /// fails at this tick.
+    Fault = 8,
 }
 
 /// Random numbers of one stream in one run.

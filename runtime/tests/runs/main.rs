@@ -7,6 +7,7 @@ mod scenes;
 mod agreement;
 mod control;
 mod execution;
+mod faults;
 mod identity;
 mod rate;
 mod retries;

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use stochc_compiler::{Limits, check};
 use stochc_ir::Executable;
 use stochc_ir::record::RunRecord;
-use stochc_ir::scene::Messages;
+use stochc_ir::scene::{Faults, Messages};
 use stochc_ir::state::{StateError, StateReader, StateWriter};
 use stochc_ir::table::PhaseId;
 use stochc_runtime::observe::{ObservedEvent, Observer};
@@ -239,6 +239,14 @@ fn aborted_attempts_and_their_pauses() {
         !first.releases.is_empty() && first.retried > Some(first.tick + 9),
         "{first:?}"
     );
+    assert!(resumed_everywhere(&program, &settings, 1) > 60);
+
+    program.scene.faults = Some(Faults {
+        dead: Some(0.1),
+        latch: Some(0.3),
+    });
+    let (record, _) = made(&program, &settings, &mut Keeper::default()).expect("a valid scene");
+    assert!(!record.faults.is_empty(), "{record:?}");
     assert!(resumed_everywhere(&program, &settings, 1) > 60);
 }
 

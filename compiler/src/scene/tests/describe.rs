@@ -4,8 +4,8 @@ use stochc_grammar::{Symbols, parse};
 
 use stochc_ir::scene::describe::{absent, terms};
 use stochc_ir::scene::{
-    Agitation, Anchor, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Fluid, Measure, Messages,
-    Planar, Pump, Reach, Scene,
+    Agitation, Anchor, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Faults, Fluid, Measure,
+    Messages, Planar, Pump, Reach, Scene,
 };
 
 use crate::Sources;
@@ -56,7 +56,7 @@ fn clauses_are_written_in_short_units() {
     );
     assert_eq!(
         clauses(&hemisphere),
-        ["gravity", "fluid", "drag", "messages"]
+        ["gravity", "fluid", "drag", "messages", "faults"]
     );
 }
 
@@ -78,7 +78,8 @@ fn lists_missing_terms_and_fields() {
             "drag",
             "contact",
             "bond attract { align }",
-            "messages { loss }"
+            "messages { loss }",
+            "faults"
         ]
     );
     bare.bond = None;
@@ -92,7 +93,8 @@ fn lists_missing_terms_and_fields() {
             "drag",
             "contact",
             "bond",
-            "messages"
+            "messages",
+            "faults"
         ],
         "fields of an absent clause are not listed"
     );
@@ -252,6 +254,10 @@ fn any_scene() -> impl Strategy<Value = Scene> {
     });
     let messages = (0u32..=1_000_000, prop::option::of(0.0..=0.99))
         .prop_map(|(hop, loss)| Messages { hop, loss });
+    let faults = (0.0..=1.0, prop::option::of(0.0..=0.99)).prop_map(|(dead, latch)| Faults {
+        dead: Some(dead),
+        latch,
+    });
     let drag = size().prop_map(|rate| Drag { rate });
     let table = (prop::option::of(size()), size());
     (
@@ -263,10 +269,10 @@ fn any_scene() -> impl Strategy<Value = Scene> {
         drag,
         contact(),
         (bond(), suction(), any::<bool>()),
-        messages,
+        (messages, prop::option::of(faults)),
     )
         .prop_map(
-            |(table, tick, block, enclosure, kicks, drag, contact, bonds, messages)| Scene {
+            |(table, tick, block, enclosure, kicks, drag, contact, bonds, failures)| Scene {
                 name: "s".to_owned(),
                 tick,
                 gravity: table.0.map(|_| table.1),
@@ -287,7 +293,8 @@ fn any_scene() -> impl Strategy<Value = Scene> {
                     bonds.0
                 }),
                 enclosure: Some(enclosure),
-                messages: Some(messages),
+                messages: Some(failures.0),
+                faults: failures.1,
                 ..built_in("hemisphere_2005").expect("a built-in scene")
             },
         )

@@ -29,6 +29,7 @@ const FULL: [&str; 8] = [
             anchor centres 1mm tilt 26 deg
         }
         messages { hop 3 ticks  loss 0.1 }
+        faults { dead 1%  latch 2% }
     }",
     "scene hard {
         tick 20ms
@@ -180,7 +181,7 @@ fn the_tested_scenes_have_every_parameter() {
 /// Both reject the same values.
 #[test]
 fn names_and_ranges_match_the_language() {
-    const DEFAULTS: [&str; 7] = [
+    const DEFAULTS: [&str; 9] = [
         "bond.anchor.tilt",
         "agitation.speed.low",
         "agitation.time",
@@ -188,6 +189,8 @@ fn names_and_ranges_match_the_language() {
         "bond.opening",
         "flow.force",
         "messages.loss",
+        "faults.dead",
+        "faults.latch",
     ];
     const PROBES: [f64; 14] = [
         -1.0,

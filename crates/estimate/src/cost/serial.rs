@@ -38,7 +38,8 @@ impl SerialCapture {
 }
 
 /// Returns the captures of a program in order. Returns `None` if two faces can be open at the same
-/// time, if a block is released, if messages take time, or if a phase has a timeout or a `wait`.
+/// time, if a block is released, if messages take time, if the scene has faults, or if a phase has
+/// a timeout or a `wait`.
 ///
 /// In these programs, the surroundings of a face do not change while it waits. Waiting times are
 /// therefore independent, and the completion time is their sum.
@@ -49,7 +50,13 @@ pub fn serial_captures(parts: ProgramParts<'_>, rates: &Rates) -> Option<Vec<Ser
     let has_choice = graph.edges().iter().any(|edge| edge.why.is_choice());
     let has_releases = (graph.events.iter()).any(|event| !event.action.is_capture());
     let needs_time = MessageTimes::new(&events).is_some();
-    if has_choice || has_releases || needs_time || events.limits().iter().any(is_limited) {
+    let has_faults = parts.scene.faults.is_some();
+    if has_choice
+        || has_releases
+        || needs_time
+        || has_faults
+        || events.limits().iter().any(is_limited)
+    {
         return None;
     }
     let waits = waits(&events, rates);

@@ -113,11 +113,12 @@ impl Rates {
 
     /// Returns whether the rates are valid for a scene.
     pub fn are_of(&self, scene: &Scene) -> bool {
-        // Name, number of open faces per block, and messages do not affect waiting times.
+        // Name, number of open faces per block, messages and faults do not affect waiting times.
         let mut alike = scene.clone();
         alike.name.clone_from(&self.scene.name);
         alike.block.faces = self.scene.block.faces;
         alike.messages.clone_from(&self.scene.messages);
+        alike.faults.clone_from(&self.scene.faults);
         self.scene == alike
     }
 

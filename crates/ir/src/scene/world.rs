@@ -44,6 +44,9 @@ pub struct Scene {
     pub bond: Option<Bond>,
     /// Message parameters. If `None`, a message arrives in the tick of its sending.
     pub messages: Option<Messages>,
+    /// Hardware faults. `None` if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub faults: Option<Faults>,
 }
 
 impl Scene {
@@ -186,6 +189,18 @@ pub struct Messages {
     /// Probability that a hop or its acknowledgement is lost. `None` if messages are never lost.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub loss: Option<f64>,
+}
+
+/// Hardware faults. At least one field is given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Faults {
+    /// Probability that a block is dead during the whole run. `None` if no block is dead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dead: Option<f64>,
+    /// Probability that a capture fails because the latch does not hold. `None` if all latches
+    /// hold.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub latch: Option<f64>,
 }
 
 #[cfg(test)]

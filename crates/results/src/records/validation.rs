@@ -73,6 +73,7 @@ fn times(record: &RunRecord) -> impl Iterator<Item = u64> {
         .chain(record.all_releases().map(|release| release.tick))
         .chain(aborts.flat_map(|it| [it.began, it.tick, it.retried.unwrap_or(0)]))
         .chain(record.unplanned_bonds.iter().map(|bond| bond.tick))
+        .chain(record.faults.iter().map(|fault| fault.tick))
         .chain([phases.unwrap_or(u64::MAX)])
 }
 
@@ -86,6 +87,7 @@ fn phases_of(record: &RunRecord) -> impl Iterator<Item = PhaseId> {
         .chain(record.all_releases().map(|release| release.phase))
         .chain(record.aborts.iter().map(|abort| abort.phase))
         .chain(record.unplanned_bonds.iter().map(|bond| bond.phase))
+        .chain(record.faults.iter().map(|fault| fault.phase))
         .chain(end)
 }
 
@@ -93,6 +95,7 @@ fn bodies(record: &RunRecord) -> impl Iterator<Item = u32> {
     (record.all_bonds().map(|bond| bond.body))
         .chain(record.all_releases().map(|release| release.body))
         .chain(record.unplanned_bonds.iter().map(|bond| bond.body))
+        .chain(record.faults.iter().map(|fault| fault.body))
 }
 
 fn roles(record: &RunRecord) -> impl Iterator<Item = RoleId> {
@@ -110,5 +113,6 @@ fn roles(record: &RunRecord) -> impl Iterator<Item = RoleId> {
     )
     .chain(record.all_releases().flat_map(|it| [it.parent, it.child]))
     .chain(record.unplanned_bonds.iter().map(|bond| bond.parent))
+    .chain(record.faults.iter().map(|fault| fault.child))
     .chain(origins)
 }

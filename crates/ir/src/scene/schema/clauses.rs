@@ -1,7 +1,8 @@
 //! Clauses of a scene: their kinds and fields, in the order of the reference.
 use super::super::{
-    Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Flow, Fluid,
-    Free, Jets, Magnets, Measure, Messages, Planar, Pump, Reach, Scene, Stir, Strength, Turbulence,
+    Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Faults,
+    Flow, Fluid, Free, Jets, Magnets, Measure, Messages, Planar, Pump, Reach, Scene, Stir,
+    Strength, Turbulence,
 };
 use super::equations::*;
 use super::numbers::*;
@@ -72,6 +73,7 @@ pub fn unspecified() -> Scene {
         contact: None,
         bond: None,
         messages: None,
+        faults: None,
     }
 }
 
@@ -126,7 +128,7 @@ macro_rules! kinds {
 
 /// All clauses of a scene.
 #[rustfmt::skip]
-pub static CLAUSES: [SchemaEntry; 13] = [
+pub static CLAUSES: [SchemaEntry; 14] = [
     field!(TICK).absent(Example("tick 20ms")).equations(&[&TICKS]),
     SchemaEntry::new("block", &[
         SchemaPart::OneOf { noun: "cube", of: &[SchemaEntry::new("cube", &[]).is(|_| true).equations(&[&CUBES])] },
@@ -315,6 +317,14 @@ pub static CLAUSES: [SchemaEntry; 13] = [
         .absent(NoTerm("a message arrives in the tick when it is sent"))
         .make(|s| s.messages = Some(Messages { hop: 0, loss: None }))
         .equations(&[&HOPS, &LOSSES]),
+    braces!("faults" [
+        field!(DEAD).otherwise("no block is dead"),
+        field!(LATCH).otherwise("all latches hold"),
+    ] FieldGroup::Any { needed: "dead", help: "add it, or `latch`: the probability of a fault" })
+        .means("hardware faults of blocks; at least one field is needed")
+        .absent(NoTerm("blocks and latches do not fail"))
+        .make(|s| s.faults = Some(Faults { dead: None, latch: None }))
+        .equations(&[&DEAD_BLOCKS, &LATCHES]),
 ];
 
 const NO_REACH: Absent = Absent::Message {

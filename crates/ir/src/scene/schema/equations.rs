@@ -249,6 +249,10 @@ equations! {
         None; [N(&HOP)];
     LOSSES "a hop may be lost, and so may its acknowledgement; without one the sender sends again"
         Some("a hop arrives with probability 1 - p; again after 2 h + 1 ticks"); [N(&LOSS)];
+    DEAD_BLOCKS "a dead block bonds, does nothing, and leaves when its face is switched off"
+        Some("each free block is dead with probability q, in the whole run"); [N(&DEAD)] if |s| s.faults.as_ref().is_some_and(|it| it.dead.is_some());
+    LATCHES "a latch may fail: the block is released at once, and the face stays on"
+        Some("a capture fails with probability ε"); [N(&LATCH)] if |s| s.faults.as_ref().is_some_and(|it| it.latch.is_some());
     ANCHOR_CENTRES "then the block is anchored, snaps onto the lattice and is fixed"
         Some("centres of the two faces < d, normals < α from opposite"); [Or(&ANCHOR, &BY_SEAL), Or(&ANCHOR_TILT, &BY_TILT)] if |s| anchors_by(s, Measure::Centres);
     ANCHOR_GAP "then the block is anchored, snaps onto the lattice and is fixed"

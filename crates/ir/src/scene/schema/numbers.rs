@@ -101,4 +101,7 @@ numbers! {
 
     HOP ["messages.hop" "messages"] TICKS Whole(0, 1_000_000), "h" "hop": "duration of a hop from a block to its parent or child", |s| Some((&mut s.messages.as_mut()?.hop).into());
     LOSS ["messages.loss"] NUMBER Between(0.0, 0.99), "p" "loss": "probability that a hop loses a message or its acknowledgement; the sender repeats the message after 2 h + 1 ticks", |s| Some(Optional(&mut s.messages.as_mut()?.loss));
+
+    DEAD ["faults.dead"] NUMBER Between(0.0, 1.0), "q" "dead": "probability that a block is dead during the whole run; a dead block bonds, but neither acts nor answers", |s| Some(Optional(&mut s.faults.as_mut()?.dead));
+    LATCH ["faults.latch"] NUMBER Between(0.0, 0.99), "ε" "latch": "probability that a captured block is released at once because the latch fails; the face stays on", |s| Some(Optional(&mut s.faults.as_mut()?.latch));
 }
