@@ -36,6 +36,7 @@ pub mod shard;
 pub mod show;
 pub mod simulate;
 mod source_options;
+mod survival;
 pub mod sweep;
 pub(crate) mod terminal;
 pub mod test;

@@ -14,6 +14,7 @@ use stochc_text::{counted, visible};
 
 use super::run_options::JsonOption;
 use super::source_options::SourceOptions;
+use super::survival::Survival;
 use super::terminal::{exit_of, has_colour, message_width, print, print_folded, warn, warn_drawn};
 use crate::diagnostics::{CheckDocument, drawn};
 use crate::exit::{Exit, Failure};
@@ -39,6 +40,9 @@ pub struct VerifyArguments {
     /// Explore at most this many states of each program. A program with more states is executed in random orders
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     states: u64,
+    /// Also explore all orders with at most this many dead blocks
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    faults: Option<u8>,
     #[command(flatten)]
     output: JsonOption,
     #[command(flatten)]
@@ -51,6 +55,8 @@ struct Verified {
     completely: usize,
     in_random_orders: usize,
     wrong: usize,
+    /// Number of programs that do not survive the dead blocks.
+    failed: usize,
 }
 
 /// Checks programs, then executes their event tables in every order of events.
@@ -124,6 +130,9 @@ impl Verified {
         if self.wrong > 0 {
             parts.push(format!("wrong: {}", self.wrong));
         }
+        if self.failed > 0 {
+            parts.push(format!("not surviving dead blocks: {}", self.failed));
+        }
         let all = self.completely + self.in_random_orders + self.wrong;
         format!(
             "{} verified; {}\n",
@@ -164,24 +173,18 @@ fn explore<'a>(
             states: options.states,
             ..ExplorationBounds::default()
         };
-        let mut exploration = Exploration::new(tables, &expected, bounds, Faults::default());
-        let mut reports = vec![exploration.run()];
-        if let ExplorationVerdict::Violated(found) = &mut reports[0].verdict {
-            **found = shortest(&exploration, found);
-        }
-        if let ExplorationVerdict::Unfinished(_) = reports[0].verdict {
-            exploration.bounds.work = SAMPLED;
-            reports.push(exploration.sample(SCHEDULES, &mut schedules(SEED)));
-        }
+        let exploration = Exploration::new(tables, &expected, bounds, Faults::default());
+        let reports = reports(&exploration);
         say(&describe(&reports, &bounds))?;
         let holds = reports[0].verdict == ExplorationVerdict::Holds;
         if holds && tables.bond.is_passive() {
             say("  Stray blocks that dock at any moment change nothing.\n")?;
         }
-        explored.push((&program.plan.name, exploration_json(&reports)));
+        let mut document = exploration_json(&reports);
         let violation = reports
             .iter()
             .find_map(|report| violation_message(file, tables, report));
+        let is_right = violation.is_none();
         if let Some(wrong) = violation {
             warn(&wrong);
             exit = Exit::InvalidProgram;
@@ -191,8 +194,33 @@ fn explore<'a>(
         } else {
             verified.in_random_orders += 1;
         }
+        if let Some(dead) = options.faults.filter(|_| is_right) {
+            let survival = Survival::explore(&exploration, dead);
+            say(&survival.describe())?;
+            document["survival"] = survival.json();
+            if let Some(message) = survival.message(file, tables) {
+                warn(&message);
+                exit = exit.or_worse(Exit::UnsuccessfulRun);
+                verified.failed += 1;
+            }
+        }
+        explored.push((&program.plan.name, document));
     }
     Ok(exit)
+}
+
+/// Explores all orders of events. If there are too many, explores random orders too.
+pub(super) fn reports(exploration: &Exploration<'_>) -> Vec<ExplorationReport> {
+    let mut reports = vec![exploration.run()];
+    if let ExplorationVerdict::Violated(found) = &mut reports[0].verdict {
+        **found = shortest(exploration, found);
+    }
+    if let ExplorationVerdict::Unfinished(_) = reports[0].verdict {
+        let mut exploration = *exploration;
+        exploration.bounds.work = SAMPLED;
+        reports.push(exploration.sample(SCHEDULES, &mut schedules(SEED)));
+    }
+    reports
 }
 
 /// Returns the result of an exploration as `{ outcome, states, transitions, orders, fault }`.

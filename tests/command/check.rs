@@ -730,6 +730,35 @@ fn event_tables_are_run_in_every_order() {
 }
 
 #[test]
+fn dead_blocks_are_survived_with_retries() {
+    let outcome = stochc("verify --faults 3 examples/dead_blocks.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    let survives = "  Survives 3 dead blocks in every order: ";
+    assert!(outcome.out.contains(survives), "{}", outcome.out);
+
+    let outcome = stochc("verify --faults 4 examples/dead_blocks.sa");
+    assert_eq!(outcome.status, 3);
+    assert!(
+        outcome
+            .err
+            .ends_with("help: write `retry 4` in phase `grow`\n"),
+        "{}",
+        outcome.err
+    );
+
+    let outcome = stochc("verify --faults 1 tests/fixtures/tower.sa");
+    assert_eq!(outcome.status, 3);
+    assert!(
+        outcome
+            .out
+            .ends_with("; every order of events explored: 1, not surviving dead blocks: 1\n"),
+        "{}",
+        outcome.out
+    );
+    insta::assert_snapshot!("dead_block", outcome.err);
+}
+
+#[test]
 fn too_many_orders_are_reported_and_sampled() {
     let outcome = stochc("verify --states 5 tests/fixtures/tower.sa");
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));

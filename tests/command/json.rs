@@ -234,6 +234,15 @@ fn verifications_have_schemas() {
         assert_eq!(program.get("exploration").is_some(), is_right, "{program}");
     }
     assert!(!document["diagnostics"].as_array().unwrap().is_empty());
+    for (file, survived) in [
+        ("examples/gate.sa", "not_survived"),
+        ("examples/dead_blocks.sa", "every_order"),
+    ] {
+        let outcome = stochc(&format!("verify --json --faults 1 {file}"));
+        assert_output("verify", &outcome);
+        let survival = &outcome.json()["programs"][0]["exploration"]["survival"];
+        assert_eq!(survival["outcome"], survived);
+    }
     let outcome = stochc("verify --json --states 5 examples/gate.sa");
     let exploration = &outcome.json()["programs"][0]["exploration"];
     assert_eq!(exploration["outcome"], "random_orders");

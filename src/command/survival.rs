@@ -1,0 +1,106 @@
+//! `stochc verify --faults`: whether a program completes in every order with dead blocks.
+use serde_json::{Value, json};
+use stochc_control::explore::{
+    Exploration, ExplorationReport, ExplorationVerdict, Faults, Property, Violation,
+};
+use stochc_ir::table::Tables;
+use stochc_text::{counted, visible};
+
+use super::verify::reports;
+use stochc_compiler::model_check::MISTAKE;
+
+/// Result of the exploration with dead blocks.
+#[derive(Debug)]
+pub(super) struct Survival {
+    /// Largest number of dead blocks.
+    dead: u8,
+    reports: Vec<ExplorationReport>,
+}
+
+impl Survival {
+    /// Explores all orders with at most `dead` blocks that never answer.
+    pub fn explore(exploration: &Exploration<'_>, dead: u8) -> Survival {
+        let faults = Faults {
+            silent: dead,
+            ..exploration.faults
+        };
+        let exploration = Exploration {
+            faults,
+            ..*exploration
+        };
+        Survival {
+            dead,
+            reports: reports(&exploration),
+        }
+    }
+
+    fn violation(&self) -> Option<&Violation> {
+        (self.reports.iter()).find_map(ExplorationReport::violation)
+    }
+
+    fn blocks(&self) -> String {
+        counted(usize::from(self.dead), "dead block")
+    }
+
+    /// Returns the number of random orders. Returns `None` if all orders were explored.
+    fn orders(&self) -> Option<u64> {
+        self.reports.get(1).map(|report| report.schedules)
+    }
+
+    pub fn describe(&self) -> String {
+        let blocks = self.blocks();
+        let first = &self.reports[0];
+        let visited = format!("{} states, {} transitions", first.states, first.transitions);
+        match (self.violation(), self.orders()) {
+            (Some(violation), _) => {
+                format!("  Does not survive {blocks}: {}.\n", violation.what)
+            }
+            (None, None) => format!("  Survives {blocks} in every order: {visited}.\n"),
+            (None, Some(orders)) => format!("  Survives {blocks} in {orders} random orders.\n"),
+        }
+    }
+
+    /// Returns the result as `{ dead, outcome, states, transitions, orders, fault, trace }`.
+    pub fn json(&self) -> Value {
+        let violation = self.violation();
+        let outcome = match (violation, &self.reports[0].verdict) {
+            (Some(_), _) => "not_survived",
+            (None, ExplorationVerdict::Holds) => "every_order",
+            (None, _) => "random_orders",
+        };
+        json!({
+            "dead": self.dead,
+            "outcome": outcome,
+            "states": self.reports[0].states,
+            "transitions": self.reports[0].transitions,
+            "orders": self.orders(),
+            "fault": violation.map(|violation| &violation.what),
+            "trace": violation.map(|violation| &violation.trace),
+        })
+    }
+
+    /// Returns the message about a program that does not survive, with the sequence of events that
+    /// leads to the fault. Returns `None` if the program survives.
+    pub fn message(&self, file: &str, tables: &Tables) -> Option<String> {
+        let violation = self.violation()?;
+        let help = match violation.property {
+            Property::NoHang => self.help(violation, tables),
+            _ => MISTAKE.to_owned(),
+        };
+        let (name, blocks) = (&tables.assembly, self.blocks());
+        Some(format!(
+            "error: `{name}` in {file} does not survive {blocks}\n{violation}help: {help}\n"
+        ))
+    }
+
+    fn help(&self, violation: &Violation, tables: &Tables) -> String {
+        let phase = &tables.phases[violation.phase.0 as usize];
+        let (name, dead) = (visible(&phase.name), self.dead);
+        match phase.recovery {
+            Some(_) => format!("write `retry {dead}` in phase `{name}`"),
+            None => format!(
+                "add a timeout and `on timeout {{ release {name}  retry {dead} }}` to phase `{name}`"
+            ),
+        }
+    }
+}
