@@ -41,7 +41,7 @@ pub fn run(options: &ImportArguments) -> Result<Exit, Failure> {
     let source = options.source.settings();
     let programs = programs(std::slice::from_ref(&options.program), &source, &host)?;
     let program = chosen(programs, options.assembly.as_deref(), &options.program)?;
-    let (manifest, _) = import(&options.log, program, &options.out, &host)?;
+    let (manifest, _) = import(&options.log, &program, &options.out, &host)?;
     if !is_quiet() {
         let shown = visible(&options.out.to_string_lossy());
         print(&format!(

@@ -1,12 +1,13 @@
 //! Import of measured runs into a results folder.
 use std::num::NonZeroUsize;
 use std::path::Path;
+use std::sync::Mutex;
 
 use stochc_files::budget::LOG;
 use stochc_files::read_file;
 use stochc_results::{
-    Destination, EnsembleProgram, Folder, Manifest, MeasuredRuns, Progress, Records, Resume,
-    RunWatch, read_log, run,
+    Destination, EnsembleProgram, ExperimentLog, Folder, Manifest, Progress, Records, Resume,
+    RunCancelled, RunWatch, run,
 };
 
 use crate::exit::Failure;
@@ -18,22 +19,26 @@ use crate::host::Host;
 /// # Errors
 /// If the log is invalid, or the folder has other results.
 pub fn import(
-    log: &Path,
-    program: EnsembleProgram,
+    file: &Path,
+    program: &EnsembleProgram,
     out: &Path,
     host: &dyn Host,
 ) -> Result<(Manifest, Records), Failure> {
-    let shown = log.display();
-    let bytes = read_file(log, LOG)
+    let shown = file.display();
+    let bytes = read_file(file, LOG)
         .map_err(|error| Failure::usage(format!("cannot read {shown}: {error}")))?;
-    let runs =
-        read_log(&bytes, program).map_err(|error| Failure::usage(format!("`{shown}`: {error}")))?;
-    drop(bytes);
-    let MeasuredRuns { manifest, records } = runs;
+    let invalid = |error| Failure::usage(format!("`{shown}`: {error}"));
+    let log = ExperimentLog::new(&bytes, program).map_err(invalid)?;
+    let manifest = log.manifest().map_err(invalid)?;
+    let records = Mutex::new(log.records().map_err(invalid)?.flatten());
     // An import that was killed may have left some of the runs in the folder.
     let folder = Folder::open(out, &manifest, Resume::MixedBuilds).map_err(Failure::usage)?;
     let progress = Progress::new(&manifest, NonZeroUsize::MIN);
-    let record = |_: usize, run: u64, _: &RunWatch| Ok(records[run as usize].clone());
+    // A single thread takes the runs in the order of the log.
+    let record = |_: usize, run: u64, _: &RunWatch| {
+        let mut records = records.lock().expect("no thread has panicked");
+        records.find(|it| it.run == run).ok_or(RunCancelled)
+    };
     let results = run(Destination::Folder(folder), &progress, host.stop(), record);
     Ok((manifest, results.map_err(Failure::usage)?.finished))
 }

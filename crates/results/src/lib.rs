@@ -55,7 +55,7 @@ pub use execution::{
     RunWatch, Snapshot, Totals, check_stored, forecast_cpu_time, now, run, time_left, unless,
     until,
 };
-pub use experiment_log::{LogError, MeasuredRuns, RowError, read_log};
+pub use experiment_log::{ExperimentLog, LogError, RowError};
 pub use folder::{
     CHECKPOINTS, Contents, DAMAGED, Folder, FolderError, FolderState, Further, FurtherFiles,
     MANIFEST, Resume, check_manifest, is_remnant, survey, write_tables,

@@ -1,6 +1,4 @@
 //! Errors of logs.
-use crate::ManifestError;
-
 /// Reason why a log cannot be imported.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LogError {
@@ -32,9 +30,6 @@ pub enum LogError {
     /// The scene of the program cannot be set up.
     #[error("`{0}` cannot start: {1}")]
     Program(String, String),
-    /// There are too many runs.
-    #[error(transparent)]
-    Manifest(#[from] ManifestError),
 }
 
 /// Reason why a row of a log is invalid.

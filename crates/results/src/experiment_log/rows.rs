@@ -56,7 +56,7 @@ impl LogEvent {
 }
 
 /// Iterator over the rows of a log.
-pub(super) type Rows<'a> = Box<dyn Iterator<Item = Result<Row, LogError>> + 'a>;
+pub(super) type Rows<'a> = Box<dyn Iterator<Item = Result<Row, LogError>> + Send + 'a>;
 
 /// Returns the rows of a log. A log that begins with `{` is JSON Lines. `tick` is the length of a
 /// tick \[s\].

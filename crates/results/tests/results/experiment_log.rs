@@ -6,7 +6,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use stochc_ir::record::{Limit, Outcome, RunRecord};
-use stochc_results::{EnsembleProgram, read_log};
+use stochc_results::{EnsembleProgram, ExperimentLog, LogError};
 use stochc_runtime::{Model, Settings};
 
 use crate::logs::{Detail, csv, is_loggable, json_lines, without_physics};
@@ -25,6 +25,15 @@ fn programs(text: &str) -> Vec<EnsembleProgram> {
     executables
         .map(|it| EnsembleProgram::new(&it.tables.assembly.clone(), Vec::new(), it))
         .collect()
+}
+
+/// Returns the runs of a log.
+fn read_log(bytes: &[u8], program: &EnsembleProgram) -> Result<Vec<RunRecord>, LogError> {
+    let log = ExperimentLog::new(bytes, program)?;
+    let manifest = log.manifest()?;
+    let records: Vec<RunRecord> = log.records()?.collect::<Result<_, _>>()?;
+    assert_eq!(records.len() as u64, manifest.runs);
+    Ok(records)
 }
 
 /// Returns the program of a file in the folder `examples`.
@@ -57,9 +66,9 @@ fn assert_same(program: &EnsembleProgram, records: &[RunRecord], detail: Detail)
         csv(records, program, detail),
         json_lines(records, program, detail),
     ] {
-        let read = read_log(log.as_bytes(), program.clone());
+        let read = read_log(log.as_bytes(), program);
         let read = read.unwrap_or_else(|error| panic!("{}: {error}\n{log}", program.name));
-        let found: Vec<RunRecord> = read.records.iter().map(without_physics).collect();
+        let found: Vec<RunRecord> = read.iter().map(without_physics).collect();
         for (found, expected) in found.iter().zip(&expected) {
             assert_eq!(found, expected, "{}\n{log}", program.name);
         }
@@ -146,8 +155,8 @@ const LOG: &str = "run,seconds,event,block,by
 ";
 
 fn read(log: &str) -> Result<Vec<RunRecord>, String> {
-    let read = read_log(log.as_bytes(), program(TOWER));
-    read.map(|it| it.records).map_err(|error| error.to_string())
+    let read = read_log(log.as_bytes(), &program(TOWER));
+    read.map_err(|error| error.to_string())
 }
 
 #[test]
@@ -239,10 +248,10 @@ fn wrong_rows_are_rejected_with_their_line() {
 #[test]
 fn programs_without_names_or_phases_have_no_log() {
     let seeds = program("assembly seeds { seed plate 1 x 1 { A at (0, 0)  A.up -> B } }");
-    let error = read_log(LOG.as_bytes(), seeds).unwrap_err().to_string();
+    let error = read_log(LOG.as_bytes(), &seeds).unwrap_err().to_string();
     assert!(error.contains("`seeds` has no phase"), "{error}");
     let group = program("aggregate pair in magnet_tank to 2");
-    let error = read_log(LOG.as_bytes(), group).unwrap_err().to_string();
+    let error = read_log(LOG.as_bytes(), &group).unwrap_err().to_string();
     assert!(error.contains("`pair` is an aggregate"), "{error}");
 }
 
@@ -276,9 +285,9 @@ proptest! {
         is_json in any::<bool>(),
     ) {
         let tower = program(TOWER);
-        let _ = read_log(&bytes, tower.clone());
+        let _ = read_log(&bytes, &tower);
         let log = if is_json {
-            let records = read_log(LOG.as_bytes(), tower.clone()).unwrap().records;
+            let records = read_log(LOG.as_bytes(), &tower).unwrap();
             json_lines(&records, &tower, Detail::All)
         } else {
             LOG.to_owned()
@@ -287,6 +296,6 @@ proptest! {
         let at = at.index(changed.len());
         let end = (at + length).min(changed.len());
         changed.splice(at..end, bytes.iter().copied().take(length));
-        let _ = read_log(&changed, tower);
+        let _ = read_log(&changed, &tower);
     }
 }
