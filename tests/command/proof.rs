@@ -76,6 +76,17 @@ fn a_timeout_is_an_exception() {
 }
 
 #[test]
+fn a_dead_block_is_an_exception() {
+    let text = "scene worn from hemisphere { faults { dead 1% } }
+        assembly a in worn { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }";
+    let (lines, _) = checked(text, "");
+    assert_eq!(
+        lines[0],
+        "  proved: completes in every order unless it captures a dead block"
+    );
+}
+
+#[test]
 fn nothing_is_proved_about_wrong_programs_and_aggregates() {
     let document = stochc("check --json tests/fixtures/wrong.sa").json();
     assert_eq!(document["programs"][0]["proved"], Value::Null);

@@ -21,6 +21,9 @@ pub struct Proof {
     pub shapes: Vec<String>,
     /// Whether a phase has a timeout.
     pub has_timeout: bool,
+    /// Whether the scene has dead blocks.
+    #[serde(skip)]
+    pub has_dead_blocks: bool,
     /// Reasons why a property is not proved, as clauses.
     pub unproved: Vec<String>,
 }
@@ -48,6 +51,7 @@ impl Checked {
             no_cell_used_twice: true,
             shapes: self.shapes(program),
             has_timeout: (program.plan.phases.iter()).any(|phase| phase.timeout.is_some()),
+            has_dead_blocks: has_dead_blocks(program),
             unproved,
         })
     }
@@ -89,13 +93,23 @@ fn scarcity(program: &Program) -> Option<String> {
     ))
 }
 
+fn has_dead_blocks(program: &Program) -> bool {
+    let faults = program
+        .scene
+        .as_ref()
+        .and_then(|scene| scene.faults.as_ref());
+    faults
+        .and_then(|faults| faults.dead)
+        .is_some_and(|dead| dead > 0.0)
+}
+
 impl fmt::Display for Proof {
     /// Writes one line per property: `proved: ...`, or `not proved: ...` with the reason.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let order = if self.has_timeout {
-            "completes in every order unless a phase times out"
-        } else {
-            "completes in every order"
+        let order = match (self.has_timeout, self.has_dead_blocks) {
+            (true, _) => "completes in every order unless a phase times out",
+            (false, true) => "completes in every order unless it captures a dead block",
+            (false, false) => "completes in every order",
         };
         if self.completes {
             writeln!(f, "proved: {order}")?;
