@@ -12,7 +12,7 @@
 enum { AT_KIND, AT_NUMBER, AT_PHASE, AT_PROGRAM, AT_NODE = 5, AT_DETAIL = 7, AT_CHECK = 8 };
 
 /* Positions in the program. */
-enum { PROGRAM_ID = 0, PROGRAM_ROLES = 4, PROGRAM_PHASES = 8 };
+enum { PROGRAM_ID = 0, PROGRAM_ROLES = 4, PROGRAM_RECORDS = 8 };
 
 /* Actions of rules. */
 enum { DO_OPEN, DO_CLOSE, DO_ASK, DO_NOTIFY, DO_REPORT };
@@ -39,8 +39,7 @@ static uint16_t word(uint16_t at) {
 
 /* Returns the offset of the record of a role. */
 static uint16_t record(uint16_t role) {
-    uint16_t roles = (uint16_t)(PROGRAM_PHASES + (2u * SA_READ(3)));
-    return word((uint16_t)(roles + (2u * role)));
+    return word((uint16_t)(word(PROGRAM_RECORDS) + (2u * role)));
 }
 
 /* Returns the node that captures a node. Returns SA_NO_ROLE for a seed. */
@@ -137,16 +136,17 @@ static bool perpendicular(uint8_t a, uint8_t b) {
     return (a < SA_FACES) && (b < SA_FACES) && ((a >> 1) != (b >> 1));
 }
 
+/* Stores that an own face points to a direction. */
+static void point(struct sa_block *block, uint8_t face, uint8_t to) {
+    block->direction[face] = to;
+    block->direction[face ^ 1u] = to ^ 1u;
+}
+
 /* Stores that the own faces `a` and `b` point to `to_a` and `to_b`. */
 static void orient(struct sa_block *block, uint8_t a, uint8_t to_a, uint8_t b, uint8_t to_b) {
-    uint8_t c = cross(a, b);
-    uint8_t to_c = cross(to_a, to_b);
-    block->direction[a] = to_a;
-    block->direction[a ^ 1u] = to_a ^ 1u;
-    block->direction[b] = to_b;
-    block->direction[b ^ 1u] = to_b ^ 1u;
-    block->direction[c] = to_c;
-    block->direction[c ^ 1u] = to_c ^ 1u;
+    point(block, a, to_a);
+    point(block, b, to_b);
+    point(block, cross(a, b), cross(to_a, to_b));
 }
 
 /* Returns the own face that points in a direction of the structure. */
@@ -184,7 +184,7 @@ static void send(const struct sa_block *block, uint8_t face, uint8_t kind, uint8
     uint16_t sum = 0xFFFFu;
     uint8_t frame[AT_CHECK];
     uint8_t i;
-    frame[AT_KIND] = (uint8_t)((SA_VERSION << 4) | kind);
+    frame[AT_KIND] = (uint8_t)((SA_VERSION << 5) | block->stage | kind);
     frame[AT_NUMBER] = number;
     frame[AT_PHASE] = block->phase;
     frame[AT_PROGRAM] = SA_READ(PROGRAM_ID);
@@ -236,14 +236,19 @@ static uint8_t next_hop(const struct sa_block *block, uint16_t node) {
     return NOWHERE;
 }
 
-static bool send_up(struct sa_block *block, uint8_t kind, uint16_t node, uint8_t detail) {
-    if (block->up.kind != SA_NONE) {
+/* Stores a message. Returns whether there was room for it. */
+static bool put(struct sa_message *place, uint8_t kind, uint16_t node, uint8_t detail) {
+    if (place->kind != SA_NONE) {
         return false;
     }
-    block->up.kind = kind;
-    block->up.node = node;
-    block->up.detail = detail;
+    place->kind = kind;
+    place->node = node;
+    place->detail = detail;
     return true;
+}
+
+static bool send_up(struct sa_block *block, uint8_t kind, uint16_t node, uint8_t detail) {
+    return put(&block->up, kind, node, detail);
 }
 
 static void keep(struct sa_block *block, uint16_t node, uint8_t detail) {
@@ -273,12 +278,9 @@ static bool route(struct sa_block *block, uint16_t node, uint8_t detail, uint8_t
             return send_up(block, SA_NOTIFY, node, detail);
         }
     } else if ((hop < SA_FACES) && (hop != from)) {
-        if (block->down.kind != SA_NONE) {
+        if (!put(&block->down, SA_NOTIFY, node, detail)) {
             return false;
         }
-        block->down.kind = SA_NOTIFY;
-        block->down.node = node;
-        block->down.detail = detail;
         block->down_face = hop;
     } else {
         /* Only a damaged message comes here. */
@@ -407,21 +409,41 @@ static bool fire_one(struct sa_block *block) {
 
 /* ---- Events ---- */
 
-/* Forgets everything about the previous phase, and begins the duty of the block. */
-static void begin(struct sa_block *block, uint8_t phase) {
-    uint8_t face;
-    block->phase = phase;
-    block->duty = find_duty(block->node, phase);
+/* Returns a number in the frame received at a face. */
+static uint16_t frame_word(const struct sa_face *face, uint8_t at) {
+    return (uint16_t)(face->frame[at] | ((uint16_t)face->frame[at + 1u] << 8));
+}
+
+static bool is_aborting(const struct sa_block *block) {
+    return (block->stage & SA_STAGE) != 0u;
+}
+
+/* Forgets all observations and messages, and switches the faces off that have no child yet. */
+static void clear(struct sa_block *block) {
+    uint8_t at;
     block->up.kind = SA_NONE;
     block->down.kind = SA_NONE;
     block->waiting_count = 0;
     (void)memset(block->seen, 0, sizeof block->seen);
     (void)memset(block->fired, 0, sizeof block->fired);
-    for (face = 0; face < SA_FACES; face++) {
-        block->faces[face].tells = (block->faces[face].state == SA_CHILD);
-        block->faces[face].is_new = false;
-        block->faces[face].sending = SA_NONE;
+    for (at = 0; at < SA_FACES; at++) {
+        struct sa_face *face = &block->faces[at];
+        if ((face->state == SA_OPEN) || (face->state == SA_NAMING)) {
+            face->state = SA_OFF;
+            port_release(block->unit, at);
+        }
+        face->tells = (face->state == SA_CHILD);
+        face->is_new = face->is_new && is_aborting(block);
+        face->sending = SA_NONE;
     }
+}
+
+/* Forgets everything about the previous phase or attempt, and begins the duty of the block. */
+static void begin(struct sa_block *block, uint8_t phase, uint8_t stage) {
+    block->phase = phase;
+    block->stage = stage;
+    block->duty = find_duty(block->node, phase);
+    clear(block);
 }
 
 /* Ends the role of a block. Bytes received so far remain. */
@@ -429,16 +451,33 @@ static void forget(struct sa_block *block) {
     uint8_t face;
     block->node = SA_NO_ROLE;
     block->duty = 0;
-    block->up.kind = SA_NONE;
-    block->down.kind = SA_NONE;
-    block->waiting_count = 0;
+    block->stage = 0;
+    clear(block);
     for (face = 0; face < SA_FACES; face++) {
-        if ((block->faces[face].state == SA_OPEN) || (block->faces[face].state == SA_NAMING)) {
-            port_release(block->unit, face);
-        }
         block->faces[face].state = SA_OFF;
-        block->faces[face].sending = SA_NONE;
     }
+}
+
+/* Works on an abort. A block without captures of the phase asks for its release, or reports if it
+ * stood before the phase. */
+static void retreat(struct sa_block *block) {
+    bool is_done = block->fired[0] != 0u;
+    uint8_t at;
+    for (at = 0; at < SA_FACES; at++) {
+        const struct sa_face *face = &block->faces[at];
+        is_done = is_done || (face->state == SA_FREEING) || ((face->state == SA_CHILD) && face->is_new);
+    }
+    if (is_done) {
+        return;
+    }
+    if ((block->node & SA_ANCHORED) != 0u) {
+        is_done = send_up(block, SA_ASK, block->node, 0);
+    } else if (block->duty != 0u) {
+        is_done = send_up(block, SA_REPORT, block->node, 0);
+    } else {
+        /* This block only forwards messages. */
+    }
+    block->fired[0] = is_done ? 1u : 0u;
 }
 
 /* Returns whether a block is a seed or holds other blocks. */
@@ -458,7 +497,7 @@ static bool is_bound(const struct sa_block *block) {
  * former parent has not learnt about it or has lost the contact. */
 static bool take_role(struct sa_block *block, uint8_t face) {
     struct sa_face *parent = &block->faces[face];
-    uint16_t role = (uint16_t)(parent->frame[AT_NODE] | ((uint16_t)parent->frame[AT_NODE + 1] << 8));
+    uint16_t role = frame_word(parent, AT_NODE);
     uint8_t to_face = (uint8_t)(parent->frame[AT_DETAIL] >> 4) ^ 1u;
     uint8_t to_mark = parent->frame[AT_DETAIL] & 0x0Fu;
     uint8_t mark = port_mark(block->unit, face);
@@ -470,6 +509,7 @@ static bool take_role(struct sa_block *block, uint8_t face) {
     orient(block, face, to_face, mark, to_mark);
     block->node = role | SA_ANCHORED;
     block->phase = parent->frame[AT_PHASE];
+    block->stage = parent->frame[AT_KIND] & SA_STAGES;
     parent->state = SA_NAMED;
     parent->heard = parent->frame[AT_NUMBER];
     return true;
@@ -478,13 +518,13 @@ static bool take_role(struct sa_block *block, uint8_t face) {
 /* Begins the duty of a role. The parent has received the acknowledgement of the name. */
 static void confirm(struct sa_block *block, uint8_t from) {
     block->faces[from].state = SA_PARENT;
-    begin(block, block->phase);
+    begin(block, block->phase, block->stage);
 }
 
 /* Processes a message of the running phase. Returns whether there was room for it. */
 static bool process(struct sa_block *block, uint8_t from, uint8_t kind) {
     struct sa_face *face = &block->faces[from];
-    uint16_t node = (uint16_t)(face->frame[AT_NODE] | ((uint16_t)face->frame[AT_NODE + 1] << 8));
+    uint16_t node = frame_word(face, AT_NODE);
     if (kind == (uint8_t)SA_NOTIFY) {
         return route(block, node, face->frame[AT_DETAIL], from);
     }
@@ -493,7 +533,12 @@ static bool process(struct sa_block *block, uint8_t from, uint8_t kind) {
             return send_up(block, SA_REPORT, node, 0);
         }
         if (kind == (uint8_t)SA_ASK) {
-            see(block, ASKED, face->role);
+            if (is_aborting(block)) {
+                face->state = SA_FREEING;
+                face->sending = SA_NONE;
+            } else {
+                see(block, ASKED, face->role);
+            }
         }
     }
     return true;
@@ -503,6 +548,7 @@ static bool process(struct sa_block *block, uint8_t from, uint8_t kind) {
 static bool accept(struct sa_block *block, uint8_t from, uint8_t kind) {
     struct sa_face *face = &block->faces[from];
     uint8_t number = face->frame[AT_NUMBER];
+    uint8_t stage = face->frame[AT_KIND] & SA_STAGES;
     uint8_t phase = face->frame[AT_PHASE];
     if (kind == (uint8_t)SA_NAME) {
         return take_role(block, from);
@@ -517,27 +563,32 @@ static bool accept(struct sa_block *block, uint8_t from, uint8_t kind) {
     if ((face->state == SA_OFF) || (face->state == SA_OPEN) || (face->state == SA_NAMING)) {
         return false;
     }
-    if (number == face->heard) {
-        return true;
-    }
     if (face->state == SA_NAMED) {
         confirm(block, from);
     }
-    if (face->state == SA_PARENT) {
-        if (phase > block->phase) {
-            block->node &= (uint16_t)~SA_ANCHORED;
-            begin(block, phase);
-        }
-        if (kind == (uint8_t)SA_FREE) {
-            if (block->up.kind != SA_NONE) {
-                return false;
-            }
-            forget(block);
+    if ((phase != block->phase) || (stage != block->stage)) {
+        if (face->state != SA_PARENT) {
+            /* Messages of an earlier phase or attempt are void. */
+            face->heard = number;
             return true;
         }
+        if (phase != block->phase) {
+            block->node &= (uint16_t)~SA_ANCHORED;
+        }
+        begin(block, phase, stage);
+        face->heard = NO_NUMBER;
     }
-    /* Messages of an earlier phase are void. */
-    if ((phase == block->phase) && !process(block, from, kind)) {
+    if (number == face->heard) {
+        return true;
+    }
+    if ((face->state == SA_PARENT) && (kind == (uint8_t)SA_FREE)) {
+        if (block->up.kind != SA_NONE) {
+            return false;
+        }
+        forget(block);
+        return true;
+    }
+    if (!process(block, from, kind)) {
         return false;
     }
     face->heard = number;
@@ -592,12 +643,12 @@ static void acknowledged(struct sa_block *block, uint8_t from) {
 static void receive_frame(struct sa_block *block, uint8_t from) {
     struct sa_face *face = &block->faces[from];
     uint16_t sum = 0xFFFFu;
-    uint8_t kind = face->frame[AT_KIND] & 0x0Fu;
+    uint8_t kind = face->frame[AT_KIND] & 7u;
     uint8_t i;
     for (i = 0; i < SA_FRAME; i++) {
         sum = check(sum, face->frame[i]);
     }
-    if ((sum != 0u) || ((face->frame[AT_KIND] >> 4) != SA_VERSION) ||
+    if ((sum != 0u) || ((face->frame[AT_KIND] >> 5) != SA_VERSION) ||
         (face->frame[AT_PROGRAM] != SA_READ(PROGRAM_ID)) ||
         (face->frame[AT_PROGRAM + 1] != SA_READ(PROGRAM_ID + 1))) {
         return;
@@ -643,6 +694,7 @@ static void watch(struct sa_block *block, uint8_t at) {
         face->state = SA_NAMING;
         face->sending = SA_NONE;
         face->heard = NO_NUMBER;
+        face->count = 0; /* A frame of the last neighbour may lack its end. */
     } else if ((face->state == SA_NAMING) && !docked) {
         face->state = SA_OPEN;
         face->sending = SA_NONE;
@@ -661,10 +713,11 @@ static void watch(struct sa_block *block, uint8_t at) {
 /* Sends the next frame at a face, or sends the last one again. */
 static void transmit(struct sa_block *block, uint8_t at) {
     struct sa_face *face = &block->faces[at];
-    const struct sa_message *message = &block->up;
+    const struct sa_message *message = NULL;
     uint8_t kind = SA_NONE;
     uint16_t node = face->role;
     uint8_t detail = 0;
+    uint8_t now = port_clock();
     uint8_t directions =
         (uint8_t)((block->direction[at] << 4) | block->direction[(at + 2u) % SA_FACES]);
     switch (face->state) {
@@ -676,9 +729,7 @@ static void transmit(struct sa_block *block, uint8_t at) {
         kind = SA_FREE;
         break;
     case SA_PARENT:
-        kind = message->kind;
-        node = message->node;
-        detail = message->detail;
+        message = &block->up;
         break;
     case SA_CHILD:
         if (face->tells) {
@@ -686,9 +737,6 @@ static void transmit(struct sa_block *block, uint8_t at) {
             detail = face->is_new ? directions : 0u;
         } else if (block->down_face == at) {
             message = &block->down;
-            kind = message->kind;
-            node = message->node;
-            detail = message->detail;
         } else {
             /* Nothing to send. */
         }
@@ -696,18 +744,23 @@ static void transmit(struct sa_block *block, uint8_t at) {
     default:
         break;
     }
+    if (message != NULL) {
+        kind = message->kind;
+        node = message->node;
+        detail = message->detail;
+    }
     if (kind == (uint8_t)SA_NONE) {
         return;
     }
     if (face->sending != kind) {
         face->sending = kind;
         face->number = (uint8_t)((face->number + 1u) & 0x7Fu);
-    } else if ((uint8_t)(port_clock() - face->since) < SA_RETRY) {
+    } else if ((uint8_t)(now - face->since) < SA_RETRY) {
         return;
     } else {
         /* The frame or its acknowledgement was lost. */
     }
-    face->since = port_clock();
+    face->since = now;
     send(block, at, kind, face->number, node, detail);
 }
 
@@ -729,8 +782,8 @@ void sa_seed(struct sa_block *block, uint16_t unit, uint16_t role) {
     orient(block, SA_EAST, SA_EAST, SA_NORTH, SA_NORTH);
 }
 
-void sa_begin(struct sa_block *block, uint8_t phase) {
-    begin(block, phase);
+void sa_begin(struct sa_block *block, uint8_t phase, uint8_t stage) {
+    begin(block, phase, stage);
 }
 
 uint16_t sa_root(uint16_t node, uint8_t phase) {
@@ -767,8 +820,12 @@ void sa_poll(struct sa_block *block) {
             byte = (left > 0u) ? port_receive(block->unit, face) : (int16_t)-1;
         }
     }
-    while (fire_one(block)) {
-        /* One rule at a time. */
+    if (is_aborting(block)) {
+        retreat(block);
+    } else {
+        while (fire_one(block)) {
+            /* One rule at a time. */
+        }
     }
     send_waiting(block);
     for (face = 0; face < SA_FACES; face++) {

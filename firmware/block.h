@@ -8,7 +8,7 @@
 #include "program.h"
 
 /* Version of the frames. Blocks ignore frames of other versions. */
-#define SA_VERSION 1u
+#define SA_VERSION 2u
 /* Length of a frame [bytes], without delimiters and escapes. */
 #define SA_FRAME 10u
 /* Clock ticks after which a frame without an acknowledgement is sent again, at most 200. */
@@ -21,6 +21,10 @@
 #define SA_NO_ROLE 0xFFFFu
 /* Bit of a node (role and trigger): the block was captured during the running phase. */
 #define SA_ANCHORED 0x8000u
+
+/* An abort or a retry in the stage of a phase. The bit SA_STAGE is set during an abort. */
+#define SA_STAGE 0x08u
+#define SA_STAGES 0x18u
 
 /* Faces of a block, in its own frame. The opposite of face f is f ^ 1. */
 enum { SA_EAST, SA_WEST, SA_NORTH, SA_SOUTH, SA_UP, SA_DOWN };
@@ -58,6 +62,7 @@ struct sa_block {
     uint16_t node; /* Role, with SA_ANCHORED if captured during the running phase. */
     uint16_t duty; /* Offset of the duty in the program. 0 without a duty. */
     uint8_t phase;
+    uint8_t stage; /* SA_STAGE for each abort and retry of the phase so far, modulo 4. */
     uint8_t direction[SA_FACES]; /* Direction of each own face in the structure. */
     uint8_t down_face;
     uint16_t waiting_count;
@@ -81,7 +86,7 @@ uint16_t sa_role(const struct sa_block *block);
 /* For the plate: gives a role to a seed, begins a phase, finds the seed whose branch contains a
  * node, and delivers a notification. */
 void sa_seed(struct sa_block *block, uint16_t unit, uint16_t role);
-void sa_begin(struct sa_block *block, uint8_t phase);
+void sa_begin(struct sa_block *block, uint8_t phase, uint8_t stage);
 uint16_t sa_root(uint16_t node, uint8_t phase);
 bool sa_deliver(struct sa_block *block, uint16_t node, uint8_t detail);
 

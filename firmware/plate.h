@@ -4,9 +4,18 @@
 
 #include "block.h"
 
+/* Ticks of the clock in a tick of the program, at most 200. Timeouts and pauses are in the latter. */
+#ifndef SA_TICK
+#define SA_TICK 1u
+#endif
+
 struct sa_plate {
     uint8_t phase; /* Running phase, or the number of phases when all are complete. */
+    uint8_t stage; /* Of the phase, as in a block. */
+    uint8_t clock; /* When the ticks were last counted. */
     uint16_t reports;
+    uint16_t aborts; /* Of the phase. */
+    uint32_t ticks;  /* Since the attempt began, or since all blocks of it were released. */
     struct sa_block seeds[SA_SEEDS];
 };
 

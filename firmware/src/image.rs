@@ -6,10 +6,12 @@ use crate::encode::Encoder;
 use crate::nodes::Nodes;
 use crate::sizes::Sizes;
 
-/// Version of the format of an image.
-const FORMAT: u8 = 1;
+/// Version of the format of an image, without and with retries.
+const FORMATS: [u8; 2] = [1, 2];
 /// Length of the header before the table of phases \[bytes\].
-const HEADER: usize = 8;
+const HEADER: usize = 10;
+/// Length of the record of a phase \[bytes\], by format.
+const PHASES: [usize; 2] = [2, 14];
 
 /// A program in the format of the interpreter.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,8 +28,10 @@ pub enum Unsupported {
     /// The program is an aggregate.
     #[error("the blocks of an aggregate have no rules, so they need no firmware")]
     Aggregate,
-    /// A phase begins again after a timeout.
-    #[error("phase `{0}` begins again after a timeout, which firmware does not support yet")]
+    /// The timeout of a phase or its pause before a retry is too long.
+    #[error(
+        "phase `{0}` has a timeout or a pause before a retry above 4,294,967,295 ticks, which firmware does not support"
+    )]
     Recovery(String),
     /// A phase contains a time.
     #[error("phase `{0}` waits for a time, which firmware does not support yet")]
@@ -81,9 +85,6 @@ impl Image {
         if tables.aggregate.is_some() {
             return Err(Unsupported::Aggregate);
         }
-        if let Some(phase) = tables.phases.iter().find(|it| it.recovery.is_some()) {
-            return Err(Unsupported::Recovery(phase.name.clone()));
-        }
         if let Some(phase) = timed_phase(tables) {
             return Err(Unsupported::Time(phase.name.clone()));
         }
@@ -94,9 +95,12 @@ impl Image {
         }
         let seeds = tables.seeds().count();
         let nodes = Nodes::new(tables);
-        let mut bytes = vec![0, 0, FORMAT, phase_count];
+        let has_retries = tables.phases.iter().any(|it| it.recovery.is_some());
+        let format = usize::from(has_retries);
+        let mut bytes = vec![0, 0, FORMATS[format], phase_count];
         push_word(&mut bytes, roles);
         push_word(&mut bytes, seeds);
+        push_word(&mut bytes, HEADER + phases * PHASES[format]);
         debug_assert_eq!(bytes.len(), HEADER);
         for (number, phase) in (0..).zip(&tables.phases) {
             let reports = reports(phase, nodes.pre_attached(number));
@@ -105,6 +109,9 @@ impl Image {
                 count: reports,
             })?;
             bytes.extend(reports.to_le_bytes());
+            if has_retries {
+                push_recovery(&mut bytes, phase)?;
+            }
         }
         let mut encoder = Encoder::new(tables, &nodes);
         let mut at = bytes.len() + 2 * roles;
@@ -144,6 +151,26 @@ impl Image {
 /// report, because the plate waits for them.
 fn reports(phase: &Phase, pre_attached: usize) -> u32 {
     phase.reports + pre_attached as u32
+}
+
+/// Writes how a phase is retried. Zeros state that it is not.
+fn push_recovery(bytes: &mut Vec<u8>, phase: &Phase) -> Result<(), Unsupported> {
+    let timeout = phase.timeout.unwrap_or_default();
+    let (retries, reports, timeout, pause) = match phase.recovery {
+        Some(it) => (it.retries, it.reports, timeout, it.pause),
+        None => (0, 0, 0, 0),
+    };
+    let ticks = |ticks| u32::try_from(ticks).map_err(|_| Unsupported::Recovery(phase.name.clone()));
+    let reports = u16::try_from(reports).map_err(|_| Unsupported::Reports {
+        phase: phase.name.clone(),
+        count: reports,
+    })?;
+    // Programs have at most 1,000 retries.
+    bytes.extend(u16::try_from(retries).unwrap_or(u16::MAX).to_le_bytes());
+    bytes.extend(reports.to_le_bytes());
+    bytes.extend(ticks(timeout)?.to_le_bytes());
+    bytes.extend(ticks(pause)?.to_le_bytes());
+    Ok(())
 }
 
 fn push_word(bytes: &mut Vec<u8>, value: usize) {

@@ -27,7 +27,7 @@ impl Sizes {
     pub fn ram(&self) -> usize {
         const FACE: usize = 20;
         const MESSAGE: usize = 4;
-        let fixed = 2 + 2 + 2 + 1 + 6 + 1 + 2 + 2 * MESSAGE + 6 * FACE;
+        let fixed = 2 + 2 + 2 + 1 + 1 + 6 + 1 + 2 + 2 * MESSAGE + 6 * FACE;
         let bits = |count: usize| count.max(1).div_ceil(8);
         let size =
             fixed + self.waiting.max(1) * MESSAGE + bits(self.observations) + bits(self.rules);

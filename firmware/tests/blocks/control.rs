@@ -110,6 +110,26 @@ impl<'t> Control<'t> {
         Ok(())
     }
 
+    /// Aborts the phase. Blocks that hold none of its blocks ask for their release.
+    pub fn abort(&mut self) -> Result<(), String> {
+        if !self.structure.can_abort() {
+            return Err("the phase cannot be aborted".into());
+        }
+        self.structure.abort(&mut self.effects);
+        self.deliver();
+        Ok(())
+    }
+
+    /// Begins the aborted phase again.
+    pub fn retry(&mut self) -> Result<(), String> {
+        if !self.structure.is_aborting() || !self.structure.is_phase_reported() {
+            return Err("the abort is not over".into());
+        }
+        self.structure.retry(&mut self.effects);
+        self.deliver();
+        Ok(())
+    }
+
     pub fn is_complete(&self) -> bool {
         self.structure.phase().is_none()
     }

@@ -1,7 +1,7 @@
 //! Random orders of events, carried out by the interpreters and by the control.
 use std::collections::{BTreeMap, BTreeSet};
 
-use stochc_control::{BlockFace, Body, Docking, Orientation};
+use stochc_control::{BlockFace, Body, Docking, Orientation, StructureBlock};
 use stochc_firmware::Image;
 use stochc_ir::Face;
 use stochc_ir::table::Tables;
@@ -24,8 +24,9 @@ struct Pair<'a> {
     held: BTreeMap<(u32, u8), u32>,
     /// Free blocks.
     free: Vec<u32>,
-    /// Blocks docked at faces that are off.
+    /// Blocks docked at faces that the control has switched off.
     strays: BTreeSet<u32>,
+    retries: usize,
     random: Random,
 }
 
@@ -47,9 +48,14 @@ fn mark(face: Face) -> Face {
     Face::ALL[(face as usize + 2) % 6]
 }
 
+fn is_open(block: &StructureBlock, own: Face) -> bool {
+    block.open().iter().any(|open| open.own == own)
+}
+
 /// Builds a structure with the interpreters, in one random order. The control must accept every
-/// event, and must be in the same state whenever no message is in transit.
-pub fn run(tables: &Tables, host: &mut Host, channel: Channel) -> Result<(), String> {
+/// event, and must be in the same state whenever no message is in transit. Returns the number of
+/// retries of phases.
+pub fn run(tables: &Tables, host: &mut Host, channel: Channel) -> Result<usize, String> {
     let image = Image::new(tables).map_err(|error| error.to_string())?;
     let seeds: Vec<Body> = tables.seeds().map(|(_, cell)| Body::Seed(cell)).collect();
     let free = tables.captures() + 2;
@@ -62,10 +68,13 @@ pub fn run(tables: &Tables, host: &mut Host, channel: Channel) -> Result<(), Str
         held: BTreeMap::new(),
         free: (0..free as u32).collect(),
         strays: BTreeSet::new(),
+        retries: 0,
         random: Random(channel.seed),
         seeds,
     };
-    let limit = 1000 + 400 * free;
+    let recoveries = tables.phases.iter().filter_map(|phase| phase.recovery);
+    let attempts: usize = 1 + recoveries.map(|it| it.retries as usize).sum::<usize>();
+    let limit = (1000 + 400 * free) * attempts;
     for _ in 0..limit {
         pair.step()?;
         if pair.control.is_complete() {
@@ -74,7 +83,7 @@ pub fn run(tables: &Tables, host: &mut Host, channel: Channel) -> Result<(), Str
             if block > image.sizes.waiting || plate > image.sizes.plate_waiting {
                 return Err(format!("{block} and {plate} waiting: {:?}", image.sizes));
             }
-            return Ok(());
+            return Ok(pair.retries);
         }
     }
     Err(format!("stuck: {:#?}", pair.host.states()))
@@ -111,13 +120,22 @@ impl Pair<'_> {
         free + self.seeds.len() as u32
     }
 
+    fn is_stray(&self, unit: u32) -> bool {
+        self.strays.iter().any(|&free| self.unit(free) == unit)
+    }
+
     fn apply(&mut self, event: HostEvent) -> Result<(), String> {
         match event {
+            // A block that does not know about an abort yet.
+            HostEvent::Opened { unit, .. } if self.is_stray(unit) => {}
+            HostEvent::Opened { unit, face } if self.control.structure.is_aborting() => {
+                self.open.insert((unit, face));
+            }
             HostEvent::Opened { unit, face } => {
                 let block = self.control.structure.block(self.body(unit));
                 let block = block.ok_or("a block without a role")?;
                 let own = Face::ALL[usize::from(face)];
-                if !block.open().iter().any(|open| open.own == own) {
+                if !is_open(block, own) {
                     return Err("the control has not opened it".into());
                 }
                 self.open.insert((unit, face));
@@ -133,7 +151,15 @@ impl Pair<'_> {
                     self.control.release(block_face, Body::Free(child))?;
                 }
             }
+            HostEvent::Emptied { unit, face } => {
+                self.open.remove(&(unit, face));
+            }
             HostEvent::Phase(_) => self.control.next_phase()?,
+            HostEvent::Abort => self.control.abort()?,
+            HostEvent::Retry => {
+                self.retries += 1;
+                self.control.retry()?;
+            }
         }
         Ok(())
     }
@@ -153,6 +179,8 @@ impl Pair<'_> {
             return Ok(());
         }
         let child = self.free.swap_remove(self.random.below(self.free.len()));
+        let block = self.control.structure.block(block_face.body);
+        let is_late = !block.is_some_and(|block| is_open(block, block_face.face));
         let pose = self.control.effects.lattice.pose(block_face.body);
         let parent = pose.ok_or("a parent without a place")?.orientation;
         let child_face = Face::ALL[self.random.below(6)];
@@ -163,14 +191,18 @@ impl Pair<'_> {
         self.held.insert((unit, face), child);
         let number = self.unit(child);
         let (own, pointed) = (child_face as u8, pointed as u8);
-        self.control.dock(&Docking {
-            block_face,
-            child,
-            child_face,
-            turn,
-            entries: 1,
-            entered: 0,
-        });
+        if is_late {
+            self.strays.insert(child);
+        } else {
+            self.control.dock(&Docking {
+                block_face,
+                child,
+                child_face,
+                turn,
+                entries: 1,
+                entered: 0,
+            });
+        }
         self.command(&format!("D {unit} {face} {number} {own} {pointed}"))
     }
 
@@ -181,8 +213,7 @@ impl Pair<'_> {
         let face = Face::ALL[self.random.below(6)];
         let body = block.body();
         let block_face = BlockFace { body, face };
-        let is_open = block.open().iter().any(|open| open.own == face);
-        if is_open || self.control.effects.lattice.target(block_face).is_none() {
+        if is_open(block, face) || self.control.effects.lattice.target(block_face).is_none() {
             return Ok(());
         }
         let unit = match body {
@@ -204,7 +235,7 @@ impl Pair<'_> {
         let number = self.unit(child);
         self.command(&format!("D {unit} {} {number} 0 2", face as u8))?;
         self.command(&format!("T {unit}"))?;
-        if !self.strays.is_empty() {
+        if self.strays.contains(&child) {
             let states = self.host.states();
             if states.iter().any(|state| state.unit == unit) {
                 return Err(format!("unit {unit} keeps a stray block"));
@@ -218,7 +249,9 @@ impl Pair<'_> {
     /// Lets all messages arrive, and compares the states.
     fn settle(&mut self) -> Result<(), String> {
         self.command("Q")?;
-        let states = self.host.states();
+        let mut states = self.host.states();
+        // An abort may have released a block before it learnt the confirmation of its role.
+        states.retain(|state| !self.free.iter().any(|&free| self.unit(free) == state.unit));
         if states.len() != self.control.structure.count() {
             let count = self.control.structure.count();
             return Err(format!("{} blocks instead of {count}", states.len()));

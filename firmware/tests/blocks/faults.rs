@@ -101,7 +101,9 @@ impl Trial<'_> {
                     let (child, _) = self.held.remove(&(unit, face)).ok_or("nothing held")?;
                     self.free.push(child);
                 }
+                HostEvent::Emptied { unit, face } => self.open.retain(|it| *it != (unit, face)),
                 HostEvent::Phase(phase) => self.phase = phase,
+                HostEvent::Abort | HostEvent::Retry => {}
             }
         }
         Ok(())

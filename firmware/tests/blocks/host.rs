@@ -16,8 +16,14 @@ pub enum HostEvent {
     Opened { unit: u32, face: u8 },
     /// A face has released its block.
     Closed { unit: u32, face: u8 },
+    /// An empty face was switched off.
+    Emptied { unit: u32, face: u8 },
     /// The plate has begun a phase.
     Phase(u32),
+    /// The plate has aborted the phase.
+    Abort,
+    /// The plate has begun the aborted phase again.
+    Retry,
 }
 
 /// State of a block with a role.
@@ -114,7 +120,13 @@ impl Host {
                     unit: number(1),
                     face: face(),
                 },
+                "F" => HostEvent::Emptied {
+                    unit: number(1),
+                    face: face(),
+                },
                 "P" => HostEvent::Phase(number(1)),
+                "A" => HostEvent::Abort,
+                "Y" => HostEvent::Retry,
                 _ => panic!("{line}"),
             }
         });

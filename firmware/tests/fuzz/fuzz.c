@@ -101,7 +101,7 @@ static void put(uint8_t byte) {
 
 /* Puts a frame with a valid checksum into the queue. */
 static void put_frame(uint8_t kind, uint8_t number, uint8_t phase, uint16_t node, uint8_t detail) {
-    const uint8_t content[8] = {(uint8_t)((SA_VERSION << 4) | kind),
+    const uint8_t content[8] = {(uint8_t)((SA_VERSION << 5) | kind),
                                 number,
                                 phase,
                                 SA_READ(0),
@@ -208,13 +208,19 @@ static void make_states(void) {
     for (phase = 0; phase < SA_READ(3); phase++) {
         unsigned seed;
         subject.phase = phase;
+        subject.stage = 0;
         subject.reports = 0;
         for (seed = 0; seed < SA_SEEDS; seed++) {
-            sa_begin(&subject.seeds[seed], phase);
+            sa_begin(&subject.seeds[seed], phase, 0);
         }
         keep_state();
         work();
         attach_children();
+        keep_state();
+        subject.stage = SA_STAGE;
+        for (seed = 0; seed < SA_SEEDS; seed++) {
+            sa_begin(&subject.seeds[seed], phase, SA_STAGE);
+        }
         keep_state();
     }
 }
@@ -273,7 +279,7 @@ static void put_any_frame(uint8_t kind, const uint8_t *data) {
     if (kind == SA_ACK && number < 64) {
         number = block_of(queue_unit)->faces[queue_face].number;
     }
-    put_frame(kind, number, phase == 7 ? data[3] : phase,
+    put_frame(kind | (data[2] & SA_STAGES), number, phase == 7 ? data[3] : phase,
               (uint16_t)((data[1] & 0x7Fu) | ((data[1] & 0x80u) << 8)), data[3]);
 }
 

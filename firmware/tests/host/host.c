@@ -32,6 +32,8 @@ static unsigned units;
 static unsigned loss; /* of each byte [1/1000] */
 static unsigned noise; /* bytes per poll [1/1000] */
 static uint8_t now;
+static uint8_t phase; /* of the plate, as told */
+static uint8_t stage;
 static uint64_t state;
 static unsigned waiting_most;
 static unsigned plate_waiting_most;
@@ -58,6 +60,20 @@ static void put(unsigned unit, uint8_t face, uint8_t byte) {
     }
 }
 
+/* Tells what the plate has begun. */
+static void note_plate(void) {
+    if (plate.phase != phase || plate.stage != stage) {
+        busy = true;
+        if (plate.phase != phase) {
+            printf("P %u\n", plate.phase);
+        } else {
+            printf((plate.stage & SA_STAGE) != 0 ? "A\n" : "Y\n");
+        }
+        phase = plate.phase;
+        stage = plate.stage;
+    }
+}
+
 void port_attract(uint16_t unit, uint8_t face) {
     busy = true;
     printf("O %u %u\n", unit, face);
@@ -65,6 +81,7 @@ void port_attract(uint16_t unit, uint8_t face) {
 
 void port_release(uint16_t unit, uint8_t face) {
     struct contact *contact = contact_of(unit, face);
+    note_plate();
     busy = true;
     if (contact->holds) {
         struct contact *other = contact_of((unsigned)contact->unit, contact->face);
@@ -72,6 +89,8 @@ void port_release(uint16_t unit, uint8_t face) {
         other->unit = -1;
         contact->unit = -1;
         contact->holds = false;
+    } else {
+        printf("F %u %u\n", unit, face);
     }
 }
 
@@ -125,17 +144,13 @@ uint8_t port_clock(void) {
 }
 
 static void poll_plate(void) {
-    uint8_t before = plate.phase;
     unsigned seed;
     (void)sa_plate_poll(&plate);
+    note_plate();
     for (seed = 0; seed < seeds; seed++) {
         if (plate.seeds[seed].waiting_count > plate_waiting_most) {
             plate_waiting_most = plate.seeds[seed].waiting_count;
         }
-    }
-    if (plate.phase != before) {
-        busy = true;
-        printf("P %u\n", plate.phase);
     }
 }
 
@@ -252,6 +267,8 @@ static void load(FILE *in) {
         contacts[i].unit = -1;
     }
     now = 0;
+    phase = 0;
+    stage = 0;
     waiting_most = 0;
     plate_waiting_most = 0;
     for (i = seeds; i < units; i++) {
