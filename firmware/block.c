@@ -440,6 +440,12 @@ static void clear(struct sa_block *block) {
 
 /* Forgets everything about the previous phase or attempt, and begins the duty of the block. */
 static void begin(struct sa_block *block, uint8_t phase, uint8_t stage) {
+    if (phase != block->phase) {
+        /* The first frame of a phase may already abort it. Its children are not new. */
+        block->node &= (uint16_t)~SA_ANCHORED;
+        block->stage = 0;
+        clear(block);
+    }
     block->phase = phase;
     block->stage = stage;
     block->duty = find_duty(block->node, phase);
@@ -571,9 +577,6 @@ static bool accept(struct sa_block *block, uint8_t from, uint8_t kind) {
             /* Messages of an earlier phase or attempt are void. */
             face->heard = number;
             return true;
-        }
-        if (phase != block->phase) {
-            block->node &= (uint16_t)~SA_ANCHORED;
         }
         begin(block, phase, stage);
         face->heard = NO_NUMBER;
