@@ -197,6 +197,7 @@ fn rows(record: &RunRecord, program: &EnsembleProgram, detail: Detail) -> Vec<Lo
 pub fn without_physics(record: &RunRecord) -> RunRecord {
     let mut record = RunRecord {
         hops: 0,
+        faults: Vec::new(),
         ..record.clone()
     };
     let aborted = record.aborts.iter_mut();
