@@ -3,7 +3,8 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 use stochc_ir::record::{
-    BondRecord, FaultKind, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
+    BondRecord, FaultKind, FaultRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord,
+    WaitRecord,
 };
 use stochc_ir::table::{PhaseId, RoleId};
 use stochc_results::{EnsembleProgram, record_json};
@@ -106,7 +107,10 @@ impl RunNarrator<'_> {
         let aborts =
             aborts.map(|abort| (abort.tick, "timeout: the captures are released".to_owned()));
         let retries = retries.map(|tick| (tick, "the phase begins again".to_owned()));
-        let lines = bonds.chain(aborts).chain(releases).chain(retries);
+        let faults = record.faults.iter().filter(|fault| fault.phase == phase);
+        let faults = faults.map(|fault| (fault.tick, self.fault(fault)));
+        let lines = bonds.chain(faults).chain(aborts).chain(releases);
+        let lines = lines.chain(retries);
         let mut lines: Vec<(u64, String)> = lines.chain(waiting).collect();
         lines.sort_by_key(|&(tick, _)| tick);
         lines
@@ -133,6 +137,14 @@ impl RunNarrator<'_> {
             self.ticks(bond.docked.saturating_sub(bond.magnetized)),
             bond.body,
         )
+    }
+
+    fn fault(&self, fault: &FaultRecord) -> String {
+        let (role, body) = (self.role(fault.child), fault.body);
+        match fault.kind {
+            FaultKind::Dead => format!("a dead block docks as {role}: block {body}"),
+            FaultKind::Latch => format!("a latch fails to hold {role}: block {body}"),
+        }
     }
 
     fn release(&self, release: &ReleaseRecord) -> String {

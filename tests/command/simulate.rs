@@ -117,6 +117,20 @@ fn a_stopped_run_reports_its_limit_and_its_wait() {
     assert!(outcome.out.contains(wait), "{}", outcome.out);
 }
 
+#[test]
+fn a_trace_has_the_dockings_of_dead_blocks() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "dead.sa");
+    let text = "scene worn from hemisphere { faults { dead 100% } }
+        assembly a in worn { seed plate 1 x 1 { M at (0, 0) }
+            phase grow timeout 20 ticks { M.up -> A } }";
+    std::fs::write(&file, text).unwrap();
+    let outcome = stochc_with("trace --model shuffle --run 0", &[&file]);
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
+    let docked = "  a dead block docks as A: block ";
+    assert!(outcome.out.contains(docked), "{}", outcome.out);
+}
+
 /// Checks that the record of a run can be understood without another file.
 #[test]
 fn a_run_in_json_has_names_and_indices() {
