@@ -56,7 +56,7 @@ Exit status:
   0    success
   1    the program has errors, or the model cannot run it
   2    wrong command line, or a file cannot be read or written
-  3    a run did not complete, or runs or shards are missing
+  3    a run did not complete, runs or shards are missing, or a program does not survive `--faults`
   130  interrupted
 
 `stochc COMMAND --help` describes a command.";

@@ -3,8 +3,8 @@ use serde_json::{Value, json};
 use stochc_control::explore::{
     Exploration, ExplorationReport, ExplorationVerdict, Faults, Property, Violation,
 };
-use stochc_ir::table::Tables;
-use stochc_text::{counted, visible};
+use stochc_ir::table::{Action, Rule, Tables};
+use stochc_text::visible;
 
 use super::verify::reports;
 use stochc_compiler::model_check::MISTAKE;
@@ -12,13 +12,13 @@ use stochc_compiler::model_check::MISTAKE;
 /// Result of the exploration with dead blocks.
 #[derive(Debug)]
 pub(super) struct Survival {
-    /// Largest number of dead blocks.
+    /// Largest number of dockings of dead blocks.
     dead: u8,
     reports: Vec<ExplorationReport>,
 }
 
 impl Survival {
-    /// Explores all orders with at most `dead` blocks that never answer.
+    /// Explores all orders with at most `dead` dockings of blocks that never answer.
     pub fn explore(exploration: &Exploration<'_>, dead: u8) -> Survival {
         let faults = Faults {
             silent: dead,
@@ -38,8 +38,16 @@ impl Survival {
         (self.reports.iter()).find_map(ExplorationReport::violation)
     }
 
-    fn blocks(&self) -> String {
-        counted(usize::from(self.dead), "dead block")
+    fn dockings(&self) -> String {
+        match self.dead {
+            1 => "1 docking of a dead block".to_owned(),
+            dead => format!("{dead} dockings of dead blocks"),
+        }
+    }
+
+    /// Returns whether all orders were explored, at least up to a fault.
+    pub fn is_complete(&self) -> bool {
+        self.orders().is_none()
     }
 
     /// Returns the number of random orders. Returns `None` if all orders were explored.
@@ -48,15 +56,15 @@ impl Survival {
     }
 
     pub fn describe(&self) -> String {
-        let blocks = self.blocks();
+        let dockings = self.dockings();
         let first = &self.reports[0];
         let visited = format!("{} states, {} transitions", first.states, first.transitions);
         match (self.violation(), self.orders()) {
             (Some(violation), _) => {
-                format!("  Does not survive {blocks}: {}.\n", violation.what)
+                format!("  Does not survive {dockings}: {}.\n", violation.what)
             }
-            (None, None) => format!("  Survives {blocks} in every order: {visited}.\n"),
-            (None, Some(orders)) => format!("  Survives {blocks} in {orders} random orders.\n"),
+            (None, None) => format!("  Survives {dockings} in every order: {visited}.\n"),
+            (None, Some(orders)) => format!("  Survives {dockings} in {orders} random orders.\n"),
         }
     }
 
@@ -87,20 +95,29 @@ impl Survival {
             Property::NoHang => self.help(violation, tables),
             _ => MISTAKE.to_owned(),
         };
-        let (name, blocks) = (&tables.assembly, self.blocks());
+        let (name, dockings) = (&tables.assembly, self.dockings());
         Some(format!(
-            "error: `{name}` in {file} does not survive {blocks}\n{violation}help: {help}\n"
+            "error: `{name}` in {file} does not survive {dockings}\n{violation}help: {help}\n"
         ))
     }
 
     fn help(&self, violation: &Violation, tables: &Tables) -> String {
         let phase = &tables.phases[violation.phase.0 as usize];
         let (name, dead) = (visible(&phase.name), self.dead);
-        match phase.recovery {
-            Some(_) => format!("write `retry {dead}` in phase `{name}`"),
-            None => format!(
-                "add a timeout and `on timeout {{ release {name}  retry {dead} }}` to phase `{name}`"
-            ),
+        if phase.recovery.is_some() {
+            return format!("write `retry {dead}` in phase `{name}`");
         }
+        let is_release = |rule: Rule<'_>| matches!(rule.then, Action::SwitchOff { .. });
+        let mut duties = tables.duties().filter(|duty| duty.phase == violation.phase);
+        if duties.any(|duty| duty.rules().any(is_release)) {
+            return format!(
+                "write the releases of phase `{name}` in a phase of their own. The captures can then be retried"
+            );
+        }
+        let timeout = match phase.timeout {
+            Some(_) => "",
+            None => "a timeout and ",
+        };
+        format!("add {timeout}`on timeout {{ release {name}  retry {dead} }}` to phase `{name}`")
     }
 }

@@ -40,7 +40,7 @@ pub struct VerifyArguments {
     /// Explore at most this many states of each program. A program with more states is executed in random orders
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     states: u64,
-    /// Also explore all orders with at most this many dead blocks
+    /// Also explore all orders with at most this many dockings of dead blocks
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     faults: Option<u8>,
     #[command(flatten)]
@@ -185,17 +185,10 @@ fn explore<'a>(
             .iter()
             .find_map(|report| violation_message(file, tables, report));
         let is_right = violation.is_none();
-        if let Some(wrong) = violation {
-            warn(&wrong);
-            exit = Exit::InvalidProgram;
-            verified.wrong += 1;
-        } else if holds {
-            verified.completely += 1;
-        } else {
-            verified.in_random_orders += 1;
-        }
+        let mut is_complete = holds;
         if let Some(dead) = options.faults.filter(|_| is_right) {
             let survival = Survival::explore(&exploration, dead);
+            is_complete &= survival.is_complete();
             say(&survival.describe())?;
             document["survival"] = survival.json();
             if let Some(message) = survival.message(file, tables) {
@@ -203,6 +196,15 @@ fn explore<'a>(
                 exit = exit.or_worse(Exit::UnsuccessfulRun);
                 verified.failed += 1;
             }
+        }
+        if let Some(wrong) = violation {
+            warn(&wrong);
+            exit = Exit::InvalidProgram;
+            verified.wrong += 1;
+        } else if is_complete {
+            verified.completely += 1;
+        } else {
+            verified.in_random_orders += 1;
         }
         explored.push((&program.plan.name, document));
     }

@@ -733,7 +733,7 @@ fn event_tables_are_run_in_every_order() {
 fn dead_blocks_are_survived_with_retries() {
     let outcome = stochc("verify --faults 3 examples/dead_blocks.sa");
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
-    let survives = "  Survives 3 dead blocks in every order: ";
+    let survives = "  Survives 3 dockings of dead blocks in every order: ";
     assert!(outcome.out.contains(survives), "{}", outcome.out);
 
     let outcome = stochc("verify --faults 4 examples/dead_blocks.sa");
@@ -756,6 +756,35 @@ fn dead_blocks_are_survived_with_retries() {
         outcome.out
     );
     insta::assert_snapshot!("dead_block", outcome.err);
+}
+
+#[test]
+fn proposed_retries_are_valid_in_their_phases() {
+    for (file, help) in [
+        (
+            "examples/line.sa",
+            "add `on timeout { release grow  retry 1 }` to phase `grow`",
+        ),
+        (
+            "examples/experiment_1_timed.sa",
+            "write the releases of phase `recapture` in a phase of their own. The captures can then be retried",
+        ),
+    ] {
+        let outcome = stochc(&format!("verify --faults 1 {file}"));
+        assert_eq!(outcome.status, 3);
+        let end = format!("\nhelp: {help}\n");
+        assert!(outcome.err.ends_with(&end), "{}", outcome.err);
+    }
+}
+
+#[test]
+fn random_orders_with_dead_blocks_are_counted() {
+    let outcome = stochc("verify --faults 3 --states 100 examples/dead_blocks.sa");
+    assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
+    let sampled = "  Survives 3 dockings of dead blocks in 1000 random orders.
+1 program verified; every order of events explored: 0, 1000 random orders: 1
+";
+    assert!(outcome.out.ends_with(sampled), "{}", outcome.out);
 }
 
 #[test]
