@@ -16,6 +16,11 @@ pub enum LogError {
          the column `body`"
     )]
     Columns(String),
+    /// A column is missing.
+    #[error(
+        "the column `{0}` is missing; a log has the columns `run`, `seconds` or `ticks`, `event`, `block` and `by`"
+    )]
+    MissingColumn(&'static str),
     /// There are no rows.
     #[error("it contains no runs")]
     Empty,
@@ -60,6 +65,9 @@ pub enum RowError {
     /// The cell is not a time.
     #[error("`{0}` is not a time from 0 to 1e15")]
     Time(String),
+    /// The time in ticks is not a whole number.
+    #[error("`{0}` in `ticks` is not a whole number; give such times in the column `seconds`")]
+    Ticks(String),
     /// The event is unknown.
     #[error(
         "`{0}` is not an event; events are `phase`, `opened`, `captured`, `released`, `rejected`, `timeout` and `end`"
@@ -67,7 +75,8 @@ pub enum RowError {
     Event(String),
     /// The runs are not in order.
     #[error(
-        "run {run} comes before run {expected}; number the runs 0, 1, 2 ..., and keep the rows of each run together"
+        "expected run {}{expected}, found run {run}; number the runs 0, 1, 2 ..., and keep the rows of each run together",
+        expected.checked_sub(1).map_or(String::new(), |it| format!("{it} or "))
     )]
     RunOrder {
         /// Number of the run in the row.
@@ -84,6 +93,14 @@ pub enum RowError {
     /// The program has no such block.
     #[error("the program has no block `{name}`{}", did_you_mean(.near.as_deref()))]
     Block {
+        /// Name in the log.
+        name: String,
+        /// Similar name in the program.
+        near: Option<String>,
+    },
+    /// The program has no such phase.
+    #[error("the program has no phase `{name}`{}", did_you_mean(.near.as_deref()))]
+    NoPhase {
         /// Name in the log.
         name: String,
         /// Similar name in the program.
@@ -160,7 +177,7 @@ pub enum RowError {
     /// The block is attached.
     #[error("block {0} is attached already; log its release first, or leave out the column `body`")]
     Attached(u32),
-    /// The phase is unknown or comes at the wrong time.
+    /// The phase comes at the wrong time, or cannot time out.
     #[error("{0}")]
     Phase(String),
     /// The whole run is impossible.

@@ -75,6 +75,22 @@ impl<'p> LoggedProgram<'p> {
         Ok((self.role(block)?, face))
     }
 
+    /// Checks that the program has a phase.
+    pub fn check_phase(&self, name: &str) -> Result<(), RowError> {
+        let phases = self.tables.phases.iter().filter(|it| !it.pre_attached);
+        let names = phases.map(|phase| phase.name.as_str());
+        if name.is_empty() {
+            return Err(RowError::Missing("block"));
+        }
+        if names.clone().any(|it| it == name) {
+            return Ok(());
+        }
+        Err(RowError::NoPhase {
+            name: name.to_owned(),
+            near: nearest(name, names).map(|near| near.word),
+        })
+    }
+
     pub fn phase(&self, phase: PhaseId) -> &str {
         &self.tables.phases[phase.0 as usize].name
     }

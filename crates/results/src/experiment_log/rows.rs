@@ -12,6 +12,9 @@ const MAX: f64 = 1e15;
 /// Columns of a log, and keys of its objects.
 const COLUMNS: [&str; 7] = ["run", "seconds", "ticks", "event", "block", "by", "body"];
 
+/// Message for other JSON than JSON Lines.
+const NO_OBJECT: &str = "it is not an object of JSON; JSON Lines have one object per line";
+
 /// Row of a log.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Row {
@@ -62,10 +65,10 @@ pub(super) type Rows<'a> = Box<dyn Iterator<Item = Result<Row, LogError>> + Send
 /// tick \[s\].
 pub(super) fn rows(bytes: &[u8], tick: f64) -> Result<Rows<'_>, LogError> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    if text.trim_ascii_start().starts_with(b"{") {
-        Ok(Box::new(json_rows(text, tick)))
-    } else {
-        csv_rows(text, tick)
+    match text.trim_ascii_start().first() {
+        Some(b'{') => Ok(Box::new(json_rows(text, tick))),
+        Some(b'[') => Err(RowError::Syntax(NO_OBJECT).at(1)),
+        _ => csv_rows(text, tick),
     }
 }
 
@@ -76,8 +79,8 @@ fn json_rows(text: &[u8], tick: f64) -> impl Iterator<Item = Result<Row, LogErro
 }
 
 fn json_row(number: u64, line: &[u8], tick: f64) -> Result<Row, RowError> {
-    let object: Map<String, Value> = serde_json::from_slice(line)
-        .map_err(|_| RowError::Syntax("it is not an object of JSON"))?;
+    let object: Map<String, Value> =
+        serde_json::from_slice(line).map_err(|_| RowError::Syntax(NO_OBJECT))?;
     if let Some(key) = object.keys().find(|key| !COLUMNS.contains(&key.as_str())) {
         return Err(RowError::Key(key.clone()));
     }
@@ -101,14 +104,19 @@ fn csv_rows(text: &[u8], tick: f64) -> Result<Rows<'_>, LogError> {
     }
     let is_known = |column: &str| COLUMNS.contains(&column);
     let count = |name: &str| header.iter().filter(|column| *column == name).count();
-    let is_complete = ["run", "event", "block", "by"]
-        .iter()
-        .all(|it| count(it) == 1)
-        && count("seconds") + count("ticks") == 1
+    let required = ["run", "event", "block", "by"];
+    let is_valid = required.iter().all(|it| count(it) <= 1)
+        && count("seconds") + count("ticks") <= 1
         && count("body") <= 1;
-    if !is_complete || !header.iter().all(is_known) {
+    if !is_valid || !header.iter().all(is_known) {
         let columns: Vec<&str> = header.iter().collect();
         return Err(LogError::Columns(columns.join(",")));
+    }
+    if let Some(missing) = required.into_iter().find(|it| count(it) == 0) {
+        return Err(LogError::MissingColumn(missing));
+    }
+    if count("seconds") + count("ticks") == 0 {
+        return Err(LogError::MissingColumn("seconds` or `ticks"));
     }
     let positions = COLUMNS.map(position);
     let rows = reader.into_records().map(move |record| {
@@ -147,18 +155,22 @@ fn row<'a>(
         }
         (None, None) => return Err(RowError::Missing("seconds")),
     };
+    let ticks = time
+        .parse::<f64>()
+        .ok()
+        .filter(|it| (0.0..=MAX).contains(it))
+        .map(|it| it / unit)
+        .filter(|it| *it <= MAX)
+        .ok_or_else(|| RowError::Time(time.to_string()))?;
+    if cell("ticks").is_some() && ticks.fract() != 0.0 {
+        return Err(RowError::Ticks(time.into_owned()));
+    }
     let event = required("event")?;
     let body = cell("body").map(|text| whole("body", &text)).transpose()?;
     Ok(Row {
         line,
         run: whole("run", &required("run")?)?,
-        ticks: time
-            .parse::<f64>()
-            .ok()
-            .filter(|it| (0.0..=MAX).contains(it))
-            .map(|it| it / unit)
-            .filter(|it| *it <= MAX)
-            .ok_or_else(|| RowError::Time(time.into_owned()))?,
+        ticks,
         event: LogEvent::from_word(&event).ok_or_else(|| RowError::Event(event.into_owned()))?,
         block: cell("block").unwrap_or_default().into_owned(),
         by: cell("by").unwrap_or_default().into_owned(),

@@ -47,6 +47,7 @@ impl<'l> RunBuilder<'l> {
     }
 
     pub(super) fn begin_phase(&mut self, row: &Row) -> Result<(), RowError> {
+        self.log.check_phase(&row.block)?;
         let running = self.log.phase(self.phase);
         if self.is_aborting {
             return self.retry(&row.block);
@@ -105,6 +106,7 @@ impl<'l> RunBuilder<'l> {
     }
 
     pub(super) fn abort(&mut self, row: &Row) -> Result<(), RowError> {
+        self.log.check_phase(&row.block)?;
         self.pass_phases();
         let running = self.log.phase(self.phase);
         if row.block != running || self.is_aborting {
@@ -116,6 +118,11 @@ impl<'l> RunBuilder<'l> {
                 } else {
                     "is running"
                 }
+            )));
+        }
+        if self.phase().timeout.is_none() {
+            return Err(RowError::Phase(format!(
+                "phase `{running}` cannot time out: it has no `timeout` in the program"
             )));
         }
         let retries = self.phase().recovery.map_or(0, |recovery| recovery.retries);
