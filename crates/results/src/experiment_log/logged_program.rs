@@ -121,7 +121,7 @@ impl<'p> LoggedProgram<'p> {
         all.find(is_similar).map(|it| self.describe(it))
     }
 
-    /// Returns the tick from which an event is possible, or an event that it waits for. `done`
+    /// Returns the earliest possible tick of an event, or an event that it waits for. `done`
     /// returns the tick of an event. A face may open before its cell is empty, so `Vacated` counts
     /// only if `is_docking` is set.
     pub fn ready(

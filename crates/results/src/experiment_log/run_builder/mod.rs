@@ -242,7 +242,7 @@ impl<'l> RunBuilder<'l> {
         }
     }
 
-    /// Returns the tick from which an event is possible.
+    /// Returns the earliest possible tick of an event.
     fn ready(&self, id: EventId, is_docking: bool) -> Result<u64, RowError> {
         let done = |id: EventId| Some(self.happened[id.0 as usize]?.tick);
         let ready = self.log.ready(id, is_docking, done);
