@@ -351,6 +351,18 @@ fn angles_are_limited_to_a_right_angle() {
     assert_eq!(scene("90.001"), [Code::WrongValue]);
 }
 
+#[test]
+fn tiny_probabilities_are_out_of_range() {
+    let scene = |dead: &str| {
+        codes(&text(&format!(
+            "scene s from hemisphere {{ faults {{ dead {dead} }} }}"
+        )))
+    };
+    assert_eq!(scene("0"), []);
+    assert_eq!(scene("1e-60"), [Code::WrongValue]);
+    assert_eq!(scene("1e60"), [Code::WrongValue]);
+}
+
 /// Returns the program after a line of a page, such as `Wrong:`.
 fn fence<'a>(page: &'a str, title: &str) -> Option<&'a str> {
     let (_, rest) = page.split_once(&format!("\n{title}\n\n```sa\n"))?;

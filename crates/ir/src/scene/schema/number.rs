@@ -80,7 +80,8 @@ impl Range {
     /// Returns the rule that a value in SI units violates, or `None` if it is valid.
     pub fn violated(self, value: f64) -> Option<String> {
         let is_open = matches!(self, Range::Positive | Range::AtLeast(_));
-        if is_open && value > 0.0 && !Range::COMPUTABLE.contains(&value) {
+        let is_limited = is_open || self.contains(value);
+        if is_limited && value > 0.0 && !Range::COMPUTABLE.contains(&value) {
             let (least, most) = (Range::COMPUTABLE.start(), Range::COMPUTABLE.end());
             return Some(format!("from {least:e} to {most:e} in SI units"));
         }
