@@ -65,6 +65,16 @@ fn imported_runs_have_the_tables_of_the_simulated_ones() {
             );
         }
     }
+    // Measured runs have no limit of ticks and no replay.
+    let pages = [("a.html", &simulated), ("b.html", &measured)].map(|(name, folder)| {
+        let page = at(name);
+        let outcome = stochc_with("report --quiet --out", &[&page, folder]);
+        assert_eq!(outcome.status, 0, "{}", outcome.err);
+        let page = fs::read_to_string(&page).unwrap();
+        let texts = ["stochc replay", "stopped by <code>--max-ticks"];
+        texts.map(|it| page.contains(it))
+    });
+    assert_eq!(pages, [[true, true], [false, false]]);
     let outcome = stochc_with(
         "report --quiet --out",
         &[&at("both.html"), &simulated, &measured],

@@ -15,6 +15,8 @@ pub(crate) struct NarrativeContext<'a> {
     pub events: &'a Events,
     /// Address of the replay of the run. `None` if there is no replay.
     pub replay: Option<String>,
+    /// Whether the run was measured in an experiment.
+    pub is_measured: bool,
 }
 
 impl NarrativeContext<'_> {
@@ -46,12 +48,13 @@ pub(super) fn heading(of: &NarrativeContext, what: &str, run: &FinishedRun) -> S
     let end = match &record.outcome {
         Outcome::Completed => String::new(),
         Outcome::TimedOut { phase, by } => {
-            let by = match by {
-                Limit::Timeout => "its timeout",
-                Limit::MaxTicks => "<code>--max-ticks</code>",
+            let end = match by {
+                Limit::Timeout => "stopped by its timeout",
+                Limit::MaxTicks if of.is_measured => "in progress or stopped",
+                Limit::MaxTicks => "stopped by <code>--max-ticks</code>",
             };
             let phase = code(of.program.phase(*phase));
-            format!(", stopped by {by} in phase {phase}")
+            format!(", {end} in phase {phase}")
         }
         Outcome::Failed { .. } => ", failed".to_owned(),
     };

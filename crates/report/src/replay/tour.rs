@@ -19,6 +19,7 @@ pub fn tour(program: &EnsembleProgram, record: &RunRecord) -> Value {
         program,
         events: &events,
         replay: None,
+        is_measured: false,
     };
     let mut lengths: Vec<u64> = run
         .critical_path

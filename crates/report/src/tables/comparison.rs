@@ -31,7 +31,7 @@ pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
     rows.add("Min – max", |c| range(c.time.as_ref()));
     rows.add("SD (CV)", |c| spread(c.time.as_ref()));
     rows.add_if_any("Timed out", |c| c.timed_out);
-    rows.add_if_any("Censored at --max-ticks", |c| c.censored);
+    rows.add_if_any("Censored", |c| c.censored);
     rows.add_if_any("Failed", |c| c.failed);
     rows.add_if_any("Not finished", |c| c.runs - c.finished);
     add_phases(&mut rows);
@@ -80,8 +80,10 @@ pub(super) const NEVER_COMPLETES: &str =
 pub(super) const UNFINISHED: &str =
     "Some runs are not finished. The slowest runs are missing, so the times are too short.";
 
-pub(super) const LOWER_BOUND: &str = "≥ marks a lower bound, because some runs did not complete. In the mean, they count with the last observed \
-     time. The median is the Kaplan-Meier estimate.";
+pub(super) const LOWER_BOUND: &str = "≥ marks a lower bound, because some runs did not complete. The mean is the area under the \
+     Kaplan-Meier curve up to the last observed time. The median is also of this curve.";
+
+const STOPPED: &str = "Censored: the run was stopped at --max-ticks, or it was measured and is in progress or stopped.";
 
 /// Returns the notes that the values of the table require.
 fn notes(comparison: &Comparison) -> Vec<String> {
@@ -106,6 +108,9 @@ fn notes(comparison: &Comparison) -> Vec<String> {
         notes.push(format!(
             "{LOWER_BOUND} The SD, the CV and the longest time are unknown."
         ));
+    }
+    if comparison.programs.iter().any(|c| c.censored > 0) {
+        notes.push(STOPPED.to_owned());
     }
     if comparison.programs.iter().any(|c| c.timed_out > 0) {
         notes.push(NEVER_COMPLETES.to_owned());

@@ -74,7 +74,7 @@ fn notes(markup: Markup, is_bound: bool, are_timed_out: bool) -> String {
     let mut notes = markup.paragraph("± is the 95 % confidence interval of the mean.");
     if is_bound {
         notes += &markup.paragraph(
-            "≥ marks a lower bound, because some runs did not complete. In the mean, they count with the last observed time.",
+            "≥ marks a lower bound, because some runs did not complete. The mean is the area under the Kaplan-Meier curve up to the last observed time.",
         );
     }
     if are_timed_out {

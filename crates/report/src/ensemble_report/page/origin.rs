@@ -221,10 +221,10 @@ pub(super) fn methods(parts: &Parts, out: &mut Html, drawings: &[Drawing]) {
              Blocks enter the reach of the face (<em>entries</em>) and may leave again. The \
              <em>docking</em> time starts at the last entry."
                 .to_owned(),
-            "<strong>Censored</strong> runs were stopped at <code>--max-ticks</code>. Their completion times are longer, but \
-             unknown. Runs that <strong>timed out</strong> never complete. The curves account for both \
+            "<strong>Censored</strong> runs were stopped at <code>--max-ticks</code>, or they were measured and are in \
+             progress or stopped. Their completion times are longer, but unknown. Runs that <strong>timed out</strong> never complete. The curves account for both \
              (Kaplan-Meier estimate; intervals by Greenwood's formula for log(−log S)). In both cases, means are \
-             lower bounds, in which these runs count with the last observed time."
+             lower bounds: areas under the curves up to the last observed time."
                 .to_owned(),
             "The <strong>critical path</strong> of a run is found backwards from its last event: each event \
              leads to the event that it waited for last. <em>Share of time</em> is the time that a capture spent on \

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use stochc_experiments::Time;
 use stochc_experiments::statistics::Observation;
 use stochc_files::shell;
+use stochc_runtime::Model;
 use stochc_text::{escaped, number, percent};
 
 use super::Parts;
@@ -332,6 +333,7 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut
         out.note(note);
     }
     let path = &parts.inputs[subject.folder].path;
+    let is_measured = subject.manifest.uses(Model::Measured);
     for (what, run) in subject.example_runs() {
         let number = run.record.run;
         let replay = parts.surroundings.replay;
@@ -339,6 +341,7 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut
             program: subject.program,
             events: &subject.events,
             replay: replay(subject.folder, subject.number, number),
+            is_measured,
         };
         out.raw(&format!("<h4>{}</h4>\n", heading(&context, what, run)));
         if let Some(lead) = lead(&context, run) {
@@ -357,6 +360,8 @@ pub(super) fn runs(parts: &Parts, n: usize, subject: &ReportedProgram, out: &mut
                 "<a href=\"{}\">Watch run {number}</a>",
                 escaped(&address)
             )),
+            // `stochc replay` needs a simulation.
+            None if is_measured => {}
             None => {
                 out.note("To watch it:");
                 let mut line = format!("stochc replay {} --run {number}", shell::file(path));
