@@ -227,7 +227,7 @@ impl Timeout {
         to_si(quantity).1 == Dimension::TICKS
     }
 
-    /// Returns whether a quantity is in ticks or in a unit of time.
+    /// Returns whether the unit of a quantity is a tick or a unit of time.
     pub(crate) fn is_a_time(quantity: &Quantity) -> bool {
         [Dimension::TICKS, Dimension::TIME].contains(&to_si(quantity).1)
     }

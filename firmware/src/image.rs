@@ -190,7 +190,7 @@ fn crc16(bytes: &[u8]) -> u16 {
     })
 }
 
-/// Returns a phase with a shortest duration, or with a release that waits for a time.
+/// Returns a phase with `wait`, or with a delayed release.
 fn timed_phase(tables: &Tables) -> Option<&Phase> {
     let is_late = |rule: Rule<'_>| matches!(rule.then, Action::AskReleaseLater(_));
     let mut duties = tables.duties();

@@ -209,7 +209,7 @@ fn add(
     Ok(())
 }
 
-/// Decides the claims of the first program without runs, as far as this is possible.
+/// Decides claims of the first program without simulating it, if this is possible.
 fn decide_exactly(
     entries: &[EnsembleProgram],
     rates: &[Rates],

@@ -7,7 +7,7 @@ use stochc_ir::Face;
 pub struct Frame {
     /// Whether east and west are exchanged.
     pub is_mirrored: bool,
-    /// Number of quarter turns from east to north, from 0 to 3.
+    /// Number of quarter turns, from 0 to 3. One quarter turn maps east to north.
     pub quarters: u8,
     /// Number of blocks to the east and to the north.
     pub offset: (i64, i64),

@@ -125,7 +125,7 @@ impl RunRecorder {
         }
     }
 
-    /// Returns the environment of a structure in a world.
+    /// Returns an environment that passes calls to `world` and records them.
     pub fn in_world<'a, W: World>(&'a mut self, world: &'a mut W) -> RecordedWorld<'a, W> {
         RecordedWorld {
             recorder: self,

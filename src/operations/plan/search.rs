@@ -51,7 +51,7 @@ pub fn is_right_at(path: &Path, planned: &Planned, imports: &[PathBuf]) -> Resul
 /// Target of a plan, after reading it.
 #[derive(Debug)]
 pub enum PlanTarget {
-    /// Shape, or the rest of a run.
+    /// Shape to build, or the structure of a run to complete.
     Goal(Goal),
     /// Partial program to complete.
     Completion(Completion),

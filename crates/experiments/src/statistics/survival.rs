@@ -37,7 +37,7 @@ struct SurvivalStep {
     after: f64,
 }
 
-/// Share of incomplete runs directly after a time with completions.
+/// Time at which runs complete, and the share of runs that are then still incomplete.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurvivalPoint {
     /// Time, in the unit of the observations.

@@ -11,7 +11,7 @@ pub struct Scaffolding {
     pub guides: Vec<((i32, i32), i32)>,
 }
 
-/// Path of target cells that grows from a mast, until its blocks are handed over.
+/// Path of target cells. Its blocks grow from a mast, and are handed over later.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MastSegment {
     /// Position of the mast on the plate.

@@ -49,7 +49,7 @@ impl Priorities {
     /// Returns changed priorities. Most changes are at critical sites.
     pub fn changed(&self, critical: &[f32], rng: &mut ChaCha8Rng) -> Priorities {
         const MAX: usize = 4;
-        /// One of `ODDS` changes selects another direction.
+        /// On average, one change in `ODDS` selects another direction.
         const ODDS: u32 = 4;
         let mut other = self.clone();
         for _ in 0..rng.random_range(1..=MAX) {

@@ -11,7 +11,7 @@ use crate::svg::{
 };
 use crate::tables::trade::RESTRICTED;
 
-/// Width of the figure on a screen, in units of a drawing.
+/// Width of the figure on a page \[units of the drawing\].
 const WIDTH: f64 = 1020.0;
 /// Smallest width of a figure with the list of settings to the right of the plot. In narrower
 /// figures, the list is below.
