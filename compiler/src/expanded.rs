@@ -45,7 +45,7 @@ pub struct ExpandedProgram {
     pub grown: Vec<PatternInstance>,
     /// Number of visited statements.
     pub(crate) steps: usize,
-    /// Branches of conditions that are taken.
+    /// Branches of conditions that are taken or skipped.
     pub(crate) branches: Branches,
     /// First words of names whose block or instance may be missing because of a wrong statement.
     pub uncertain: FxHashSet<Symbol>,

@@ -37,7 +37,7 @@ struct SurvivalStep {
     after: f64,
 }
 
-/// Time at which runs complete, and the share of runs that are then still incomplete.
+/// Time when runs complete. Includes the share of runs that are still incomplete after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurvivalPoint {
     /// Time, in the unit of the observations.
