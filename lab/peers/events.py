@@ -121,7 +121,7 @@ def children():
 
 
 def versions():
-    lock = (HERE / "Cargo.lock").read_text()
+    lock = (HERE.parent / "Cargo.lock").read_text()
     found = ["rebop " + re.search(r'name = "rebop"\nversion = "(.*)"', lock)[1]]
     for name in ("rgrow", "kappy"):
         if importlib.util.find_spec(name):

@@ -191,7 +191,7 @@ def rms(rows):
 
 
 def versions(programs, drivers):
-    lock = (HERE / "Cargo.lock").read_text()
+    lock = (HERE.parent / "Cargo.lock").read_text()
     rapier = re.search(r'name = "rapier3d"\nversion = "(.*)"', lock)[1]
     rust = subprocess.run(["rustc", "--version"], capture_output=True, text=True).stdout.split()[1]
     c = subprocess.run(["cc", "-dumpfullversion"], capture_output=True, text=True).stdout.strip()

@@ -79,22 +79,87 @@ fn dependencies_have_allowed_sources_and_licences() {
 /// Checks every package in the lock file. It must be in this workspace, or be from the registry and
 /// have a checksum.
 fn assert_sources() {
-    let lock = std::fs::read_to_string("Cargo.lock").unwrap();
-    let mut packages = lock.split("\n[[package]]\n");
-    packages.next();
-    for package in packages {
-        let field = |name: &str| {
-            let lines = package.lines();
-            let mut values = lines.filter_map(|line| line.strip_prefix(name)?.strip_prefix(" = "));
-            values.next().map(|value| value.trim_matches('"'))
-        };
-        let name = field("name").unwrap();
-        match field("source") {
+    for package in locked("Cargo.lock") {
+        let name = field(&package, "name").unwrap();
+        match field(&package, "source") {
             None => assert!(name.starts_with("stochc"), "{name}"),
             Some(source) => {
                 assert_eq!(source, REGISTRY, "{name}");
-                assert_eq!(field("checksum").map(str::len), Some(64), "{name}");
+                let checksum = field(&package, "checksum");
+                assert_eq!(checksum.map(str::len), Some(64), "{name}");
             }
         }
+    }
+}
+
+/// Returns the text of each package in a lock file.
+fn locked(path: &str) -> Vec<String> {
+    let lock = std::fs::read_to_string(path).unwrap();
+    let packages = lock.split("\n[[package]]\n").skip(1);
+    packages.map(str::to_owned).collect()
+}
+
+/// Returns the value of a field of a locked package.
+fn field<'a>(package: &'a str, name: &str) -> Option<&'a str> {
+    let lines = package.lines();
+    let mut values = lines.filter_map(|line| line.strip_prefix(name)?.strip_prefix(" = "));
+    values.next().map(|value| value.trim_matches('"'))
+}
+
+/// Returns the names of the dependencies that a lock file must list for each package of a
+/// workspace. Only the lock file of the workspace itself lists dependencies of tests and optional
+/// dependencies.
+fn declared(manifest: &str, is_own: bool) -> Vec<(String, Vec<String>)> {
+    let cargo = std::env::var("CARGO").unwrap_or("cargo".to_owned());
+    let output = Command::new(cargo)
+        .args([
+            "metadata",
+            "--format-version",
+            "1",
+            "--no-deps",
+            "--offline",
+        ])
+        .args(["--manifest-path", manifest])
+        .output()
+        .unwrap();
+    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let packages = metadata["packages"].as_array().unwrap().iter();
+    let text = |value: &Value| value.as_str().unwrap().to_owned();
+    packages
+        .map(|package| {
+            let all = package["dependencies"].as_array().unwrap().iter();
+            let is_needed = |of: &&Value| is_own || of["kind"] != "dev" && of["optional"] == false;
+            let needed = all.filter(is_needed).map(|of| text(&of["name"]));
+            (text(&package["name"]), needed.collect())
+        })
+        .collect()
+}
+
+/// Checks that the lock files of the other workspaces list all dependencies of our crates. A lock
+/// file that does not is out of date, and `cargo build --locked` rejects it.
+#[test]
+fn lock_files_of_other_workspaces_are_current() {
+    let ours = declared("Cargo.toml", false);
+    for folder in ["editors/test", "fuzz", "lab"] {
+        let own = declared(&format!("{folder}/Cargo.toml"), true);
+        let mut found = 0;
+        for package in locked(&format!("{folder}/Cargo.lock")) {
+            let name = field(&package, "name").unwrap();
+            let mut known = own.iter().chain(&ours);
+            let Some((_, needed)) = known.find(|(of, _)| of == name) else {
+                continue;
+            };
+            found += 1;
+            for dependency in needed {
+                let is_listed = package.contains(&format!("\n \"{dependency}\""))
+                    || package.contains(&format!("\n \"{dependency} "));
+                assert!(
+                    is_listed,
+                    "{folder}/Cargo.lock does not list `{dependency}` for `{name}`; \
+                     run `cargo update -w --manifest-path {folder}/Cargo.toml`"
+                );
+            }
+        }
+        assert!(found > 0, "{folder}");
     }
 }

@@ -92,12 +92,12 @@ impl Growth {
             step.map_err(|fault| fault.to_string())?;
             done += self.dockings.len();
             for docking in self.dockings.drain(..) {
-                let parent = match docking.site.body {
+                let parent = match docking.block_face.body {
                     Body::Seed(_) => Orientation::IDENTITY,
                     Body::Free(id) => self.orientations[id as usize],
                 };
                 let (child_face, turn) = (docking.child_face, docking.turn);
-                let own = Orientation::docked(parent, docking.site.face, child_face, turn);
+                let own = Orientation::docked(parent, docking.block_face.face, child_face, turn);
                 self.orientations[docking.child as usize] = own;
                 self.world.magnetize(BlockFace {
                     body: Body::Free(docking.child),
