@@ -15,7 +15,7 @@ enum { AT_KIND, AT_NUMBER, AT_PHASE, AT_PROGRAM, AT_NODE = 5, AT_DETAIL = 7, AT_
 enum { PROGRAM_ID = 0, PROGRAM_ROLES = 4, PROGRAM_RECORDS = 8 };
 
 /* Actions of rules. */
-enum { DO_OPEN, DO_CLOSE, DO_ASK, DO_NOTIFY, DO_REPORT };
+enum { DO_OPEN, DO_CLOSE, DO_ASK, DO_NOTIFY, DO_REPORT, DO_ASK_LATER };
 
 /* Observations with a role, in the two upper bits. */
 #define DOCKED 0x0000u
@@ -37,15 +37,15 @@ static uint16_t word(uint16_t at) {
     return (uint16_t)(SA_READ(at) | ((uint16_t)SA_READ((uint16_t)(at + 1u)) << 8));
 }
 
-/* Returns the offset of the record of a role. */
-static uint16_t record(uint16_t role) {
+/* Returns the offset of the record of a node. */
+static uint16_t record(uint16_t node) {
+    uint16_t role = node & (uint16_t)~SA_ANCHORED;
     return word((uint16_t)(word(PROGRAM_RECORDS) + (2u * role)));
 }
 
 /* Returns the node that captures a node. Returns SA_NO_ROLE for a seed. */
 static uint16_t captor(uint16_t node, uint8_t phase) {
-    uint16_t role = node & (uint16_t)~SA_ANCHORED;
-    uint16_t at = record(role);
+    uint16_t at = record(node);
     uint8_t count = SA_READ(at);
     uint16_t found = SA_NO_ROLE;
     at++;
@@ -68,9 +68,8 @@ static uint16_t captor(uint16_t node, uint8_t phase) {
 
 /* Returns the offset of the duty of a node in a phase, or 0. */
 static uint16_t find_duty(uint16_t node, uint8_t phase) {
-    uint16_t role = node & (uint16_t)~SA_ANCHORED;
     uint8_t trigger = ((node & SA_ANCHORED) != 0u) ? 0x80u : 0u;
-    uint16_t at = record(role);
+    uint16_t at = record(node);
     uint8_t count;
     at = (uint16_t)(at + 1u + (3u * SA_READ(at)));
     count = SA_READ(at);
@@ -133,7 +132,7 @@ static uint8_t cross(uint8_t a, uint8_t b) {
 }
 
 static bool perpendicular(uint8_t a, uint8_t b) {
-    return (a < SA_FACES) && (b < SA_FACES) && ((a >> 1) != (b >> 1));
+    return (a < SA_FACES) && (b < SA_FACES) && ((a ^ b) > 1u);
 }
 
 /* Stores that an own face points to a direction. */
@@ -247,8 +246,9 @@ static bool put(struct sa_message *place, uint8_t kind, uint16_t node, uint8_t d
     return true;
 }
 
-static bool send_up(struct sa_block *block, uint8_t kind, uint16_t node, uint8_t detail) {
-    return put(&block->up, kind, node, detail);
+/* Sends a report or a request. Returns whether there was room for it. */
+static bool send_up(struct sa_block *block, uint8_t kind) {
+    return put(&block->up, kind, block->node, 0);
 }
 
 static void keep(struct sa_block *block, uint16_t node, uint8_t detail) {
@@ -275,7 +275,7 @@ static bool route(struct sa_block *block, uint16_t node, uint8_t detail, uint8_t
         keep(block, node, detail);
     } else if (hop == (uint8_t)UP) {
         if ((from >= SA_FACES) || (block->faces[from].state != SA_PARENT)) {
-            return send_up(block, SA_NOTIFY, node, detail);
+            return put(&block->up, SA_NOTIFY, node, detail);
         }
     } else if ((hop < SA_FACES) && (hop != from)) {
         if (!put(&block->down, SA_NOTIFY, node, detail)) {
@@ -327,7 +327,6 @@ static bool close_face(struct sa_block *block, uint8_t face, uint16_t child) {
 
 /* Carries out an action. Returns false if it must wait for room. */
 static bool act(struct sa_block *block, uint8_t action, uint16_t at) {
-    uint16_t role = block->node & (uint16_t)~SA_ANCHORED;
     uint8_t face = own_face(block, (uint8_t)(action >> 3) & 7u);
     switch (action & 7u) {
     case DO_OPEN:
@@ -335,11 +334,15 @@ static bool act(struct sa_block *block, uint8_t action, uint16_t at) {
     case DO_CLOSE:
         return close_face(block, face, word(at));
     case DO_ASK:
-        return send_up(block, SA_ASK, role, 0);
+        return send_up(block, SA_ASK);
     case DO_NOTIFY:
         return route(block, word(at), SA_READ((uint16_t)(at + 2u)), SA_FACES);
+    case DO_ASK_LATER:
+        block->delay = word(at) | ((uint32_t)word((uint16_t)(at + 2u)) << 16);
+        block->clock = port_clock();
+        return true;
     default:
-        return send_up(block, SA_REPORT, role, 0);
+        return send_up(block, SA_REPORT);
     }
 }
 
@@ -392,19 +395,23 @@ static bool fire_one(struct sa_block *block) {
             }
             return false;
         }
-        switch (action & 7u) {
-        case DO_NOTIFY:
-            at = (uint16_t)(at + 3u);
-            break;
-        case DO_OPEN:
-        case DO_CLOSE:
-            at = (uint16_t)(at + 2u);
-            break;
-        default:
-            break;
-        }
+        /* The upper bits are the number of operand bytes, less one. */
+        action >>= 6;
+        at = (uint16_t)(at + action + ((action != 0u) ? 1u : 0u));
     }
     return false;
+}
+
+/* Asks for the release of a block after its delay. */
+static void count_down(struct sa_block *block) {
+    uint8_t now = port_clock();
+    while ((block->delay > 1u) && ((uint8_t)(now - block->clock) >= SA_TICK)) {
+        block->clock = (uint8_t)(block->clock + SA_TICK);
+        block->delay--;
+    }
+    if ((block->delay == 1u) && send_up(block, SA_ASK)) {
+        block->delay = 0;
+    }
 }
 
 /* ---- Events ---- */
@@ -418,12 +425,14 @@ static bool is_aborting(const struct sa_block *block) {
     return (block->stage & SA_STAGE) != 0u;
 }
 
-/* Forgets all observations and messages, and switches the faces off that have no child yet. */
-static void clear(struct sa_block *block) {
+/* Forgets all observations and messages, and switches the faces off that have no child yet. An abort
+ * `keeps` the captures of the phase in mind. */
+static void clear(struct sa_block *block, bool keeps) {
     uint8_t at;
     block->up.kind = SA_NONE;
     block->down.kind = SA_NONE;
     block->waiting_count = 0;
+    block->delay = 0;
     (void)memset(block->seen, 0, sizeof block->seen);
     (void)memset(block->fired, 0, sizeof block->fired);
     for (at = 0; at < SA_FACES; at++) {
@@ -433,23 +442,26 @@ static void clear(struct sa_block *block) {
             port_release(block->unit, at);
         }
         face->tells = (face->state == SA_CHILD);
-        face->is_new = face->is_new && is_aborting(block);
+        if (!keeps) {
+            face->is_new = false;
+        }
         face->sending = SA_NONE;
+        face->heard = NO_NUMBER; /* The neighbour may have restarted. */
     }
 }
 
 /* Forgets everything about the previous phase or attempt, and begins the duty of the block. */
 static void begin(struct sa_block *block, uint8_t phase, uint8_t stage) {
+    bool keeps = (stage & SA_STAGE) != 0u;
     if (phase != block->phase) {
         /* The first frame of a phase may already abort it. Its children are not new. */
         block->node &= (uint16_t)~SA_ANCHORED;
-        block->stage = 0;
-        clear(block);
+        keeps = false;
     }
     block->phase = phase;
     block->stage = stage;
     block->duty = find_duty(block->node, phase);
-    clear(block);
+    clear(block, keeps);
 }
 
 /* Ends the role of a block. Bytes received so far remain. */
@@ -458,45 +470,54 @@ static void forget(struct sa_block *block) {
     block->node = SA_NO_ROLE;
     block->duty = 0;
     block->stage = 0;
-    clear(block);
+    clear(block, false);
     for (face = 0; face < SA_FACES; face++) {
         block->faces[face].state = SA_OFF;
     }
 }
 
+/* Returns whether a face holds a block that the abort releases. */
+static bool is_retreating(const struct sa_block *block, const struct sa_face *face) {
+    return (face->state == SA_CHILD) && face->is_new && is_aborting(block);
+}
+
 /* Works on an abort. A block without captures of the phase asks for its release, or reports if it
  * stood before the phase. */
 static void retreat(struct sa_block *block) {
-    bool is_done = block->fired[0] != 0u;
     uint8_t at;
+    uint8_t kind = SA_NONE;
     for (at = 0; at < SA_FACES; at++) {
         const struct sa_face *face = &block->faces[at];
-        is_done = is_done || (face->state == SA_FREEING) || ((face->state == SA_CHILD) && face->is_new);
-    }
-    if (is_done) {
-        return;
+        if ((face->state == SA_FREEING) || is_retreating(block, face)) {
+            return;
+        }
     }
     if ((block->node & SA_ANCHORED) != 0u) {
-        is_done = send_up(block, SA_ASK, block->node, 0);
+        kind = SA_ASK;
     } else if (block->duty != 0u) {
-        is_done = send_up(block, SA_REPORT, block->node, 0);
+        kind = SA_REPORT;
     } else {
         /* This block only forwards messages. */
     }
-    block->fired[0] = is_done ? 1u : 0u;
+    if ((block->fired[0] == 0u) && (kind != SA_NONE) && send_up(block, kind)) {
+        block->fired[0] = 1;
+    }
 }
 
-/* Returns whether a block is a seed or holds other blocks. */
+/* Returns whether a block holds other blocks, or is a seed. */
 static bool is_bound(const struct sa_block *block) {
-    bool is_held = false;
-    bool holds = false;
+    bool is_seed = block->node != SA_NO_ROLE;
     uint8_t face;
     for (face = 0; face < SA_FACES; face++) {
         uint8_t state = block->faces[face].state;
-        is_held = is_held || (state == SA_PARENT) || (state == SA_NAMED);
-        holds = holds || (state == SA_CHILD) || (state == SA_FREEING);
+        if ((state == SA_CHILD) || (state == SA_FREEING)) {
+            return true;
+        }
+        if (state >= SA_PARENT) {
+            is_seed = false;
+        }
     }
-    return holds || ((block->node != SA_NO_ROLE) && !is_held);
+    return is_seed;
 }
 
 /* Takes the role in a frame from the parent at a face. The block may have an earlier role, if its
@@ -536,7 +557,7 @@ static bool process(struct sa_block *block, uint8_t from, uint8_t kind) {
     }
     if (face->state != SA_PARENT) {
         if (kind == (uint8_t)SA_REPORT) {
-            return send_up(block, SA_REPORT, node, 0);
+            return put(&block->up, SA_REPORT, node, 0);
         }
         if (kind == (uint8_t)SA_ASK) {
             if (is_aborting(block)) {
@@ -579,7 +600,6 @@ static bool accept(struct sa_block *block, uint8_t from, uint8_t kind) {
             return true;
         }
         begin(block, phase, stage);
-        face->heard = NO_NUMBER;
     }
     if (number == face->heard) {
         return true;
@@ -614,6 +634,10 @@ static void acknowledged(struct sa_block *block, uint8_t from) {
     struct sa_face *face = &block->faces[from];
     uint8_t sent = face->sending;
     if ((sent == (uint8_t)SA_NONE) || (face->frame[AT_NUMBER] != face->number)) {
+        return;
+    }
+    if ((sent == (uint8_t)SA_PHASE) && face->is_new && is_aborting(block)) {
+        /* Repeat the frame: the child may restart before it asks for its release. */
         return;
     }
     face->sending = SA_NONE;
@@ -693,21 +717,24 @@ static void receive_byte(struct sa_block *block, uint8_t from, uint8_t byte) {
 static void watch(struct sa_block *block, uint8_t at) {
     struct sa_face *face = &block->faces[at];
     bool docked = port_docked(block->unit, at);
-    if ((face->state == SA_OPEN) && docked) {
-        face->state = SA_NAMING;
-        face->sending = SA_NONE;
-        face->heard = NO_NUMBER;
-        face->count = 0; /* A frame of the last neighbour may lack its end. */
-    } else if ((face->state == SA_NAMING) && !docked) {
+    if (docked) {
+        if (face->state == SA_OPEN) {
+            face->state = SA_NAMING;
+            face->sending = SA_NONE;
+            face->heard = NO_NUMBER;
+            face->count = 0; /* A frame of the last neighbour may lack its end. */
+        } else if ((face->state == SA_OFF) && (block->node != SA_NO_ROLE)) {
+            port_release(block->unit, at);
+        } else {
+            /* Nothing has changed. */
+        }
+    } else if (face->state == SA_NAMING) {
         face->state = SA_OPEN;
-        face->sending = SA_NONE;
-    } else if ((face->state == SA_FREEING) && !docked) {
+    } else if ((face->state == SA_FREEING) || is_retreating(block, face)) {
         end_hold(block, at);
-    } else if ((face->state == SA_CHILD) && !docked && (block->down_face == at)) {
+    } else if ((face->state == SA_CHILD) && (block->down_face == at)) {
         /* A lost child must not block the messages to the others. */
         block->down.kind = SA_NONE;
-    } else if ((face->state == SA_OFF) && docked && (block->node != SA_NO_ROLE)) {
-        port_release(block->unit, at);
     } else {
         /* Nothing has changed. */
     }
@@ -829,6 +856,7 @@ void sa_poll(struct sa_block *block) {
         while (fire_one(block)) {
             /* One rule at a time. */
         }
+        count_down(block);
     }
     send_waiting(block);
     for (face = 0; face < SA_FACES; face++) {

@@ -15,6 +15,10 @@
 #ifndef SA_RETRY
 #define SA_RETRY 8u
 #endif
+/* Clock ticks in a tick of the program, at most 200. All times of a program are in the latter. */
+#ifndef SA_TICK
+#define SA_TICK 1u
+#endif
 
 #define SA_FACES 6u
 /* Role of a free block. */
@@ -65,13 +69,15 @@ struct sa_block {
     uint8_t stage; /* SA_STAGE for each abort and retry of the phase so far, modulo 4. */
     uint8_t direction[SA_FACES]; /* Direction of each own face in the structure. */
     uint8_t down_face;
+    uint8_t clock;  /* When the ticks of the delay were last counted. */
+    uint32_t delay; /* Ticks until the block asks for its release, and 1. 0 if it does not. */
     uint16_t waiting_count;
     struct sa_message up;   /* To the parent. */
     struct sa_message down; /* To the child at `down_face`. */
-    struct sa_face faces[SA_FACES];
-    struct sa_message waiting[SA_WAITING];
     uint8_t seen[(SA_SEEN + 7u) / 8u];
     uint8_t fired[(SA_RULES + 7u) / 8u];
+    struct sa_face faces[SA_FACES];
+    struct sa_message waiting[SA_WAITING];
 };
 
 /* Starts a free block. Also call this after a restart. */

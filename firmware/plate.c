@@ -1,19 +1,19 @@
 /* stochc firmware: controller of the seed plate. See plate.h. */
 #include "plate.h"
 
-/* Whether the records of the phases contain retries. */
-#define HAS_RETRIES (SA_READ(2) != 1u)
-
-/* Positions in the record of a phase. */
+/* Position and length of the records of the phases, and positions in a record. */
+#define PHASES 10u
+#define PHASE_LENGTH 18u
 #define REPORTS 0u
 #define RETRIES 2u
 #define ABORT_REPORTS 4u
 #define TIMEOUT 6u
 #define PAUSE 10u
+#define WAIT 14u
 
 #define SEEDS ((uint16_t)(SA_READ(6) | ((uint16_t)SA_READ(7) << 8)))
 
-static bool is_complete(const struct sa_plate *plate) {
+static bool has_ended(const struct sa_plate *plate) {
     return plate->phase >= SA_READ(3);
 }
 
@@ -23,13 +23,9 @@ static bool has_aborted(const struct sa_plate *plate) {
 
 /* Returns a number in the record of the running phase. */
 static uint32_t number(const struct sa_plate *plate, uint8_t offset, uint8_t length) {
-    uint16_t at = (uint16_t)(2u * plate->phase);
+    uint16_t at = (uint16_t)(PHASES + (PHASE_LENGTH * plate->phase) + offset);
     uint32_t value = 0;
     uint8_t i;
-    if (HAS_RETRIES) {
-        at = (uint16_t)(7u * at);
-    }
-    at = (uint16_t)(10u + at + offset);
     for (i = length; i > 0u; i--) {
         value = (value << 8) | SA_READ((uint16_t)(at + i - 1u));
     }
@@ -43,7 +39,16 @@ static bool is_reported(const struct sa_plate *plate) {
 }
 
 static bool can_abort(const struct sa_plate *plate) {
-    return HAS_RETRIES && (plate->aborts < number(plate, RETRIES, 2));
+    return plate->aborts < number(plate, RETRIES, 2);
+}
+
+/* Returns whether a time of the program is over. */
+static bool is_over(const struct sa_plate *plate, uint8_t offset) {
+    return plate->ticks >= number(plate, offset, 4);
+}
+
+static bool is_late(const struct sa_plate *plate) {
+    return (number(plate, TIMEOUT, 4) != 0u) && is_over(plate, TIMEOUT);
 }
 
 static void begin_phase(struct sa_plate *plate, uint8_t phase, uint8_t stage) {
@@ -52,6 +57,7 @@ static void begin_phase(struct sa_plate *plate, uint8_t phase, uint8_t stage) {
     plate->stage = stage & SA_STAGES;
     plate->reports = 0;
     plate->ticks = 0;
+    plate->clock = port_clock();
     for (seed = 0; seed < SEEDS; seed++) {
         sa_begin(&plate->seeds[seed], phase, plate->stage);
     }
@@ -88,8 +94,8 @@ void sa_plate_start(struct sa_plate *plate) {
     for (seed = 0; seed < SEEDS; seed++) {
         sa_seed(&plate->seeds[seed], seed, seed);
     }
-    plate->clock = port_clock();
     plate->aborts = 0;
+    plate->timed_out = false;
     begin_phase(plate, 0, 0);
 }
 
@@ -100,24 +106,28 @@ bool sa_plate_poll(struct sa_plate *plate) {
         take_message(plate, &plate->seeds[seed]);
     }
     count_ticks(plate);
-    if (is_complete(plate)) {
+    if (has_ended(plate)) {
         /* Nothing is left to do. */
     } else if (has_aborted(plate)) {
         if (!is_reported(plate)) {
             plate->ticks = 0;
-        } else if (plate->ticks >= number(plate, PAUSE, 4)) {
+        } else if (is_over(plate, PAUSE)) {
             begin_phase(plate, plate->phase, (uint8_t)(plate->stage + SA_STAGE));
         } else {
             /* The pause is not over. */
         }
-    } else if (is_reported(plate)) {
+    } else if (is_reported(plate) && is_over(plate, WAIT)) {
         plate->aborts = 0;
         begin_phase(plate, (uint8_t)(plate->phase + 1u), 0);
-    } else if (can_abort(plate) && (plate->ticks >= number(plate, TIMEOUT, 4))) {
+    } else if (!is_late(plate)) {
+        /* The phase continues. */
+    } else if (can_abort(plate)) {
         plate->aborts++;
         begin_phase(plate, plate->phase, (uint8_t)(plate->stage + SA_STAGE));
     } else {
-        /* The phase continues. */
+        /* All faces that wait are switched off, and all captured blocks remain. */
+        plate->timed_out = true;
+        begin_phase(plate, SA_READ(3), 0);
     }
-    return is_complete(plate);
+    return has_ended(plate);
 }

@@ -176,7 +176,7 @@ static void run_plate(void) {
         (void)sa_plate_poll(&plate);
         if (plate.phase != phase) {
             phase = plate.phase;
-            tell(PHASE, 0, 0, phase);
+            tell(PHASE, 0, plate.timed_out ? 1 : 0, phase);
         }
         rest();
     }
@@ -194,6 +194,7 @@ struct site {
 static int *sockets;
 static struct site *sites;
 static unsigned units;
+static int exit_status;
 
 static struct site *site(unsigned unit, uint8_t face) {
     return &sites[unit * SA_FACES + face];
@@ -260,16 +261,21 @@ static void carry(const struct packet *packet) {
         from->is_open = false;
         break;
     default:
-        printf("phase %u is complete\n", packet->value);
+        if (packet->face != 0) {
+            printf("a phase has timed out\n");
+            exit_status = 1;
+        } else {
+            printf("phase %u is complete\n", packet->value);
+        }
         break;
     }
 }
 
 static void run_medium(unsigned processes, const pid_t *children) {
     struct pollfd *ready = calloc(processes, sizeof *ready);
-    bool is_complete = false;
+    bool has_ended = false;
     unsigned i;
-    while (!is_complete) {
+    while (!has_ended) {
         for (i = 0; i < processes; i++) {
             ready[i].fd = sockets[i];
             ready[i].events = POLLIN;
@@ -282,8 +288,7 @@ static void run_medium(unsigned processes, const pid_t *children) {
                 struct packet packet;
                 transfer(sockets[i], &packet, false);
                 carry(&packet);
-                is_complete = is_complete ||
-                              (packet.kind == PHASE && packet.value == SA_READ(3));
+                has_ended = has_ended || (packet.kind == PHASE && packet.value == SA_READ(3));
             }
         }
         dock();
@@ -292,7 +297,9 @@ static void run_medium(unsigned processes, const pid_t *children) {
     for (i = 0; i < processes; i++) {
         kill(children[i], SIGTERM);
     }
-    printf("all phases are complete\n");
+    if (exit_status == 0) {
+        printf("all phases are complete\n");
+    }
     free(ready);
 }
 
@@ -331,5 +338,5 @@ int main(int count, char **arguments) {
     }
     is_medium = true;
     run_medium(processes, children);
-    return 0;
+    return exit_status;
 }

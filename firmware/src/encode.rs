@@ -135,8 +135,8 @@ impl<'a> Encoder<'a> {
             Action::Magnetize { child, .. } | Action::SwitchOff { child, .. } => {
                 push(&(child.0 as u16).to_le_bytes());
             }
-            // `Image::new` has rejected delays.
-            Action::AskRelease | Action::AskReleaseLater(_) | Action::Report => push(&[]),
+            Action::AskReleaseLater(ticks) => push(&ticks.saturating_add(1).to_le_bytes()),
+            Action::AskRelease | Action::Report => push(&[]),
             Action::Notify { to, notification } => {
                 let mut written = 0;
                 for node in self.nodes.receivers(phase, to, notification) {
@@ -220,13 +220,18 @@ fn own_number(when: Condition) -> u16 {
     }
 }
 
-/// Returns the first byte of a rule: its action and its face.
+/// Returns the first byte of a rule: its action, its face, and the number of its operand bytes.
 fn action_number(action: Action) -> u8 {
+    // The length of an operand, less one.
+    const TWO: u8 = 1 << 6;
+    const THREE: u8 = 2 << 6;
+    const FOUR: u8 = 3 << 6;
     match action {
-        Action::Magnetize { face, .. } => (face as u8) << 3,
-        Action::SwitchOff { face, .. } => 1 | ((face as u8) << 3),
-        Action::AskRelease | Action::AskReleaseLater(_) => 2,
-        Action::Notify { .. } => 3,
+        Action::Magnetize { face, .. } => TWO | ((face as u8) << 3),
+        Action::SwitchOff { face, .. } => TWO | 1 | ((face as u8) << 3),
+        Action::AskRelease => 2,
+        Action::Notify { .. } => THREE | 3,
         Action::Report => 4,
+        Action::AskReleaseLater(_) => FOUR | 5,
     }
 }

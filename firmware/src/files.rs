@@ -1,6 +1,8 @@
 //! Files of the firmware.
 use std::fmt::Write as _;
 
+use stochc_ir::table::Tables;
+
 use crate::image::Image;
 use crate::sizes::Sizes;
 
@@ -13,18 +15,37 @@ const COMMON: [(&str, &str); 5] = [
     ("posix.c", include_str!("../posix/posix.c")),
 ];
 
-/// Returns the files of the firmware: names and contents. `assembly` is the name of the program and
-/// `bond` the name of its kind of bond.
-pub fn files(image: &Image, assembly: &str, bond: &str) -> Vec<(&'static str, String)> {
+/// Returns the files of the firmware of a program: names and contents.
+pub fn files(image: &Image, tables: &Tables) -> Vec<(&'static str, String)> {
+    let (assembly, bond) = (&tables.assembly, tables.bond.name());
     let mut files: Vec<_> = COMMON.map(|(name, text)| (name, text.to_owned())).into();
     files.push(("program.h", header(image, assembly, bond)));
     files.push(("program.c", constants(image, assembly)));
+    files.push(("names.csv", names(tables)));
     files.push(("BUILD.md", page(image, assembly)));
     files
 }
 
 /// Text in the first line of every file.
 pub const MARK: &str = "stochc firmware";
+
+/// Returns a table of the numbers of roles and phases.
+fn names(tables: &Tables) -> String {
+    let mut text = format!(
+        "# {MARK}: numbers of the program `{}`. Generated.\nkind,number,name\n",
+        tables.assembly
+    );
+    let kinds = tables.roles.iter().map(|role| match role.seed {
+        Some(_) => ("seed", &role.name),
+        None => ("block", &role.name),
+    });
+    let phases = tables.phases.iter().map(|phase| ("phase", &phase.name));
+    for (number, (kind, name)) in (0..).zip(kinds).chain((0..).zip(phases)) {
+        // Names such as `T[1, 2]` contain commas, and no name contains a quotation mark.
+        let _ = writeln!(text, "{kind},{number},\"{name}\"");
+    }
+    text
+}
 
 /// Returns the page on building.
 fn page(image: &Image, assembly: &str) -> String {

@@ -6,12 +6,14 @@ use crate::encode::Encoder;
 use crate::nodes::Nodes;
 use crate::sizes::Sizes;
 
-/// Version of the format of an image, without and with retries.
-const FORMATS: [u8; 2] = [1, 2];
+/// Version of the format of an image.
+const FORMAT: u8 = 3;
 /// Length of the header before the table of phases \[bytes\].
 const HEADER: usize = 10;
-/// Length of the record of a phase \[bytes\], by format.
-const PHASES: [usize; 2] = [2, 14];
+/// Length of the record of a phase \[bytes\].
+const PHASE: usize = 18;
+/// Longest time \[ticks\]. A block stores the time and 1 in four bytes.
+const MAX_TIME: u64 = 4_294_967_294;
 
 /// A program in the format of the interpreter.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,13 +30,8 @@ pub enum Unsupported {
     /// The program is an aggregate.
     #[error("the blocks of an aggregate have no rules, so they need no firmware")]
     Aggregate,
-    /// The timeout of a phase or its pause before a retry is too long.
-    #[error(
-        "phase `{0}` has a timeout or a pause before a retry above 4,294,967,295 ticks, which firmware does not support"
-    )]
-    Recovery(String),
-    /// A phase contains a time.
-    #[error("phase `{0}` waits for a time, which firmware does not support yet")]
+    /// A time is too long.
+    #[error("phase `{0}` has a time above 4,294,967,294 ticks, which firmware does not support")]
     Time(String),
     /// The program has too many phases.
     #[error("the program has {0} phases, and firmware supports 255")]
@@ -85,7 +82,10 @@ impl Image {
         if tables.aggregate.is_some() {
             return Err(Unsupported::Aggregate);
         }
-        if let Some(phase) = timed_phase(tables) {
+        let is_long = |rule: Rule<'_>| matches!(rule.then, Action::AskReleaseLater(u32::MAX));
+        let mut duties = tables.duties();
+        if let Some(duty) = duties.find(|duty| duty.rules().any(is_long)) {
+            let phase = &tables.phases[duty.phase.0 as usize];
             return Err(Unsupported::Time(phase.name.clone()));
         }
         let (phases, roles) = (tables.phases.len(), tables.roles.len());
@@ -95,12 +95,10 @@ impl Image {
         }
         let seeds = tables.seeds().count();
         let nodes = Nodes::new(tables);
-        let has_retries = tables.phases.iter().any(|it| it.recovery.is_some());
-        let format = usize::from(has_retries);
-        let mut bytes = vec![0, 0, FORMATS[format], phase_count];
+        let mut bytes = vec![0, 0, FORMAT, phase_count];
         push_word(&mut bytes, roles);
         push_word(&mut bytes, seeds);
-        push_word(&mut bytes, HEADER + phases * PHASES[format]);
+        push_word(&mut bytes, HEADER + phases * PHASE);
         debug_assert_eq!(bytes.len(), HEADER);
         for (number, phase) in (0..).zip(&tables.phases) {
             let reports = reports(phase, nodes.pre_attached(number));
@@ -109,9 +107,7 @@ impl Image {
                 count: reports,
             })?;
             bytes.extend(reports.to_le_bytes());
-            if has_retries {
-                push_recovery(&mut bytes, phase)?;
-            }
+            push_times(&mut bytes, phase)?;
         }
         let mut encoder = Encoder::new(tables, &nodes);
         let mut at = bytes.len() + 2 * roles;
@@ -153,23 +149,25 @@ fn reports(phase: &Phase, pre_attached: usize) -> u32 {
     phase.reports + pre_attached as u32
 }
 
-/// Writes how a phase is retried. Zeros state that it is not.
-fn push_recovery(bytes: &mut Vec<u8>, phase: &Phase) -> Result<(), Unsupported> {
-    let timeout = phase.timeout.unwrap_or_default();
-    let (retries, reports, timeout, pause) = match phase.recovery {
-        Some(it) => (it.retries, it.reports, timeout, it.pause),
-        None => (0, 0, 0, 0),
-    };
-    let ticks = |ticks| u32::try_from(ticks).map_err(|_| Unsupported::Recovery(phase.name.clone()));
+/// Writes the times of a phase, and how it is retried. Zeros state that it has no timeout or retry.
+fn push_times(bytes: &mut Vec<u8>, phase: &Phase) -> Result<(), Unsupported> {
+    let recovery = phase.recovery;
+    let reports = recovery.map_or(0, |it| it.reports);
     let reports = u16::try_from(reports).map_err(|_| Unsupported::Reports {
         phase: phase.name.clone(),
         count: reports,
     })?;
     // Programs have at most 1,000 retries.
-    bytes.extend(u16::try_from(retries).unwrap_or(u16::MAX).to_le_bytes());
+    let retries = recovery.map_or(0, |it| u16::try_from(it.retries).unwrap_or(u16::MAX));
+    bytes.extend(retries.to_le_bytes());
     bytes.extend(reports.to_le_bytes());
-    bytes.extend(ticks(timeout)?.to_le_bytes());
-    bytes.extend(ticks(pause)?.to_le_bytes());
+    let pause = recovery.map_or(0, |it| it.pause);
+    for time in [phase.timeout.unwrap_or(0), pause, phase.wait] {
+        if time > MAX_TIME {
+            return Err(Unsupported::Time(phase.name.clone()));
+        }
+        bytes.extend((time as u32).to_le_bytes());
+    }
     Ok(())
 }
 
@@ -188,13 +186,4 @@ fn crc16(bytes: &[u8]) -> u16 {
             }
         })
     })
-}
-
-/// Returns a phase with `wait`, or with a delayed release.
-fn timed_phase(tables: &Tables) -> Option<&Phase> {
-    let is_late = |rule: Rule<'_>| matches!(rule.then, Action::AskReleaseLater(_));
-    let mut duties = tables.duties();
-    let late = duties.find(|duty| duty.rules().any(is_late));
-    let late = late.map(|duty| &tables.phases[duty.phase.0 as usize]);
-    late.or_else(|| tables.phases.iter().find(|phase| phase.wait > 0))
 }

@@ -27,11 +27,11 @@ impl Sizes {
     pub fn ram(&self) -> usize {
         const FACE: usize = 20;
         const MESSAGE: usize = 4;
-        let fixed = 2 + 2 + 2 + 1 + 1 + 6 + 1 + 2 + 2 * MESSAGE + 6 * FACE;
+        let fixed = 2 + 2 + 2 + 1 + 1 + 6 + 1 + 1 + 4 + 2 + 2 * MESSAGE + 6 * FACE;
         let bits = |count: usize| count.max(1).div_ceil(8);
         let size =
             fixed + self.waiting.max(1) * MESSAGE + bits(self.observations) + bits(self.rules);
-        // Processors of 16 and 32 bits align the state.
-        size.next_multiple_of(2)
+        // Processors of 16 and 32 bits align the faces and the state.
+        (size + 1).next_multiple_of(4)
     }
 }

@@ -94,7 +94,7 @@ pub fn write(
     let image = Image::new(tables).map_err(Failure::usage)?;
     memory.check(&image)?;
     make_folder(folder).map_err(|error| Failure::not_written(folder, error))?;
-    for (name, text) in files(&image, &tables.assembly, tables.bond.name()) {
+    for (name, text) in files(&image, tables) {
         let path = folder.join(name);
         replace(&path, text.as_bytes(), Replaces::Ours(is_firmware))
             .map_err(|error| Failure::not_written(&path, error))?;

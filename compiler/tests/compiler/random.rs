@@ -434,16 +434,6 @@ pub fn declare_with(reuse: Reuse, choices: Vec<u32>, faces: u8) -> Declared {
 }
 
 impl Declared {
-    /// Returns the same program without times of releases and phases.
-    #[allow(dead_code, reason = "not all test programs need it")]
-    pub fn without_times(mut self) -> Declared {
-        let lines = self.text.lines();
-        let lines = lines.filter(|line| !line.trim_start().starts_with("wait "));
-        let text = lines.collect::<Vec<_>>().join("\n");
-        self.text = text.replace(" after 2 s", "").replace(", 7 ticks", "");
-        self
-    }
-
     /// Returns the same program in one of the enclosures. All are large enough for every program.
     #[allow(dead_code, reason = "not all test programs have enclosures")]
     pub fn in_enclosure(mut self, number: u64) -> Declared {

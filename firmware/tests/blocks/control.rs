@@ -1,4 +1,6 @@
 //! The control that `stochc` verifies, ahead of the interpreters: its messages take no time.
+use std::collections::BTreeMap;
+
 use stochc_control::{
     BlockFace, Body, Docking, Environment, Lattice, Message, Payload, PlannedCapture, Recalled,
     Structure,
@@ -17,6 +19,12 @@ pub struct Effects {
     pub lattice: Lattice,
     in_transit: Vec<(Body, Body, Message)>,
     closed: Vec<BlockFace>,
+    /// Time of the interpreters \[ticks\].
+    pub now: u32,
+    /// Earliest times of delayed requests, by the block that asks.
+    due: BTreeMap<Body, u32>,
+    /// Number of delayed releases.
+    pub delayed: usize,
 }
 
 impl Environment for Effects {
@@ -35,7 +43,13 @@ impl Environment for Effects {
         self.in_transit.push((from, to, message));
     }
 
+    fn send_later(&mut self, from: Body, to: Body, message: Message, ticks: u32) {
+        self.due.insert(from, self.now.saturating_add(ticks));
+        self.send(from, to, message);
+    }
+
     fn recall(&mut self, left: Body, _unreceived: u32) -> Recalled {
+        self.due.remove(&left);
         let mut recalled = Recalled::default();
         self.in_transit.retain(|&(from, to, message)| {
             if to == left {
@@ -50,6 +64,7 @@ impl Environment for Effects {
 
     fn clear_messages(&mut self) {
         self.in_transit.clear();
+        self.due.clear();
     }
 }
 
@@ -91,6 +106,15 @@ impl<'t> Control<'t> {
         let position =
             position.ok_or_else(|| format!("{child:?} has not asked for its release"))?;
         let (from, to, message) = self.effects.in_transit.remove(position);
+        if let Some(due) = self.effects.due.remove(&child) {
+            if self.effects.now < due {
+                return Err(format!(
+                    "released in tick {} instead of {due}",
+                    self.effects.now
+                ));
+            }
+            self.effects.delayed += 1;
+        }
         self.effects.closed.clear();
         self.structure.receive(from, to, message, &mut self.effects);
         self.deliver();

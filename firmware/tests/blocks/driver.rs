@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use stochc_control::{BlockFace, Body, Docking, Orientation, StructureBlock};
 use stochc_firmware::Image;
 use stochc_ir::Face;
-use stochc_ir::table::Tables;
+use stochc_ir::table::{Phase, Tables};
 
 use crate::control::Control;
 use crate::host::{Channel, Host, HostEvent};
@@ -26,8 +26,24 @@ struct Pair<'a> {
     free: Vec<u32>,
     /// Blocks docked at faces that the control has switched off.
     strays: BTreeSet<u32>,
-    retries: usize,
+    tables: &'a Tables,
+    /// Start of the phase, of its attempt or of its abort \[ticks\].
+    began: u32,
+    /// Blocks that had no confirmed role when a timeout ended the program.
+    dropped: usize,
+    outcome: RunOutcome,
     random: Random,
+}
+
+/// Events of a run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RunOutcome {
+    /// Number of retries of phases.
+    pub retries: usize,
+    /// Number of delayed releases.
+    pub delayed: usize,
+    /// Whether a timeout has ended the program.
+    pub timed_out: bool,
 }
 
 /// Numbers drawn at random.
@@ -53,9 +69,8 @@ fn is_open(block: &StructureBlock, own: Face) -> bool {
 }
 
 /// Builds a structure with the interpreters, in one random order. The control must accept every
-/// event, and must be in the same state whenever no message is in transit. Returns the number of
-/// retries of phases.
-pub fn run(tables: &Tables, host: &mut Host, channel: Channel) -> Result<usize, String> {
+/// event, and must be in the same state whenever no message is in transit.
+pub fn run(tables: &Tables, host: &mut Host, channel: Channel) -> Result<RunOutcome, String> {
     let image = Image::new(tables).map_err(|error| error.to_string())?;
     let seeds: Vec<Body> = tables.seeds().map(|(_, cell)| Body::Seed(cell)).collect();
     let free = tables.captures() + 2;
@@ -68,7 +83,10 @@ pub fn run(tables: &Tables, host: &mut Host, channel: Channel) -> Result<usize, 
         held: BTreeMap::new(),
         free: (0..free as u32).collect(),
         strays: BTreeSet::new(),
-        retries: 0,
+        tables,
+        began: 0,
+        dropped: 0,
+        outcome: RunOutcome::default(),
         random: Random(channel.seed),
         seeds,
     };
@@ -77,13 +95,14 @@ pub fn run(tables: &Tables, host: &mut Host, channel: Channel) -> Result<usize, 
     let limit = (1000 + 400 * free) * attempts;
     for _ in 0..limit {
         pair.step()?;
-        if pair.control.is_complete() {
+        if pair.control.is_complete() || pair.outcome.timed_out {
             pair.settle()?;
             let (block, plate) = pair.host.waiting();
             if block > image.sizes.waiting || plate > image.sizes.plate_waiting {
                 return Err(format!("{block} and {plate} waiting: {:?}", image.sizes));
             }
-            return Ok(pair.retries);
+            pair.outcome.delayed = pair.control.effects.delayed;
+            return Ok(pair.outcome);
         }
     }
     Err(format!("stuck: {:#?}", pair.host.states()))
@@ -124,8 +143,27 @@ impl Pair<'_> {
         self.strays.iter().any(|&free| self.unit(free) == unit)
     }
 
+    /// Returns an error if a time of the running phase is not over. Begins the next one.
+    fn check_time(&mut self, time: impl Fn(&Phase) -> u64) -> Result<(), String> {
+        let phase = self
+            .control
+            .structure
+            .phase()
+            .ok_or("no phase is running")?;
+        let ticks = time(&self.tables.phases[phase.0 as usize]);
+        let now = self.control.effects.now;
+        let passed = now - self.began;
+        if u64::from(passed) < ticks {
+            return Err(format!("after {passed} instead of {ticks} ticks"));
+        }
+        self.began = now;
+        Ok(())
+    }
+
     fn apply(&mut self, event: HostEvent) -> Result<(), String> {
+        let timeout = |phase: &Phase| phase.timeout.unwrap_or(u64::MAX);
         match event {
+            HostEvent::Time(now) => self.control.effects.now = now,
             // A block that does not know about an abort yet.
             HostEvent::Opened { unit, .. } if self.is_stray(unit) => {}
             HostEvent::Opened { unit, face } if self.control.structure.is_aborting() => {
@@ -148,17 +186,34 @@ impl Pair<'_> {
                         body: self.body(unit),
                         face: Face::ALL[usize::from(face)],
                     };
-                    self.control.release(block_face, Body::Free(child))?;
+                    match self.control.release(block_face, Body::Free(child)) {
+                        Err(_) if self.outcome.timed_out => self.dropped += 1,
+                        result => result?,
+                    }
                 }
             }
             HostEvent::Emptied { unit, face } => {
                 self.open.remove(&(unit, face));
             }
-            HostEvent::Phase(_) => self.control.next_phase()?,
-            HostEvent::Abort => self.control.abort()?,
+            HostEvent::Phase(_) => {
+                self.check_time(|phase| phase.wait)?;
+                self.control.next_phase()?;
+            }
+            HostEvent::Abort => {
+                self.check_time(timeout)?;
+                self.control.abort()?;
+            }
             HostEvent::Retry => {
-                self.retries += 1;
+                self.outcome.retries += 1;
+                self.check_time(|phase| phase.recovery.map_or(0, |it| it.pause))?;
                 self.control.retry()?;
+            }
+            HostEvent::TimedOut => {
+                self.check_time(timeout)?;
+                if self.control.structure.can_abort() {
+                    return Err("the phase can be retried".into());
+                }
+                self.outcome.timed_out = true;
             }
         }
         Ok(())
@@ -252,18 +307,22 @@ impl Pair<'_> {
         let mut states = self.host.states();
         // An abort may have released a block before it learnt the confirmation of its role.
         states.retain(|state| !self.free.iter().any(|&free| self.unit(free) == state.unit));
-        if states.len() != self.control.structure.count() {
-            let count = self.control.structure.count();
+        let count = self.control.structure.count() - self.dropped;
+        if states.len() != count {
             return Err(format!("{} blocks instead of {count}", states.len()));
         }
+        let has_ended = self.outcome.timed_out;
         let phase = self.control.structure.phase();
+        let phase = phase.filter(|_| !has_ended);
         for state in &states {
             let body = self.body(state.unit);
             let block = self.control.structure.block(body);
             let block = block.ok_or_else(|| format!("{state:?} is not attached"))?;
             let orientation = block.orientation();
             let directions = Face::ALL.map(|own| orientation.to_structure(own) as u8);
-            let mut open: Vec<u8> = block.open().iter().map(|open| open.own as u8).collect();
+            // At the end, faces without a block are off.
+            let open = block.open().iter().filter(|_| !has_ended);
+            let mut open: Vec<u8> = open.map(|open| open.own as u8).collect();
             open.sort_unstable();
             let has: Vec<u8> = (0..6)
                 .filter(|&f| state.faces[usize::from(f)] == OPEN)

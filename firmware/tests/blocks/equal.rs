@@ -35,11 +35,14 @@ fn examples() -> Vec<(String, Tables)> {
     examples
 }
 
-/// Lets timeouts pass during captures and messages.
-fn shorten(tables: &mut Tables, timeout: u64) {
+/// Lets times pass during captures and messages. `all` are the phases without retries, too.
+fn shorten(tables: &mut Tables, timeout: u64, all: bool) {
     for phase in &mut tables.phases {
+        phase.wait = phase.wait.min(50);
+        if phase.recovery.is_some() || all {
+            phase.timeout = Some(timeout).filter(|_| !phase.pre_attached);
+        }
         if let Some(recovery) = &mut phase.recovery {
-            phase.timeout = Some(timeout);
             recovery.pause = recovery.pause.min(20);
         }
     }
@@ -49,30 +52,31 @@ fn shorten(tables: &mut Tables, timeout: u64) {
 fn every_example_is_built_in_the_same_order_of_events() {
     let mut host = Host::new();
     let mut built = 0;
-    let mut retried = 0;
-    for (path, mut tables) in examples() {
-        shorten(&mut tables, 60);
+    let (mut retried, mut delayed, mut timed_out) = (0, 0, 0);
+    for (path, tables) in examples() {
         let image = Image::new(&tables);
-        let is_unsupported = matches!(image, Err(Unsupported::Aggregate | Unsupported::Time(_)));
-        if is_unsupported || tables.captures() > LARGEST {
+        if matches!(image, Err(Unsupported::Aggregate)) || tables.captures() > LARGEST {
             continue;
         }
         for (loss, noise) in [(0, 0), (10, 0), (10, 50)] {
-            for seed in 0..3 {
+            for (seed, (timeout, all)) in (0..).zip([(60, false), (4000, false), (60, true)]) {
+                let mut tables = tables.clone();
+                shorten(&mut tables, timeout, all);
                 let channel = Channel { loss, noise, seed };
-                let result = run(&tables, &mut host, channel);
-                match result {
-                    Ok(retries) => retried += retries,
+                match run(&tables, &mut host, channel) {
+                    Ok(outcome) => {
+                        retried += outcome.retries;
+                        delayed += outcome.delayed;
+                        timed_out += usize::from(outcome.timed_out);
+                    }
                     Err(error) => panic!("{path} {}: {channel:?}: {error}", tables.assembly),
                 }
             }
         }
         built += 1;
     }
-    assert!(
-        built > 5 && retried > 9,
-        "{built} examples, {retried} retries"
-    );
+    println!("{built} examples: {retried} retries, {delayed} delays, {timed_out} timeouts");
+    assert!(built > 5 && retried > 9 && delayed > 5 && timed_out > 9);
 }
 
 proptest! {
@@ -85,15 +89,16 @@ proptest! {
         faces in 1u8..=5,
         loss in prop::sample::select(vec![0, 5, 30]),
         noise in prop::sample::select(vec![0, 100]),
-        timeout in prop::sample::select(vec![3, 20, 60, 200]),
+        timeout in prop::sample::select(vec![3, 20, 60, 200, 2000]),
+        all in prop::bool::weighted(0.25),
         seed: u64,
     ) {
         thread_local! {
             static HOST: std::cell::RefCell<Host> = std::cell::RefCell::new(Host::new());
         }
-        let declared = declare_with(reuse, choices, faces).without_times();
+        let declared = declare_with(reuse, choices, faces);
         let mut tables = declared.tables();
-        shorten(&mut tables, timeout);
+        shorten(&mut tables, timeout, all);
         let channel = Channel { loss, noise, seed };
         let result = HOST.with_borrow_mut(|host| run(&tables, host, channel));
         prop_assert!(result.is_ok(), "{:?} {}", result, declared.text);

@@ -1,5 +1,6 @@
 //! Lost messages together with lost contacts and restarts.
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use stochc_compiler::check;
 use stochc_firmware::Image;
@@ -20,11 +21,30 @@ const PROGRAM: &str = "
 
 /// Roles at the end: M, A, C, D, E and C2.
 const ROLES: usize = 6;
+
+/// Captures of a phase that is retried. Enough time remains for all captures.
+const RETRIED: &str = "
+    assembly retried {
+        seed plate 1 x 1 { M at (0, 0) }
+        phase grow timeout 60 ticks {
+            M.up -> A.up -> B
+            A.east -> C after B
+        } on timeout {
+            release grow
+            wait 3 ticks
+            retry 9
+        }
+    }";
+/// Roles at the end: M, A, B and C.
+const RETRIED_ROLES: usize = 4;
+/// Rounds without dockings, so that the first two attempts time out.
+const IDLE: [Range<usize>; 2] = [7..60, 72..140];
 const FREE: u32 = 8;
 const ROUNDS: usize = 400;
 
 /// States of a face in `block.h`.
 const NAMING: u8 = 2;
+const CHILD: u8 = 3;
 const FREEING: u8 = 4;
 
 /// Side of a contact whose bytes are lost.
@@ -64,6 +84,11 @@ struct Trial<'a> {
     free: Vec<u32>,
     turn: u8,
     phase: u32,
+    /// Blocks that have lost their parent, and keep their roles.
+    lost: Vec<u32>,
+    /// Rounds without dockings.
+    idle: [Range<usize>; 2],
+    aborts: usize,
 }
 
 impl Trial<'_> {
@@ -81,6 +106,9 @@ impl Trial<'_> {
             free: (1..=FREE).rev().collect(),
             turn: 0,
             phase: 0,
+            lost: Vec::new(),
+            idle: [0..0, 0..0],
+            aborts: 0,
         }
     }
 
@@ -92,7 +120,7 @@ impl Trial<'_> {
         for event in self.host.events(command) {
             match event {
                 HostEvent::Opened { unit, face } => {
-                    if !self.is_attached(unit) {
+                    if !self.is_attached(unit) && !self.lost.contains(&unit) {
                         return Err(format!("unit {unit} is free and attracts blocks"));
                     }
                     self.open.push((unit, face));
@@ -103,7 +131,9 @@ impl Trial<'_> {
                 }
                 HostEvent::Emptied { unit, face } => self.open.retain(|it| *it != (unit, face)),
                 HostEvent::Phase(phase) => self.phase = phase,
-                HostEvent::Abort | HostEvent::Retry => {}
+                HostEvent::Abort => self.aborts += 1,
+                HostEvent::TimedOut => return Err("timed out".into()),
+                HostEvent::Retry | HostEvent::Time(_) => {}
             }
         }
         Ok(())
@@ -112,10 +142,13 @@ impl Trial<'_> {
     /// Lets all blocks work once. Every third round, the block that was released last docks.
     fn round(&mut self, number: usize) -> Result<(), String> {
         self.command("G")?;
-        if number % 3 != 2 || self.open.is_empty() {
+        let mut open = self.open.iter();
+        let position = open.position(|&(unit, _)| self.is_attached(unit));
+        let is_idle = self.idle.iter().any(|idle| idle.contains(&number));
+        let Some(position) = position.filter(|_| number % 3 == 2 && !is_idle) else {
             return Ok(());
-        }
-        let (unit, face) = self.open.remove(0);
+        };
+        let (unit, face) = self.open.remove(position);
         let child = self.free.pop().ok_or("no free block")?;
         let own = (1 + self.turn) % 6;
         self.held.insert((unit, face), (child, own));
@@ -168,20 +201,78 @@ impl Trial<'_> {
         for number in 0..ROUNDS {
             self.round(number)?;
             if self.phase == 3 {
-                return self.compare().map(|()| true);
+                return self.compare(ROLES).map(|()| true);
             }
         }
-        Err(format!("stuck: {:#?}", self.host.states()))
+        Err(format!(
+            "stuck: {:?} {:?} {:?}",
+            self.held,
+            self.aborts,
+            self.host.states()
+        ))
+    }
+
+    /// Runs a phase with retries until its end, with a fault at a contact after `start` rounds.
+    /// Returns the number of aborts before and after the fault. Returns `None` if the contact holds
+    /// no child.
+    fn run_with_retries(
+        &mut self,
+        start: usize,
+        contact: usize,
+        fault: Fault,
+    ) -> Result<Option<[usize; 2]>, String> {
+        self.idle = IDLE;
+        for number in 0..start {
+            self.round(number)?;
+        }
+        let Some((&parent, &(child, _))) = self.held.iter().nth(contact) else {
+            return Ok(None);
+        };
+        let holds = |trial: &Self| trial.held.keys().any(|&(unit, _)| unit == child);
+        if self.phase > 0 || self.state(parent.0, parent.1) != CHILD {
+            return Ok(None);
+        }
+        match fault {
+            // A block with children ignores names, so it cannot dock again.
+            Fault::Lost { .. } if holds(self) => return Ok(None),
+            Fault::Lost { turn } => {
+                self.turn = turn;
+                self.lost.push(child);
+                self.command(&format!("U {} {}", parent.0, parent.1))?;
+            }
+            Fault::Restart => {
+                self.command(&format!("X {child}"))?;
+                self.open.retain(|&(unit, _)| unit != child);
+            }
+        }
+        let before = self.aborts;
+        for number in start..start + ROUNDS {
+            self.round(number)?;
+            if self.phase == 1 {
+                let after = self.aborts - before;
+                // Without an abort, the plate had all reports before the fault.
+                if after > 0 {
+                    self.compare(RETRIED_ROLES)?;
+                }
+                return Ok(Some([before, after]));
+            }
+        }
+        Err(format!(
+            "stuck: {:?} {:?} {:?}",
+            self.held,
+            self.aborts,
+            self.host.states()
+        ))
     }
 
     /// Compares the structure with that of the program.
-    fn compare(&mut self) -> Result<(), String> {
+    fn compare(&mut self, count: usize) -> Result<(), String> {
         let states = self.host.states();
         let attached = states.iter().filter(|state| self.is_attached(state.unit));
         let mut roles: Vec<u32> = attached.map(|state| state.role).collect();
         roles.sort_unstable();
         roles.dedup();
-        if roles.len() == ROLES && self.held.len() + 1 == ROLES {
+        if roles.len() == count && self.held.len() + 1 == count {
             return Ok(());
         }
         Err(format!("{} blocks: {states:#?}", self.held.len()))
@@ -210,15 +301,19 @@ fn unfinished(host: &mut Host, image: &Image) -> Vec<(usize, usize)> {
     panic!("stuck without faults");
 }
 
-#[test]
-fn lost_messages_with_lost_contacts_and_restarts_leave_no_trace() {
+fn image(program: &str) -> Image {
     let checked = check(
         "lossy.sa",
-        &mut |_: &str| Ok(PROGRAM.as_bytes().to_vec()),
+        &mut |_: &str| Ok(program.as_bytes().to_vec()),
         Default::default(),
     );
     let tables = checked.programs[0].tables.as_ref();
-    let image = Image::new(tables.unwrap_or_else(|| panic!("{:#?}", checked.programs))).unwrap();
+    Image::new(tables.unwrap_or_else(|| panic!("{:#?}", checked.programs))).unwrap()
+}
+
+#[test]
+fn lost_messages_with_lost_contacts_and_restarts_leave_no_trace() {
+    let image = image(PROGRAM);
     let mut host = Host::new();
     let mut counts = BTreeMap::new();
     for (start, contact) in unfinished(&mut host, &image) {
@@ -246,6 +341,33 @@ fn lost_messages_with_lost_contacts_and_restarts_leave_no_trace() {
     println!("{counts:?}");
     assert!(
         counts.len() == 3 && counts.values().all(|&n| n > 30),
+        "{counts:?}"
+    );
+}
+
+#[test]
+fn a_retry_repairs_lost_contacts_and_restarts_of_attached_blocks() {
+    let image = image(RETRIED);
+    let mut host = Host::new();
+    let mut counts = BTreeMap::new();
+    let faults = [0, 1, 4].map(|turn| Fault::Lost { turn });
+    for fault in faults.into_iter().chain([Fault::Restart]) {
+        for (start, contact) in (0..160).flat_map(|start| (0..3).map(move |it| (start, it))) {
+            let mut trial = Trial::new(&mut host, &image);
+            match trial.run_with_retries(start, contact, fault) {
+                Ok(Some([before, after])) if after > 0 => {
+                    *counts
+                        .entry((fault == Fault::Restart, before.min(1)))
+                        .or_insert(0) += 1;
+                }
+                Ok(_) => {}
+                Err(error) => panic!("{fault:?} of contact {contact} after {start}: {error}"),
+            }
+        }
+    }
+    println!("{counts:?}");
+    assert!(
+        counts.len() == 4 && counts.values().all(|&n| n > 20),
         "{counts:?}"
     );
 }

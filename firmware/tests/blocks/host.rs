@@ -24,6 +24,10 @@ pub enum HostEvent {
     Abort,
     /// The plate has begun the aborted phase again.
     Retry,
+    /// A timeout has ended the program.
+    TimedOut,
+    /// The time of the following events \[ticks\].
+    Time(u32),
 }
 
 /// State of a block with a role.
@@ -127,6 +131,8 @@ impl Host {
                 "P" => HostEvent::Phase(number(1)),
                 "A" => HostEvent::Abort,
                 "Y" => HostEvent::Retry,
+                "E" => HostEvent::TimedOut,
+                "@" => HostEvent::Time(number(1)),
                 _ => panic!("{line}"),
             }
         });

@@ -4,6 +4,7 @@ use std::process::Command;
 
 use stochc_compiler::check;
 use stochc_firmware::{Image, Sizes, files};
+use stochc_ir::table::Tables;
 use tempfile::TempDir;
 
 use crate::host::ROOT;
@@ -20,23 +21,24 @@ const STRICT: [&str; 7] = [
     "-Os",
 ];
 
-/// Returns the image of a program.
-fn image(text: &str) -> Image {
+/// Returns the tables of a program.
+fn tables(text: &str) -> Tables {
     let checked = check(
         "program.sa",
         &mut |_: &str| Ok(text.as_bytes().to_vec()),
         Default::default(),
     );
-    let tables = checked.programs[0].tables.as_ref();
-    Image::new(tables.unwrap_or_else(|| panic!("{:#?}", checked.programs))).unwrap()
+    let tables = checked.programs[0].tables.clone();
+    tables.unwrap_or_else(|| panic!("{:#?}", checked.programs))
 }
 
 /// Returns the image of an example, and a folder with its firmware.
 fn firmware(example: &str) -> (Image, TempDir) {
     let path = format!("{ROOT}/../examples/{example}.sa");
-    let image = image(&std::fs::read_to_string(path).unwrap());
+    let tables = tables(&std::fs::read_to_string(path).unwrap());
+    let image = Image::new(&tables).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files(&image, example, "attract") {
+    for (name, text) in files(&image, &tables) {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
     (image, folder)
@@ -91,7 +93,7 @@ fn interpreter_and_block_fit_into_small_processors() {
             "arm-none-eabi-",
             &["-mcpu=cortex-m0", "-mthumb"][..],
         ),
-        ("gcc-avr", "avr-", &["-mmcu=atmega328p"]),
+        ("gcc-avr", "avr-", &["-mmcu=atmega328p", "-mcall-prologues"]),
     ];
     for (package, prefix, processor) in targets {
         let compiler = format!("{prefix}gcc");
@@ -169,7 +171,8 @@ fn interpreter_follows_misra_except_for_the_listed_rules() {
 fn arbitrary_bytes_never_break_a_block_or_the_plate() {
     let program = std::fs::read_to_string(format!("{ROOT}/tests/fuzz/fuzz.sa")).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files(&image(&program), "fuzzed", "attract") {
+    let tables = tables(&program);
+    for (name, text) in files(&Image::new(&tables).unwrap(), &tables) {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
     let harness = std::fs::read(format!("{ROOT}/tests/fuzz/fuzz.c")).unwrap();
@@ -218,7 +221,7 @@ const CUBE: &str = "
 
 #[test]
 fn firmware_for_1000_captures_fits_into_32_kib() {
-    let bytes = image(CUBE).bytes.len();
+    let bytes = Image::new(&tables(CUBE)).unwrap().bytes.len();
     println!("{bytes} bytes of tables");
     assert!(Sizes::INTERPRETER + bytes <= 32 * 1024, "{bytes}");
 }
@@ -242,6 +245,16 @@ fn blocks_as_processes_build_the_structure() {
     let (shown, is_success) = processes("-O0");
     assert!(is_success, "{shown}");
     assert!(shown.ends_with("all phases are complete\n"), "{shown}");
+}
+
+#[test]
+fn names_of_all_numbers_are_listed() {
+    let (_, folder) = firmware("five_tower_reconfigured");
+    let names = std::fs::read_to_string(folder.path().join("names.csv")).unwrap();
+    let lines: Vec<&str> = names.lines().collect();
+    assert!(lines.contains(&"kind,number,name"), "{names}");
+    assert!(lines.contains(&"seed,0,\"A\""), "{names}");
+    assert!(lines.contains(&"phase,4,\"corners\""), "{names}");
 }
 
 #[test]

@@ -31,7 +31,8 @@ static unsigned seeds;
 static unsigned units;
 static unsigned loss; /* of each byte [1/1000] */
 static unsigned noise; /* bytes per poll [1/1000] */
-static uint8_t now;
+static uint32_t now;
+static uint32_t told; /* time that the test has been told */
 static uint8_t phase; /* of the plate, as told */
 static uint8_t stage;
 static uint64_t state;
@@ -60,11 +61,21 @@ static void put(unsigned unit, uint8_t face, uint8_t byte) {
     }
 }
 
+static void note_time(void) {
+    if (now != told) {
+        printf("@ %u\n", now);
+        told = now;
+    }
+}
+
 /* Tells what the plate has begun. */
 static void note_plate(void) {
     if (plate.phase != phase || plate.stage != stage) {
         busy = true;
-        if (plate.phase != phase) {
+        note_time();
+        if (plate.timed_out) {
+            printf("E\n");
+        } else if (plate.phase != phase) {
             printf("P %u\n", plate.phase);
         } else {
             printf((plate.stage & SA_STAGE) != 0 ? "A\n" : "Y\n");
@@ -76,6 +87,7 @@ static void note_plate(void) {
 
 void port_attract(uint16_t unit, uint8_t face) {
     busy = true;
+    note_time();
     printf("O %u %u\n", unit, face);
 }
 
@@ -83,6 +95,7 @@ void port_release(uint16_t unit, uint8_t face) {
     struct contact *contact = contact_of(unit, face);
     note_plate();
     busy = true;
+    note_time();
     if (contact->holds) {
         struct contact *other = contact_of((unsigned)contact->unit, contact->face);
         printf("C %u %u\n", unit, face);
@@ -140,7 +153,7 @@ int16_t port_receive(uint16_t unit, uint8_t face) {
 }
 
 uint8_t port_clock(void) {
-    return now;
+    return (uint8_t)now;
 }
 
 static void poll_plate(void) {
@@ -267,6 +280,7 @@ static void load(FILE *in) {
         contacts[i].unit = -1;
     }
     now = 0;
+    told = 0;
     phase = 0;
     stage = 0;
     waiting_most = 0;
@@ -357,6 +371,7 @@ int main(void) {
         default:
             return 2;
         }
+        note_time();
         printf(".\n");
         fflush(stdout);
     }
