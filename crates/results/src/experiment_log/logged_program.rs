@@ -56,9 +56,12 @@ impl<'p> LoggedProgram<'p> {
         })
     }
 
-    /// Returns the role of a name.
+    /// Returns the role of a name. A number is the number of the role in firmware.
     pub fn role(&self, name: &str) -> Result<RoleId, RowError> {
-        self.roles.get(name).copied().ok_or_else(|| {
+        let number = name.parse().ok().map(RoleId);
+        let number = number.filter(|it| (it.0 as usize) < self.tables.roles.len());
+        let role = self.roles.get(name).copied().or(number);
+        role.ok_or_else(|| {
             let names = self.tables.roles.iter().map(|role| role.name.as_str());
             RowError::Block {
                 name: name.to_owned(),
@@ -67,27 +70,33 @@ impl<'p> LoggedProgram<'p> {
         })
     }
 
-    /// Returns the block and the face of a text such as `A.up`.
+    /// Returns the block and the face of a text such as `A.up`. A number is the number of the face in
+    /// firmware.
     pub fn face(&self, text: &str) -> Result<(RoleId, Face), RowError> {
+        let numbered = |text: &str| Face::ALL.get(text.parse::<usize>().ok()?).copied();
+        let face = |text| Face::from_word(text).or_else(|| numbered(text));
         let parts = text.rsplit_once('.');
-        let parts = parts.and_then(|(block, face)| Some((block, Face::from_word(face)?)));
+        let parts = parts.and_then(|(block, text)| Some((block, face(text)?)));
         let (block, face) = parts.ok_or_else(|| RowError::Face(text.to_owned()))?;
         Ok((self.role(block)?, face))
     }
 
-    /// Checks that the program has a phase.
-    pub fn check_phase(&self, name: &str) -> Result<(), RowError> {
+    /// Returns the name of a phase. A number is the number of the phase in firmware.
+    pub fn phase_name<'t>(&'t self, text: &'t str) -> Result<&'t str, RowError> {
         let phases = self.tables.phases.iter().filter(|it| !it.pre_attached);
         let names = phases.map(|phase| phase.name.as_str());
-        if name.is_empty() {
+        if text.is_empty() {
             return Err(RowError::Missing("block"));
         }
+        let number = text.parse().ok();
+        let numbered = number.and_then(|number: usize| self.tables.phases.get(number));
+        let name = numbered.map_or(text, |phase| &phase.name);
         if names.clone().any(|it| it == name) {
-            return Ok(());
+            return Ok(name);
         }
         Err(RowError::NoPhase {
-            name: name.to_owned(),
-            near: nearest(name, names).map(|near| near.word),
+            name: text.to_owned(),
+            near: nearest(text, names).map(|near| near.word),
         })
     }
 

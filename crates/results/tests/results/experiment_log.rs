@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use proptest::prelude::*;
+use stochc_ir::Face;
 use stochc_ir::record::{Limit, Outcome, RunRecord};
 use stochc_results::{EnsembleProgram, ExperimentLog, LogError};
 use stochc_runtime::{Model, Settings};
@@ -157,6 +158,38 @@ const LOG: &str = "run,seconds,event,block,by
 fn read(log: &str) -> Result<Vec<RunRecord>, String> {
     let read = read_log(log.as_bytes(), &program(TOWER));
     read.map_err(|error| error.to_string())
+}
+
+#[test]
+fn logs_may_contain_the_numbers_of_the_firmware() {
+    let program = example("five_tower_retried.sa");
+    let settings = Settings::new(Model::Shuffle, 1);
+    let records = runs(&program, &settings, 5);
+    let tables = program.tables();
+    let role = |name: &str| tables.roles.iter().position(|role| role.name == name);
+    let phase = |name: &str| tables.phases.iter().position(|phase| phase.name == name);
+    let numbered = |text: &str| {
+        if let Some((block, face)) = text.rsplit_once('.') {
+            let face = Face::from_word(face).unwrap() as u8;
+            return format!("{}.{face}", role(block).unwrap());
+        }
+        let number = role(text).or_else(|| phase(text));
+        number.map_or(String::new(), |it| it.to_string())
+    };
+    let mut log = String::new();
+    for line in json_lines(&records, &program, Detail::All).lines() {
+        let mut row: serde_json::Value = serde_json::from_str(line).unwrap();
+        for key in ["block", "by"] {
+            row[key] = numbered(row[key].as_str().unwrap()).into();
+        }
+        log += &format!("{row}\n");
+    }
+    let read = read_log(log.as_bytes(), &program).unwrap();
+    let [found, expected] = [&read, &records].map(|it| it.iter().map(without_physics));
+    assert!(found.eq(expected), "{log}");
+    let row = "run,ticks,event,block,by\n0,1,captured,99,A.up\n";
+    let error = read_log(row.as_bytes(), &program).unwrap_err().to_string();
+    assert!(error.contains("no block `99`"), "{error}");
 }
 
 #[test]

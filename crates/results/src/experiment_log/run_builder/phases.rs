@@ -47,37 +47,35 @@ impl<'l> RunBuilder<'l> {
     }
 
     pub(super) fn begin_phase(&mut self, row: &Row) -> Result<(), RowError> {
-        self.log.check_phase(&row.block)?;
+        let log = self.log;
+        let name = log.phase_name(&row.block)?;
         let running = self.log.phase(self.phase);
         if self.is_aborting {
-            return self.retry(&row.block);
+            return self.retry(name);
         }
         let is_first = self.record.bonds.len() == self.log.start.bonds.len()
             && self.record.releases.is_empty()
             && self.tick == 0;
-        if row.block == running && is_first {
+        if name == running && is_first {
             return Ok(());
         }
         if self.left > 0 {
             return Err(RowError::Phase(format!(
-                "phase `{}` cannot begin: {}",
-                row.block,
+                "phase `{name}` cannot begin: {}",
                 self.missing()
             )));
         }
         match self.next_phase() {
-            Some(next) if self.log.phase(next) == row.block => {
+            Some(next) if self.log.phase(next) == name => {
                 self.enter_phase(self.tick);
                 Ok(())
             }
             Some(next) => Err(RowError::Phase(format!(
-                "phase `{}` does not follow phase `{running}`; the next phase is `{}`",
-                row.block,
+                "phase `{name}` does not follow phase `{running}`; the next phase is `{}`",
                 self.log.phase(next)
             ))),
             None => Err(RowError::Phase(format!(
-                "phase `{}` does not follow phase `{running}`, which is the last phase",
-                row.block
+                "phase `{name}` does not follow phase `{running}`, which is the last phase",
             ))),
         }
     }
@@ -106,13 +104,13 @@ impl<'l> RunBuilder<'l> {
     }
 
     pub(super) fn abort(&mut self, row: &Row) -> Result<(), RowError> {
-        self.log.check_phase(&row.block)?;
+        let log = self.log;
+        let name = log.phase_name(&row.block)?;
         self.pass_phases();
         let running = self.log.phase(self.phase);
-        if row.block != running || self.is_aborting {
+        if name != running || self.is_aborting {
             return Err(RowError::Phase(format!(
-                "phase `{}` cannot time out: phase `{running}` {}",
-                row.block,
+                "phase `{name}` cannot time out: phase `{running}` {}",
                 if self.is_aborting {
                     "has timed out already"
                 } else {
