@@ -16,8 +16,8 @@ use super::run_options::ThreadsOption;
 use super::source_options::SourceOptions;
 use super::terminal::{argument, close, output_width, print};
 use crate::exit::{Exit, Failure};
+use crate::operations::calibration::{Effort, MAX_TICKS, SEED, measure};
 use crate::operations::programs::programs;
-use crate::operations::rates::{Effort, MAX_TICKS, RUNS, SEED, measure};
 
 /// Arguments of `calibrate`.
 #[derive(Debug, Args)]
@@ -28,9 +28,10 @@ pub struct CalibrateArguments {
     /// File for the rates. It must not exist yet
     #[arg(long, short, value_name = "FILE.rates")]
     out: Option<PathBuf>,
-    /// Number of runs of each calibration program
-    #[arg(long, short = 'n', value_name = "N", default_value_t = RUNS, value_parser = clap::value_parser!(u64).range(1..=100_000))]
-    runs: u64,
+    /// Number of runs of each calibration program. By default 6, or as many as a held-out error
+    /// needs
+    #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    runs: Option<u64>,
     /// Time steps per tick. `2/8` means eight steps for blocks near open faces, and two for all other blocks
     #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
     substeps: Substeps,
@@ -67,11 +68,16 @@ pub fn run(options: &CalibrateArguments) -> Result<Exit, Failure> {
     if let Some(out) = out {
         out.write(&rates.to_text())?;
         let file = options.out.as_deref().map(argument).unwrap_or_default();
-        close(&format!(
-            "Saved in {file}. Next: stochc estimate FILE --rates {file}\n"
-        ));
+        let next = match rates.check_accuracy() {
+            Ok(()) => format!("Next: stochc estimate FILE --rates {file}"),
+            Err(_) => "Commands refuse it".to_owned(),
+        };
+        close(&format!("Saved in {file}. {next}\n"));
     }
-    Ok(Exit::Success)
+    match rates.check_accuracy() {
+        Ok(()) => Ok(Exit::Success),
+        Err(error) => Err(Failure::error(Exit::UnsuccessfulRun, error)),
+    }
 }
 
 /// Returns the scene with the requested name, or the only scene of a program.

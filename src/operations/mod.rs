@@ -2,6 +2,7 @@
 //!
 //! The command line and the Python package call these functions with the same options. The
 //! resulting folders are identical.
+pub mod calibration;
 pub mod chosen_run;
 pub mod claims;
 pub mod codes;

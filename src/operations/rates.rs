@@ -1,36 +1,26 @@
 //! Rates for the rate model, from files or from a calibration.
 use std::path::{Path, PathBuf};
 
-use stochc_experiments::calibration::{Calibration, PROGRAMS, profile};
 use stochc_files::budget::RATES;
 use stochc_files::read_file;
 use stochc_ir::scene::Scene;
-use stochc_results::{EnsembleProgram, Manifest};
-use stochc_runtime::Settings;
+use stochc_results::EnsembleProgram;
 use stochc_runtime::rates::Rates;
+use stochc_runtime::world::SceneError;
 use stochc_runtime::world::rate::RateWorld;
 use stochc_text::visible;
 
-use super::in_memory::all_runs;
-use crate::check_text;
-use crate::exit::{Exit, Failure};
-use crate::facade::compile;
+use super::calibration::{Effort, measure};
+use crate::exit::Failure;
 use crate::host::Host;
 
-/// Default number of runs of a calibration. They take about 30 s of CPU time in the default scene.
-pub const RUNS: u64 = 6;
-/// Limit on the ticks of a run in a calibration. Longer runs are stopped.
-pub const MAX_TICKS: u64 = 60_000;
-
-/// Seed of calibrations. It differs from the default seed of `simulate`, so that calibrations are
-/// tested with other random impulses.
-pub const SEED: u64 = 0x5ca1_e000;
-
 /// Returns the rates for the scenes of all programs, without duplicates. Uses `known` and built-in
-/// rates, and calibrates the other scenes.
+/// rates, and calibrates the other scenes. A scene whose rates need a held-out error is not
+/// calibrated, because this can take long.
 ///
 /// # Errors
-/// If the rate model does not support a program, or a calibration fails.
+/// If the rate model does not support a program, a scene needs a file of rates, or a calibration
+/// fails.
 pub fn rates_for_scenes(
     known: &[Rates],
     programs: &[EnsembleProgram],
@@ -46,6 +36,7 @@ pub fn rates_for_scenes(
         }
         let rates = match Rates::known(known, scene) {
             Some(rates) => rates.clone(),
+            None if scene.uncalibrated_term().is_some() => return Err(no_rates(program)),
             None => {
                 host.warn(&format!(
                     "calibrating the scene of {}, which has no rates; `stochc calibrate --out` keeps them\n",
@@ -57,6 +48,11 @@ pub fn rates_for_scenes(
         found.push(rates);
     }
     Ok(found)
+}
+
+/// Returns the failure of a program whose scene needs a file of rates.
+fn no_rates(program: &EnsembleProgram) -> Failure {
+    Failure::invalid_program(format!("{}: {}", program.name, SceneError::NoRates))
 }
 
 /// Files of rates whose scene no program uses.
@@ -141,79 +137,4 @@ fn read(path: &Path) -> Result<Rates, Failure> {
         .map_err(|error| Failure::usage(format!("cannot read {shown}: {error}")))?;
     let text = String::from_utf8_lossy(&bytes);
     Rates::from_text(&text).map_err(|reason| Failure::usage(format!("`{shown}`: {reason}")))
-}
-
-/// Effort of a calibration: settings, runs and threads.
-#[derive(Clone, Debug)]
-pub struct Effort {
-    /// Settings of the simulated runs.
-    pub settings: Settings,
-    /// Number of runs of each observed program.
-    pub runs: u64,
-    /// Seed of the random numbers.
-    pub seed: u64,
-    /// Number of threads. `None` means one per core.
-    pub threads: Option<u16>,
-}
-
-impl Effort {
-    /// Returns the default settings and the default number of runs of a calibration.
-    pub fn usual(threads: Option<u16>) -> Effort {
-        Effort {
-            settings: Settings {
-                max_ticks: Some(MAX_TICKS),
-                ..Settings::default()
-            },
-            runs: RUNS,
-            seed: SEED,
-            threads,
-        }
-    }
-}
-
-/// Calibrates the rates of a scene with physical simulations, without hardware faults.
-///
-/// # Errors
-/// If the scene cannot be set up, or the user interrupts.
-pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates, Failure> {
-    if let Some(error) = RateWorld::unsupported(scene) {
-        return Err(Failure::invalid_program(error.to_string()));
-    }
-    let scene = &Scene {
-        faults: None,
-        ..scene.clone()
-    };
-    let mut observed: Vec<EnsembleProgram> = Vec::new();
-    let mut least = u64::MAX;
-    for (name, text) in PROGRAMS {
-        let executables =
-            compile(check_text(name, text)).map_err(|wrong| Failure::usage(wrong.to_string()))?;
-        for mut executable in executables {
-            let captures = executable.tables.captures() as u64;
-            least = least.min(captures);
-            // Skip programs with more captures than the scene has free blocks.
-            if captures <= u64::from(scene.free.count) {
-                executable.scene = scene.clone();
-                observed.push(EnsembleProgram::new(name, Vec::new(), executable));
-            }
-        }
-    }
-    if observed.is_empty() {
-        return Err(Failure::invalid_program(format!(
-            "too few free blocks ({}): the structures of a calibration capture {least} or more; `stochc simulate --model rigid` needs no rates",
-            scene.free.count
-        )));
-    }
-    let gas = profile(scene, &effort.settings, effort.seed)
-        .map_err(|error| Failure::invalid_program(error.to_string()))?;
-    let manifest = Manifest::new(effort.settings.clone(), effort.seed, effort.runs, observed);
-    let results = all_runs(&manifest, effort.threads, "nothing was calibrated", host)?;
-    let mut calibration = Calibration::new(scene, gas);
-    let observed = results
-        .finished
-        .each(|done| calibration.observe(&done.record));
-    observed.map_err(Failure::usage)?;
-    calibration
-        .rates(&effort.settings, effort.seed)
-        .map_err(|error| Failure::error(Exit::UnsuccessfulRun, error.to_string()))
 }

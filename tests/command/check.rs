@@ -127,7 +127,7 @@ fn the_reason_for_no_estimate_is_stated() {
     for (file, reason) in [
         (
             "examples/microns.sa",
-            "the rate model does not support fluid",
+            "scene `microns` has not been calibrated; measure it with `stochc calibrate`",
         ),
         (
             "examples/experiment_2.sa",

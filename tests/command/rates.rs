@@ -264,56 +264,100 @@ fn uncalibrated_scenes_are_estimated_and_marked() {
     }
 }
 
-/// Scenes that the rate model does not support, each with the name of its unsupported feature.
-const UNKNOWN: [(&str, &str); 6] = [
-    (
-        "examples/experiment_1.sa",
-        "bond by magnets that always attract",
-    ),
-    ("examples/experiment_2.sa", "aggregate"),
-    ("examples/experiment_3.sa", "bond by suction"),
-    ("examples/microns.sa", "fluid"),
-    ("examples/lab/air_table.sa", "planar world"),
-    ("HEAVY", "gravity"),
+/// Scenes whose rates need a held-out error.
+const NEED_RATES: [&str; 5] = [
+    "examples/experiment_1.sa",
+    "examples/experiment_3.sa",
+    "examples/microns.sa",
+    "examples/lab/air_table.sa",
+    "HEAVY",
+];
+
+/// Commands that use rates, without options.
+const BY_RATES: [&str; 3] = [
+    "estimate --quiet",
+    "estimate --runs 2 --quiet",
+    "simulate --model rate --runs 2 --quiet",
 ];
 
 #[test]
-fn unsupported_terms_are_named() {
+fn scenes_that_need_a_held_out_error_need_a_file() {
     let folder = tempfile::tempdir().unwrap();
     let heavy = path(folder.path(), "heavy.sa");
     let text = SMALL.replace("free 60 uniform", "free 60 uniform  gravity 1 m/s^2");
     fs::write(&heavy, text).unwrap();
-    for (file, what) in UNKNOWN {
+    for file in NEED_RATES {
         let file = if file == "HEAVY" { &heavy } else { file };
-        for command in [
-            "estimate --quiet",
-            "estimate --runs 2 --quiet",
-            "simulate --model rate --runs 1 --quiet",
-        ] {
+        for command in BY_RATES {
             let outcome = stochc_with(command, &[file]);
-            assert_eq!(
-                (outcome.status, outcome.out.as_str()),
-                (1, ""),
-                "{command} {file}"
-            );
-            let reason = format!("the model `rate` does not support {what}; use `--model rigid`");
-            assert!(
-                outcome.err.contains(&reason),
-                "{command} {file}: {}",
-                outcome.err
-            );
+            assert_eq!((outcome.status, outcome.out.as_str()), (1, ""), "{command}");
+            let reason = "this scene has no calibrated rates; run `stochc calibrate`";
+            let err = &outcome.err;
+            assert!(err.contains(reason), "{command} {file}: {err}");
         }
         let cost = stochc_with("check --cost --allow warnings", &[file]);
         assert_eq!(cost.status, 0, "{}", cost.err);
         assert!(!cost.out.contains("in ticks"), "{file}: {}", cost.out);
-        if what != "aggregate" {
-            let reason = format!("No times: the model `rate` does not support {what}");
-            let words = cost.out.split_whitespace().collect::<Vec<_>>().join(" ");
-            assert!(words.contains(&reason), "{file}: {}", cost.out);
-            let outcome = stochc_with("calibrate --quiet", &[file]);
-            assert_eq!(outcome.status, 1, "{}", outcome.err);
-            assert!(outcome.err.contains(what), "{}", outcome.err);
-        }
+        let reason = "No times: this scene has no calibrated rates";
+        assert!(cost.out.contains(reason), "{file}: {}", cost.out);
+    }
+    for command in BY_RATES {
+        let outcome = stochc_with(command, &["examples/experiment_2.sa"]);
+        assert_eq!((outcome.status, outcome.out.as_str()), (1, ""), "{command}");
+        let reason = "the model `rate` does not support aggregate; use `--model rigid`";
+        assert!(outcome.err.contains(reason), "{command}: {}", outcome.err);
+    }
+}
+
+/// Calibrates a planar scene. Commands use its rates, or refuse them if their held-out error is too
+/// large.
+#[test]
+fn rates_with_a_large_held_out_error_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = |name: &str| path(folder.path(), name);
+    let file = "examples/lab/air_table.sa";
+    let calibrated = stochc_with(
+        "calibrate --runs 3 --max-ticks 3000 --quiet --seed 3",
+        &[file, "--out", &here("measured.rates")],
+    );
+    let (status, out) = (calibrated.status, &calibrated.out);
+    assert!(matches!(status, 0 | 3), "{}", calibrated.err);
+    assert!(
+        out.contains("held-out error of mean waiting times"),
+        "{out}"
+    );
+    let measured = fs::read(here("measured.rates")).unwrap();
+    let mut rates: Value = serde_json::from_slice(&measured).unwrap();
+    assert!(rates["held_out"]["sampling"].as_f64().unwrap() < 0.6);
+    let mut write = |name: &str, error: Value| {
+        rates["held_out"]["error"] = error;
+        fs::write(here(name), rates.to_string()).unwrap();
+    };
+    write("accurate.rates", 0.15.into());
+    write("inaccurate.rates", 0.286.into());
+    write("invalid.rates", Value::Null);
+    for command in BY_RATES.into_iter().chain(["check --cost"]) {
+        let with = |rates: &str| stochc_with(command, &[file, "--rates", &here(rates)]);
+        let accurate = with("accurate.rates");
+        assert_eq!(accurate.status, 0, "{command}: {}", accurate.err);
+        assert!(
+            accurate.out.contains("ticks"),
+            "{command}: {}",
+            accurate.out
+        );
+        let inaccurate = with("inaccurate.rates");
+        let reason = "the rates of this scene have a held-out error of 28.6 %";
+        let err = &inaccurate.err;
+        assert_eq!(
+            (inaccurate.status, inaccurate.out.as_str()),
+            (2, ""),
+            "{command}"
+        );
+        assert!(
+            err.contains(reason) && err.contains("rigid"),
+            "{command}: {err}"
+        );
+        assert_eq!(with("invalid.rates").status, 2, "{command}");
     }
 }
 
@@ -335,7 +379,7 @@ fn models_without_positions_are_not_recorded() {
     );
     let tank = stochc("simulate --model rate --runs 2 --quiet examples/suction_growth.sa");
     assert_ne!(tank.status, 0);
-    assert!(tank.err.contains("suction"), "{}", tank.err);
+    assert!(tank.err.contains("no calibrated rates"), "{}", tank.err);
 }
 
 /// Checks that both commands print the same mean and interval for the same few runs.

@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 
 use stochc_compiler::scene::built_in;
 use stochc_compiler::{Limits, check};
-use stochc_experiments::calibration::{Calibration, PROGRAMS};
+use stochc_experiments::calibration::{Calibration, PROGRAMS, profile, programs};
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Tables;
 use stochc_runtime::rates::{Parameters, Rates};
@@ -37,7 +37,7 @@ fn found(scene: &Scene, truth: &Rates, runs: u64) -> Rates {
         let tables = tables(text);
         for number in 0..runs {
             let record = run(&tables, scene, &settings, place as u64, number, &mut watch);
-            calibration.observe(&record.expect("the command starts"));
+            calibration.observe(place, &record.expect("the command starts"));
         }
     }
     calibration
@@ -88,4 +88,23 @@ fn rejects_too_few_captures() {
     let calibration = Calibration::new(&scene, vec![1.0]);
     let error = calibration.rates(&Settings::default(), 0).unwrap_err();
     assert_eq!(error.captures, 0);
+}
+
+#[test]
+fn every_program_compiles_and_captures() {
+    for (scene, is_planar) in [("suction_tank", false), ("hemisphere", false), ("", true)] {
+        let mut scene = built_in(scene).unwrap_or(built_in("hemisphere").expect("a scene"));
+        scene.planar = is_planar.then_some(stochc_ir::scene::Planar { friction: None });
+        for (name, text) in programs(&scene) {
+            assert!(tables(text).captures() > 0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn an_interrupt_stops_the_observation_of_the_gas() {
+    let scene = built_in("hemisphere").expect("a built-in scene");
+    let mut interrupt = || ControlFlow::Break(());
+    let observed = profile(&scene, &Settings::default(), 1, &mut interrupt);
+    assert_eq!(observed, Ok(None));
 }

@@ -1,4 +1,5 @@
 //! Scenes that cannot be set up.
+use stochc_estimate::InaccurateRates;
 use stochc_ir::scene::room::NoRoom;
 
 use super::motion_limits::FARTHEST;
@@ -31,6 +32,8 @@ pub enum SceneError {
     },
     /// The scene has not been calibrated.
     NoRates,
+    /// The held-out error of the rates is too large.
+    InaccurateRates(InaccurateRates),
     /// The model lacks a feature that the scene or the settings need.
     NotInModel {
         /// Description of the feature, a noun without article.
@@ -45,6 +48,12 @@ pub enum SceneError {
 impl From<NoRoom> for SceneError {
     fn from(error: NoRoom) -> SceneError {
         SceneError::NoRoom(error)
+    }
+}
+
+impl From<InaccurateRates> for SceneError {
+    fn from(error: InaccurateRates) -> SceneError {
+        SceneError::InaccurateRates(error)
     }
 }
 
@@ -64,6 +73,7 @@ impl std::fmt::Display for SceneError {
                 "a free block would start {distance:.1e} block lengths from the plate; use a smaller enclosure, with at \
                  most {FARTHEST:.0e} block lengths"
             ),
+            SceneError::InaccurateRates(error) => error.fmt(f),
             SceneError::NoRates => {
                 f.write_str("this scene has no calibrated rates; run `stochc calibrate`")
             }

@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 
 use stochc_compiler::{Limits, check};
 use stochc_control::{BlockFace, Docking};
-use stochc_estimate::{Coverage, FORMAT, HeadStart, Neighbourhood, Parameters, Rates};
+use stochc_estimate::{Coverage, FORMAT, HeadStart, HeldOut, Neighbourhood, Parameters, Rates};
 use stochc_ir::Face;
 use stochc_ir::record::{Origin, Outcome, RunRecord};
 use stochc_ir::scene::Scene;
@@ -49,6 +49,8 @@ fn rates_of(scene: &Scene) -> Rates {
             least_open: 0.1,
             least_free: 0.5,
         },
+        kinds: Vec::new(),
+        held_out: None,
     }
 }
 
@@ -339,35 +341,45 @@ fn skipping_time_changes_nothing() {
 }
 
 #[test]
-fn unsupported_terms_are_rejected() {
+fn missing_and_inaccurate_rates_are_rejected() {
     let other = "scene other from hemisphere { free 77 uniform }
         assembly single in other { seed plate 1 x 1 { M at (0, 0) } phase only { M.up -> A } }";
     let (tables, scene) = compiled(other);
     let settings = Settings::new(Model::Rate, 1);
-    let refused = |tables: &Tables, scene: &Scene, settings: &Settings| {
-        let mut watch = |_, _| ControlFlow::Continue(());
-        let error = run(tables, scene, settings, 1, 0, &mut watch).unwrap_err();
-        assert!(matches!(error, RunError::Scene(_)));
-        error.to_string()
-    };
-    let without = refused(&tables, &scene, &settings);
+    let mut watch = |_, _| ControlFlow::Continue(());
+    let error = run(&tables, &scene, &settings, 1, 0, &mut watch).unwrap_err();
+    assert!(matches!(error, RunError::Scene(_)));
+    let without = error.to_string();
     assert!(without.contains("stochc calibrate"), "{without}");
-    for (scene, what) in [
-        ("magnet_tank", "magnets that always attract"),
-        ("suction_tank", "suction"),
-    ] {
-        let text = format!(
-            "assembly other in {scene} {{ seed plate 1 x 1 {{ M at (0, 0) }} phase only {{ M.up -> A }} }}"
-        );
-        let (tables, scene) = compiled(&text);
-        let settings = Settings {
-            rates: vec![rates_of(&scene)],
-            ..settings.clone()
-        };
-        let message = refused(&tables, &scene, &settings);
-        assert!(
-            message.contains(what) && message.contains("rigid"),
-            "{message}"
-        );
-    }
+    let message = refused_in("magnet_tank", 0.286);
+    let reason = "a held-out error of 28.6 %";
+    assert!(
+        message.contains(reason) && message.contains("rigid"),
+        "{message}"
+    );
+    assert_eq!(refused_in("suction_tank", 0.15), "");
+}
+
+/// Returns the error of a run in a scene whose rates have a held-out error. Empty without an error.
+fn refused_in(scene: &str, error: f64) -> String {
+    let text = format!(
+        "assembly other in {scene} {{ seed plate 1 x 1 {{ M at (0, 0) }} phase only {{ M.up -> A }} }}"
+    );
+    let (tables, scene) = compiled(&text);
+    let rates = Rates {
+        held_out: Some(HeldOut {
+            error,
+            sampling: 0.0,
+        }),
+        ..rates_of(&scene)
+    };
+    let settings = Settings {
+        rates: vec![rates],
+        ..Settings::new(Model::Rate, 1)
+    };
+    let mut watch = |_, _| ControlFlow::Continue(());
+    let result = run(&tables, &scene, &settings, 1, 0, &mut watch);
+    result
+        .err()
+        .map_or_else(String::new, |error| error.to_string())
 }

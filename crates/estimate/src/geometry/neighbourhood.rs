@@ -2,6 +2,7 @@
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
+use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, offsets_within};
 
 /// Largest distance of a blocking cell from the open cell along an axis \[cells\].
@@ -19,6 +20,10 @@ static ON_GROUND: LazyLock<[Neighbourhood; EDGE as usize]> = LazyLock::new(|| {
         Neighbourhood::from_cells(all().filter(|[.., z]| layer + z < 1))
     })
 });
+
+/// Cells in the layer of the open cell.
+static IN_PLANE: LazyLock<Neighbourhood> =
+    LazyLock::new(|| Neighbourhood::from_cells(all().filter(|[.., z]| *z == 0)));
 
 /// Number of cells along each edge.
 const EDGE: i32 = 2 * SIGHT + 1;
@@ -58,6 +63,16 @@ impl Neighbourhood {
         let layer = cell.z.clamp(-SIGHT, SIGHT + 1) + SIGHT;
         let low = ON_GROUND.get(layer as usize);
         low.copied().unwrap_or(Neighbourhood::EMPTY)
+    }
+
+    /// Returns the cells that can affect a face in a scene. In a planar world, the table below all
+    /// blocks has no effect.
+    #[must_use]
+    pub fn in_world_of(self, scene: &Scene) -> Neighbourhood {
+        match scene.planar {
+            Some(_) => self.within(*IN_PLANE),
+            None => self,
+        }
     }
 
     /// Blocks a cell at an offset of at most [`SIGHT`].
@@ -162,6 +177,12 @@ mod tests {
             });
             assert_eq!(part, found.within(some));
         }
+        let near = Neighbourhood::new(Cell::new(0, 0, 1), |near| near.x == 1);
+        let mut scene = crate::Rates::shipped()[0].scene.clone();
+        assert_eq!(near.in_world_of(&scene), near);
+        scene.planar = Some(stochc_ir::scene::Planar { friction: None });
+        let in_plane = near.in_world_of(&scene);
+        assert!(in_plane.is_blocked([1, 2, 0]) && !in_plane.is_blocked([0, 0, -1]));
         let edge = Cell::new(i32::MAX, i32::MIN, i32::MAX);
         let found = Neighbourhood::new(edge, |_| true);
         assert!(found.is_blocked([-1, 1, -1]) && !found.is_blocked([1, 0, 0]));

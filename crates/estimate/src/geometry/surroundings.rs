@@ -33,6 +33,7 @@ pub(crate) fn blocked_around(cell: Cell, direction: Face, near: Neighbourhood) -
     let [.., up] = direction.normal();
     let is_block_ahead = near.is_blocked(direction.normal()) && cell.z + up >= 1;
     Surroundings {
+        direction,
         open: unobstructed(direction, near),
         density: 1.0,
         free: 1.0,

@@ -1,5 +1,6 @@
 //! Rate law: waiting times from the surroundings of an open face.
 use serde::{Deserialize, Serialize};
+use stochc_ir::Face;
 
 use crate::geometry::rivals::Rivals;
 use crate::waits::wait::Wait;
@@ -7,6 +8,8 @@ use crate::waits::wait::Wait;
 /// Surroundings that determine a waiting time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surroundings {
+    /// Direction of the face.
+    pub direction: Face,
     /// Fraction of the sphere of reach that is not obstructed.
     pub open: f64,
     /// Density of free blocks at the cell's height, relative to their mean.
@@ -34,6 +37,50 @@ pub struct Surroundings {
     pub rivals: Rivals,
     /// Whether the face has been open since the first tick, when the free blocks were at rest.
     pub cold: bool,
+}
+
+impl Surroundings {
+    /// Returns the number of the kind of surroundings. A kind is an orientation (up, sideways,
+    /// down) with the conditions of the rate law.
+    pub fn kind(&self) -> u16 {
+        let orientation = match self.direction {
+            Face::Up => 1,
+            Face::Down => 2,
+            _ => 0,
+        };
+        let conditions = [
+            self.adjacent,
+            self.adjacent_parent,
+            self.corner,
+            self.corner_parent,
+            self.near_parent,
+            self.ahead,
+            self.rivals.adjacent > 0,
+            self.rivals.across > 0,
+            self.rivals.around > 0,
+        ];
+        let bit = |kind, is| kind << 1 | u16::from(is);
+        conditions.into_iter().fold(orientation, bit)
+    }
+}
+
+/// Factor of the rate for a [kind](Surroundings::kind) of surroundings.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KindFactor {
+    /// Kind of surroundings.
+    pub kind: u16,
+    /// Factor of the rate law's rate.
+    pub factor: f64,
+}
+
+impl KindFactor {
+    /// Returns the factor for surroundings, or 1 if their kind is not listed. `kinds` is in order.
+    pub fn find(kinds: &[KindFactor], of: &Surroundings) -> f64 {
+        let kind = of.kind();
+        let found = kinds.binary_search_by_key(&kind, |it| it.kind);
+        found.map_or(1.0, |found| kinds[found].factor)
+    }
 }
 
 /// Parameters of the rate law.

@@ -11,7 +11,8 @@ use crate::geometry::neighbourhood::Neighbourhood;
 use crate::geometry::rivals::Rivals;
 use crate::geometry::surroundings::{around, blocked_around};
 use crate::waits::head_start::{HeadStart, HeadStarts};
-use crate::waits::law::{Parameters, Surroundings};
+use crate::waits::held_out::{HeldOut, InaccurateRates};
+use crate::waits::law::{KindFactor, Parameters, Surroundings};
 use crate::waits::wait::Wait;
 
 /// Capture rates of a scene, with their origin.
@@ -41,6 +42,14 @@ pub struct Rates {
     pub head_starts: Vec<HeadStart>,
     /// Range of the observations.
     pub coverage: Coverage,
+    /// Factors of the rates by kind of surroundings, in order of the kinds. Empty if the rate law
+    /// predicts held-out structures at least as well without them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub kinds: Vec<KindFactor>,
+    /// Error for structures outside of the calibration. `None` if all terms of the scene are part
+    /// of the rate law.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub held_out: Option<HeldOut>,
 }
 
 /// Range of the surroundings that the calibration covers.
@@ -148,6 +157,7 @@ impl Rates {
         near: Neighbourhood,
         open: impl Fn(Cell) -> Option<Face>,
     ) -> Surroundings {
+        let near = near.in_world_of(&self.scene);
         Surroundings {
             density: self.density(cell.z),
             ..around(cell, direction, near, open)
@@ -163,6 +173,7 @@ impl Rates {
         rivals: Rivals,
         cold: bool,
     ) -> Wait {
+        let near = near.in_world_of(&self.scene);
         self.wait(&Surroundings {
             density: self.density(cell.z),
             rivals,
@@ -173,7 +184,23 @@ impl Rates {
 
     /// Returns the waiting time of a face with these surroundings.
     pub fn wait(&self, surroundings: &Surroundings) -> Wait {
-        self.parameters.wait(surroundings)
+        let mut wait = self.parameters.wait(surroundings);
+        if !self.kinds.is_empty() {
+            wait.rate *= KindFactor::find(&self.kinds, surroundings);
+        }
+        wait
+    }
+
+    /// Checks that commands may use the rates.
+    ///
+    /// # Errors
+    ///
+    /// If their held-out error is too large.
+    pub fn check_accuracy(&self) -> Result<(), InaccurateRates> {
+        match self.held_out {
+            Some(held_out) if !held_out.is_accurate() => Err(InaccurateRates(held_out)),
+            _ => Ok(()),
+        }
     }
 
     /// Returns the size of the largest structure in the calibration.
@@ -196,16 +223,24 @@ impl Rates {
     ///
     /// # Errors
     ///
-    /// If the file is invalid.
+    /// If the file is invalid, or the held-out error of its rates is too large.
     pub fn from_text(text: &str) -> Result<Rates, UnreadableRates> {
-        Ok(strict_json(text.as_bytes())?)
+        let rates: Rates = strict_json(text.as_bytes())?;
+        rates.check_accuracy()?;
+        Ok(rates)
     }
 }
 
-/// Error of a file that does not contain valid rates.
+/// Error of a file without usable rates.
 #[derive(Debug, Error)]
-#[error("it is not a file of rates by `stochc calibrate`: {0}")]
-pub struct UnreadableRates(#[from] StrictJsonError);
+pub enum UnreadableRates {
+    /// The file does not contain valid rates.
+    #[error("it is not a file of rates by `stochc calibrate`: {0}")]
+    Invalid(#[from] StrictJsonError),
+    /// The held-out error is too large.
+    #[error(transparent)]
+    Inaccurate(#[from] InaccurateRates),
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 enum InvalidRates {
@@ -221,6 +256,10 @@ enum InvalidRates {
     Profile,
     #[error("its head starts are invalid")]
     HeadStarts,
+    #[error("its factors by kind of surroundings are invalid")]
+    Kinds,
+    #[error("its held-out error is missing or invalid; calibrate again")]
+    HeldOut,
     #[error("a number is not finite")]
     NotFinite,
 }
@@ -242,6 +281,9 @@ struct Stored {
     free: u32,
     head_starts: Vec<HeadStart>,
     coverage: Coverage,
+    #[serde(default)]
+    kinds: Vec<KindFactor>,
+    held_out: Option<HeldOut>,
 }
 
 impl TryFrom<Stored> for Rates {
@@ -260,6 +302,8 @@ impl TryFrom<Stored> for Rates {
             free,
             head_starts,
             coverage,
+            kinds,
+            held_out,
         } = stored;
         if format != FORMAT {
             return Err(InvalidRates::Format(format));
@@ -283,6 +327,14 @@ impl TryFrom<Stored> for Rates {
         if head_starts.len() > MAX_HEAD_STARTS || !head_starts.iter().all(is_start) {
             return Err(InvalidRates::HeadStarts);
         }
+        let is_factor = |it: &KindFactor| (1e-9..=1e9).contains(&it.factor);
+        if !kinds.is_sorted_by(|a, b| a.kind < b.kind) || !kinds.iter().all(is_factor) {
+            return Err(InvalidRates::Kinds);
+        }
+        let is_error = |it: HeldOut| it.error >= 0.0 && it.error.is_finite() && it.sampling >= 0.0;
+        if !held_out.map_or(scene.uncalibrated_term().is_none(), is_error) {
+            return Err(InvalidRates::HeldOut);
+        }
         let others = [coverage.least_open, coverage.least_free];
         if covariance
             .iter()
@@ -303,6 +355,8 @@ impl TryFrom<Stored> for Rates {
             free,
             head_starts,
             coverage,
+            kinds,
+            held_out,
         })
     }
 }
@@ -314,6 +368,7 @@ const MAX_HEAD_STARTS: usize = 100;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::waits::held_out::MAX_HELD_OUT_ERROR;
 
     #[test]
     fn built_in_rates_survive_a_round_trip() {
@@ -334,19 +389,76 @@ mod tests {
     #[test]
     fn rejects_impossible_values() {
         let valid = Rates::from_text(BUILT_IN[0]).expect("it is sound");
-        let corrupted: [fn(&mut Rates); 6] = [
+        let factor = |kind| KindFactor { kind, factor: 2.0 };
+        let kinds = [factor(1), factor(2)];
+        let tested = Rates {
+            kinds: kinds.to_vec(),
+            held_out: Some(HeldOut {
+                error: MAX_HELD_OUT_ERROR,
+                sampling: 0.05,
+            }),
+            ..valid.clone()
+        };
+        let read = Rates::from_text(&tested.to_text()).expect("it is sound");
+        assert_eq!(read, tested);
+        let valid = tested;
+        let corrupted: [fn(&mut Rates); 10] = [
             |rates| rates.format += 1,
             |rates| rates.parameters.0[3] = 1e300,
             |rates| rates.profile.clear(),
             |rates| rates.profile[0] = -1.0,
             |rates| rates.covariance.truncate(7),
             |rates| rates.head_starts[0].probability = 1.5,
+            |rates| rates.kinds.swap(0, 1),
+            |rates| rates.kinds[0].factor = 0.0,
+            |rates| {
+                rates.held_out = Some(HeldOut {
+                    error: -0.1,
+                    sampling: 0.0,
+                })
+            },
+            |rates| {
+                rates.scene.gravity = Some(1.0);
+                rates.held_out = None;
+            },
         ];
         for corrupt in corrupted {
             let mut rates = valid.clone();
             corrupt(&mut rates);
             assert!(Rates::from_text(&rates.to_text()).is_err());
         }
+    }
+
+    #[test]
+    fn rejects_inaccurate_rates() {
+        let mut rates = Rates::from_text(BUILT_IN[0]).expect("it is sound");
+        rates.held_out = Some(HeldOut {
+            error: 0.286,
+            sampling: 0.073,
+        });
+        let refused = Rates::from_text(&rates.to_text());
+        let refused = refused.expect_err("it must be rejected").to_string();
+        assert!(
+            refused.contains("28.6 % (sampling error 7.3 %)"),
+            "{refused}"
+        );
+    }
+
+    #[test]
+    fn factors_apply_to_their_kind_of_surroundings() {
+        let mut rates = Rates::from_text(BUILT_IN[0]).expect("it is sound");
+        let cell = Cell::new(0, 0, 9);
+        let [up, down] = [Face::Up, Face::Down].map(|face| {
+            let near = Neighbourhood::EMPTY;
+            rates.surroundings(cell, face, near, |_| None)
+        });
+        let before = [up, down].map(|it| rates.wait(&it).rate);
+        rates.kinds = vec![KindFactor {
+            kind: up.kind(),
+            factor: 2.0,
+        }];
+        let after = [up, down].map(|it| rates.wait(&it).rate);
+        assert_eq!(after, [2.0 * before[0], before[1]]);
     }
 
     #[test]

@@ -6,39 +6,7 @@ use stochc_runtime::Settings;
 
 use super::head_start::HeadStartTally;
 use super::observation::Observations;
-use super::{likelihood, observation};
-
-/// Programs whose runs are observed for a calibration, as name and source.
-///
-/// In each program, a structure grows. Observing single blocks next to a fixed structure would give
-/// errors of 5 to 10 %.
-pub const PROGRAMS: [(&str, &str); 25] = [
-    ("towers", include_str!("programs/towers.sa")),
-    ("wall", include_str!("programs/wall.sa")),
-    ("corner", include_str!("programs/corner.sa")),
-    ("slot", include_str!("programs/slot.sa")),
-    ("arms", include_str!("programs/arms.sa")),
-    ("floor", include_str!("programs/floor.sa")),
-    ("pairs", include_str!("programs/pairs.sa")),
-    ("spread", include_str!("programs/spread.sa")),
-    ("drop", include_str!("programs/drop.sa")),
-    ("lift", include_str!("programs/lift.sa")),
-    ("pile", include_str!("programs/pile.sa")),
-    ("stagger", include_str!("programs/stagger.sa")),
-    ("quincunx", include_str!("programs/quincunx.sa")),
-    ("gap", include_str!("programs/gap.sa")),
-    ("solid", include_str!("programs/solid.sa")),
-    ("late", include_str!("programs/late.sa")),
-    ("alone", include_str!("programs/alone.sa")),
-    ("apart", include_str!("programs/apart.sa")),
-    ("row", include_str!("programs/row.sa")),
-    ("hook", include_str!("programs/hook.sa")),
-    ("crossbar", include_str!("programs/crossbar.sa")),
-    ("winding", include_str!("programs/winding.sa")),
-    ("posts", include_str!("programs/posts.sa")),
-    ("sheet", include_str!("programs/sheet.sa")),
-    ("fin", include_str!("programs/fin.sa")),
-];
+use super::{held_out, likelihood, observation};
 
 /// Observations of a scene for its calibration: waiting times, and captures shortly after releases.
 #[derive(Debug)]
@@ -81,12 +49,22 @@ impl Calibration {
         }
     }
 
-    /// Adds the waiting times of a run.
-    pub fn observe(&mut self, record: &RunRecord) {
+    /// Adds the waiting times of a run of the calibration program number `program`.
+    pub fn observe(&mut self, program: usize, record: &RunRecord) {
         let history = observation::History::from_record(record);
         self.observations
-            .add(&history, &self.profile, self.scene.free.count);
+            .add(program, &history, &self.profile, &self.scene);
         self.head_starts.add(&history);
+    }
+
+    /// Returns the number of observed captures.
+    pub fn captures(&self) -> u64 {
+        self.observations.captures()
+    }
+
+    /// Returns the longest useful observation of a face \[ticks\]. `None` without captures.
+    pub fn longest_wait(&self) -> Option<f64> {
+        self.observations.longest_wait()
     }
 
     /// Returns the calibrated rates. The runs used `settings` and `seed`.
@@ -99,7 +77,15 @@ impl Calibration {
         if captures < MIN {
             return Err(TooFew { captures });
         }
-        let (parameters, covariance) = likelihood::fit(&self.observations.without_jams());
+        let intervals = self.observations.without_jams();
+        let (parameters, covariance) = likelihood::fit(&intervals);
+        let parameters = Parameters(parameters);
+        let needs_test = self.scene.uncalibrated_term().is_some();
+        let tested = needs_test.then(|| held_out::best(&intervals));
+        let kinds = match tested {
+            Some((true, _)) => held_out::kinds(&intervals, &parameters),
+            _ => Vec::new(),
+        };
         Ok(Rates {
             format: FORMAT,
             scene: self.scene.clone(),
@@ -110,7 +96,7 @@ impl Calibration {
             ),
             seed,
             captures,
-            parameters: Parameters(parameters),
+            parameters,
             covariance,
             profile: self.profile.clone(),
             free: self.scene.free.count,
@@ -120,6 +106,8 @@ impl Calibration {
                 least_open: self.observations.least_open,
                 least_free: self.observations.least_free,
             },
+            kinds,
+            held_out: tested.map(|(_, held_out)| held_out),
         })
     }
 }

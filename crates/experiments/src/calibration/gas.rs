@@ -1,4 +1,6 @@
 //! Density profile of the free blocks in a scene without captures.
+use std::ops::ControlFlow;
+
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Plate;
 use stochc_runtime::Settings;
@@ -22,17 +24,25 @@ const HALF_WIDTH: f64 = 6.0;
 const LAYERS: usize = 64;
 
 /// Returns the density of free blocks in each layer above the plate, relative to the mean of the
-/// layers.
+/// layers. Returns `None` if `keep_going` stops the observation.
 ///
 /// # Errors
 ///
 /// If the scene cannot be set up.
-pub fn profile(scene: &Scene, settings: &Settings, seed: u64) -> Result<Vec<f64>, SceneError> {
+pub fn profile(
+    scene: &Scene,
+    settings: &Settings,
+    seed: u64,
+    keep_going: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Result<Option<Vec<f64>>, SceneError> {
     let plate = Plate { width: 3, depth: 3 };
     let mut world = RigidWorld::new(scene, &plate, settings, seed, 0)?;
     let mut layers = vec![0_u64; LAYERS];
     let mut dockings = Vec::new();
     while world.tick() < WARM_UP + TICKS {
+        if keep_going().is_break() {
+            return Ok(None);
+        }
         if world.step(&mut dockings).is_err() {
             break;
         }
@@ -52,8 +62,6 @@ pub fn profile(scene: &Scene, settings: &Settings, seed: u64) -> Result<Vec<f64>
         .map_or(1, |last| last + 1);
     layers.truncate(highest);
     let mean = layers.iter().sum::<u64>() as f64 / highest as f64;
-    Ok(layers
-        .iter()
-        .map(|count| *count as f64 / mean.max(1.0))
-        .collect())
+    let relative = layers.iter().map(|count| *count as f64 / mean.max(1.0));
+    Ok(Some(relative.collect()))
 }

@@ -3,6 +3,7 @@ use std::collections::BTreeSet;
 
 use stochc_estimate::{Neighbourhood, Surroundings, around, density_in, relative, rivalry, sees};
 use stochc_ir::record::{BondRecord, RunRecord};
+use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face};
 
 /// Largest squared distance of a release with a head start \[block lengths^2\].
@@ -102,6 +103,8 @@ impl WaitingFace {
 /// Part of a waiting time with constant surroundings.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WaitInterval {
+    /// Number of the calibration program.
+    pub structure: usize,
     pub surroundings: Surroundings,
     /// Start of the interval, in ticks since the face was switched on.
     pub from: f64,
@@ -139,17 +142,22 @@ impl Observations {
             .count() as u64
     }
 
-    /// Returns the intervals, cut at a time limit. Waiting times above the limit are very probably
-    /// jams, which the rate model does not include.
-    ///
-    /// The limit is the same for all faces, so it causes no bias.
-    pub fn without_jams(&self) -> Vec<WaitInterval> {
+    /// Returns the time limit of observed waiting times \[ticks\]. `None` without captures.
+    pub fn longest_wait(&self) -> Option<f64> {
         let mut waits: Vec<f64> = (self.intervals.iter())
             .filter(|interval| interval.captured)
             .map(|interval| interval.to)
             .collect();
         waits.sort_unstable_by(f64::total_cmp);
-        let last = (waits.get(waits.len() / 2)).map_or(f64::INFINITY, |median| median * LONGEST);
+        waits.get(waits.len() / 2).map(|median| median * LONGEST)
+    }
+
+    /// Returns the intervals, cut at a time limit. Waiting times above the limit are very probably
+    /// jams, which the rate model does not include.
+    ///
+    /// The limit is the same for all faces, so it causes no bias.
+    pub fn without_jams(&self) -> Vec<WaitInterval> {
+        let last = self.longest_wait().unwrap_or(f64::INFINITY);
         let watched = self
             .intervals
             .iter()
@@ -163,9 +171,9 @@ impl Observations {
             .collect()
     }
 
-    /// Adds the waiting times of a run. Skips faces near a release, because the released block may
-    /// return.
-    pub fn add(&mut self, history: &History, profile: &[f64], count: u32) {
+    /// Adds the waiting times of a run of the program `structure`. Skips faces near a release,
+    /// because the released block may return.
+    pub fn add(&mut self, structure: usize, history: &History, profile: &[f64], scene: &Scene) {
         for wait in &history.waits {
             let disturbed = history.moves.iter().any(|it| {
                 let lately = it.tick + LATELY > wait.since && it.tick < wait.until;
@@ -176,13 +184,22 @@ impl Observations {
                         .is_some_and(|squared| squared <= NEAR)
             });
             if !disturbed {
-                self.follow(history, wait, density_in(profile, wait.cell.z), count);
+                let density = density_in(profile, wait.cell.z);
+                self.follow(structure, history, wait, density, scene);
             }
         }
     }
 
     /// Adds a waiting time, as one interval for each period with constant surroundings.
-    fn follow(&mut self, history: &History, wait: &WaitingFace, density: f64, count: u32) {
+    fn follow(
+        &mut self,
+        structure: usize,
+        history: &History,
+        wait: &WaitingFace,
+        density: f64,
+        scene: &Scene,
+    ) {
+        let count = scene.free.count;
         let rivals: Vec<&WaitingFace> = (history.waits.iter())
             .filter(|other| other.since < wait.until && other.until > wait.since)
             .filter(|other| {
@@ -228,7 +245,7 @@ impl Observations {
                 ..around(
                     wait.cell,
                     wait.direction,
-                    Neighbourhood::new(wait.cell, |cell| full.contains(&cell)),
+                    Neighbourhood::new(wait.cell, |cell| full.contains(&cell)).in_world_of(scene),
                     open,
                 )
             };
@@ -239,6 +256,7 @@ impl Observations {
                 self.least_free = self.least_free.min(surroundings.free);
             }
             self.intervals.push(WaitInterval {
+                structure,
                 surroundings,
                 from: (from - wait.since) as f64,
                 to: (to - wait.since) as f64,

@@ -62,10 +62,17 @@ impl Scene {
         self.planar.as_ref().and_then(|planar| planar.friction)
     }
 
-    /// Returns the name of the first term whose effect on waiting times has not been calibrated.
-    /// The rate model and the uncalibrated estimate do not support such scenes.
+    /// Returns the name of the first term that is not part of the rate law. Rates of such a scene
+    /// need a held-out error. The uncalibrated estimate does not support such scenes.
     pub fn uncalibrated_term(&self) -> Option<&'static str> {
-        if self.planar.is_some() {
+        let of_bond = match &self.bond {
+            Some(Bond::Reject { .. }) => Some("bond by magnets that always attract"),
+            Some(Bond::Suction { .. }) => Some("bond by suction"),
+            _ => None,
+        };
+        if of_bond.is_some() {
+            of_bond
+        } else if self.planar.is_some() {
             Some("planar world")
         } else if self.fluid.is_some() || self.flow.is_some() {
             Some("fluid")

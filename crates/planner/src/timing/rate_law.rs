@@ -169,15 +169,16 @@ impl<'a> RateLaw<'a> {
                 Some(rates) => rates.surroundings(cell, direction, near, |_| None),
                 None => around(cell, direction, near, |_| None),
             });
-        let parameters = self
-            .rates()
-            .map_or(Parameters::TYPICAL, |rates| rates.parameters);
-        parameters.wait(&Surroundings {
+        let surroundings = Surroundings {
             free: moment.free,
             cold: moment.is_first,
             rivals,
             ..*seen
-        })
+        };
+        match self.rates() {
+            Some(rates) => rates.wait(&surroundings),
+            None => Parameters::TYPICAL.wait(&surroundings),
+        }
     }
 
     /// Returns the mean waiting time, with a relative error of at most half a percent.

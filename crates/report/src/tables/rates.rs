@@ -2,7 +2,7 @@
 use stochc_ir::{Cell, Face};
 use stochc_results::{EnsembleProgram, Manifest};
 use stochc_runtime::Model;
-use stochc_runtime::rates::{GUESS_ERROR, Neighbourhood, Parameters, Rates};
+use stochc_runtime::rates::{GUESS_ERROR, MAX_HELD_OUT_ERROR, Neighbourhood, Parameters, Rates};
 use stochc_text::visible;
 use stochc_text::{number, percent};
 
@@ -47,6 +47,14 @@ pub fn rates_to_text(rates: &Rates, width: usize) -> String {
         rates.captures, rates.simulated, rates.seed
     );
     text += &numbers(rates).text(width, false);
+    if let Some(held_out) = &rates.held_out {
+        text += &format!(
+            "\nheld-out error of mean waiting times: {} (sampling error {}); commands accept at most {}\n",
+            percent(held_out.error),
+            percent(held_out.sampling),
+            percent(MAX_HELD_OUT_ERROR)
+        );
+    }
     text += &format!("\n{}", examples(rates).text(width, false));
     if !rates.head_starts.is_empty() {
         text += &format!("\n{}", head_starts(rates).text(width, false));

@@ -1,7 +1,7 @@
 //! The world of the rate model.
 use stochc_control::{BlockFace, Docking};
 use stochc_estimate::{HeadStarts, Rates};
-use stochc_ir::scene::{Bond, Scene};
+use stochc_ir::scene::Scene;
 use stochc_ir::table::Tables;
 use stochc_ir::{Cell, Face};
 
@@ -46,7 +46,8 @@ impl<'r> RateWorld<'r> {
     ///
     /// # Errors
     ///
-    /// [`SceneError::NoRates`], and [`SceneError::NotInModel`] for unsupported features.
+    /// [`SceneError::NoRates`], [`SceneError::InaccurateRates`], and [`SceneError::NotInModel`] for
+    /// unsupported features.
     pub fn new(
         tables: &Tables,
         scene: &Scene,
@@ -60,6 +61,7 @@ impl<'r> RateWorld<'r> {
         let given = rates.iter().find(|rates| rates.are_of(scene));
         let rates = given.or_else(|| Rates::built_in(scene));
         let rates = rates.ok_or(SceneError::NoRates)?;
+        rates.check_accuracy()?;
         let count = scene.free.count;
         Ok(RateWorld {
             tick: 0,
@@ -84,13 +86,8 @@ impl<'r> RateWorld<'r> {
 
     /// Returns the first feature of a scene that the rate model does not support.
     pub fn unsupported(scene: &Scene) -> Option<SceneError> {
-        let what = match &scene.bond {
-            Some(Bond::Reject { .. }) => "bond by magnets that always attract",
-            Some(Bond::Suction { .. }) => "bond by suction",
-            None => "scene without bonds",
-            Some(_) => scene.uncalibrated_term()?,
-        };
-        Some(not_known(what))
+        let is_without = scene.bond.is_none();
+        is_without.then(|| not_known("scene without bonds"))
     }
 
     /// Returns the random words of the next draw.
