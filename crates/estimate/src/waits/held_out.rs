@@ -25,7 +25,7 @@ pub struct InaccurateRates(pub HeldOut);
 
 impl HeldOut {
     /// Returns whether commands may use the rates.
-    pub fn is_accurate(&self) -> bool {
+    pub(crate) fn is_accurate(&self) -> bool {
         self.error <= MAX_HELD_OUT_ERROR
     }
 }

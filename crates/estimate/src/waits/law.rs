@@ -41,7 +41,8 @@ pub struct Surroundings {
 
 impl Surroundings {
     /// Returns the number of the kind of surroundings. A kind is an orientation (up, sideways,
-    /// down) with the conditions of the rate law.
+    /// down) with the conditions of the rate law. The density and the number of free blocks do not
+    /// count.
     pub fn kind(&self) -> u16 {
         let orientation = match self.direction {
             Face::Up => 1,
@@ -58,6 +59,7 @@ impl Surroundings {
             self.rivals.adjacent > 0,
             self.rivals.across > 0,
             self.rivals.around > 0,
+            self.cold,
         ];
         let bit = |kind, is| kind << 1 | u16::from(is);
         conditions.into_iter().fold(orientation, bit)
