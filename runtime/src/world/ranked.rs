@@ -88,21 +88,33 @@ impl RankedSet {
         let mut before = 0;
         let mut step = 1 << self.words.len().ilog2();
         while step > 0 {
-            match self.counts.get(before + step) {
-                Some(&count) if count <= rank => {
-                    rank -= count;
-                    before += step;
-                }
-                _ => {}
-            }
+            // Without branches, because they would be unpredictable.
+            let count = self.counts.get(before + step);
+            let count = count.copied().unwrap_or(u32::MAX);
+            let is_before = count <= rank;
+            rank -= count * u32::from(is_before);
+            before += step * usize::from(is_before);
             step /= 2;
         }
-        let mut word = self.words[before];
-        for _ in 0..rank {
-            word &= word - 1;
-        }
-        64 * before + word.trailing_zeros() as usize
+        64 * before + select_bit(self.words[before], rank)
     }
+}
+
+/// Returns the index of the set bit with exactly `rank` set bits below it. There must be more than
+/// `rank` set bits.
+fn select_bit(word: u64, mut rank: u32) -> usize {
+    let mut before = 0;
+    for width in [32, 16, 8] {
+        let low = word >> before & ((1 << width) - 1);
+        let is_before = low.count_ones() <= rank;
+        rank -= low.count_ones() * u32::from(is_before);
+        before += width * usize::from(is_before);
+    }
+    let mut rest = word >> before;
+    for _ in 0..rank {
+        rest &= rest - 1;
+    }
+    before + rest.trailing_zeros() as usize
 }
 
 #[cfg(test)]
