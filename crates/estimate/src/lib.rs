@@ -24,7 +24,7 @@ mod waits;
 pub use cost::{
     CaptureCost, Cost, EventState, PartialRun, PhaseCost, ProgramParts, RemainingTime,
     SerialCapture, estimate, estimate_without_timeouts, reference_count, remaining_time,
-    serial_captures,
+    serial_captures, times_out_rarely,
 };
 pub use geometry::accessibility::{offsets, sees};
 pub use geometry::gap::{beside_gap, gap_entrances};

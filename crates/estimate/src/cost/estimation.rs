@@ -5,10 +5,16 @@ use stochc_ir::graph::EventId;
 use super::costs::{CaptureCost, Cost};
 use super::events::{Events, PhaseLimit, ProgramParts};
 use super::partial_run::{PartialRun, RemainingTime};
-use super::sampling::Sampled;
+use super::sampling::{MAX, Sampled, SampledPhase};
 use super::waits::CaptureWait;
 use super::{sampling, scarcity, waits};
 use crate::{Interaction, LowerBoundReasons, Rates, Times, Wait};
+
+/// Number of samples of [`times_out_rarely`].
+const FEW: usize = 200;
+
+/// Share of timeouts below which they are rare.
+const RARE: f64 = 0.25;
 
 /// Estimates the times of a program. Returns `None` if its graph has a cycle.
 pub fn estimate(program: ProgramParts<'_>, rates: Option<&Rates>) -> Option<Cost> {
@@ -25,6 +31,22 @@ pub fn estimate_without_timeouts(program: ProgramParts<'_>, rates: &Rates) -> Op
     Some(estimate_within(&events, Some(rates), &limits))
 }
 
+/// Returns whether clearly fewer than half of the runs that reach a phase end at its timeout, for
+/// every phase. Takes few samples. Returns `false` if they do not decide it.
+///
+/// With [`FEW`] samples and a share below [`RARE`], a share of one half has a probability of less
+/// than 1e-5 (Hoeffding's inequality).
+pub fn times_out_rarely(program: ProgramParts<'_>, rates: &Rates) -> bool {
+    let Some(events) = Events::new(program) else {
+        return false;
+    };
+    let Some((_, sampled)) = sampled(&events, rates, &events.limits(), None, FEW) else {
+        return false;
+    };
+    let is_rare = |phase: &SampledPhase| phase.reached >= FEW / 2 && phase.timed_out < RARE;
+    sampled.phases.iter().all(is_rare)
+}
+
 /// Estimates the remaining time of a run in progress. Returns `None` if the graph has a cycle, or a
 /// capture has no free block left.
 pub fn remaining_time(
@@ -34,17 +56,18 @@ pub fn remaining_time(
 ) -> Option<RemainingTime> {
     let events = Events::new(program)?;
     let limits = events.limits();
-    let (_, sampled) = sampled(&events, rates, &limits, Some(run))?;
+    let (_, sampled) = sampled(&events, rates, &limits, Some(run), MAX)?;
     Some(RemainingTime::new(&sampled.draws, run.now))
 }
 
-/// Samples the event times of a program. Also returns the waiting times. Returns `None` if a
-/// capture has no free block left.
+/// Samples the event times of a program, at most `most` times. Also returns the waiting times.
+/// Returns `None` if a capture has no free block left.
 fn sampled(
     events: &Events<'_>,
     rates: &Rates,
     limits: &[PhaseLimit],
     partial: Option<&PartialRun>,
+    most: usize,
 ) -> Option<(Vec<Option<CaptureWait>>, Sampled)> {
     let waits = waits::waits(events, rates);
     if (waits.iter().flatten()).any(|waits| waits.wait.rate <= 0.0) {
@@ -52,7 +75,7 @@ fn sampled(
     }
     let steps = events.steps();
     let scarce = scarcity::scarce_blocks(events, &steps, &waits, rates);
-    let sampled = sampling::sample(events, &steps, limits, &waits, scarce, partial);
+    let sampled = sampling::sample(events, &steps, limits, &waits, scarce, partial, most);
     Some((waits, sampled))
 }
 
@@ -73,7 +96,7 @@ fn estimate_within(events: &Events<'_>, rates: Option<&Rates>, limits: &[PhaseLi
         graph, jam_risks, ..
     } = events.parts;
     cost.lower_bound = LowerBoundReasons::new(jam_risks, rates, graph.largest_structure());
-    let Some((waits, sampled)) = sampled(events, rates, limits, None) else {
+    let Some((waits, sampled)) = sampled(events, rates, limits, None, MAX) else {
         return cost;
     };
     let complete = sampled.draws.iter().filter(|draw| draw.is_complete);

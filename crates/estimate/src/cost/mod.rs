@@ -20,7 +20,7 @@ mod timed_phase;
 mod waits;
 
 pub use costs::{CaptureCost, Cost, PhaseCost};
-pub use estimation::{estimate, estimate_without_timeouts, remaining_time};
+pub use estimation::{estimate, estimate_without_timeouts, remaining_time, times_out_rarely};
 pub use events::ProgramParts;
 pub use partial_run::{EventState, PartialRun, RemainingTime};
 pub use serial::{SerialCapture, reference_count, serial_captures};

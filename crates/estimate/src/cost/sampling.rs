@@ -20,7 +20,9 @@ const DRAWN: usize = 200_000;
 
 /// Smallest number of samples. Small programs get more.
 const MIN: usize = 20;
-const MAX: usize = 4000;
+
+/// Largest number of samples.
+pub const MAX: usize = 4000;
 
 /// Largest mean number of repetitions of phases per sample. Beyond it, fewer samples are drawn.
 const MAX_RETRIED: usize = 16;
@@ -32,6 +34,8 @@ pub struct SampledPhase {
     /// Duration. `None` if at least nine tenths of the samples that reach the phase have a timeout
     /// in it.
     pub times: Option<Times>,
+    /// Number of samples that reach the phase.
+    pub reached: usize,
     /// Share of the phase's samples that end at its timeout.
     pub timed_out: f64,
 }
@@ -40,6 +44,7 @@ impl SampledPhase {
     fn new(durations: Vec<f64>, timed_out: usize) -> SampledPhase {
         let reached = durations.len() + timed_out;
         SampledPhase {
+            reached,
             timed_out: timed_out as f64 / reached.max(1) as f64,
             times: Times::new(durations, timed_out),
         }
@@ -60,7 +65,8 @@ pub struct Sampled {
     pub waits: Vec<Option<f64>>,
 }
 
-/// Samples the event times of a program. If `partial` is given, its run continues.
+/// Samples the event times of a program, at most `most` times. If `partial` is given, its run
+/// continues.
 pub fn sample(
     events: &Events<'_>,
     steps: &[Vec<Step>],
@@ -68,9 +74,10 @@ pub fn sample(
     waits: &[Option<CaptureWait>],
     scarce: Option<Vec<ScarceBlocks<'_>>>,
     partial: Option<&PartialRun>,
+    most: usize,
 ) -> Sampled {
     let count = waits.iter().flatten().count().max(1);
-    let times = (DRAWN / count).clamp(MIN, MAX);
+    let times = (DRAWN / count).clamp(MIN, MAX).min(most);
     let neighbours = neighbours(events, waits);
     let mut scarce = scarce.map(Vec::into_iter);
     let timed = steps.iter().map(|steps| {

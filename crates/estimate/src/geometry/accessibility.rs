@@ -97,7 +97,10 @@ pub(crate) fn in_reach(direction: Face) -> Neighbourhood {
 static IN_REACH: LazyLock<[Neighbourhood; 6]> =
     LazyLock::new(|| Face::ALL.map(|direction| Neighbourhood::from_cells(offsets(direction))));
 
-static BLOCKERS: LazyLock<[Blockers; 6]> = LazyLock::new(|| Face::ALL.map(blockers));
+static BLOCKERS: LazyLock<[Blockers; 6]> = LazyLock::new(|| {
+    let blocked = blocked_from_east();
+    Face::ALL.map(|direction| blockers(direction, &blocked))
+});
 
 /// For each direction and each cell of a neighbourhood, the index of the cell in [`BLOCKERS`].
 static NUMBERS: LazyLock<[[u8; CELLS]; 6]> = LazyLock::new(|| {
@@ -110,15 +113,27 @@ static NUMBERS: LazyLock<[[u8; CELLS]; 6]> = LazyLock::new(|| {
     })
 });
 
-fn blockers(direction: Face) -> Blockers {
+/// Returns the set of points that each cell of a neighbourhood blocks, for the direction east.
+fn blocked_from_east() -> Vec<Points> {
     let mut blocked = vec![[0; WORDS]; CELLS];
-    for (number, point) in points(direction).into_iter().enumerate() {
+    for (number, point) in points(Face::East).into_iter().enumerate() {
         for offset in near(point).filter(|offset| distance(point, *offset) < CLEARANCE) {
             blocked[index(offset)][number / 64] |= 1 << (number % 64);
         }
     }
+    blocked
+}
+
+/// Returns the cells that may block a face. `blocked` are the points that each cell blocks for the
+/// direction east. The grid of points is the same for all directions, turned.
+fn blockers(direction: Face, blocked: &[Points]) -> Blockers {
+    let (axis, sign) = axis(direction);
+    let turned = |offset: [i32; 3]| {
+        let [along, u, v] = [axis, axis + 1, axis + 2].map(|axis| offset[axis % 3]);
+        [sign as i32 * along, u, v]
+    };
     let mut found: Blockers = all()
-        .map(|offset| (offset, blocked[index(offset)]))
+        .map(|offset| (offset, blocked[index(turned(offset))]))
         .filter(|(_, points)| points.iter().any(|word| *word != 0))
         .collect();
     // Nearest first, since they block most.
@@ -206,6 +221,18 @@ mod tests {
         for point in Face::ALL.into_iter().flat_map(points) {
             let is_close = |offset: &[i32; 3]| distance(point, *offset) < CLEARANCE;
             assert!(all().filter(is_close).eq(near(point).filter(is_close)));
+        }
+    }
+
+    #[test]
+    fn each_cell_blocks_the_points_within_the_clearance() {
+        for direction in Face::ALL {
+            for (number, point) in points(direction).into_iter().enumerate() {
+                for (offset, points) in &BLOCKERS[direction as usize] {
+                    let is_blocked = points[number / 64] >> (number % 64) & 1 == 1;
+                    assert_eq!(is_blocked, distance(point, *offset) < CLEARANCE);
+                }
+            }
         }
     }
 
