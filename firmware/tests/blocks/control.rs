@@ -1,5 +1,6 @@
 //! The control that `stochc` verifies, ahead of the interpreters: its messages take no time.
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 use stochc_control::{
     BlockFace, Body, Docking, Environment, Lattice, Message, Payload, PlannedCapture, Recalled,
@@ -8,19 +9,22 @@ use stochc_control::{
 use stochc_ir::table::Tables;
 
 /// Structure, cells and messages in transit.
+#[derive(Clone)]
 pub struct Control<'t> {
     pub structure: Structure<'t>,
     pub effects: Effects,
 }
 
 /// Effects of the structure.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Effects {
     pub lattice: Lattice,
     in_transit: Vec<(Body, Body, Message)>,
     closed: Vec<BlockFace>,
     /// Time of the interpreters \[ticks\].
     pub now: u32,
+    /// Whether times may end early.
+    pub is_timeless: bool,
     /// Earliest times of delayed requests, by the block that asks.
     due: BTreeMap<Body, u32>,
     /// Number of delayed releases.
@@ -107,7 +111,7 @@ impl<'t> Control<'t> {
             position.ok_or_else(|| format!("{child:?} has not asked for its release"))?;
         let (from, to, message) = self.effects.in_transit.remove(position);
         if let Some(due) = self.effects.due.remove(&child) {
-            if self.effects.now < due {
+            if self.effects.now < due && !self.effects.is_timeless {
                 return Err(format!(
                     "released in tick {} instead of {due}",
                     self.effects.now
@@ -152,6 +156,15 @@ impl<'t> Control<'t> {
         self.structure.retry(&mut self.effects);
         self.deliver();
         Ok(())
+    }
+
+    /// Returns a hash of the state.
+    pub fn hash(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        let mut in_transit = self.effects.in_transit.clone();
+        in_transit.sort();
+        (&self.structure, &self.effects.lattice, in_transit).hash(&mut hasher);
+        hasher.finish()
     }
 
     pub fn is_complete(&self) -> bool {

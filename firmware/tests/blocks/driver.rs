@@ -1,5 +1,6 @@
 //! Random orders of events, carried out by the interpreters and by the control.
 use std::collections::{BTreeMap, BTreeSet};
+use std::hash::Hash;
 
 use stochc_control::{BlockFace, Body, Docking, Orientation, StructureBlock};
 use stochc_firmware::Image;
@@ -7,31 +8,37 @@ use stochc_ir::Face;
 use stochc_ir::table::{Phase, Tables};
 
 use crate::control::Control;
-use crate::host::{Channel, Host, HostEvent};
+use crate::host::{BlockState, Channel, Host, HostEvent};
 
 /// States of a face in `block.h`.
 const OFF: u8 = 0;
 const OPEN: u8 = 1;
 
-/// One structure, twice.
-struct Pair<'a> {
-    host: &'a mut Host,
-    control: Control<'a>,
+/// One structure, twice: the control, and the faces and blocks of the interpreters.
+#[derive(Clone)]
+pub struct Model<'a> {
+    pub control: Control<'a>,
+    tables: &'a Tables,
     seeds: Vec<Body>,
     /// Faces that the interpreters have switched on and that are empty.
-    open: BTreeSet<(u32, u8)>,
+    pub open: BTreeSet<(u32, u8)>,
     /// Blocks at faces.
-    held: BTreeMap<(u32, u8), u32>,
+    pub held: BTreeMap<(u32, u8), u32>,
     /// Free blocks.
-    free: Vec<u32>,
+    pub free: Vec<u32>,
     /// Blocks docked at faces that the control has switched off.
     strays: BTreeSet<u32>,
-    tables: &'a Tables,
     /// Start of the phase, of its attempt or of its abort \[ticks\].
     began: u32,
     /// Blocks that had no confirmed role when a timeout ended the program.
     dropped: usize,
     outcome: RunOutcome,
+}
+
+/// A structure with random events.
+struct Pair<'a> {
+    host: &'a mut Host,
+    model: Model<'a>,
     random: Random,
 }
 
@@ -72,37 +79,27 @@ fn is_open(block: &StructureBlock, own: Face) -> bool {
 /// event, and must be in the same state whenever no message is in transit.
 pub fn run(tables: &Tables, host: &mut Host, channel: Channel) -> Result<RunOutcome, String> {
     let image = Image::new(tables).map_err(|error| error.to_string())?;
-    let seeds: Vec<Body> = tables.seeds().map(|(_, cell)| Body::Seed(cell)).collect();
     let free = tables.captures() + 2;
-    let units = seeds.len() + free;
-    host.load(&image, units, channel);
+    let model = Model::new(tables, free);
+    host.load(&image, model.seeds.len() + free, channel);
     let mut pair = Pair {
         host,
-        control: Control::new(tables),
-        open: BTreeSet::new(),
-        held: BTreeMap::new(),
-        free: (0..free as u32).collect(),
-        strays: BTreeSet::new(),
-        tables,
-        began: 0,
-        dropped: 0,
-        outcome: RunOutcome::default(),
+        model,
         random: Random(channel.seed),
-        seeds,
     };
     let recoveries = tables.phases.iter().filter_map(|phase| phase.recovery);
     let attempts: usize = 1 + recoveries.map(|it| it.retries as usize).sum::<usize>();
     let limit = (1000 + 400 * free) * attempts;
     for _ in 0..limit {
         pair.step()?;
-        if pair.control.is_complete() || pair.outcome.timed_out {
+        if pair.model.has_ended() {
             pair.settle()?;
             let (block, plate) = pair.host.waiting();
             if block > image.sizes.waiting || plate > image.sizes.plate_waiting {
                 return Err(format!("{block} and {plate} waiting: {:?}", image.sizes));
             }
-            pair.outcome.delayed = pair.control.effects.delayed;
-            return Ok(pair.outcome);
+            pair.model.outcome.delayed = pair.model.control.effects.delayed;
+            return Ok(pair.model.outcome);
         }
     }
     Err(format!("stuck: {:#?}", pair.host.states()))
@@ -124,18 +121,143 @@ impl Pair<'_> {
 
     fn command(&mut self, command: &str) -> Result<(), String> {
         for event in self.host.events(command) {
-            self.apply(event)
+            self.model
+                .apply(event)
                 .map_err(|error| format!("{event:?}: {error}"))?;
         }
         Ok(())
     }
 
-    fn body(&self, unit: u32) -> Body {
+    /// Lets a random free block dock at a random open face.
+    fn capture(&mut self) -> Result<(), String> {
+        let open: Vec<_> = self.model.open.iter().copied().collect();
+        if open.is_empty() || self.model.free.is_empty() {
+            return Ok(());
+        }
+        let (unit, face) = open[self.random.below(open.len())];
+        let block_face = BlockFace {
+            body: self.model.body(unit),
+            face: Face::ALL[usize::from(face)],
+        };
+        if self
+            .model
+            .control
+            .effects
+            .lattice
+            .target(block_face)
+            .is_none()
+        {
+            return Ok(());
+        }
+        let child = self
+            .model
+            .free
+            .swap_remove(self.random.below(self.model.free.len()));
+        let child_face = Face::ALL[self.random.below(6)];
+        let turn = self.random.below(4) as u8;
+        let command = self.model.dock((unit, face), child, child_face, turn)?;
+        self.command(&command)
+    }
+
+    /// Lets a free block dock at a face that is off. The capturing block must release it at once.
+    fn stray(&mut self) -> Result<(), String> {
+        let blocks: Vec<_> = self.model.control.structure.blocks().collect();
+        let block = blocks[self.random.below(blocks.len())];
+        let face = Face::ALL[self.random.below(6)];
+        let body = block.body();
+        let block_face = BlockFace { body, face };
+        if is_open(block, face)
+            || self
+                .model
+                .control
+                .effects
+                .lattice
+                .target(block_face)
+                .is_none()
+        {
+            return Ok(());
+        }
+        let unit = match body {
+            Body::Seed(_) => self
+                .model
+                .seeds
+                .iter()
+                .position(|seed| *seed == body)
+                .unwrap() as u32,
+            Body::Free(free) => self.model.unit(free),
+        };
+        if self.model.held.contains_key(&(unit, face as u8)) || self.model.free.len() < 2 {
+            return Ok(());
+        }
+        // The capturing block may not have its role yet: it would keep the stray block.
+        let states = self.host.states();
+        let state = states.iter().find(|state| state.unit == unit);
+        if state.is_none_or(|state| state.faces[face as usize] != OFF) {
+            return Ok(());
+        }
+        let child = self
+            .model
+            .free
+            .swap_remove(self.random.below(self.model.free.len()));
+        self.model.strays.insert(child);
+        self.model.held.insert((unit, face as u8), child);
+        let number = self.model.unit(child);
+        self.command(&format!("D {unit} {} {number} 0 2", face as u8))?;
+        self.command(&format!("T {unit}"))?;
+        if self.model.strays.contains(&child) {
+            let states = self.host.states();
+            if states.iter().any(|state| state.unit == unit) {
+                return Err(format!("unit {unit} keeps a stray block"));
+            }
+            // The capturing block has lost its role in the meantime.
+            self.command(&format!("U {unit} {}", face as u8))?;
+        }
+        Ok(())
+    }
+
+    /// Lets all messages arrive, and compares the states.
+    fn settle(&mut self) -> Result<(), String> {
+        self.command("Q")?;
+        let states = self.host.states();
+        self.model.compare(states)
+    }
+}
+
+impl<'a> Model<'a> {
+    /// Returns the start of a program with a number of free blocks.
+    pub fn new(tables: &'a Tables, free: usize) -> Model<'a> {
+        Model {
+            control: Control::new(tables),
+            tables,
+            seeds: tables.seeds().map(|(_, cell)| Body::Seed(cell)).collect(),
+            open: BTreeSet::new(),
+            held: BTreeMap::new(),
+            free: (0..free as u32).collect(),
+            strays: BTreeSet::new(),
+            began: 0,
+            dropped: 0,
+            outcome: RunOutcome::default(),
+        }
+    }
+
+    /// Returns a value that differs between states.
+    pub fn key(&self) -> impl Hash {
+        let ends = (self.outcome.timed_out, self.dropped);
+        let faces = (&self.open, &self.held, &self.strays);
+        (self.control.hash(), faces, ends)
+    }
+
+    /// Returns whether all phases are complete, or a timeout has ended the program.
+    pub fn has_ended(&self) -> bool {
+        self.control.is_complete() || self.outcome.timed_out
+    }
+
+    pub fn body(&self, unit: u32) -> Body {
         let seed = self.seeds.get(unit as usize);
         seed.map_or_else(|| Body::Free(unit - self.seeds.len() as u32), |seed| *seed)
     }
 
-    fn unit(&self, free: u32) -> u32 {
+    pub fn unit(&self, free: u32) -> u32 {
         free + self.seeds.len() as u32
     }
 
@@ -160,7 +282,7 @@ impl Pair<'_> {
         Ok(())
     }
 
-    fn apply(&mut self, event: HostEvent) -> Result<(), String> {
+    pub fn apply(&mut self, event: HostEvent) -> Result<(), String> {
         let timeout = |phase: &Phase| phase.timeout.unwrap_or(u64::MAX);
         match event {
             HostEvent::Time(now) => self.control.effects.now = now,
@@ -215,31 +337,30 @@ impl Pair<'_> {
                 }
                 self.outcome.timed_out = true;
             }
+            HostEvent::Stored(_)
+            | HostEvent::HasBytes { .. }
+            | HostEvent::CanRepeat(_)
+            | HostEvent::HasTimes(_) => {}
         }
         Ok(())
     }
 
-    /// Lets a random free block dock at a random open face.
-    fn capture(&mut self) -> Result<(), String> {
-        let open: Vec<_> = self.open.iter().copied().collect();
-        if open.is_empty() || self.free.is_empty() {
-            return Ok(());
-        }
-        let (unit, face) = open[self.random.below(open.len())];
+    /// Docks a free block, which is no longer in `free`. Returns the command for the interpreters.
+    pub fn dock(
+        &mut self,
+        (unit, face): (u32, u8),
+        child: u32,
+        child_face: Face,
+        turn: u8,
+    ) -> Result<String, String> {
         let block_face = BlockFace {
             body: self.body(unit),
             face: Face::ALL[usize::from(face)],
         };
-        if self.control.effects.lattice.target(block_face).is_none() {
-            return Ok(());
-        }
-        let child = self.free.swap_remove(self.random.below(self.free.len()));
         let block = self.control.structure.block(block_face.body);
         let is_late = !block.is_some_and(|block| is_open(block, block_face.face));
         let pose = self.control.effects.lattice.pose(block_face.body);
         let parent = pose.ok_or("a parent without a place")?.orientation;
-        let child_face = Face::ALL[self.random.below(6)];
-        let turn = self.random.below(4) as u8;
         let orientation = Orientation::docked(parent, block_face.face, child_face, turn);
         let pointed = orientation.to_own(parent.to_structure(mark(block_face.face)));
         self.open.remove(&(unit, face));
@@ -258,53 +379,11 @@ impl Pair<'_> {
                 entered: 0,
             });
         }
-        self.command(&format!("D {unit} {face} {number} {own} {pointed}"))
+        Ok(format!("D {unit} {face} {number} {own} {pointed}"))
     }
 
-    /// Lets a free block dock at a face that is off. The capturing block must release it at once.
-    fn stray(&mut self) -> Result<(), String> {
-        let blocks: Vec<_> = self.control.structure.blocks().collect();
-        let block = blocks[self.random.below(blocks.len())];
-        let face = Face::ALL[self.random.below(6)];
-        let body = block.body();
-        let block_face = BlockFace { body, face };
-        if is_open(block, face) || self.control.effects.lattice.target(block_face).is_none() {
-            return Ok(());
-        }
-        let unit = match body {
-            Body::Seed(_) => self.seeds.iter().position(|seed| *seed == body).unwrap() as u32,
-            Body::Free(free) => self.unit(free),
-        };
-        if self.held.contains_key(&(unit, face as u8)) || self.free.len() < 2 {
-            return Ok(());
-        }
-        // The capturing block may not have its role yet: it would keep the stray block.
-        let states = self.host.states();
-        let state = states.iter().find(|state| state.unit == unit);
-        if state.is_none_or(|state| state.faces[face as usize] != OFF) {
-            return Ok(());
-        }
-        let child = self.free.swap_remove(self.random.below(self.free.len()));
-        self.strays.insert(child);
-        self.held.insert((unit, face as u8), child);
-        let number = self.unit(child);
-        self.command(&format!("D {unit} {} {number} 0 2", face as u8))?;
-        self.command(&format!("T {unit}"))?;
-        if self.strays.contains(&child) {
-            let states = self.host.states();
-            if states.iter().any(|state| state.unit == unit) {
-                return Err(format!("unit {unit} keeps a stray block"));
-            }
-            // The capturing block has lost its role in the meantime.
-            self.command(&format!("U {unit} {}", face as u8))?;
-        }
-        Ok(())
-    }
-
-    /// Lets all messages arrive, and compares the states.
-    fn settle(&mut self) -> Result<(), String> {
-        self.command("Q")?;
-        let mut states = self.host.states();
+    /// Compares the states of the interpreters with the control, when no message is in transit.
+    pub fn compare(&self, mut states: Vec<BlockState>) -> Result<(), String> {
         // An abort may have released a block before it learnt the confirmation of its role.
         states.retain(|state| !self.free.iter().any(|&free| self.unit(free) == state.unit));
         let count = self.control.structure.count() - self.dropped;

@@ -133,7 +133,7 @@ impl Trial<'_> {
                 HostEvent::Phase(phase) => self.phase = phase,
                 HostEvent::Abort => self.aborts += 1,
                 HostEvent::TimedOut => return Err("timed out".into()),
-                HostEvent::Retry | HostEvent::Time(_) => {}
+                _ => {}
             }
         }
         Ok(())

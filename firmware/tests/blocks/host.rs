@@ -28,6 +28,14 @@ pub enum HostEvent {
     TimedOut,
     /// The time of the following events \[ticks\].
     Time(u32),
+    /// The state with this hash was stored.
+    Stored(u64),
+    /// Bytes wait at a face.
+    HasBytes { unit: u32, face: u8 },
+    /// A block waits for an acknowledgement of a frame that is not in transit.
+    CanRepeat(u32),
+    /// A block or the plate may wait for a time.
+    HasTimes(u32),
 }
 
 /// State of a block with a role.
@@ -61,25 +69,43 @@ pub struct Channel {
 /// Compiles the host once, with sanitizers. Returns its path.
 fn compiled() -> &'static Path {
     static HOST: OnceLock<PathBuf> = OnceLock::new();
-    HOST.get_or_init(|| {
-        let path = std::env::temp_dir().join(format!("stochc-blocks-{}", std::process::id()));
-        let sources = ["tests/host/host.c", "block.c", "plate.c"];
-        let status = Command::new("cc")
-            .current_dir(ROOT)
-            .args(["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror"])
-            .args(["-fsanitize=address,undefined", "-fno-sanitize-recover=all"])
-            .args(["-Itests/host", "-I.", "-o"])
-            .arg(&path)
-            .args(sources)
-            .status();
-        assert!(status.expect("a C compiler").success());
-        path
-    })
+    let sanitizers = [
+        "-O1",
+        "-fsanitize=address,undefined",
+        "-fno-sanitize-recover=all",
+    ];
+    HOST.get_or_init(|| compile("blocks", &sanitizers))
+}
+
+fn compile(name: &str, options: &[&str]) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("stochc-{name}-{}", std::process::id()));
+    let sources = ["tests/host/host.c", "block.c", "plate.c"];
+    let status = Command::new("cc")
+        .current_dir(ROOT)
+        .args(["-std=c99", "-Wall", "-Wextra", "-Werror"])
+        .args(options)
+        .args(["-Itests/host", "-I.", "-o"])
+        .arg(&path)
+        .args(sources)
+        .status();
+    assert!(status.expect("a C compiler").success());
+    path
 }
 
 impl Host {
     pub fn new() -> Host {
-        let mut process = Command::new(compiled())
+        Host::started(compiled())
+    }
+
+    /// Returns a host with small buffers, whose state is stored often.
+    pub fn small() -> Host {
+        static SMALL: OnceLock<PathBuf> = OnceLock::new();
+        let path = SMALL.get_or_init(|| compile("blocks-small", &["-O2", "-DSMALL"]));
+        Host::started(path)
+    }
+
+    fn started(path: &Path) -> Host {
+        let mut process = Command::new(path)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
@@ -97,18 +123,22 @@ impl Host {
         writeln!(self.input, "{command}").expect("the host reads");
         self.input.flush().expect("the host reads");
         let mut lines = Vec::new();
-        loop {
-            let mut line = String::new();
-            let read = self.output.read_line(&mut line).expect("the host writes");
-            assert!(read > 0, "the host has ended");
-            match line.trim_end() {
-                "." => return lines,
-                line => lines.push(line.to_owned()),
+        // Each command ends with a line of its own.
+        for _ in command.lines() {
+            loop {
+                let mut line = String::new();
+                let read = self.output.read_line(&mut line).expect("the host writes");
+                assert!(read > 0, "the host has ended");
+                match line.trim_end() {
+                    "." => break,
+                    line => lines.push(line.to_owned()),
+                }
             }
         }
+        lines
     }
 
-    /// Carries out a command and returns the events.
+    /// Carries out commands, one per line, and returns the events.
     pub fn events(&mut self, command: &str) -> Vec<HostEvent> {
         let lines = self.lines(command);
         let parsed = lines.iter().map(|line| {
@@ -133,6 +163,13 @@ impl Host {
                 "Y" => HostEvent::Retry,
                 "E" => HostEvent::TimedOut,
                 "@" => HostEvent::Time(number(1)),
+                "H" => HostEvent::Stored(words[1].parse().expect("a number")),
+                "N" => HostEvent::HasBytes {
+                    unit: number(1),
+                    face: face(),
+                },
+                "I" => HostEvent::CanRepeat(number(1)),
+                "V" => HostEvent::HasTimes(number(1)),
                 _ => panic!("{line}"),
             }
         });

@@ -5,6 +5,7 @@
 mod control;
 mod driver;
 mod equal;
+mod explored;
 mod faults;
 mod host;
 #[allow(dead_code, reason = "other tests use more of it")]

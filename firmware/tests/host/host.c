@@ -5,7 +5,13 @@
 
 #include "plate.h"
 
+#ifdef SMALL
+#define QUEUE 64u
+#else
 #define QUEUE 512u
+#endif
+/* Most stored states. */
+#define SLOTS 4096u
 
 struct contact {
     int unit; /* -1 without a neighbour */
@@ -39,6 +45,8 @@ static uint64_t state;
 static unsigned waiting_most;
 static unsigned plate_waiting_most;
 static bool busy;
+static uint8_t late; /* ticks that the clock is ahead */
+static uint8_t *slots[SLOTS];
 
 static unsigned draw(unsigned below) {
     state = state * 6364136223846793005u + 1442695040888963407u;
@@ -153,7 +161,7 @@ int16_t port_receive(uint16_t unit, uint8_t face) {
 }
 
 uint8_t port_clock(void) {
-    return (uint8_t)now;
+    return (uint8_t)(now + late);
 }
 
 static void poll_plate(void) {
@@ -164,6 +172,15 @@ static void poll_plate(void) {
         if (plate.seeds[seed].waiting_count > plate_waiting_most) {
             plate_waiting_most = plate.seeds[seed].waiting_count;
         }
+    }
+}
+
+/* Ends all times that a block or the plate waits for. */
+static void end_times(unsigned unit) {
+    if (unit < seeds) {
+        plate.ticks = UINT32_MAX;
+    } else if (block_of(unit)->delay > 1) {
+        block_of(unit)->delay = 1;
     }
 }
 
@@ -270,6 +287,11 @@ static void load(FILE *in) {
     free(blocks);
     free(contacts);
     free(queues);
+    for (i = 0; i < SLOTS; i++) {
+        free(slots[i]);
+        slots[i] = NULL;
+    }
+    memset(&plate, 0, sizeof plate);
     blocks = calloc(units - seeds + 1, sizeof *blocks);
     contacts = calloc((size_t)units * SA_FACES, sizeof *contacts);
     queues = calloc((size_t)units * SA_FACES, sizeof *queues);
@@ -289,6 +311,108 @@ static void load(FILE *in) {
         sa_start(block_of(i), (uint16_t)i);
     }
     sa_plate_start(&plate);
+}
+
+/* Clears everything that has no effect any more, so that equal states have equal bytes. */
+static void normalize(void) {
+    unsigned unit, i;
+    uint8_t at;
+    plate.ticks = 0;
+    plate.clock = 0;
+    for (unit = 0; unit < units; unit++) {
+        struct sa_block *block = block_of(unit);
+        if (block->up.kind == SA_NONE) {
+            memset(&block->up, 0, sizeof block->up);
+        }
+        if (block->down.kind == SA_NONE) {
+            memset(&block->down, 0, sizeof block->down);
+            block->down_face = 0;
+        }
+        for (i = block->waiting_count; i < SA_WAITING; i++) {
+            memset(&block->waiting[i], 0, sizeof block->waiting[i]);
+        }
+        if (block->node == SA_NO_ROLE) {
+            memset(block->direction, 0, sizeof block->direction);
+        }
+        for (at = 0; at < SA_FACES; at++) {
+            struct sa_face *face = &block->faces[at];
+            struct queue *queue = &queues[unit * SA_FACES + at];
+            uint8_t bytes[QUEUE] = {0};
+            for (i = face->count; i < SA_FRAME; i++) {
+                face->frame[i] = 0;
+            }
+            face->since = 0;
+            if (face->state == SA_OFF) {
+                face->role = 0;
+            }
+            for (i = 0; i < queue->count; i++) {
+                bytes[i] = queue->bytes[(queue->first + i) % QUEUE];
+            }
+            memcpy(queue->bytes, bytes, sizeof bytes);
+            queue->first = 0;
+        }
+    }
+}
+
+/* Stores the state, or restores it, and returns its hash (FNV-1a). */
+static uint64_t copy_state(unsigned slot, bool stores) {
+    const size_t sizes[] = {sizeof plate, (units - seeds) * sizeof *blocks,
+                            units * SA_FACES * sizeof *contacts, units * SA_FACES * sizeof *queues,
+                            sizeof phase, sizeof stage};
+    void *const parts[] = {&plate, blocks, contacts, queues, &phase, &stage};
+    uint64_t hash = 14695981039346656037u;
+    enum { PARTS = 6 };
+    size_t length = 0;
+    size_t i, k;
+    if (slot >= SLOTS) {
+        exit(4);
+    }
+    for (i = 0; i < PARTS; i++) {
+        length += sizes[i];
+    }
+    if (slots[slot] == NULL && (slots[slot] = malloc(length)) == NULL) {
+        exit(3);
+    }
+    for (length = 0, i = 0; i < PARTS; length += sizes[i], i++) {
+        if (stores) {
+            memcpy(slots[slot] + length, parts[i], sizes[i]);
+        } else {
+            memcpy(parts[i], slots[slot] + length, sizes[i]);
+        }
+        for (k = 0; k < sizes[i]; k++) {
+            hash = (hash ^ ((uint8_t *)parts[i])[k]) * 1099511628211u;
+        }
+    }
+    return hash;
+}
+
+/* Tells the hash of the state, the faces with bytes, and the blocks that can send a frame again. */
+static void store(unsigned slot) {
+    unsigned unit;
+    uint8_t at;
+    normalize();
+    printf("H %llu\n", (unsigned long long)copy_state(slot, true));
+    for (unit = 0; unit < units; unit++) {
+        bool repeats = false;
+        for (at = 0; at < SA_FACES; at++) {
+            const struct contact *contact = contact_of(unit, at);
+            bool is_empty = queues[unit * SA_FACES + at].count == 0;
+            if (!is_empty) {
+                printf("N %u %u\n", unit, at);
+            }
+            if (block_of(unit)->faces[at].sending != SA_NONE && contact->unit >= 0) {
+                is_empty = is_empty &&
+                           queues[(unsigned)contact->unit * SA_FACES + contact->face].count == 0;
+                repeats = repeats || is_empty;
+            }
+        }
+        if (repeats) {
+            printf("I %u\n", unit);
+        }
+        if (unit < seeds ? unit == 0 && plate.phase < SA_READ(3) : block_of(unit)->delay > 1) {
+            printf("V %u\n", unit);
+        }
+    }
 }
 
 static void dock(FILE *in) {
@@ -365,6 +489,42 @@ int main(void) {
         case 'S':
             show();
             break;
+        case 'Z':
+        case 'J':
+            if (scanf("%u", &count) != 1) {
+                return 2;
+            }
+            if (command == 'Z') {
+                store(count);
+            } else {
+                (void)copy_state(count, false);
+            }
+            break;
+        case 'P':
+        case 'V':
+            if (scanf("%u", &count) != 1) {
+                return 2;
+            }
+            if (command == 'V') {
+                end_times(count);
+            } else {
+                late = SA_RETRY;
+            }
+            if (count < seeds) {
+                poll_plate();
+            } else {
+                poll_block(count - seeds);
+            }
+            late = 0;
+            break;
+        case 'Y': {
+            unsigned face;
+            if (scanf("%u %u", &count, &face) != 2) {
+                return 2;
+            }
+            queues[count * SA_FACES + face].count = 0;
+            break;
+        }
         case 'W':
             printf("W %u %u\n", waiting_most, plate_waiting_most);
             break;
