@@ -1,6 +1,6 @@
 //! Calibration of the rates of a scene with physical simulations.
 use std::ops::ControlFlow;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use stochc_experiments::calibration::{Calibration, profile, programs};
 use stochc_ir::scene::Scene;
@@ -13,7 +13,8 @@ use super::in_memory::{all_runs, stopped};
 use crate::check_text;
 use crate::exit::{Exit, Failure};
 use crate::facade::compile;
-use crate::host::Host;
+use crate::host::{Host, during};
+use crate::progress::WorkProgress;
 
 /// Number of runs of each program in a round of a calibration. One round takes about 30 s of CPU
 /// time in the default scene.
@@ -79,16 +80,7 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
         ..scene.clone()
     };
     let observed = observed(scene)?;
-    let mut keep_going = || {
-        if host.stop().load(Ordering::Relaxed) {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    };
-    let gas = profile(scene, &effort.settings, effort.seed, &mut keep_going)
-        .map_err(|error| Failure::invalid_program(error.to_string()))?
-        .ok_or_else(|| stopped(NOTHING))?;
+    let gas = gas(scene, effort, host)?;
     let enough = ENOUGH * observed.len() as u64;
     let mut calibration = Calibration::new(scene, gas);
     let mut manifest = Manifest::new(
@@ -124,6 +116,29 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
     calibration
         .rates(&effort.settings, effort.seed)
         .map_err(|error| Failure::error(Exit::UnsuccessfulRun, error.to_string()))
+}
+
+/// Returns the density profile of the free blocks, while the host shows the progress.
+fn gas(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Vec<f64>, Failure> {
+    let percent = AtomicU32::new(0);
+    let state = |_| WorkProgress {
+        share: f64::from(percent.load(Ordering::Relaxed)) / 100.0,
+        done: String::new(),
+        more: "observing the free blocks".to_owned(),
+    };
+    let mut watch = |share: f64| {
+        percent.store((100.0 * share) as u32, Ordering::Relaxed);
+        if host.stop().load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    };
+    during(host, state, || {
+        profile(scene, &effort.settings, effort.seed, &mut watch)
+    })
+    .map_err(|error| Failure::invalid_program(error.to_string()))?
+    .ok_or_else(|| stopped(NOTHING))
 }
 
 /// Returns the calibration programs of a scene, without those that capture more blocks than the

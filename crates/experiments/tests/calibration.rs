@@ -104,7 +104,17 @@ fn every_program_compiles_and_captures() {
 #[test]
 fn an_interrupt_stops_the_observation_of_the_gas() {
     let scene = built_in("hemisphere").expect("a built-in scene");
-    let mut interrupt = || ControlFlow::Break(());
+    let mut last = 0.0;
+    let mut interrupt = |share| {
+        assert!((last..1.0).contains(&share));
+        last = share;
+        if share > 1e-3 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    };
     let observed = profile(&scene, &Settings::default(), 1, &mut interrupt);
     assert_eq!(observed, Ok(None));
+    assert!(last < 2e-3, "{last}");
 }

@@ -59,7 +59,6 @@ impl Surroundings {
             self.rivals.adjacent > 0,
             self.rivals.across > 0,
             self.rivals.around > 0,
-            self.cold,
         ];
         let bit = |kind, is| kind << 1 | u16::from(is);
         conditions.into_iter().fold(orientation, bit)

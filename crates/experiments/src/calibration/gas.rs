@@ -24,7 +24,8 @@ const HALF_WIDTH: f64 = 6.0;
 const LAYERS: usize = 64;
 
 /// Returns the density of free blocks in each layer above the plate, relative to the mean of the
-/// layers. Returns `None` if `keep_going` stops the observation.
+/// layers. `watch` receives the fraction of the observation that is done. Returns `None` if
+/// `watch` stops the observation.
 ///
 /// # Errors
 ///
@@ -33,14 +34,15 @@ pub fn profile(
     scene: &Scene,
     settings: &Settings,
     seed: u64,
-    keep_going: &mut dyn FnMut() -> ControlFlow<()>,
+    watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Option<Vec<f64>>, SceneError> {
     let plate = Plate { width: 3, depth: 3 };
     let mut world = RigidWorld::new(scene, &plate, settings, seed, 0)?;
     let mut layers = vec![0_u64; LAYERS];
     let mut dockings = Vec::new();
     while world.tick() < WARM_UP + TICKS {
-        if keep_going().is_break() {
+        let share = world.tick() as f64 / (WARM_UP + TICKS) as f64;
+        if watch(share).is_break() {
             return Ok(None);
         }
         if world.step(&mut dockings).is_err() {
