@@ -14,8 +14,8 @@ pub enum LowerBoundReason {
     CrowdedCaptures,
     /// The structure is larger than all structures of the calibration.
     ///
-    /// In physical simulations, solid shapes of 66 to 121 blocks take 11 to 24 % longer than in the
-    /// rate model. See docs/validation/rates.md.
+    /// Solid shapes of 66 to 121 blocks take 11 to 24 % longer in physical simulations. See
+    /// docs/validation/rates.md.
     LargeStructure,
 }
 
