@@ -30,6 +30,7 @@ pub mod scene;
 mod shapes;
 mod sources;
 
+pub use blocks::bond_loads::PhaseLoad;
 pub use check::assembly::Stage;
 pub use check::changes::{Changes, ParameterChange};
 pub use check::checked::{Checked, Program};

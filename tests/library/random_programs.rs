@@ -12,15 +12,48 @@ use stochc::control::explore::{
     ExceededBound, ExplorationBounds, ExplorationVerdict, Faults, explore,
 };
 use stochc::ir::Cell;
-use stochc::ir::record::Outcome;
+use stochc::ir::record::{BondRecord, Outcome, RunRecord};
 use stochc::ir::scene::Messages;
-use stochc::ir::table::Tables;
+use stochc::ir::table::{PhaseId, Tables};
 use stochc::runtime::control::Controller;
-use stochc::runtime::drive;
+use stochc::runtime::{Model, Settings, drive, run};
 use stochc::runtime::rates::Rates;
 use stochc::runtime::world::World;
 use stochc::runtime::world::rate::RateWorld;
 use stochc::runtime::world::shuffle::ShuffleWorld;
+
+/// Returns whether the weight of the blocks beyond a bond exceeds its strength at the end of a run:
+/// the weight of this number of blocks, or the torque of an arm of this length. Adds up all blocks
+/// beyond each bond.
+fn is_overloaded(record: &RunRecord, blocks: f64, arm: f64) -> bool {
+    let mut bonds: Vec<&BondRecord> = record.all_bonds().collect();
+    for release in record.all_releases() {
+        let is_released = |bond: &&BondRecord| {
+            bond.body == release.body && bond.child == release.child && bond.docked <= release.tick
+        };
+        let position = bonds.iter().rposition(is_released);
+        bonds.remove(position.expect("a released block was captured"));
+    }
+    let on_floor = |bond: &BondRecord| bond.cell.z == 1;
+    bonds.iter().filter(|bond| !on_floor(bond)).any(|bond| {
+        let (mut beyond, mut next) = (vec![bond], 0);
+        while let Some(&parent) = beyond.get(next) {
+            let children = bonds.iter();
+            beyond.extend(children.filter(|it| it.parent == parent.child && !on_floor(it)));
+            next += 1;
+        }
+        let [dx, dy, dz] = bond.face.normal().map(|part| f64::from(part) / 2.0);
+        let weight = beyond.len() as f64;
+        let is_pressing = dz > 0.0;
+        let moment = |of: fn(Cell) -> i32, shift: f64| {
+            let arms = beyond.iter().map(|it| f64::from(of(it.cell) - of(bond.cell)) + shift);
+            let borne = if is_pressing { weight / 2.0 } else { 0.0 };
+            (arms.sum::<f64>().abs() - borne).max(0.0)
+        };
+        let moment = moment(|cell| cell.x, dx).hypot(moment(|cell| cell.y, dy));
+        moment > arm || (!is_pressing && weight > blocks)
+    })
+}
 
 /// Runs tables in a world without motion. Returns the cell of each block in the final structure.
 fn execute(
@@ -98,6 +131,38 @@ proptest! {
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    /// Compares breaking bonds with loads that are added up block by block. The strengths are no
+    /// multiples of a load.
+    #[test]
+    fn bonds_break_under_the_weight_beyond_them(
+        choices in prop::collection::vec(any::<u32>(), 0..160),
+        blocks in 0u8..8,
+        arm in 0u8..8,
+        seed: u64,
+    ) {
+        let [blocks, arm] = [blocks, arm].map(|it| f64::from(it) + 0.3);
+        let declared = declare(choices, 1).with_strength(blocks, arm);
+        let program = declared.program();
+        let scene = program.scene.clone().expect("it has a scene");
+        let Some(tables) = program.tables.clone() else {
+            return Ok(());
+        };
+        let mut proceed = |_: u64, _: PhaseId| ControlFlow::Continue(());
+        let settings = Settings::new(Model::Shuffle, 1);
+        let record = run(&tables, &scene, &settings, seed, 0, &mut proceed).expect("it runs");
+        let is_broken = record.outcome != Outcome::Completed;
+        let last = record.all_releases().map(|release| release.tick).last();
+        // Releases of the last tick may have removed the load.
+        if last != Some(record.ticks) {
+            let is_overloaded = is_overloaded(&record, blocks, arm);
+            prop_assert_eq!(is_broken, is_overloaded, "{}\n{:?}", declared.text, record.outcome);
+        }
+        let predicted = program.bond_loads.iter().any(|it| it.load.share > 1.0);
+        prop_assert!(is_broken || !predicted, "{}", declared.text);
+        let releases = tables.releases();
+        prop_assert!(predicted || !is_broken || releases > 0, "{}", declared.text);
+    }
 
     /// Checks the estimate of message times. A hop takes a million ticks, so other waits are
     /// negligible. If a name passes to another block meanwhile, its message may take a detour over

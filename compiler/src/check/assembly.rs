@@ -9,7 +9,7 @@ use stochc_ir::scene::{BondKind, Planar, Scene};
 use stochc_ir::table::Tables;
 
 use crate::blocks::liveness::Liveness;
-use crate::blocks::{capacity, liveness, unplanned_bonds};
+use crate::blocks::{bond_loads, capacity, liveness, unplanned_bonds};
 use crate::check::checked::Program;
 use crate::dependencies::graph::DependencyGraph;
 use crate::dependencies::order::Order;
@@ -83,6 +83,7 @@ impl OrderedProgram {
             tables: None,
             stuck: None,
             scene_warnings: Vec::new(),
+            bond_loads: Vec::new(),
             claims: Vec::new(),
             jam_risks: Vec::new(),
         }
@@ -150,7 +151,12 @@ impl<'a> AssemblyInput<'a> {
             let OrderedProgram { plan, layout, .. } = &subject;
             unplanned_bonds::check(plan, layout, order, symbols, cancellation, &mut later)?;
         }
-        let mut scene_warnings = Vec::new();
+        let (mut scene_warnings, mut bond_loads) = (Vec::new(), Vec::new());
+        if let (Some((order, _)), Some(scene)) = (whole, scene_of) {
+            let OrderedProgram { plan, layout, .. } = &subject;
+            bond_loads = bond_loads::largest(plan, layout, order, scene, cancellation)?;
+            bond_loads::check(plan, scene, &bond_loads, symbols, &mut later);
+        }
         if is_valid {
             scene_warnings =
                 self.compare(&subject, &shapes, whole, scene_of, symbols, &mut later)?;
@@ -183,6 +189,7 @@ impl<'a> AssemblyInput<'a> {
             tables,
             stuck,
             scene_warnings,
+            bond_loads,
             jam_risks,
             ..subject.into_program(scene)
         })

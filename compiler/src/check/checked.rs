@@ -7,6 +7,7 @@ use stochc_ir::scene::Scene;
 use stochc_ir::scene::warnings::SceneWarning;
 use stochc_ir::table::Tables;
 
+use crate::blocks::bond_loads::PhaseLoad;
 use crate::dependencies::graph::DependencyGraph;
 use crate::dependencies::order::Order;
 use crate::diagnostic::Diagnostic;
@@ -55,6 +56,9 @@ pub struct Program {
     pub stuck: Option<Tables>,
     /// Reasons why the scene does not work. Includes warnings that an `allow` suppresses.
     pub scene_warnings: Vec<SceneWarning>,
+    /// Largest load of a bond at the end of each phase. Empty if bonds do not break, or if the
+    /// program has errors.
+    pub bond_loads: Vec<PhaseLoad>,
     /// Claims about runs. Empty if the program has errors.
     pub claims: Vec<Claim>,
     /// Reasons why blocks may jam. The rate model ignores them.

@@ -144,6 +144,7 @@ codes! {
         Warning TooManyBlocks "too-many-blocks"
         Error OutsideEnclosure "outside-enclosure"
         Error CannotAggregate "cannot-aggregate"
+        Warning OverloadedBond "overloaded-bond"
         Warning BuoyantBlocks "buoyant-blocks"
         Warning NoAgitation "no-agitation"
         Warning CoarseStep "coarse-step"

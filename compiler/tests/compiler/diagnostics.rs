@@ -708,7 +708,7 @@ const FOLLOWED: [(Code, &str, &str); 12] = [
 ];
 
 /// Codes whose help is not a change of the source, with the reason.
-const ADVICE: [(Code, &str); 27] = [
+const ADVICE: [(Code, &str); 28] = [
     (
         Code::InvalidHandler,
         "what the phase should do after a timeout is not known",
@@ -746,6 +746,10 @@ const ADVICE: [(Code, &str); 27] = [
     (Code::BuoyantBlocks, "the scene is the author's"),
     (Code::CoarseStep, "steps are an option of a run"),
     (Code::SoftContact, "the scene is the author's"),
+    (
+        Code::OverloadedBond,
+        "the structure or the scene may change",
+    ),
     (Code::WrongClaim, "the intention is not known"),
     (Code::StokesDrag, "the density of the fluid is not known"),
 ];

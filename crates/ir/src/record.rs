@@ -161,7 +161,7 @@ pub enum Outcome {
         /// Limit that was reached.
         by: Limit,
     },
-    /// The computation failed. The time is meaningless.
+    /// The computation failed, or a bond of the structure broke. The time is meaningless.
     Failed {
         /// Phase of the failure.
         phase: PhaseId,

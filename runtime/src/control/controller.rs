@@ -2,6 +2,7 @@
 use stochc_control::{BlockFace, Body, Docking, Orientation, Structure, StructureBlock};
 use stochc_ir::Cell;
 use stochc_ir::record::{BondRecord, FaultKind, Outcome, RunRecord, WaitRecord};
+use stochc_ir::scene::bond_load::StructureLoads;
 use stochc_ir::scene::{Messages, Scene};
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 
@@ -63,14 +64,16 @@ impl<'t> Controller<'t> {
         }
     }
 
-    /// Returns a controller like [`Controller::new`], with the messages and the hardware faults of
-    /// a scene.
+    /// Returns a controller like [`Controller::new`], with the messages, the hardware faults and
+    /// the breaking bonds of a scene.
     pub fn in_scene(tables: &'t Tables, scene: &Scene, seed: u64, run: u64) -> Controller<'t> {
         let hardware = scene.faults.as_ref();
-        Controller {
+        let mut controller = Controller {
             hardware: hardware.map(|faults| HardwareFaults::new(faults, seed, run)),
             ..Controller::new(tables, scene.messages.as_ref(), seed, run)
-        }
+        };
+        controller.recorder.loads = StructureLoads::new(scene);
+        controller
     }
 
     /// Starts recording events for [`Controller::take_log`].
@@ -95,6 +98,17 @@ impl<'t> Controller<'t> {
         if self.fault.is_none() {
             self.settle(world);
         }
+    }
+
+    /// Returns whether a bond of the structure has broken, and sets [`Controller::fault`] if so.
+    fn has_broken(&mut self) -> bool {
+        let loads = self.recorder.loads.as_ref();
+        let Some((role, load)) = loads.and_then(StructureLoads::broken) else {
+            return false;
+        };
+        let name = self.tables.name(role);
+        self.fault = Some(format!("the bond of `{name}` broke under its load: {load}"));
+        true
     }
 
     /// Processes the captures of the world's last step, then the messages that have arrived.
@@ -224,6 +238,9 @@ impl<'t> Controller<'t> {
                 let mut recorded = self.recorder.in_world(world);
                 self.structure.receive(from, at, message, &mut recorded);
             }
+            if self.has_broken() {
+                return;
+            }
             let is_reported = self.structure.is_phase_reported();
             let is_over = self.is_wait_over();
             if self.structure.is_aborting() {
@@ -280,6 +297,9 @@ impl<'t> Controller<'t> {
                     return;
                 };
                 (self.structure).dock(&docking, &mut self.recorder.in_world(world));
+            }
+            if self.has_broken() {
+                return;
             }
             self.next_phase(world);
         }

@@ -8,6 +8,7 @@ use stochc_ir::record::{
     AbortRecord, BondRecord, FaultKind, FaultRecord, Origin, ReleaseRecord, UnplannedRecord,
     WaitRecord,
 };
+use stochc_ir::scene::bond_load::StructureLoads;
 use stochc_ir::table::{PhaseId, RoleId, Tables};
 
 use super::network::Network;
@@ -36,6 +37,8 @@ pub(super) struct RunRecorder {
     pub unplanned: Vec<UnplannedRecord>,
     /// Captures that a hardware fault prevented.
     pub faults: Vec<FaultRecord>,
+    /// Loads of the structure's bonds. `None` if bonds do not break.
+    pub loads: Option<StructureLoads>,
     pub log: Log,
 }
 
@@ -43,7 +46,7 @@ stochc_ir::state! {
     () RunRecorder;
     values: tick, phase, released, bonds, earlier_bonds, attempt_began, aborts, releases, unplanned,
         faults;
-    parts: network;
+    parts: network, loads;
     // Not part of the state: both have their initial values between ticks.
     same: log, has_more
 }
@@ -64,6 +67,7 @@ impl RunRecorder {
             releases: Vec::with_capacity(releases),
             unplanned: Vec::new(),
             faults: Vec::new(),
+            loads: None,
             log: Log::default(),
         }
     }
@@ -190,9 +194,13 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
             tick,
             released,
             bonds,
+            loads,
             log,
             ..
         } = self.recorder;
+        if let Some(loads) = loads {
+            loads.capture(capture.parent, capture.face, capture.child, capture.cell);
+        }
         log.note(|| ObservedEvent::Captured {
             body: docking.child,
             on: docking.block_face.body,
@@ -232,6 +240,9 @@ impl<W: World> Environment for RecordedWorld<'_, W> {
     }
 
     fn released(&mut self, by: RoleId, role: RoleId, body: Body, _orphans: usize) {
+        if let Some(loads) = &mut self.recorder.loads {
+            loads.release(role);
+        }
         if let Body::Free(body) = body {
             self.recorder
                 .log

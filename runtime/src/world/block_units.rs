@@ -243,6 +243,7 @@ impl Units {
                 pull,
                 align,
                 anchor,
+                ..
             } => {
                 let law = Attraction::Switched {
                     pull: self.reach([&PULL, &PULL_WITHIN], pull)?,

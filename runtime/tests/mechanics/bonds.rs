@@ -44,6 +44,7 @@ fn suction() -> Scene {
             },
             seal: Some(0.2),
             anchor: Some(ANCHOR),
+            strength: None,
         }),
         ..empty()
     }
@@ -381,6 +382,7 @@ fn suction_from_few_numbers_runs_as_with_all_numbers<W: SpatialWorld>() {
             },
             seal: None,
             anchor: None,
+            strength: None,
         }),
         ..suction()
     };
@@ -396,6 +398,7 @@ fn suction_from_few_numbers_runs_as_with_all_numbers<W: SpatialWorld>() {
             },
             seal: Some(0.125),
             anchor: Some(defaults.anchor),
+            strength: None,
         }),
         ..suction()
     };
@@ -412,7 +415,12 @@ fn a_second_open_face_halves_what_the_first_draws<W: SpatialWorld>() {
         let scene = Scene {
             // The whole head is lost upstream of the plate, so two open faces share one flow.
             bond: suction().bond.map(|bond| match bond {
-                Bond::Suction { pump, seal, anchor } => Bond::Suction {
+                Bond::Suction {
+                    pump,
+                    seal,
+                    anchor,
+                    strength,
+                } => Bond::Suction {
                     pump: Pump {
                         supply: pump.valve.map(|valve| 1000.0 * valve),
                         head: 1000.0 * pump.head,
@@ -420,6 +428,7 @@ fn a_second_open_face_halves_what_the_first_draws<W: SpatialWorld>() {
                     },
                     seal,
                     anchor,
+                    strength,
                 },
                 other => other,
             }),

@@ -14,6 +14,7 @@ mod retries;
 mod shuffle;
 mod state;
 mod statistics;
+mod strength;
 #[path = "../tables/mod.rs"]
 mod tables;
 mod times;

@@ -70,6 +70,7 @@ pub fn attract(pull: f64, anchor: f64) -> Option<Bond> {
             tilt: 26f64.to_radians(),
             sampled: false,
         },
+        strength: None,
     })
 }
 
@@ -145,6 +146,7 @@ pub fn paper() -> Scene {
                 tilt: 26f64.to_radians(),
                 sampled: false,
             },
+            strength: None,
         }),
         ..empty()
     }

@@ -2,8 +2,9 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value as Json, json};
-use stochc_compiler::Checked;
 use stochc_compiler::diagnostic::Code;
+use stochc_compiler::{Checked, PhaseLoad};
+use stochc_ir::scene::bond_load::{BondLoad, BreakingBonds};
 use stochc_ir::scene::describe::{AbsentTerm, DescribedTerm, DescribedValue, absent, terms};
 use stochc_ir::scene::dimensionless::{
     AdvisedRange, BlockUnits, DimensionlessNumber, Speed, SpeedFrom, dimensionless_numbers, speed,
@@ -33,6 +34,17 @@ pub struct InForce<'a> {
     /// Warnings about the scene, with its default substeps.
     warnings: Vec<SceneWarning>,
     step_errors: Vec<StepError>,
+    /// Largest load of a bond at the end of each phase. Empty if bonds do not break.
+    bond_loads: Vec<LargestLoad<'a>>,
+}
+
+/// Largest load of a bond at the end of a phase, with names.
+struct LargestLoad<'a> {
+    assembly: &'a str,
+    phase: &'a str,
+    /// Block whose bond to its parent has the load.
+    block: String,
+    load: BondLoad,
 }
 
 /// Returns the scenes that the assemblies of a file use, without duplicates, in the order of the
@@ -59,12 +71,23 @@ pub fn scenes<'a>(file: &'a str, checked: &'a Checked) -> Vec<InForce<'a>> {
                 steps,
                 warnings: Vec::new(),
                 step_errors: step_errors(scene, steps),
+                bond_loads: Vec::new(),
             });
             out.len() - 1
         });
         let layers = program.tables.as_ref().and_then(Tables::capture_layers);
         let density = layers.and_then(|layers| structure_group(scene, &layers));
         out[number].add(name, &program.scene_warnings, density);
+        let load = |it: &PhaseLoad| LargestLoad {
+            assembly: name,
+            phase: &program.plan.phases[it.phase].name,
+            block: {
+                let role = program.plan.event(it.capture).role;
+                program.plan.roles.name(role, &checked.symbols)
+            },
+            load: it.load,
+        };
+        (out[number].bond_loads).extend(program.bond_loads.iter().map(load));
     }
     out
 }
@@ -102,7 +125,7 @@ impl<'a> InForce<'a> {
     }
 
     /// Returns the listing of `--physics` as one JSON object: `{ file, scene, assemblies, terms,
-    /// absent, speed, groups, warnings, step_errors }`.
+    /// absent, speed, groups, steps, warnings, bond_loads, step_errors }`.
     pub fn json(&self) -> Json {
         let units = BlockUnits::from_scene(self.scene);
         let warning = |warning: &SceneWarning| {
@@ -124,6 +147,17 @@ impl<'a> InForce<'a> {
                 "taken": group.steps_of(self.steps),
                 "exceeded": self.is_exceeded(group),
                 "substeps": group.substeps(),
+            })
+        };
+        let bond_load = |it: &LargestLoad| {
+            json!({
+                "assembly": it.assembly,
+                "phase": it.phase,
+                "block": it.block,
+                "blocks": it.load.blocks,
+                "force": it.load.force,
+                "torque": it.load.torque,
+                "share": it.load.share,
             })
         };
         let step_error = |error: &StepError| {
@@ -153,6 +187,7 @@ impl<'a> InForce<'a> {
                 "resolved": self.are_steps_short(),
             },
             "warnings": self.warnings.iter().map(warning).collect::<Vec<_>>(),
+            "bond_loads": self.bond_loads.iter().map(bond_load).collect::<Vec<_>>(),
             "step_errors": self.step_errors.iter().map(step_error).collect::<Vec<_>>(),
         })
     }
@@ -181,6 +216,7 @@ impl<'a> InForce<'a> {
         );
         self.list_numbers(&mut out);
         self.list_step_errors(&mut out);
+        self.list_bond_loads(&mut out);
         out.push('\n');
         let _ = writeln!(out, "  {}", self.verdict());
         for warning in &self.warnings {
@@ -298,6 +334,27 @@ impl<'a> InForce<'a> {
         let rows: Vec<_> = std::iter::once(head)
             .chain(self.step_errors.iter().map(row))
             .collect();
+        for line in aligned(&rows) {
+            let _ = writeln!(out, "    {line}");
+        }
+    }
+
+    fn list_bond_loads(&self, out: &mut String) {
+        let Some(law) = BreakingBonds::from_scene(self.scene) else {
+            return;
+        };
+        out.push_str(
+            "\n  largest load of a bond at the end of each phase, and the part of its strength\n",
+        );
+        let row = |it: &LargestLoad| {
+            [
+                format!("{}, phase {}", it.assembly, it.phase),
+                format!("bond of {}", it.block),
+                format!("{} %", short(it.load.share * 100.0)),
+                law.describe(&it.load),
+            ]
+        };
+        let rows: Vec<_> = self.bond_loads.iter().map(row).collect();
         for line in aligned(&rows) {
             let _ = writeln!(out, "    {line}");
         }

@@ -4,8 +4,8 @@ use stochc_grammar::{Symbols, parse};
 
 use stochc_ir::scene::describe::{absent, terms};
 use stochc_ir::scene::{
-    Agitation, Anchor, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Faults, Fluid, Measure,
-    Messages, Planar, Pump, Reach, Scene,
+    Agitation, Anchor, Block, Bond, BondStrength, Contact, ContactLaw, Drag, Enclosure, Faults,
+    Fluid, Measure, Messages, Planar, Pump, Reach, Scene,
 };
 
 use crate::Sources;
@@ -185,6 +185,15 @@ fn bond() -> impl Strategy<Value = Bond> {
         pull,
         align,
         anchor,
+        strength: None,
+    })
+}
+
+fn strength() -> impl Strategy<Value = BondStrength> {
+    let either = prop_oneof![Just((true, false)), Just((false, true)), Just((true, true))];
+    (size(), size(), either).prop_map(|(force, torque, (has_force, has_torque))| BondStrength {
+        force: has_force.then_some(force),
+        torque: has_torque.then_some(torque),
     })
 }
 
@@ -208,7 +217,12 @@ fn suction() -> impl Strategy<Value = Bond> {
             valve,
             passage,
         };
-        Bond::Suction { pump, seal, anchor }
+        Bond::Suction {
+            pump,
+            seal,
+            anchor,
+            strength: None,
+        }
     })
 }
 
@@ -268,7 +282,12 @@ fn any_scene() -> impl Strategy<Value = Scene> {
         kicks,
         drag,
         contact(),
-        (bond(), suction(), any::<bool>()),
+        (
+            bond(),
+            suction(),
+            any::<bool>(),
+            prop::option::of(strength()),
+        ),
         (messages, prop::option::of(faults)),
     )
         .prop_map(
@@ -287,10 +306,18 @@ fn any_scene() -> impl Strategy<Value = Scene> {
                     viscosity: Some(table.1),
                     added_mass: None,
                 }),
-                bond: Some(if bonds.2 && !enclosure.is_flat() {
-                    bonds.1
-                } else {
-                    bonds.0
+                bond: Some({
+                    let is_flat = enclosure.is_flat();
+                    let mut bond = if bonds.2 && !is_flat {
+                        bonds.1
+                    } else {
+                        bonds.0
+                    };
+                    // Only in space and with gravity, bonds can break.
+                    if let Some(strength) = bond.strength_mut() {
+                        *strength = (bonds.3).filter(|_| table.0.is_some() && !is_flat);
+                    }
+                    bond
                 }),
                 enclosure: Some(enclosure),
                 messages: Some(failures.0),

@@ -15,6 +15,9 @@ pub enum Bond {
         align: Option<Reach>,
         /// Condition of a capture.
         anchor: Anchor,
+        /// Strength of a bond. `None` if bonds do not break.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        strength: Option<BondStrength>,
     },
     /// Every face always attracts. A face is switched on to reject its block.
     Reject {
@@ -36,6 +39,9 @@ pub enum Bond {
         /// Condition of a capture. `None` for the default of [`Suction`](super::Suction).
         #[serde(default, skip_serializing_if = "Option::is_none")]
         anchor: Option<Anchor>,
+        /// Strength of a bond. `None` if bonds do not break.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        strength: Option<BondStrength>,
     },
 }
 
@@ -74,6 +80,22 @@ impl Bond {
         match self {
             Bond::Attract { anchor, .. } | Bond::Reject { anchor, .. } => Some(anchor),
             Bond::Suction { anchor, .. } => anchor.as_ref(),
+        }
+    }
+
+    /// Returns the strength of a bond, to change it. Returns `None` for permanent magnets.
+    pub const fn strength_mut(&mut self) -> Option<&mut Option<BondStrength>> {
+        match self {
+            Bond::Attract { strength, .. } | Bond::Suction { strength, .. } => Some(strength),
+            Bond::Reject { .. } => None,
+        }
+    }
+
+    /// Returns the strength of a bond of the structure. Returns `None` if these bonds do not break.
+    pub const fn strength(&self) -> Option<&BondStrength> {
+        match self {
+            Bond::Attract { strength, .. } | Bond::Suction { strength, .. } => strength.as_ref(),
+            Bond::Reject { .. } => None,
         }
     }
 }
@@ -120,6 +142,17 @@ pub struct Pump {
     /// s/m^3\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub passage: Option<f64>,
+}
+
+/// Largest loads of a bond of the structure. At least one field is given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BondStrength {
+    /// Largest force \[N\]. `None` if no force breaks the bond.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<f64>,
+    /// Largest torque \[N m\]. `None` if no torque breaks the bond.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque: Option<f64>,
 }
 
 /// Force of constant magnitude within a distance.

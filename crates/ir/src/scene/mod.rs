@@ -3,6 +3,7 @@
 //! Each field of [`Scene`] is one term of the model. `None` is a term that does not exist: a
 //! runtime must not compute it, not even as zero.
 mod bond;
+pub mod bond_load;
 pub mod describe;
 pub mod dimensionless;
 mod enclosure;
@@ -20,7 +21,7 @@ mod warning_kind;
 pub mod warnings;
 mod world;
 
-pub use bond::{Anchor, Bond, BondKind, Magnets, Measure, Pump, Reach};
+pub use bond::{Anchor, Bond, BondKind, BondStrength, Magnets, Measure, Pump, Reach};
 pub use enclosure::{Enclosure, Extent, Interior};
 pub use medium::{Agitation, BOLTZMANN, Drag, Flow, Fluid, Jets, Stir, Strength, Turbulence};
 pub use substeps::{InvalidSubsteps, Substeps, takes_local_steps};

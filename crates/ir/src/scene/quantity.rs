@@ -64,6 +64,7 @@ kinds! {
     FLOW [0, 3, -1, 0, 0, 0] "a flow, such as `94.5 L/min`", "m³/s", "a³/τ" BlockUnits::flow, "m^3/s" ["L/min"];
     RESISTANCE [1, -4, -1, 0, 0, 0] "a hydraulic resistance, such as `5 kPa s/L`", "Pa s/m³", "m/(a⁴ τ)" BlockUnits::resistance, "Pa s/m^3" ["Pa s/L", "kPa s/L"];
     IMPULSE [1, 1, -1, 0, 0, 0] "an impulse, such as `0.3 N s`", "N s", "m a/τ" BlockUnits::impulse, "N s" ["N s", "mN s", "uN s"];
+    TORQUE [1, 2, -2, 0, 0, 0] "a torque, such as `0.5 N m`", "N m", "m a²/τ²" BlockUnits::energy, "N m" ["N m", "mN m", "uN m", "nN m", "pN m"];
     TEMPERATURE [0, 0, 0, 0, 1, 0] "a temperature, such as `293 K`", "K", "K" |_, value| value, "K" [];
     POWER [1, 2, -3, 0, 0, 0] "a value of another kind", "W", "m a²/τ³" BlockUnits::power, "W" [];
     DIFFUSION [0, 2, -1, 0, 0, 0] "a value of another kind", "m²/s", "a²/τ" BlockUnits::diffusion, "m^2/s" [];

@@ -28,7 +28,10 @@ pub struct Suction {
 impl Suction {
     /// Returns the suction of a scene. Returns `None` for other bonds.
     pub fn from_scene(scene: &Scene) -> Option<Suction> {
-        let Some(Bond::Suction { pump, seal, anchor }) = &scene.bond else {
+        let Some(Bond::Suction {
+            pump, seal, anchor, ..
+        }) = &scene.bond
+        else {
             return None;
         };
         let opening = pump.opening.unwrap_or(scene.block.side / 2.0);

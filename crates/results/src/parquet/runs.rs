@@ -23,7 +23,7 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         row.run.program.scene.name.as_str()
     });
     table.text("outcome", "`completed`; `timed_out`: stopped by the timeout of a phase, so the run never completes; `censored`: stopped by \
-             `--max-ticks`, so the time is a lower bound; `failed`: the physics broke down, so the time has no meaning", |row| outcome(&row.run.record.outcome));
+             `--max-ticks`, so the time is a lower bound; `failed`: the computation failed, or a bond of the structure broke", |row| outcome(&row.run.record.outcome));
     table
         .text(
             "failed_phase",

@@ -1,8 +1,8 @@
 //! Clauses of a scene: their kinds and fields, in the order of the reference.
 use super::super::{
-    Agitation, Anchor, Arrangement, Block, Bond, Contact, ContactLaw, Drag, Enclosure, Faults,
-    Flow, Fluid, Free, Jets, Magnets, Measure, Messages, Planar, Pump, Reach, Scene, Stir,
-    Strength, Turbulence,
+    Agitation, Anchor, Arrangement, Block, Bond, BondStrength, Contact, ContactLaw, Drag,
+    Enclosure, Faults, Flow, Fluid, Free, Jets, Magnets, Measure, Messages, Planar, Pump, Reach,
+    Scene, Stir, Strength, Turbulence,
 };
 use super::equations::*;
 use super::numbers::*;
@@ -278,12 +278,15 @@ pub static CLAUSES: [SchemaEntry; 14] = [
                 .absent(NoTerm("blocks are turned only by the pull"))
                 .make(|s| if let Some(Bond::Attract { align, .. }) = &mut s.bond { *align = Some(UNSPECIFIED_REACH); }),
             field(&ANCHOR, &ANCHORING),
+            strength(&BREAKING),
         ])
             .means("switched magnets: a face is switched on to pull and capture a block")
             .make(|s| {
-                s.bond = Some(Bond::Attract { pull: UNSPECIFIED_REACH, align: None, anchor: UNSPECIFIED_ANCHOR });
+                s.bond = Some(Bond::Attract { pull: UNSPECIFIED_REACH, align: None, anchor: UNSPECIFIED_ANCHOR, strength: None });
             })
-            .equations(&[&PULLING, &ALIGNING, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED]),
+            .equations(&[
+                &PULLING, &ALIGNING, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED, &BREAKING_FORCE, &BREAKING_TORQUE,
+            ]),
         braces!("reject" [field!(HOLD), field!(DEPTH), field!(REACH), field!(IMPULSE), field(&ANCHOR, &ANCHORING)])
             .means("permanent magnets: every face of every block attracts every other face, in each quarter turn")
             .make(|s| {
@@ -301,14 +304,16 @@ pub static CLAUSES: [SchemaEntry; 14] = [
             field(&ANCHOR, &ANCHORING)
                 .otherwise(HALF_SEAL)
                 .make(|s| if let Some(Bond::Suction { anchor, .. }) = &mut s.bond { *anchor = Some(UNSPECIFIED_ANCHOR); }),
+            strength(&BREAKING),
         ])
             .means("suction: an open face draws in fluid and blocks, and holds a block that closes it")
             .make(|s| {
                 let pump = Pump { head: UNSPECIFIED, opening: None, supply: None, valve: None, passage: None };
-                s.bond = Some(Bond::Suction { pump, seal: None, anchor: None });
+                s.bond = Some(Bond::Suction { pump, seal: None, anchor: None, strength: None });
             })
             .equations(&[
                 &PUMP, &OPENINGS, &SINK, &SEALING, &ANCHOR_CENTRES, &ANCHOR_GAP, &ANCHOR_CORNERS, &ANCHOR_SAMPLED,
+                &BREAKING_FORCE, &BREAKING_TORQUE,
             ]),
     ])
     .absent(NoTerm("no block is ever captured")),
@@ -332,6 +337,33 @@ const NO_REACH: Absent = Absent::Message {
     label: "`within` and a length must follow",
     help: "write its reach, such as `15 N within 20cm`",
 };
+
+/// Returns the field of the strength of bonds.
+const fn strength(parts: &'static [SchemaPart]) -> SchemaEntry {
+    SchemaEntry::new("strength", parts)
+        .means(
+            "bonds of the structure break under the weight of the blocks beyond them; requires `gravity`; \
+             at least one field is needed",
+        )
+        .absent(NoTermWhere("bonds of the structure do not break", |s| {
+            s.gravity.is_some() && s.planar.is_none()
+        }))
+        .is(|s| s.bond.as_ref().is_some_and(|bond| bond.strength().is_some()))
+        .make(|s| {
+            if let Some(strength) = s.bond.as_mut().and_then(Bond::strength_mut) {
+                *strength = Some(BondStrength { force: None, torque: None });
+            }
+        })
+}
+
+#[rustfmt::skip]
+static BREAKING: [SchemaPart; 1] = [SchemaPart::Fields(
+    &[
+        field!(STRENGTH_FORCE).otherwise("no force breaks a bond"),
+        field!(STRENGTH_TORQUE).otherwise("no torque breaks a bond"),
+    ],
+    FieldGroup::Any { needed: "force", help: "add it, or `torque`: the load that a bond holds" },
+)];
 
 #[rustfmt::skip]
 static ANCHORING: [SchemaPart; 4] = [

@@ -99,6 +99,9 @@ numbers! {
     ANCHOR ["bond.anchor"] LENGTH Positive, "d" "anchoring distance": "largest distance of the two faces at anchoring", |s| Some((&mut s.bond.as_mut()?.anchor_mut()?.within).into());
     ANCHOR_TILT ["bond.anchor.tilt"] ANGLE Acute, "α" "tilt": "largest angle between the two faces at anchoring", |s| Some((&mut s.bond.as_mut()?.anchor_mut()?.tilt).into());
 
+    STRENGTH_FORCE ["bond.strength.force"] FORCE Positive, "B" "strength, force": "largest tension or shear of a bond", |s| Some(Optional(&mut s.bond.as_mut()?.strength_mut()?.as_mut()?.force));
+    STRENGTH_TORQUE ["bond.strength.torque"] TORQUE Positive, "T_b" "strength, torque": "largest torque of a bond about the centre of its faces", |s| Some(Optional(&mut s.bond.as_mut()?.strength_mut()?.as_mut()?.torque));
+
     HOP ["messages.hop" "messages"] TICKS Whole(0, 1_000_000), "h" "hop": "duration of a hop from a block to its parent or child", |s| Some((&mut s.messages.as_mut()?.hop).into());
     LOSS ["messages.loss"] NUMBER Between(0.0, 0.99), "p" "loss": "probability that a hop loses a message or its acknowledgement; the sender repeats the message after 2 h + 1 ticks", |s| Some(Optional(&mut s.messages.as_mut()?.loss));
 

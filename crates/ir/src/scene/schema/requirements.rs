@@ -20,8 +20,12 @@ pub struct Requirement {
 
 const ADD_FLUID: &str = "add `fluid { density 1000 kg/m^3  viscosity 1 mPa s }`";
 
+fn has_strength(scene: &Scene) -> bool {
+    (scene.bond.as_ref()).is_some_and(|bond| bond.strength().is_some())
+}
+
 /// All requirements. For each clause, only the first violated one is reported.
-pub const REQUIREMENTS: [Requirement; 10] = [
+pub const REQUIREMENTS: [Requirement; 12] = [
     Requirement {
         clause: "world",
         needs: "gravity",
@@ -59,6 +63,22 @@ pub const REQUIREMENTS: [Requirement; 10] = [
         title: "this bond is not supported in a planar world",
         label: "its forces are defined in space only",
         help: "write `bond attract`, or remove `world planar`",
+    },
+    Requirement {
+        clause: "bond",
+        needs: "world",
+        is_broken: |s| s.planar.is_some() && has_strength(s),
+        title: "bonds do not break in a planar world",
+        label: "the table carries the weight of all blocks",
+        help: "remove `strength`, or `world planar`",
+    },
+    Requirement {
+        clause: "bond",
+        needs: "gravity",
+        is_broken: |s| s.gravity.is_none() && has_strength(s),
+        title: "the strength of bonds needs gravity",
+        label: "the scene has no `gravity`, so bonds carry no load",
+        help: "add `gravity 9.81 m/s^2`, or remove `strength`",
     },
     Requirement {
         clause: "bond",
