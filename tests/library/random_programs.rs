@@ -4,7 +4,7 @@ use std::cell::Cell as Counter;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-use crate::random::{Reuse, declare, declare_with};
+use crate::random::{Declared, Reuse, declare, declare_with};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use stochc::compiler::scene::built_in;
@@ -16,15 +16,27 @@ use stochc::ir::record::{BondRecord, Outcome, RunRecord};
 use stochc::ir::scene::Messages;
 use stochc::ir::table::{PhaseId, Tables};
 use stochc::runtime::control::Controller;
-use stochc::runtime::{Model, Settings, drive, run};
 use stochc::runtime::rates::Rates;
 use stochc::runtime::world::World;
 use stochc::runtime::world::rate::RateWorld;
 use stochc::runtime::world::shuffle::ShuffleWorld;
+use stochc::runtime::{Model, Settings, drive, run};
 
-/// Returns whether the weight of the blocks beyond a bond exceeds its strength at the end of a run:
-/// the weight of this number of blocks, or the torque of an arm of this length. Adds up all blocks
-/// beyond each bond.
+/// Adds gravity, and lets bonds break. A bond holds the weight of `blocks` blocks. It also holds the
+/// torque of one block at the end of an arm of `arm` block lengths.
+fn with_strength(mut declared: Declared, blocks: f64, arm: f64) -> Declared {
+    let (force, torque) = (9.81 * blocks, 9.81 * 0.2 * arm);
+    let heavy = format!(
+        "gravity 9.81 m/s^2  bond attract {{ pull 18 N within 20cm  anchor centres 1mm
+         strength {{ force {force} N  torque {torque} N m }} }}"
+    );
+    let head = "scene many from hemisphere {";
+    declared.text = (declared.text).replacen(head, &format!("{head} {heavy}"), 1);
+    declared
+}
+
+/// Returns whether a bond is overloaded at the end of a run. A bond holds the weight of `blocks`
+/// blocks, and the torque of a block at the end of this arm. Adds up all blocks beyond each bond.
 fn is_overloaded(record: &RunRecord, blocks: f64, arm: f64) -> bool {
     let mut bonds: Vec<&BondRecord> = record.all_bonds().collect();
     for release in record.all_releases() {
@@ -46,7 +58,9 @@ fn is_overloaded(record: &RunRecord, blocks: f64, arm: f64) -> bool {
         let weight = beyond.len() as f64;
         let is_pressing = dz > 0.0;
         let moment = |of: fn(Cell) -> i32, shift: f64| {
-            let arms = beyond.iter().map(|it| f64::from(of(it.cell) - of(bond.cell)) + shift);
+            let arms = beyond
+                .iter()
+                .map(|it| f64::from(of(it.cell) - of(bond.cell)) + shift);
             let borne = if is_pressing { weight / 2.0 } else { 0.0 };
             (arms.sum::<f64>().abs() - borne).max(0.0)
         };
@@ -142,7 +156,7 @@ proptest! {
         seed: u64,
     ) {
         let [blocks, arm] = [blocks, arm].map(|it| f64::from(it) + 0.3);
-        let declared = declare(choices, 1).with_strength(blocks, arm);
+        let declared = with_strength(declare(choices, 1), blocks, arm);
         let program = declared.program();
         let scene = program.scene.clone().expect("it has a scene");
         let Some(tables) = program.tables.clone() else {

@@ -23,8 +23,8 @@ pub struct PhaseLoad {
 }
 
 /// Returns the bond with the largest share of its strength at the end of each phase with captured
-/// blocks. The order of the events does not matter there. Returns no loads if bonds do not break,
-/// and omits the last phases of a program with more than [`MAX_LOADS`] loads.
+/// blocks. The order of the events does not matter there. Returns no loads if bonds do not break.
+/// Omits the last phases of a program with more than [`MAX_LOADS`] loads.
 ///
 /// # Errors
 ///

@@ -447,19 +447,6 @@ impl Declared {
         self
     }
 
-    /// Makes blocks heavy, and lets bonds break under the weight of this number of blocks, and under
-    /// the torque of an arm of this number of block lengths.
-    pub fn with_strength(mut self, blocks: f64, arm: f64) -> Declared {
-        let (force, torque) = (9.81 * blocks, 9.81 * 0.2 * arm);
-        let heavy = format!(
-            "gravity 9.81 m/s^2  bond attract {{ pull 18 N within 20cm  anchor centres 1mm
-             strength {{ force {force} N  torque {torque} N m }} }}"
-        );
-        let head = "scene many from hemisphere {";
-        self.text = self.text.replacen(head, &format!("{head} {heavy}"), 1);
-        self
-    }
-
     /// Returns the event tables.
     ///
     /// # Panics

@@ -373,6 +373,7 @@ fn only_dimensionless_numbers_matter() {
         pull,
         align: Some(align),
         anchor,
+        ..
     }) = &mut small.bond
     else {
         panic!("the paper's magnet");

@@ -112,6 +112,7 @@ fn length_mass_and_time_scale<K: Kind>() {
             pull,
             align,
             anchor,
+            ..
         }) = &mut small.bond
         {
             for reach in [Some(pull), align.as_mut()].into_iter().flatten() {

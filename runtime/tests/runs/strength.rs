@@ -39,14 +39,20 @@ fn broken(record: &RunRecord) -> (usize, &str) {
 
 #[test]
 fn a_bond_breaks_at_the_capture_that_overloads_it() {
-    // The bond of C carries n² 0.05 N m, and the bond of B (n² + n - n - 1) 0.05 N m.
+    // With n blocks in the arm, the bond of C carries n² 0.05 N m. The bond of B carries less.
     for (torque, captures) in [("0.19 N m", 4), ("0.21 N m", 5), ("0.44 N m", 5)] {
         let record = record(&format!("torque {torque}"), "", "", CRANE);
         let (count, reason) = broken(&record);
         assert_eq!(count, captures, "{torque}: {reason}");
-        assert!(reason.starts_with("the bond of `C` broke under its load"), "{reason}");
+        assert!(
+            reason.starts_with("the bond of `C` broke under its load"),
+            "{reason}"
+        );
     }
-    assert_eq!(record("torque 0.46 N m", "", "", CRANE).outcome, Outcome::Completed);
+    assert_eq!(
+        record("torque 0.46 N m", "", "", CRANE).outcome,
+        Outcome::Completed
+    );
     // The arm shears with 3 N. The column presses on its parent.
     let record_of = |force| record(&format!("force {force}"), "", "", CRANE);
     assert_eq!(record_of("3.1 N").outcome, Outcome::Completed);

@@ -241,6 +241,7 @@ fn microns() -> Scene {
         pull,
         align,
         anchor,
+        ..
     }) = &mut scene.bond
     else {
         panic!("it attracts");

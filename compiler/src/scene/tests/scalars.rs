@@ -74,8 +74,12 @@ const FULL: [&str; 8] = [
         block cube { side 1cm  mass 1g  faces 1 }
         free 50 uniform
         enclosure cylinder { radius 15cm  height 20cm  wall 1 N/m }
+        gravity 9.81 m/s^2
         fluid { density 1000 kg/m^3  viscosity 1 mPa s }
-        bond suction { head 200 Pa  opening 5mm  supply 1 kPa s/L  valve 4 kPa s/L  passage 1 kPa s/L  seal 3mm  anchor gap 1mm }
+        bond suction {
+            head 200 Pa  opening 5mm  supply 1 kPa s/L  valve 4 kPa s/L  passage 1 kPa s/L
+            seal 3mm  anchor gap 1mm  strength { force 2 mN  torque 10 uN m }
+        }
     }",
     "scene flat {
         tick 1 s

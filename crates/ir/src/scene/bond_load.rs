@@ -267,7 +267,7 @@ mod tests {
             assert!((load.force - force).abs() < 1e-12, "{weight} {face:?}");
             assert!(load.torque.abs() < 1e-12);
         }
-        // A column with an arm of two blocks: 3 w a about the joint, and 4 w press with an arm a/2.
+        // A column with an arm of two blocks. The torque is 3 w a, and 4 w press with an arm a/2.
         let crane = blocks(&[[1, 0, 3], [1, 0, 4], [2, 0, 4], [3, 0, 4]]);
         let load = |weight| law(weight, true).load(Face::Up, CELL, crane).torque;
         assert!((load(0.2) - 0.02).abs() < 1e-12);
@@ -314,6 +314,6 @@ mod tests {
         }
         let (broken, load) = loads.broken().unwrap();
         assert_eq!(broken, role(1));
-        assert_eq!(load, "6 blocks, 1.2 N of 1 N, 0.32 N m of 0.5 N m");
+        assert_eq!(load, "6 blocks, 1.2 N of 1 N, 0.2807 N m of 0.5 N m");
     }
 }

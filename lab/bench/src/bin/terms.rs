@@ -69,6 +69,7 @@ fn scene(without: &str) -> Scene {
                 pull,
                 align,
                 anchor,
+                ..
             }) = &mut scene.bond
             {
                 (pull.force, *align, anchor.within) = (1e-30, None, 0.0);

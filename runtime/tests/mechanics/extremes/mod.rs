@@ -171,6 +171,7 @@ fn scaled(length: f64, mass: f64, time: f64) -> Scene {
         pull,
         align: Some(align),
         anchor,
+        ..
     }) = &mut scene.bond
     {
         pull.force *= force;

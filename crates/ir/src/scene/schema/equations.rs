@@ -248,7 +248,7 @@ equations! {
     BREAKING_FORCE "a bond breaks if n blocks beyond it pull or shear with more than this force; the run ends"
         Some("n |m - ρ a³| g > B; no force if they press on their parent"); [N(&STRENGTH_FORCE)];
     BREAKING_TORQUE "a bond breaks if the blocks beyond it turn it with more than this torque; the run ends"
-        Some("|Σ r × (m - ρ a³) g| > T_b; along each edge, blocks that press with N on their parent bear N a / 2 of it"); [N(&STRENGTH_TORQUE)];
+        Some("|Σ r × (m - ρ a³) g| > T_b; blocks that press with N on their parent bear N a / 2"); [N(&STRENGTH_TORQUE)];
     HOPS "a message needs this long from a block to its parent or child"
         None; [N(&HOP)];
     LOSSES "a hop may be lost, and so may its acknowledgement; without one the sender sends again"
