@@ -1,9 +1,10 @@
 //! `stochc compile`.
 use std::fmt::Display;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use serde_json::Value;
 use stochc_compiler::emit::{built_structure, structure_json, structure_stl, structure_text};
 use stochc_compiler::{Checked, Program, Symbols};
 use stochc_files::atomic::{Draft, Replaces};
@@ -12,6 +13,7 @@ use stochc_ir::emit::{graph_dot, graph_json, graph_text, table_json, table_text}
 use stochc_ir::graph::EventGraph;
 use stochc_ir::{Executable, Json};
 use stochc_report::figures::structure;
+use stochc_results::EnsembleProgram;
 
 use super::firmware::{self, MemoryOptions};
 use super::run_options::JsonOption;
@@ -20,6 +22,7 @@ use super::terminal::{has_colour, message_width, print_with, warn_drawn};
 use crate::diagnostics::drawn;
 use crate::exit::{Exit, Failure};
 use crate::operations::chosen_run::index;
+use crate::operations::jani::to_jani;
 use crate::operations::json::FORMAT;
 use crate::operations::programs::{is_readable, nothing_to_run, verdict};
 use crate::source_settings::UnusedValues;
@@ -63,6 +66,8 @@ enum EmittedStage {
     Executable,
     /// Firmware in C for the blocks of one program, in a folder
     Firmware,
+    /// Rate model of one program as a Markov chain, for model checkers
+    Jani,
 }
 
 /// An output format of a stage.
@@ -102,6 +107,10 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     if is_firmware_wanted && given.is_some() {
         return Err(Failure::usage("`--emit firmware` has no `--format`"));
     }
+    let is_jani_wanted = options.emit == EmittedStage::Jani;
+    if is_jani_wanted && given.is_some() {
+        return Err(Failure::usage("`--emit jani` has no `--format`"));
+    }
     options.memory.only_for_firmware(is_firmware_wanted)?;
     let picture = match form {
         EmittedFormat::Dot => Some(("dot", EmittedStage::Graph, "graph")),
@@ -125,29 +134,61 @@ pub fn run(options: &CompileArguments) -> Result<Exit, Failure> {
     }
     UnusedValues::check_used_by(&source, &checked.programs)?;
     let stage = options.emit;
-    if (stage == EmittedStage::Executable || is_firmware_wanted) && checked.programs.is_empty() {
+    let is_of_one = is_firmware_wanted || is_jani_wanted;
+    if (stage == EmittedStage::Executable || is_of_one) && checked.programs.is_empty() {
         return Err(nothing_to_run(&options.file, &checked));
     }
-    if is_firmware_wanted {
+    if is_of_one {
         only(&mut checked.programs, options.program.as_deref()).map_err(Failure::usage)?;
+    }
+    if is_firmware_wanted {
         let tables = checked.programs.first().and_then(|it| it.tables.as_ref());
         let Some(tables) = tables else {
             return Err(nothing_to_run(&options.file, &checked));
         };
         return firmware::write(tables, options.out.as_deref(), &options.memory);
     }
+    if is_jani_wanted {
+        let chain = chain(checked.programs.swap_remove(0))?;
+        return put(options.out.as_deref(), Replaces::Nothing, |out| {
+            serde_json::to_writer_pretty(&mut *out, &chain)?;
+            writeln!(out)
+        });
+    }
     choose(&mut checked.programs, options.program.as_deref(), form).map_err(Failure::usage)?;
-    let Some(path) = &options.out else {
-        print_with(|out| emit(checked, stage, form, out))?;
-        return Ok(Exit::Success);
-    };
     // Only executables have a mark of stochc. The output of other stages never replaces a file.
     let replaces = match stage {
         EmittedStage::Executable => Replaces::Ours(is_executable),
         _ => Replaces::Nothing,
     };
+    put(options.out.as_deref(), replaces, |out| {
+        emit(checked, stage, form, out)
+    })
+}
+
+/// Returns the rate model of a program as JANI.
+fn chain(program: Program) -> Result<Value, Failure> {
+    let name = program.plan.name.to_string();
+    let claims = program.claims.clone();
+    let executable = (program.into_executable())
+        .ok_or_else(|| Failure::usage(format!("`{name}` cannot be executed")))?;
+    let mut entry = EnsembleProgram::new(&name, Vec::new(), executable);
+    entry.claims = claims;
+    to_jani(&entry)
+}
+
+/// Prints a result, or writes it to a file.
+fn put(
+    path: Option<&Path>,
+    replaces: Replaces,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<Exit, Failure> {
+    let Some(path) = path else {
+        print_with(write)?;
+        return Ok(Exit::Success);
+    };
     let written = Draft::new(path, replaces).and_then(|mut file| {
-        emit(checked, stage, form, &mut file)?;
+        write(&mut file)?;
         file.keep()
     });
     match written {
@@ -238,9 +279,10 @@ fn json<'a>(
     Some(match stage {
         EmittedStage::Structure => structure_json(&program.plan, &program.layout, symbols),
         EmittedStage::Graph => graph_json(graph?, tables?),
-        EmittedStage::Table | EmittedStage::Executable | EmittedStage::Firmware => {
-            table_json(tables?)
-        }
+        EmittedStage::Table
+        | EmittedStage::Executable
+        | EmittedStage::Firmware
+        | EmittedStage::Jani => table_json(tables?),
     })
 }
 
@@ -265,8 +307,12 @@ fn text<'a>(
         (EmittedStage::Structure, _) => Box::new(structure_text(plan, layout)),
         (EmittedStage::Graph, EmittedFormat::Dot) => Box::new(graph_dot(graph?, tables?)),
         (EmittedStage::Graph, _) => Box::new(graph_text(graph?, tables?)),
-        (EmittedStage::Table | EmittedStage::Executable | EmittedStage::Firmware, _) => {
-            Box::new(table_text(tables?))
-        }
+        (
+            EmittedStage::Table
+            | EmittedStage::Executable
+            | EmittedStage::Firmware
+            | EmittedStage::Jani,
+            _,
+        ) => Box::new(table_text(tables?)),
     })
 }

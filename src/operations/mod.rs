@@ -13,6 +13,7 @@ pub mod fit;
 pub mod forecast;
 pub mod import;
 mod in_memory;
+pub mod jani;
 pub mod json;
 pub mod plan;
 pub mod precision;

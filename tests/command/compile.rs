@@ -224,3 +224,41 @@ fn a_corrupted_executable_is_rejected() {
         assert!(outcome.err.contains(reason), "{}", outcome.err);
     }
 }
+
+/// The chain has three transitions for each capture. The claim about completion is a property.
+#[test]
+fn the_rate_model_is_written_as_a_markov_chain() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, chain] = ["mast.sa", "mast.jani"].map(|name| path(folder.path(), name));
+    let mast = "assembly mast { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up ->> T[1..3] }
+        expect complete within 30.5 s with probability >= 0.9
+        expect mean completion <= 4000 ticks }";
+    fs::write(&file, mast).unwrap();
+    let outcome = stochc_with(&format!("compile --emit jani --out {chain}"), &[&file]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let chain: Value = serde_json::from_str(&fs::read_to_string(&chain).unwrap()).unwrap();
+    assert_eq!(chain["type"], "ctmc");
+    let edges = chain["automata"][0]["edges"].as_array().unwrap();
+    assert_eq!(edges.len(), 9);
+    for edge in edges.iter().step_by(3) {
+        let rate = edge["rate"]["exp"].as_f64().unwrap();
+        assert!((1e-4..1e-1).contains(&rate), "{rate}");
+    }
+    let properties = chain["properties"].as_array().unwrap();
+    assert_eq!(properties.len(), 1);
+    let time = &properties[0]["expression"]["values"]["exp"]["time-bounds"]["upper"];
+    assert_eq!(time, 1525.0);
+
+    let two = mast.replace("1 x 1 { M at (0, 0) }", "3 x 1 { M at (0, 0) N at (2, 0) }");
+    let two = two.replace("M.up ->>", "N.up -> U  M.up ->>");
+    fs::write(&file, two).unwrap();
+    let outcome = stochc_with("compile --emit jani", &[&file]);
+    assert_eq!(outcome.status, 2, "{}", outcome.err);
+    assert!(
+        outcome.err.contains("one after the other"),
+        "{}",
+        outcome.err
+    );
+    let outcome = stochc_with("compile --emit jani --format text", &[&file]);
+    assert_eq!(outcome.status, 2, "{}", outcome.err);
+}

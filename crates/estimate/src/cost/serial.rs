@@ -21,6 +21,14 @@ pub struct SerialCapture {
 }
 
 impl SerialCapture {
+    /// Returns the distribution of the waiting time, without rounding to whole ticks.
+    pub fn wait(self) -> Wait {
+        Wait {
+            rate: self.wait.rate * self.accepted,
+            ..self.wait
+        }
+    }
+
     /// Returns the probabilities that the face still waits after 0, 1, 2 and more ticks.
     ///
     /// The rate model computes hazards for a reference number of free blocks. At the end of a tick
