@@ -3,7 +3,7 @@ use std::time::Duration;
 
 use quick_junit::{NonSuccessKind, Report, SerializeError, TestCase, TestCaseStatus, TestSuite};
 use stochc_experiments::Verdict;
-use stochc_report::tables::ReportedClaim;
+use stochc_report::tables::{ReportedClaim, claims_by_program};
 use stochc_text::visible;
 
 /// Returns a report with a test suite for each program and a test case for each claim. A failed
@@ -13,8 +13,8 @@ use stochc_text::visible;
 /// If the report cannot be written as XML.
 pub(super) fn claims_to_junit(claims: &[ReportedClaim]) -> Result<String, SerializeError> {
     let mut report = Report::new("stochc test");
-    for claims in claims.chunk_by(|a, b| (&a.program, &a.file) == (&b.program, &b.file)) {
-        let mut suite = TestSuite::new(visible(&claims[0].program));
+    for (label, claims) in claims_by_program(claims) {
+        let mut suite = TestSuite::new(visible(&label));
         suite.add_test_cases(claims.iter().map(test_case));
         report.add_test_suite(suite);
     }

@@ -147,14 +147,14 @@ fn add(
     options: &ClaimOptions,
     host: &dyn Host,
 ) -> Result<(), Failure> {
-    let is_exact = testing.error == ModelError::NONE;
+    let has_error = testing.error != ModelError::NONE;
     let is_open = |claim: &Option<ReportedClaim>| {
         (claim.as_ref()).is_none_or(|it| it.tested.verdict == Verdict::Undecided)
     };
     let program = &entries[0];
     let numbers = (0..decided.len()).filter(|&number| {
         // The error of captures in the rate model is unknown.
-        is_open(&decided[number]) && (is_exact || !is_capture(&program.claims[number]))
+        is_open(&decided[number]) && (!has_error || !is_capture(&program.claims[number]))
     });
     let mut numbers: Vec<usize> = numbers.collect();
     let report = |number: usize, tested: TestedClaim| ReportedClaim {
@@ -164,14 +164,14 @@ fn add(
         tested,
         model: settings.model,
     };
-    // The distribution differs slightly from runs, which matters only without a model error.
-    if settings.model == Model::Rate && !is_exact {
-        let exact = decide_exactly(entries, &settings.rates, testing.error);
+    // Without a model error, the model was chosen for runs.
+    if settings.model == Model::Rate && has_error {
+        let without_runs = decide_without_runs(entries, &settings.rates, testing.error, host);
         numbers.retain(|&number| {
-            let exact = exact[number].clone();
-            let needs_runs = exact.is_none();
-            if let Some(exact) = exact {
-                decided[number] = Some(report(number, exact));
+            let tested = without_runs[number].clone();
+            let needs_runs = tested.is_none();
+            if let Some(tested) = tested {
+                decided[number] = Some(report(number, tested));
             }
             needs_runs
         });
@@ -210,10 +210,11 @@ fn add(
 }
 
 /// Decides claims of the first program without simulating it, if this is possible.
-fn decide_exactly(
+fn decide_without_runs(
     entries: &[EnsembleProgram],
     rates: &[Rates],
     error: ModelError,
+    host: &dyn Host,
 ) -> Vec<Option<TestedClaim>> {
     let claims = &entries[0].claims;
     let supported = entries.iter().map(|it| {
@@ -223,7 +224,7 @@ fn decide_exactly(
     let rates: Option<Vec<&Rates>> = supported.collect();
     rates.map_or_else(
         || vec![None; claims.len()],
-        |rates| decide_claims(claims, entries, &rates, error),
+        |rates| decide_claims(claims, entries, &rates, error, host.stop()),
     )
 }
 

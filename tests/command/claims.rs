@@ -89,7 +89,7 @@ fn captures_one_after_the_other_need_no_runs() {
     let document = outcome.json();
     let claims = document["claims"].as_array().unwrap();
     for claim in claims.iter().take(3) {
-        assert_eq!(claim["without_runs"], true);
+        assert_eq!(claim["method"], "convolution");
         assert_eq!(
             (&claim["runs"], &claim["model"]),
             (&0.into(), &"rate".into())
@@ -165,6 +165,11 @@ fn programs_of_the_same_name_show_their_files() {
     for file in files {
         let label = format!("tower ({file})");
         assert!(outcome.out.contains(&label), "{}", outcome.out);
+    }
+    let junit = stochc_with("test --quiet --model rate --format junit", &files);
+    for file in files {
+        let suite = format!("<testsuite name=\"tower ({file})\"");
+        assert!(junit.out.contains(&suite), "{}", junit.out);
     }
     let alone = stochc_with("test --quiet --model rate", &files[..1]);
     assert!(!alone.out.contains("tower ("), "{}", alone.out);

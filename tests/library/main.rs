@@ -1,7 +1,7 @@
 //! Tests that need several crates, but not the command.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
+mod claims_without_runs;
 mod estimate;
-mod exact_claims;
 mod executable;
 mod findings;
 mod fuzz_corpus;

@@ -30,6 +30,16 @@ pub enum ClaimedQuantity {
     Difference,
 }
 
+/// Method of testing a claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ClaimMethod {
+    /// Independent runs.
+    Runs,
+    /// Distribution of the rate model, without runs.
+    Convolution,
+}
+
 /// A tested claim.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TestedClaim {
@@ -45,8 +55,8 @@ pub struct TestedClaim {
     pub runs: u64,
     /// CPU time of these runs \[s\]. `None` if it was not measured.
     pub cpu: Option<f64>,
-    /// Whether the distribution of the model decided, without runs.
-    pub is_exact: bool,
+    /// Method of the test.
+    pub method: ClaimMethod,
 }
 
 /// Settings of a test of claims.
@@ -240,7 +250,7 @@ fn tested(claim: &Claim, runs: &[ClaimedRun], testing: ClaimTesting) -> TestedCl
                 limits: test.interval(),
                 runs: test.runs(),
                 cpu: cpu(runs),
-                is_exact: false,
+                method: ClaimMethod::Runs,
             }
         }
         Claim::Mean { relation, bound } => {
@@ -254,7 +264,7 @@ fn tested(claim: &Claim, runs: &[ClaimedRun], testing: ClaimTesting) -> TestedCl
                 limits: test.interval(),
                 runs: test.runs(),
                 cpu: cpu(runs),
-                is_exact: false,
+                method: ClaimMethod::Runs,
             }
         }
         Claim::Faster { by, .. } => faster(*by, runs, testing),
@@ -298,7 +308,7 @@ fn faster(by: f64, runs: &[ClaimedRun], testing: ClaimTesting) -> TestedClaim {
         limits,
         runs: test.runs(),
         cpu: cpu(runs),
-        is_exact: false,
+        method: ClaimMethod::Runs,
     }
 }
 

@@ -4,8 +4,8 @@
 pub mod calibration;
 mod captures;
 mod claims;
+mod claims_without_runs;
 mod comparison;
-mod exact_claims;
 pub mod fit;
 pub mod resampling;
 mod stamped_json;
@@ -15,11 +15,13 @@ pub mod sweep;
 pub mod trade;
 
 pub use captures::{CaptureKey, CaptureSummary, Repetitions, Waits, WaitsTally, captures};
-pub use claims::{ClaimTesting, ClaimedQuantity, ModelError, TestedClaim, Verdict, test_claims};
+pub use claims::{
+    ClaimMethod, ClaimTesting, ClaimedQuantity, ModelError, TestedClaim, Verdict, test_claims,
+};
+pub use claims_without_runs::decide_claims;
 pub use comparison::{
     ComparedProgram, Comparison, ComparisonTally, Pair, PairwiseResult, PairwiseTest, PhaseTime,
     ProgramSummary, Time, TimeUnit, completion_status, completion_time, last_seen, median_run,
     pairwise_tests, phase_time, sort_by_time,
 };
-pub use exact_claims::decide_claims;
 pub use summary_tables::summary_table;

@@ -81,6 +81,7 @@ impl Claim {
                 let event = event.describe(tables);
                 let within = within.map_or_else(String::new, |it| format!(" within {}", ticks(it)));
                 let sign = relation.sign();
+                let bound = rounded(*bound, 12);
                 format!("{event}{within} with probability {sign} {bound}")
             }
             Claim::Mean { relation, bound } => {
@@ -95,8 +96,17 @@ impl Claim {
     }
 }
 
-/// Returns a time \[ticks\] as text with at most three decimals.
+/// Returns a time \[ticks\] as text with at most three decimals, or with four digits if it is very
+/// short or very long.
 fn ticks(ticks: f64) -> String {
+    if ticks != 0.0 && !(1.0..1e15).contains(&ticks) {
+        let rounded = rounded(ticks, 3);
+        return if (1e-4..1.0).contains(&rounded) {
+            format!("{rounded} ticks")
+        } else {
+            format!("{rounded:e} ticks")
+        };
+    }
     format!("{} ticks", (ticks * 1e3).round() / 1e3)
 }
 
@@ -112,5 +122,34 @@ impl ClaimedEvent {
                 format!("captured {} by {}", role(block), role(by))
             }
         }
+    }
+}
+
+/// Returns a number rounded to a number of decimals of its scientific notation. A percentage such as
+/// 99.99 % is not exact.
+fn rounded(value: f64, decimals: usize) -> f64 {
+    let text = format!("{value:.decimals$e}");
+    text.parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_of_any_size_are_short_and_not_rounded_to_zero() {
+        let cases = [
+            (0.0, "0 ticks"),
+            (49.505, "49.505 ticks"),
+            (8000.0, "8000 ticks"),
+            (0.25, "0.25 ticks"),
+            (0.000_123_45, "0.0001234 ticks"),
+            (1.5e-9, "1.5e-9 ticks"),
+            (2e300, "2e300 ticks"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(ticks(value), text);
+        }
+        assert_eq!(rounded(99.99 * 0.01, 12).to_string(), "0.9999");
     }
 }

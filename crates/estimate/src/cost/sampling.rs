@@ -189,9 +189,7 @@ impl Sampler<'_> {
     ) -> (f64, bool) {
         for _ in 0..partial.map_or(limit.retries, |run| run.retries) {
             let stop = began + limit.timeout;
-            let ended = self
-                .attempt(steps, timed, began, stop, partial.take())
-                .max(began + limit.wait);
+            let ended = self.attempt(steps, timed, began, limit, partial.take());
             if ended <= stop {
                 return (ended, false);
             }
@@ -200,19 +198,18 @@ impl Sampler<'_> {
             self.drawn.begin_again(steps);
         }
         let stop = began + limit.timeout;
-        let ended = self.attempt(steps, timed, began, stop, partial);
-        let ended = ended.max(began + limit.wait);
+        let ended = self.attempt(steps, timed, began, limit, partial);
         (ended.min(stop), ended > stop)
     }
 
-    /// Samples an attempt at a phase, from its start to its timeout `stop`. Returns the tick when
-    /// all reports have arrived, without a timeout.
+    /// Samples an attempt at a phase that begins at `total`, up to its timeout. Returns the tick when
+    /// all reports have arrived and the `wait` of the phase is over, without a timeout.
     fn attempt(
         &mut self,
         steps: &[Step],
         timed: Option<&TimedPhase<'_>>,
         total: f64,
-        stop: f64,
+        limit: PhaseLimit,
         partial: Option<&PartialRun>,
     ) -> f64 {
         let Sampler {
@@ -234,6 +231,7 @@ impl Sampler<'_> {
             }
         }
         // After a timeout, the event on the critical path counts until the timeout.
+        let stop = total + limit.timeout;
         let mut at = latest.1;
         while at != NO_BLOCK {
             let before = drawn.last[at as usize];
@@ -245,7 +243,7 @@ impl Sampler<'_> {
             self.decided[at as usize] += drawn.ends[at as usize].min(stop) - since.min(stop);
             at = before;
         }
-        latest.0
+        latest.0.max(total + limit.wait)
     }
 }
 

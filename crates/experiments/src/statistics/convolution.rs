@@ -3,11 +3,84 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
+/// Bound of the sum of all errors of a [`convolution`] with at most 2^20 terms, with the part that
+/// is cut off.
+const ERROR: f64 = 2e-11;
+
+/// Largest sum of the last probabilities of a distribution that are cut off.
+const NEGLIGIBLE: f64 = 1e-11;
+
+/// Distribution of a sum of independent whole numbers.
+#[derive(Debug)]
+pub(crate) struct SumDistribution {
+    /// Number of probabilities to compute.
+    terms: usize,
+    /// Distributions of partial sums with their numbers of summands. These numbers are falling
+    /// powers of two, so that the factors of most convolutions are short.
+    parts: Vec<(u32, Vec<f64>)>,
+    convolutions: u32,
+}
+
+impl SumDistribution {
+    /// Returns the distribution of the empty sum, for the numbers up to `terms - 1`.
+    pub fn new(terms: usize) -> SumDistribution {
+        SumDistribution {
+            terms,
+            parts: Vec::new(),
+            convolutions: 0,
+        }
+    }
+
+    /// Adds a summand. Element k of `distribution` is the probability of k.
+    pub fn add(&mut self, distribution: Vec<f64>) {
+        self.parts.push((1, distribution));
+        while let [.., (before, _), (last, _)] = self.parts[..]
+            && before == last
+        {
+            self.join();
+        }
+    }
+
+    /// Replaces the last two parts by their sum.
+    fn join(&mut self) {
+        if let Some((count, one)) = self.parts.pop()
+            && let Some((before, other)) = self.parts.pop()
+        {
+            let sum = convolution(&one, &other, self.terms);
+            self.parts.push((before + count, without_tail(sum)));
+            self.convolutions += 1;
+        }
+    }
+
+    /// Returns a bound of the error of each sum of probabilities.
+    pub fn error(&self) -> f64 {
+        let open = self.parts.len().saturating_sub(1) as u32;
+        ERROR * f64::from(self.convolutions + open)
+    }
+
+    /// Returns the probabilities of 0, 1, 2 and so on. The last ones can be missing.
+    pub fn finish(mut self) -> Vec<f64> {
+        while self.parts.len() > 1 {
+            self.join();
+        }
+        self.parts.pop().map_or_else(|| vec![1.0], |(_, sum)| sum)
+    }
+}
+
+/// Removes the last probabilities of a distribution, as long as they are negligible together.
+fn without_tail(mut distribution: Vec<f64>) -> Vec<f64> {
+    let mut tail = 0.0;
+    let last = distribution.iter().rposition(|probability| {
+        tail += probability;
+        tail > NEGLIGIBLE
+    });
+    distribution.truncate(last.map_or(0, |last| last + 1));
+    distribution
+}
+
 /// Returns the distribution of the sum of two independent numbers, up to `terms - 1`. Element k of
 /// each distribution is the probability of k.
-///
-/// The absolute error of each probability is below 1e-12.
-pub(crate) fn convolution(one: &[f64], other: &[f64], terms: usize) -> Vec<f64> {
+fn convolution(one: &[f64], other: &[f64], terms: usize) -> Vec<f64> {
     let [one, other] = [one, other].map(|it| &it[..it.len().min(terms)]);
     // Shorter transforms would add the end of the sum to its start.
     let length = (one.len() + other.len()).next_power_of_two();
@@ -63,7 +136,7 @@ fn transform(values: &mut [Complex<f64>], sign: f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::convolution;
+    use super::*;
 
     #[test]
     fn sums_of_dice_have_known_probabilities() {
@@ -88,5 +161,30 @@ mod tests {
             let terms = (0..=at).filter_map(|k| Some(one.get(k)? * other.get(at - k)?));
             assert!((sum[at] - terms.sum::<f64>()).abs() < 1e-14, "{at}");
         }
+    }
+
+    /// The number of failures before the n-th success has a negative binomial distribution.
+    #[test]
+    fn errors_of_long_sums_are_within_their_bound() {
+        let (summands, success, terms) = (5_u32, 1e-3_f64, 100_000);
+        let failures: Vec<f64> = (0..terms)
+            .map(|k| success * ((-success).ln_1p() * k as f64).exp())
+            .collect();
+        let mut sum = SumDistribution::new(terms);
+        for _ in 0..summands {
+            sum.add(failures.clone());
+        }
+        let bound = sum.error();
+        assert!((bound / (4.0 * ERROR) - 1.0).abs() < 1e-9);
+        let sum = sum.finish();
+        let mut known = success.powi(summands as i32);
+        let (mut error, mut all) = (0.0, 0.0);
+        for k in 0..terms {
+            error += (sum.get(k).unwrap_or(&0.0) - known).abs();
+            all += known;
+            known *= (1.0 - success) * (k as f64 + f64::from(summands)) / (k as f64 + 1.0);
+        }
+        assert!(all > 0.999, "{all}");
+        assert!(error < bound, "{error}");
     }
 }

@@ -19,7 +19,7 @@ mod share;
 mod summary;
 mod survival;
 
-pub(crate) use convolution::convolution;
+pub(crate) use convolution::SumDistribution;
 pub(crate) use difference::correct;
 pub use difference::{Difference, Longer, SIGNIFICANT, Test, compare};
 pub use mean::Mean;

@@ -1,6 +1,6 @@
 //! Tables of tested claims.
 use serde_json::{Value, json};
-use stochc_experiments::{ClaimedQuantity, TestedClaim, Verdict};
+use stochc_experiments::{ClaimMethod, ClaimedQuantity, TestedClaim, Verdict};
 use stochc_runtime::Model;
 use stochc_text::{TextColumn, TextTable, counted, number, paragraph};
 
@@ -29,7 +29,7 @@ impl ReportedClaim {
             limits: (low, high),
             runs,
             cpu,
-            is_exact,
+            method,
         } = &self.tested;
         json!({
             "program": self.program,
@@ -43,7 +43,7 @@ impl ReportedClaim {
             "runs": runs,
             "cpu_seconds": cpu,
             "model": self.model.name(),
-            "without_runs": is_exact,
+            "method": method,
         })
     }
 
@@ -59,12 +59,11 @@ impl ReportedClaim {
     }
 
     fn method(&self) -> String {
-        let exact = if self.tested.is_exact {
-            ", no runs"
-        } else {
-            ""
+        let method = match self.tested.method {
+            ClaimMethod::Runs => "",
+            ClaimMethod::Convolution => ", no runs",
         };
-        format!("{}{exact}", self.model.name())
+        format!("{}{method}", self.model.name())
     }
 
     fn estimate(&self) -> String {
@@ -83,25 +82,48 @@ impl ReportedClaim {
             return if value > 0.0 { "∞" } else { "-∞" }.to_owned();
         }
         match self.tested.quantity {
-            ClaimedQuantity::Probability => format!("{value:.3}"),
+            ClaimedQuantity::Probability => probability(value),
             ClaimedQuantity::Mean => number(value),
             ClaimedQuantity::Difference => format!("{:.1} %", 100.0 * value),
         }
     }
 }
 
+/// Returns a probability as text with at least three decimals. A probability near 0 or 1 has two
+/// digits of its distance from 0 or 1.
+fn probability(value: f64) -> String {
+    /// Largest number of decimals.
+    const MOST: usize = 12;
+    let distance = value.min(1.0 - value);
+    let decimals = if distance > 0.0 {
+        1.0 - distance.log10().floor()
+    } else {
+        0.0
+    };
+    let decimals = (decimals as usize).clamp(3, MOST);
+    format!("{value:.decimals$}")
+}
+
 /// Returns a table of claims for each program. `width` is the width of the terminal
 /// \[characters\].
 pub fn claims_to_text(all: &[ReportedClaim], width: usize) -> String {
     let mut text = String::new();
-    for claims in all.chunk_by(|a, b| (&a.program, &a.file) == (&b.program, &b.file)) {
+    for (label, claims) in claims_by_program(all) {
         if !text.is_empty() {
             text.push('\n');
         }
-        text += &table(claims, &label(&claims[0], all)).text(width, false);
+        text += &table(claims, &label).text(width, false);
     }
     text.push('\n');
     text + &paragraph(&summary(all), width)
+}
+
+/// Returns the claims of each program, with a label of the program.
+pub fn claims_by_program(
+    all: &[ReportedClaim],
+) -> impl Iterator<Item = (String, &[ReportedClaim])> {
+    let claims = all.chunk_by(|a, b| (&a.program, &a.file) == (&b.program, &b.file));
+    claims.map(|claims| (label(&claims[0], all), claims))
 }
 
 /// Returns the name of a claim's program, with its file if another file has a program of this name.
@@ -122,7 +144,7 @@ fn table(claims: &[ReportedClaim], label: &str) -> TextTable {
     };
     let cpu = |it: &ReportedClaim| match it.tested.cpu {
         Some(seconds) => format!("{seconds:.2} s"),
-        None if it.tested.is_exact => String::new(),
+        None if it.tested.method == ClaimMethod::Convolution => String::new(),
         None => "?".to_owned(),
     };
     TextTable {
@@ -149,4 +171,24 @@ fn summary(claims: &[ReportedClaim]) -> String {
     };
     let [holds, fails, undecided] = [Verdict::Holds, Verdict::Fails, Verdict::Undecided].map(count);
     format!("{holds} hold, {fails} fail, {undecided} undecided.")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::probability;
+
+    #[test]
+    fn small_probabilities_have_two_digits() {
+        let cases = [
+            (0.5, "0.500"),
+            (0.0, "0.000"),
+            (1.0, "1.000"),
+            (0.012_34, "0.012"),
+            (0.000_123, "0.00012"),
+            (0.999_987_6, "0.999988"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(probability(value), text);
+        }
+    }
 }

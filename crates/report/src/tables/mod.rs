@@ -11,7 +11,7 @@ mod sweep;
 pub(crate) mod trade;
 
 pub use captures::captures_to_text;
-pub use claims::{ReportedClaim, claims_to_text};
+pub use claims::{ReportedClaim, claims_by_program, claims_to_text};
 pub use comparison::{comparison_to_text, pairs_to_text};
 pub use estimate::{estimates_to_text, left_out, lower_bound};
 pub use fit::fit_to_text;

@@ -2,18 +2,20 @@
 //!
 //! In a program whose captures happen one after the other, waiting times are independent, and every
 //! claimed time is a sum of waiting times. The distribution of the sum is a convolution.
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use stochc_estimate::{Rates, SerialCapture, serial_captures};
 use stochc_ir::claim::{Claim, ClaimedEvent, Relation};
 use stochc_ir::graph::EventAction;
 use stochc_results::EnsembleProgram;
 
-use crate::claims::{ClaimedQuantity, ModelError, TestedClaim, Verdict};
-use crate::statistics::convolution;
+use crate::claims::{ClaimMethod, ClaimedQuantity, ModelError, TestedClaim, Verdict};
+use crate::statistics::SumDistribution;
 
 /// Largest time with a computed probability \[ticks\].
 const MAX_TICKS: f64 = 1e6;
 
-/// Bound of the numerical error of a probability, and of the relative error of a mean.
+/// Bound of the relative numerical error of a mean.
 const ERROR: f64 = 1e-9;
 
 /// Probability below which a waiting time is cut off.
@@ -22,12 +24,13 @@ const NEGLIGIBLE: f64 = 1e-15;
 /// Decides the claims of the first program in the rate model. `rates` are those of each program,
 /// and `error` is the error of their times. `programs` contains all programs that the claims name.
 ///
-/// The result of a claim is `None` if it needs runs.
+/// The result of a claim is `None` if it needs runs, or if `stop` is set during the computation.
 pub fn decide_claims(
     claims: &[Claim],
     programs: &[EnsembleProgram],
     rates: &[&Rates],
     error: ModelError,
+    stop: &AtomicBool,
 ) -> Vec<Option<TestedClaim>> {
     let captures =
         |program: &EnsembleProgram, rates: &Rates| serial_captures(program.parts(), rates);
@@ -46,12 +49,12 @@ pub fn decide_claims(
             let captures = counted(&programs[0], &own, *event)?;
             let limits = [error.longest, error.shortest, 1.0]
                 .map(|factor| within.map_or(f64::INFINITY, |within| within / factor));
-            let [low, high, estimate] = probabilities(captures, limits)?;
-            let limits = ((low - ERROR).max(0.0), (high + ERROR).min(1.0));
+            let ([low, high, estimate], rounding) = probabilities(captures, limits, stop)?;
+            let limits = ((low - rounding).max(0.0), (high + rounding).min(1.0));
             let is_known = within.is_some() || error.longest.is_finite();
             let limits = if is_known { limits } else { (0.0, limits.1) };
             let verdict = verdict(limits, *bound, *relation);
-            Some(exact(
+            Some(computed(
                 verdict,
                 ClaimedQuantity::Probability,
                 estimate,
@@ -63,7 +66,7 @@ pub fn decide_claims(
             let limits = (mean * error.shortest, mean * error.longest);
             let limits = (limits.0 * (1.0 - ERROR), limits.1 * (1.0 + ERROR));
             let verdict = verdict(limits, *bound, *relation);
-            Some(exact(verdict, ClaimedQuantity::Mean, mean, limits))
+            Some(computed(verdict, ClaimedQuantity::Mean, mean, limits))
         }
         Claim::Faster { than, by } => {
             let mut all = programs.iter().zip(rates);
@@ -74,7 +77,7 @@ pub fn decide_claims(
             let spread = error.longest / error.shortest;
             let limits = (limit(spread) - ERROR, limit(1.0 / spread) + ERROR);
             let verdict = verdict(limits, *by, Relation::AtLeast);
-            Some(exact(
+            Some(computed(
                 verdict,
                 ClaimedQuantity::Difference,
                 limit(1.0),
@@ -85,7 +88,7 @@ pub fn decide_claims(
     decided.collect()
 }
 
-fn exact(
+fn computed(
     verdict: Verdict,
     quantity: ClaimedQuantity,
     estimate: f64,
@@ -98,7 +101,7 @@ fn exact(
         limits,
         runs: 0,
         cpu: None,
-        is_exact: true,
+        method: ClaimMethod::Convolution,
     }
 }
 
@@ -137,27 +140,37 @@ fn counted<'a>(
     }
 }
 
-/// Returns the probability that the sum of waiting times is at most each of the limits \[ticks\].
-/// Returns `None` if a limit is too large.
-fn probabilities<const N: usize>(captures: &[SerialCapture], limits: [f64; N]) -> Option<[f64; N]> {
+/// Returns the probability that the sum of waiting times is at most each of the limits \[ticks\],
+/// and the largest numerical error of a probability. Returns `None` if a limit is too large, or if
+/// `stop` is set.
+fn probabilities<const N: usize>(
+    captures: &[SerialCapture],
+    limits: [f64; N],
+    stop: &AtomicBool,
+) -> Option<([f64; N], f64)> {
     let finite = limits.iter().copied().filter(|limit| limit.is_finite());
     let largest = finite.fold(0.0, f64::max);
     if largest > MAX_TICKS {
         return None;
     }
     let terms = largest as usize + 1;
-    let mut sum = vec![1.0];
+    let mut sum = SumDistribution::new(terms);
     for capture in captures {
-        let wait = probabilities_of_ticks(*capture, terms);
-        sum = convolution(&sum, &wait, terms);
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        sum.add(probabilities_of_ticks(*capture, terms));
     }
-    Some(limits.map(|limit| {
+    let error = sum.error();
+    let sum = sum.finish();
+    let probabilities = limits.map(|limit| {
         if limit.is_infinite() {
             1.0
         } else {
             sum.iter().take(limit as usize + 1).sum()
         }
-    }))
+    });
+    Some((probabilities, error))
 }
 
 /// Returns the probability of each waiting time up to `terms - 1` ticks.

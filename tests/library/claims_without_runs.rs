@@ -1,4 +1,6 @@
 //! Tests that claims decided without runs agree with runs of the rate model.
+use std::sync::atomic::AtomicBool;
+
 use stochc_estimate::Rates;
 use stochc_experiments::{ClaimTesting, ModelError, decide_claims, test_claims};
 use stochc_ir::claim::Claim;
@@ -22,7 +24,7 @@ const TEXT: &str = "assembly hook {
 }";
 
 #[test]
-fn exact_probabilities_and_means_agree_with_runs() {
+fn probabilities_and_means_agree_with_runs() {
     let mut reader = |_: &str| Ok(TEXT.as_bytes().to_vec());
     let checked = stochc_compiler::check("hook.sa", &mut reader, Default::default());
     let claims = checked.programs[0].claims.clone();
@@ -37,12 +39,21 @@ fn exact_probabilities_and_means_agree_with_runs() {
     let runs: Records = runs.collect::<Vec<_>>().into();
     let rates = Rates::built_in(&executable.scene).unwrap();
     let program = EnsembleProgram::new("hook", Vec::new(), executable);
-    let exact = decide_claims(
+    let computed = decide_claims(
         &claims,
         std::slice::from_ref(&program),
         &[rates],
         ModelError::NONE,
+        &AtomicBool::new(false),
     );
+    let stopped = decide_claims(
+        &claims,
+        std::slice::from_ref(&program),
+        &[rates],
+        ModelError::NONE,
+        &AtomicBool::new(true),
+    );
+    assert!(stopped[0].is_none());
     // No test decides at this error probability, so all runs count.
     let testing = ClaimTesting {
         alpha: 1e-300,
@@ -50,21 +61,22 @@ fn exact_probabilities_and_means_agree_with_runs() {
         error: ModelError::NONE,
     };
     let tested = test_claims(&claims, &[program], &runs, testing).unwrap();
-    for ((claim, exact), tested) in claims.iter().zip(exact).zip(tested) {
-        let [exact, estimate] = [exact.unwrap().estimate, tested.estimate].map(Option::unwrap);
+    for ((claim, computed), tested) in claims.iter().zip(computed).zip(tested) {
+        let [computed, estimate] =
+            [computed.unwrap().estimate, tested.estimate].map(Option::unwrap);
         assert_eq!(tested.runs, RUNS);
         let deviation = match claim {
             Claim::Probability { .. } => {
-                assert!((0.2..0.8).contains(&exact), "{claim:?}: {exact}");
-                (exact * (1.0 - exact)).sqrt()
+                assert!((0.2..0.8).contains(&computed), "{claim:?}: {computed}");
+                (computed * (1.0 - computed)).sqrt()
             }
             // The standard deviation of six similar waits is at most that of their sum.
-            _ => exact / 2.0,
+            _ => computed / 2.0,
         };
         let error = deviation / (RUNS as f64).sqrt();
         assert!(
-            (exact - estimate).abs() < 4.0 * error,
-            "{claim:?}: {exact} and {estimate}"
+            (computed - estimate).abs() < 4.0 * error,
+            "{claim:?}: {computed} and {estimate}"
         );
     }
 }
@@ -80,6 +92,12 @@ fn phases_with_a_wait_need_runs() {
     let executable = stochc::compile(checked).unwrap().remove(0);
     let rates = Rates::built_in(&executable.scene).unwrap();
     let program = EnsembleProgram::new("hook", Vec::new(), executable);
-    let decided = decide_claims(&claims, &[program], &[rates], ModelError::NONE);
+    let decided = decide_claims(
+        &claims,
+        &[program],
+        &[rates],
+        ModelError::NONE,
+        &AtomicBool::new(false),
+    );
     assert!(decided.iter().all(Option::is_none), "{decided:#?}");
 }
