@@ -194,8 +194,6 @@ proptest! {
         let Some(tables) = program.tables.clone() else {
             return Ok(());
         };
-        let graph = program.event_graph();
-        let has_choice = graph.edges().iter().any(|edge| edge.why.is_choice());
         let messages = Messages { hop: HOP, loss: None };
         let scene = program.scene.as_mut().expect("it has a scene");
         scene.messages = Some(messages.clone());
@@ -209,13 +207,11 @@ proptest! {
         prop_assert!(!cost.draws.is_empty());
         for draw in cost.draws {
             let (estimated, run) = (hops(draw.ticks), hops(run.ticks as f64));
-            // If several captures can free a magnet, the estimate always waits for the same ones.
-            let least = if has_choice { 0.0 } else { estimated };
             let most = match reuse {
                 Reuse::Later => estimated,
                 Reuse::AtOnce => 1.25 * estimated,
             };
-            let is_right = least <= run && run <= most;
+            let is_right = estimated <= run && run <= most;
             prop_assert!(is_right, "{estimated} and {run}: {}", declared.text);
         }
     }

@@ -44,6 +44,8 @@ pub struct PhaseCost {
     pub times: Option<Times>,
     /// Share of the phase's samples that end at its timeout.
     pub timed_out: f64,
+    /// Share of the total time that the `wait` of the phase takes on critical paths.
+    pub wait: f64,
 }
 
 /// Cost of a capture.

@@ -72,6 +72,10 @@ impl DrawnTimes {
                 start = (arrival, event);
             }
         }
+        let chosen = (step.choice.as_ref()).and_then(|choice| choice.end(&self.ends));
+        if let Some(chosen) = chosen.filter(|chosen| chosen.0 >= start.0) {
+            start = chosen;
+        }
         start.0 += step.delay;
         start.0 += messages.map_or(0.0, |it| it.request(rng));
         if let Some(run) = partial {

@@ -93,9 +93,14 @@ fn estimate_within(events: &Events<'_>, rates: Option<&Rates>, limits: &[PhaseLi
         return cost;
     };
     let ProgramParts {
-        graph, jam_risks, ..
+        graph,
+        scene,
+        jam_risks,
+        ..
     } = events.parts;
-    cost.lower_bound = LowerBoundReasons::new(jam_risks, rates, graph.largest_structure());
+    let blocks = graph.largest_structure();
+    let reasons = LowerBoundReasons::new(jam_risks, rates, blocks);
+    cost.lower_bound = reasons.ignoring_faults(scene);
     let Some((waits, sampled)) = sampled(events, rates, limits, None, MAX) else {
         return cost;
     };
@@ -107,6 +112,7 @@ fn estimate_within(events: &Events<'_>, rates: Option<&Rates>, limits: &[PhaseLi
     for (phase, sampled) in cost.phases.iter_mut().zip(sampled.phases) {
         phase.times = sampled.times;
         phase.timed_out = sampled.timed_out;
+        phase.wait = sampled.wait;
     }
     let has_releases = graph.events.iter().any(|event| !event.action.is_capture());
     cost.interaction = if sampled.has_race {

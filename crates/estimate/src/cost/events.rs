@@ -156,6 +156,7 @@ impl<'a> Events<'a> {
             }
             PhaseCost {
                 timed_out: 0.0,
+                wait: 0.0,
                 depth: counts.len() as u32 - 1,
                 width: counts.iter().copied().max().unwrap_or(0),
                 times: None,

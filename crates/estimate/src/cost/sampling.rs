@@ -38,15 +38,18 @@ pub struct SampledPhase {
     pub reached: usize,
     /// Share of the phase's samples that end at its timeout.
     pub timed_out: f64,
+    /// Share of the total time that the `wait` of the phase takes on critical paths.
+    pub wait: f64,
 }
 
 impl SampledPhase {
-    fn new(durations: Vec<f64>, timed_out: usize) -> SampledPhase {
+    fn new(durations: Vec<f64>, timed_out: usize, wait: f64) -> SampledPhase {
         let reached = durations.len() + timed_out;
         SampledPhase {
             reached,
             timed_out: timed_out as f64 / reached.max(1) as f64,
             times: Times::new(durations, timed_out),
+            wait,
         }
     }
 }
@@ -91,10 +94,12 @@ pub fn sample(
         rng: ChaCha8Rng::seed_from_u64(SEED),
         decided: vec![0.0; waits.len()],
         waited: vec![(0.0, 0_u32); waits.len()],
+        waiting: 0.0,
         retried: 0,
     };
     let mut durations = vec![Vec::with_capacity(times); steps.len()];
     let mut stopped = vec![0; steps.len()];
+    let mut waiting = vec![0.0; steps.len()];
     let mut draws = Vec::with_capacity(times);
     let mut has_race = false;
     let first = partial.map_or(0, |run| run.phase.0 as usize);
@@ -118,6 +123,7 @@ pub fn sample(
             total = partial.map_or(total, |run| run.began);
             let (ended, is_timed_out) =
                 sampler.phase(steps, timed.as_ref(), total, *limit, partial);
+            waiting[phase] += std::mem::take(&mut sampler.waiting);
             if is_timed_out {
                 total = ended;
                 stopped[phase] += 1;
@@ -145,14 +151,13 @@ pub fn sample(
         ..
     } = sampler;
     let all: f64 = draws.iter().map(|draw| draw.ticks).sum();
-    decided
-        .iter_mut()
-        .for_each(|ticks| *ticks /= all.max(f64::MIN_POSITIVE));
-    let phases = durations.into_iter().zip(stopped);
+    let ticks = decided.iter_mut().chain(&mut waiting);
+    ticks.for_each(|ticks| *ticks /= all.max(f64::MIN_POSITIVE));
+    let phases = durations.into_iter().zip(stopped).zip(waiting);
     let waited = waited.into_iter();
     Sampled {
         phases: phases
-            .map(|(them, never)| SampledPhase::new(them, never))
+            .map(|((them, never), wait)| SampledPhase::new(them, never, wait))
             .collect(),
         draws,
         has_race,
@@ -172,6 +177,8 @@ struct Sampler<'a> {
     decided: Vec<f64>,
     /// For each event, the sum of its times from start to end \[ticks\], and their number.
     waited: Vec<(f64, u32)>,
+    /// Time of the running phase during which its `wait` is on the critical path \[ticks\].
+    waiting: f64,
     /// Number of repetitions of phases.
     retried: usize,
 }
@@ -230,8 +237,12 @@ impl Sampler<'_> {
                 latest = (arrival, event);
             }
         }
+        let (earliest, stop) = (total + limit.wait, total + limit.timeout);
+        if latest.0 < earliest {
+            self.waiting += earliest.min(stop) - total;
+            return earliest;
+        }
         // After a timeout, the event on the critical path counts until the timeout.
-        let stop = total + limit.timeout;
         let mut at = latest.1;
         while at != NO_BLOCK {
             let before = drawn.last[at as usize];
@@ -243,7 +254,7 @@ impl Sampler<'_> {
             self.decided[at as usize] += drawn.ends[at as usize].min(stop) - since.min(stop);
             at = before;
         }
-        latest.0.max(total + limit.wait)
+        latest.0
     }
 }
 

@@ -1,7 +1,8 @@
 //! Simulates the events of a phase in the order of time.
 //!
-//! Two cases need this. Among open faces near a released block, the first one may capture it. If
-//! free blocks are scarce, all chains compete for them.
+//! Three cases need this. Among open faces near a released block, the first one may capture it. If
+//! free blocks are scarce, all chains compete for them. If several captures can free a magnet, the
+//! first ones do.
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -25,8 +26,8 @@ const MAX_DRAWS: usize = 100;
 pub struct TimedPhase<'a> {
     steps: &'a [Step],
     waits: &'a [Option<CaptureWait>],
-    /// For each step, the steps that wait for it.
-    followers: Vec<SmallVec<[u32; 2]>>,
+    /// For each step, the steps that wait for it, and whether they can wait for others instead.
+    followers: Vec<SmallVec<[(u32, bool); 2]>>,
     /// For each release, the steps with a face that may capture the released block.
     near: FxHashMap<u32, Vec<(u32, ReleaseNearby)>>,
     /// Use of scarce blocks. `None` if there are enough.
@@ -54,14 +55,36 @@ fn time<T>(Reverse((bits, ..)): &Scheduled<T>) -> f64 {
 struct PhaseDraw<'a, 'b> {
     phase: &'b TimedPhase<'a>,
     began: f64,
-    /// For each step, the number of predecessors that have not happened yet.
-    missing: Vec<u32>,
+    /// For each step, the events that it still waits for.
+    missing: Vec<Missing>,
     queue: BinaryHeap<Scheduled<StepEvent>>,
     few: Option<RemainingBlocks<'a, 'b>>,
     /// Run that continues. `None` for a new run.
     partial: Option<&'b PartialRun>,
     times: &'b mut DrawnTimes,
     rng: &'b mut ChaCha8Rng,
+}
+
+/// Number of events that a step still waits for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Missing {
+    /// Predecessors that all must happen.
+    all: u32,
+    /// Events of the step's choice.
+    chosen: u32,
+}
+
+impl Missing {
+    fn new(step: &Step) -> Missing {
+        Missing {
+            all: step.before.len() as u32,
+            chosen: step.choice.as_ref().map_or(0, |choice| choice.needed),
+        }
+    }
+
+    fn is_none(self) -> bool {
+        self.all == 0 && self.chosen == 0
+    }
 }
 
 /// State of scarce free blocks during a phase.
@@ -85,8 +108,7 @@ struct RemainingBlocks<'a, 'b> {
 }
 
 impl<'a> TimedPhase<'a> {
-    /// Prepares a phase. Returns `None` if enough blocks are free and no block is released near an
-    /// open face.
+    /// Prepares a phase. Returns `None` if it does not need a simulation in the order of time.
     pub fn new(
         steps: &'a [Step],
         waits: &'a [Option<CaptureWait>],
@@ -96,7 +118,8 @@ impl<'a> TimedPhase<'a> {
             Some(wait) => wait.head_starts.as_slice(),
             None => &[],
         };
-        if scarce.is_none() && steps.iter().all(|step| head_starts(step).is_empty()) {
+        let is_in_order = |step: &Step| head_starts(step).is_empty() && step.choice.is_none();
+        if scarce.is_none() && steps.iter().all(is_in_order) {
             return None;
         }
         let indices: FxHashMap<u32, usize> =
@@ -105,7 +128,10 @@ impl<'a> TimedPhase<'a> {
         let mut near: FxHashMap<u32, Vec<_>> = FxHashMap::default();
         for (i, step) in (0..).zip(steps) {
             for before in &step.before {
-                followers[indices[before]].push(i);
+                followers[indices[before]].push((i, false));
+            }
+            for event in step.choice.iter().flat_map(|choice| &choice.events) {
+                followers[indices[event]].push((i, true));
             }
             for (release, nearby) in head_starts(step) {
                 if indices.contains_key(&release.0) {
@@ -143,11 +169,7 @@ impl<'a> TimedPhase<'a> {
         let draw = PhaseDraw {
             phase: self,
             began,
-            missing: self
-                .steps
-                .iter()
-                .map(|step| step.before.len() as u32)
-                .collect(),
+            missing: self.steps.iter().map(Missing::new).collect(),
             queue: BinaryHeap::new(),
             few,
             partial,
@@ -160,8 +182,8 @@ impl<'a> TimedPhase<'a> {
 
 impl PhaseDraw<'_, '_> {
     fn run(mut self) {
-        for (i, step) in (0..).zip(self.phase.steps) {
-            if step.before.is_empty() {
+        for i in 0..self.phase.steps.len() as u32 {
+            if self.missing[i as usize].is_none() {
                 self.begin(i);
             }
         }
@@ -247,15 +269,24 @@ impl PhaseDraw<'_, '_> {
         }
         for (other, nearby) in self.phase.near.get(&event).into_iter().flatten() {
             let capture = self.phase.steps[*other as usize].event;
-            if self.missing[*other as usize] == 0 && !self.times.has_happened(capture) {
+            if self.missing[*other as usize].is_none() && !self.times.has_happened(capture) {
                 // The face may open only when the notification of the release arrives.
                 let opens = self.times.starts[capture as usize];
                 self.head_start(*other, event, nearby, time.max(opens));
             }
         }
-        for &follower in &self.phase.followers[step as usize] {
-            self.missing[follower as usize] -= 1;
-            if self.missing[follower as usize] == 0 {
+        for &(follower, is_choice) in &self.phase.followers[step as usize] {
+            let missing = &mut self.missing[follower as usize];
+            // Enough events of the choice have happened, so the step has begun.
+            if missing.is_none() {
+                continue;
+            }
+            if is_choice {
+                missing.chosen = missing.chosen.saturating_sub(1);
+            } else {
+                missing.all -= 1;
+            }
+            if missing.is_none() {
                 self.begin(follower);
             }
         }

@@ -1,6 +1,7 @@
 //! Conditions under which times of the rate model are lower bounds.
 use serde::{Serialize, Serializer};
 use stochc_ir::JamRisk;
+use stochc_ir::scene::Scene;
 
 use crate::Rates;
 
@@ -17,13 +18,16 @@ pub enum LowerBoundReason {
     /// Solid shapes of 66 to 121 blocks take 11 to 24 % longer in physical simulations. See
     /// docs/validation/rates.md.
     LargeStructure,
+    /// The scene has hardware faults. Sums along the dependency graph ignore them.
+    Faults,
 }
 
 impl LowerBoundReason {
-    const ALL: [LowerBoundReason; 3] = [
+    const ALL: [LowerBoundReason; 4] = [
         LowerBoundReason::TightApproach,
         LowerBoundReason::CrowdedCaptures,
         LowerBoundReason::LargeStructure,
+        LowerBoundReason::Faults,
     ];
 
     /// Returns the reason as part of a sentence.
@@ -38,6 +42,7 @@ impl LowerBoundReason {
             LowerBoundReason::LargeStructure => {
                 "the structure has more blocks than any that the rates were measured with"
             }
+            LowerBoundReason::Faults => "the estimate ignores the `faults` of the scene",
         }
     }
 }
@@ -62,9 +67,20 @@ impl LowerBoundReasons {
         let is_large = rates.largest_structure().is_some_and(|most| blocks > most);
         let holds = |reason: LowerBoundReason| match reason {
             LowerBoundReason::LargeStructure => is_large,
+            LowerBoundReason::Faults => false,
             _ => jam_risks.iter().any(|&risk| reason == risk.into()),
         };
         LowerBoundReasons(LowerBoundReason::ALL.map(holds))
+    }
+
+    /// Adds the faults of a scene, for a method that ignores them.
+    #[must_use]
+    pub fn ignoring_faults(mut self, scene: &Scene) -> LowerBoundReasons {
+        let faults = scene.faults.iter();
+        let mut shares = faults.flat_map(|it| [it.dead, it.latch]).flatten();
+        let index = LowerBoundReason::Faults as usize;
+        self.0[index] |= shares.any(|share| share > 0.0);
+        self
     }
 
     /// Returns whether times are estimates.
@@ -98,6 +114,8 @@ impl Serialize for LowerBoundReasons {
 
 #[cfg(test)]
 mod tests {
+    use stochc_ir::scene::Faults;
+
     use super::*;
 
     #[test]
@@ -113,6 +131,16 @@ mod tests {
             serde_json::to_value(all).expect("it is a list"),
             serde_json::json!(["tight-approach", "crowded-captures", "large-structure"])
         );
+        let mut scene = rates.scene.clone();
+        let ignoring = |scene: &Scene| LowerBoundReasons::default().ignoring_faults(scene);
+        assert!(ignoring(&scene).is_empty());
+        for (latch, is_bound) in [(0.0, false), (0.01, true)] {
+            scene.faults = Some(Faults {
+                dead: None,
+                latch: Some(latch),
+            });
+            assert_eq!(!ignoring(&scene).is_empty(), is_bound, "{latch}");
+        }
         assert_eq!((all.prefix(), reasons(&[], 1).prefix()), ("at least ", ""));
     }
 }
