@@ -20,7 +20,7 @@ for (const [name, { body }] of Object.entries(json('snippets/stochc.json'))) {
 
 // The structure of an example, and the messages of a program that is wrong.
 const { page, programs } = require('./src/structure.js');
-const { simulate } = require('./src/simulation.js');
+const { run } = require('./src/simulation.js');
 assert.deepEqual(programs('assembly a in b {\n}\n  aggregate c to 3\n// assembly d'), ['a', 'c']);
 const picture = await page(resolve(stochc), 'examples/suction_growth.sa', 'together');
 assert.match(picture, /<svg[^>]*>[\s\S]*<\/svg>/);
@@ -50,6 +50,8 @@ const editor = {
   workspace: { textDocuments: [{ uri: uri('file:///a b.sa'), save: async () => calls.push('saved') }] },
   tasks: { executeTask: async ({ run }) => calls.push(run.words) },
 };
-await simulate(editor, 'stochc', 'file:///a b.sa');
-assert.deepEqual(calls, ['saved', ['stochc', ['simulate', '/a b.sa']]]);
+for (const subcommand of ['simulate', 'test']) {
+  await run(editor, 'stochc', subcommand, 'file:///a b.sa');
+  assert.deepEqual(calls.splice(0), ['saved', ['stochc', [subcommand, '/a b.sa']]]);
+}
 console.log('VS Code: snippets, structure, simulation and bundle');

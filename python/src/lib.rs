@@ -19,7 +19,7 @@ mod _native {
     #[pymodule_export]
     use super::ensemble::{PythonEnsemble, merge, open, prepare, report, shard, simulate, status};
     #[pymodule_export]
-    use super::measure::{estimate, plan, trade};
+    use super::measure::{estimate, plan, test, trade};
     #[pymodule_export]
     use super::program::{PythonProgram, check, explain, load, load_texts};
     #[pymodule_export]

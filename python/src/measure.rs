@@ -5,19 +5,23 @@ use std::time::Duration;
 use pyo3::prelude::*;
 use serde_json::json;
 use stochc::exit::Failure;
+use stochc::operations::claims::{ClaimOptions, tested_claims};
 use stochc::operations::estimate::{Estimating, estimates};
 use stochc::operations::plan::{
     Budget, LooseParts, Offset, PlanOptions, PlanScope, RunEnd, SeedPlate, plan as planned, read,
 };
+use stochc::operations::rates::{rates_for_scenes, read_rates_for};
 use stochc::operations::trade::{MeasuredTrade, TradeSetup, manifest, measured};
 use stochc::planner::{Objective, explanation};
 use stochc::report::figures::{Figures, Medium, trade as trade_figure};
-use stochc::report::tables::{estimates_to_text, trade_to_text};
+use stochc::report::tables::{ReportedClaim, claims_to_text, estimates_to_text, trade_to_text};
+use stochc::results::EnsembleProgram;
+use stochc::runtime::{Model, Settings};
 
 use super::call::call;
 use super::host::WIDTH;
 use super::program::PythonProgram;
-use super::settings::folders;
+use super::settings::{folders, named};
 
 /// Python arguments of an estimate.
 #[derive(FromPyObject)]
@@ -54,6 +58,61 @@ pub fn estimate(
             json!(found).to_string(),
             estimates_to_text(&found, SHOWN, WIDTH),
         ))
+    })
+}
+
+/// Python arguments of a test of claims.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct TestRequest {
+    programs: Vec<Py<PythonProgram>>,
+    alpha: f64,
+    margin: f64,
+    model: Option<String>,
+    rates: Vec<PathBuf>,
+    runs: u64,
+    max_ticks: u64,
+    seed: u64,
+    threads: Option<u16>,
+}
+
+/// Returns the verdicts about the claims of programs, as JSON and as text.
+#[pyfunction]
+pub fn test(
+    py: Python<'_>,
+    request: TestRequest,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(String, String)> {
+    call(py, progress.as_ref(), move |host| {
+        let programs = request.programs.iter().map(|it| (*it.get().0).clone());
+        let programs: Vec<EnsembleProgram> = programs.collect();
+        let model = request.model.as_ref();
+        let model = model.map(|name| named("model", name, &Model::ALL, Model::name));
+        let model = model.transpose()?;
+        let mut settings = Settings {
+            model: model.unwrap_or(Settings::default().model),
+            max_ticks: Some(request.max_ticks),
+            ..Settings::default()
+        }
+        .resolved();
+        let scenes = programs.iter().map(|program| &program.scene);
+        let rates = read_rates_for(&request.rates, scenes, host)?;
+        if settings.model == Model::Rate {
+            settings.rates = rates_for_scenes(&rates, &programs, request.threads, host)?;
+        }
+        let how = ClaimOptions {
+            alpha: request.alpha,
+            margin: request.margin,
+            tries_rates: model.is_none(),
+            settings,
+            rates,
+            runs: request.runs,
+            seed: request.seed,
+            threads: request.threads,
+        };
+        let found = tested_claims(&programs, &how, host)?;
+        let claims: Vec<_> = found.iter().map(ReportedClaim::to_json).collect();
+        Ok((json!(claims).to_string(), claims_to_text(&found, WIDTH)))
     })
 }
 

@@ -176,7 +176,7 @@ pub fn parsed<T: std::str::FromStr<Err: std::fmt::Display>>(
 
 /// Returns the element of `all` with this name. `what` is the name of the argument in error
 /// messages.
-fn named<T: Copy>(
+pub(super) fn named<T: Copy>(
     what: &str,
     name: &str,
     all: &[T],

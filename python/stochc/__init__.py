@@ -36,7 +36,7 @@ from ._errors import (
     StochcWarning,
     UsageError,
 )
-from ._measure import Estimates, Plan, Trade, estimate, plan, trade
+from ._measure import Estimates, Plan, Trade, Verdicts, estimate, plan, test, trade
 from ._program import Checked, Program, Source, check, compile, compile_all, explain
 from ._progress import Progress
 from ._table import Column, Table
@@ -78,6 +78,7 @@ __all__ = [
     "Table",
     "Trade",
     "UsageError",
+    "Verdicts",
     "check",
     "compile",
     "compile_all",
@@ -93,5 +94,6 @@ __all__ = [
     "simulate",
     "status",
     "sweep",
+    "test",
     "trade",
 ]

@@ -81,6 +81,8 @@ class Proof:
     """Names of the shapes that phases claim and build, in program order."""
     has_timeout: bool
     """Whether a phase has a timeout."""
+    has_dead_blocks: bool
+    """Whether the scene has dead blocks."""
     unproved: list[str]
     """Reasons why one of these properties is not proved."""
 

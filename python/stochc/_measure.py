@@ -13,7 +13,7 @@ from ._ensemble import Programs, _listed  # pyright: ignore[reportPrivateUsage]
 from ._errors import ProgramError, UsageError
 from ._program import Program, Source, chosen
 from ._progress import Progress, shown
-from ._requests import EstimateRequest, PlanRequest, TradeRequest
+from ._requests import EstimateRequest, PlanRequest, TestRequest, TradeRequest
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,28 @@ class Estimates:
             times = [total.get(name) for name in ("mean", "half_width", "p10", "median", "p90")]
             rows.append([it["program"], *times])
         return _html.table(["program", "mean [ticks]", "±", "p10", "median", "p90"], rows)
+
+
+@dataclass(frozen=True)
+class Verdicts:
+    """Verdicts about the claims of programs."""
+
+    claims: tuple[dict[str, Any], ...]
+    """Tested claims, in the form of `stochc test --json`."""
+    text: str
+    """Verdicts as text, as `stochc test` prints them."""
+
+    @property
+    def hold(self) -> bool:
+        """Whether all claims hold."""
+        return all(claim["verdict"] == "holds" for claim in self.claims)
+
+    def __str__(self) -> str:
+        return self.text.rstrip()
+
+    def _repr_html_(self) -> str:
+        names = ["program", "claim", "verdict", "estimate", "low", "high", "runs"]
+        return _html.table(names, [[claim[name] for name in names] for claim in self.claims])
 
 
 @dataclass(frozen=True)
@@ -130,6 +152,58 @@ def estimate(
     with shown(progress) as show:
         found, text = _native.estimate(request, show)
     return Estimates(tuple(json.loads(found)), text)
+
+
+def test(
+    programs: Programs,
+    *,
+    alpha: float = 0.05,
+    margin: float | None = None,
+    model: Literal["rigid", "rapier", "rate", "shuffle"] | None = None,
+    rates: Path | Iterable[Path] = (),
+    runs: int = 1000,
+    max_ticks: int = 1_000_000,
+    seed: int = 1,
+    threads: int | None = None,
+    allow_import: Source | Iterable[Source] = (),
+    progress: Progress = None,
+) -> Verdicts:
+    """Decides the claims (`expect`) of programs with as many runs as needed.
+
+    Args:
+        programs: programs, sources or files.
+        alpha: largest probability that any claim is decided wrongly.
+        margin: allow any decision about a probability that differs from its bound by less than this.
+        model: model of the motion of blocks. Default: the rate model if its errors cannot change the verdict, otherwise `rigid`.
+        rates: files of rates. Scenes without rates are calibrated first.
+        runs: largest number of runs of each program.
+        max_ticks: tick limit of a run.
+        seed: seed of the random numbers.
+        threads: number of simultaneous runs.
+        allow_import: as in `check`.
+        progress: as in `simulate`.
+
+    >>> import stochc
+    >>> claim = "expect complete within 100000 ticks with probability >= 0.5"
+    >>> one = "assembly one { seed plate 1 x 1 { M at (0, 0) } phase grow { M.up -> A } " + claim + " }"
+    >>> found = stochc.test(stochc.compile(one))
+    >>> found.hold, found.claims[0]["runs"]
+    (True, 0)
+    """
+    request: TestRequest = {
+        "alpha": _within("alpha", alpha, "a part", 0.4999) or 0.05,
+        "margin": _within("margin", margin, "a part", 1.0) or 0.0,
+        "model": _maybe_word("model", model),
+        "rates": _arguments.paths("rates", rates),
+        "runs": whole("runs", runs, 1, MOST_RUNS),
+        "max_ticks": whole("max_ticks", max_ticks, 1, MOST_TICKS),
+        "seed": whole("seed", seed, 0, MOST_SEED),
+        "threads": _arguments.threads(threads),
+        "programs": _listed(programs, ((), (), ()), allow_import),
+    }
+    with shown(progress) as show:
+        found, text = _native.test(request, show)
+    return Verdicts(tuple(json.loads(found)), text)
 
 
 def plan(

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, final
 
-from ._requests import EnsembleRequest, EstimateRequest, StorageOptions, PlanRequest, TradeRequest
+from ._requests import EnsembleRequest, EstimateRequest, StorageOptions, PlanRequest, TestRequest, TradeRequest
 
 __all__ = [
     "Ensemble",
@@ -23,6 +23,7 @@ __all__ = [
     "shard",
     "simulate",
     "status",
+    "test",
     "trade",
 ]
 
@@ -110,4 +111,5 @@ def report(
 ) -> Path: ...
 def estimate(request: EstimateRequest, progress: _Show) -> tuple[str, str]: ...
 def plan(request: PlanRequest, progress: _Show) -> tuple[list[tuple[str, str]], str, str, str]: ...
+def test(request: TestRequest, progress: _Show) -> tuple[str, str]: ...
 def trade(request: TradeRequest, progress: _Show) -> tuple[str, str, str]: ...

@@ -53,6 +53,20 @@ class EstimateRequest(TypedDict):
     threads: int | None
 
 
+class TestRequest(TypedDict):
+    """Arguments of a test of claims."""
+
+    programs: list[_native.Program]
+    alpha: float
+    margin: float
+    model: str | None
+    rates: list[str]
+    runs: int
+    max_ticks: int
+    seed: int
+    threads: int | None
+
+
 class PlanRequest(TypedDict):
     """Arguments of a plan."""
 

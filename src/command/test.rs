@@ -75,11 +75,6 @@ pub fn run(options: &TestArguments) -> Result<Exit, Failure> {
     let mut source = given.source.settings();
     source.levels = source.levels.for_runs(settings.stepping());
     let programs = programs(&given.files, &source, &host)?;
-    if programs.iter().all(|program| program.claims.is_empty()) {
-        return Err(Failure::usage(
-            "the programs contain no claims; write one into an assembly, such as `expect complete within 8000 ticks with probability >= 0.95`",
-        ));
-    }
     stop_on_interrupt()?;
     let scenes = programs.iter().map(|it| &it.scene);
     let rates = read_rates_for(&given.model.rates, scenes, &host)?;

@@ -51,13 +51,18 @@ pub struct ClaimOptions {
 /// [`ClaimOptions::alpha`].
 ///
 /// # Errors
-/// If a scene cannot be set up, or the user interrupts.
+/// If the programs have no claims, a scene cannot be set up, or the user interrupts.
 pub fn tested_claims(
     programs: &[EnsembleProgram],
     options: &ClaimOptions,
     host: &dyn Host,
 ) -> Result<Vec<ReportedClaim>, Failure> {
     let number: usize = programs.iter().map(|program| program.claims.len()).sum();
+    if number == 0 {
+        return Err(Failure::usage(
+            "the programs contain no claims; write one into an assembly, such as `expect complete within 8000 ticks with probability >= 0.95`",
+        ));
+    }
     let mut reported = Vec::new();
     for program in programs.iter().filter(|program| !program.claims.is_empty()) {
         let testing = ClaimTesting {

@@ -1,7 +1,7 @@
 // Starts the language server, and shows structures.
 const vscode = require('vscode');
 const { LanguageClient } = require('vscode-languageclient/node');
-const { simulate } = require('./simulation');
+const { run } = require('./simulation');
 const { page, programs } = require('./structure');
 
 const command = () => vscode.workspace.getConfiguration('stochc').get('path') || 'stochc';
@@ -49,7 +49,8 @@ async function showStructure() {
 async function activate(context) {
   context.subscriptions.push(
     vscode.commands.registerCommand('stochc.showStructure', showStructure),
-    vscode.commands.registerCommand('stochc.simulate', uri => simulate(vscode, command(), uri)),
+    vscode.commands.registerCommand('stochc.simulate', uri => run(vscode, command(), 'simulate', uri)),
+    vscode.commands.registerCommand('stochc.test', uri => run(vscode, command(), 'test', uri)),
     vscode.commands.registerCommand('stochc.restart', start),
     vscode.workspace.onDidChangeConfiguration(changed => changed.affectsConfiguration('stochc.path') && start()),
   );

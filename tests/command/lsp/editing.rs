@@ -162,6 +162,11 @@ fn programs_have_lenses_with_critical_path_and_simulation() {
         found[1],
         format!("12:9-12:13 ▶ simulate stochc.simulate {URI}")
     );
+    let claim = "expect complete within 9000 ticks with probability >= 0.5";
+    let claimed = TOWER.replace("seed plate", &format!("{claim}\n    seed plate"));
+    let found = lenses(&claimed);
+    assert_eq!(found.len(), 3, "{found:?}");
+    assert!(found[2].ends_with(&format!(" ▶ test claims stochc.test {URI}")));
     // A program with errors cannot be simulated.
     let wrong = TOWER.replace("B.up -> C", "B.up -> C   Q.up -> E");
     assert!(!lenses(&wrong).iter().any(|lens| lens.contains("simulate")));

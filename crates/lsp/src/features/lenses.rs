@@ -1,4 +1,5 @@
-//! Code lenses above programs: the critical path, and a command that simulates the file.
+//! Code lenses above programs: the critical path, and commands that simulate the file or test its
+//! claims.
 use serde_json::{Value, json};
 use stochc_compiler::expanded::EventKind;
 use stochc_compiler::{FileId, Program};
@@ -10,6 +11,9 @@ use crate::workspace::analysis::Analysis;
 
 /// Command that clients implement. Its argument is the URI of the file to simulate.
 const SIMULATE: &str = "stochc.simulate";
+
+/// Command that clients implement. Its argument is the URI of the file whose claims to test.
+const TEST: &str = "stochc.test";
 
 /// Returns the lenses of all programs of the file with a URI.
 pub fn lenses(analysis: &Analysis, uri: &str) -> Vec<Value> {
@@ -38,6 +42,9 @@ pub fn lenses(analysis: &Analysis, uri: &str) -> Vec<Value> {
         }
         if is_saved && program.tables.is_some() {
             add("▶ simulate".to_owned(), SIMULATE, &[uri]);
+            if !program.claims.is_empty() {
+                add("▶ test claims".to_owned(), TEST, &[uri]);
+            }
         }
     }
     lenses
