@@ -9,11 +9,11 @@ use crate::progress::WorkProgress;
 
 /// Caller of an operation. Receives messages and progress, and can stop the work.
 pub trait Host: Sync {
-    /// Receives a note or a warning, in complete lines.
+    /// Receives a warning, in complete lines.
     fn warn(&self, text: &str);
 
-    /// Receives warnings about a program. A quiet terminal does not print them.
-    fn report_warnings(&self, text: &str) {
+    /// Receives a note, in complete lines. A quiet terminal does not print it.
+    fn note(&self, text: &str) {
         self.warn(text);
     }
 

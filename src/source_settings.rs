@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use stochc_compiler::{LintLevels, ParameterChange, Program};
 use stochc_experiments::sweep::{ParameterValue, RangeError};
 use stochc_ir::scene::Scene;
-use stochc_ir::scene::scalars::ScalarChange;
+use stochc_ir::scene::scalars::{self, ScalarChange};
 use stochc_results::Varied;
 use stochc_text::suggest::nearest;
 use stochc_text::{in_backticks, visible};
@@ -137,10 +137,18 @@ impl<'a> UnusedValues<'a> {
         self.parameters.sort();
         self.parameters.dedup();
         let name = visible(&first.name);
-        let help = match (nearest(&first.name, &self.parameters), &self.parameters[..]) {
-            (Some(suggestion), _) => format!("; {}", suggestion.help()),
-            (None, []) => "; the programs have no parameters of their own".to_owned(),
-            (None, all) => format!("; the programs have {}", in_backticks(all)),
+        let known = || scalars::all().flat_map(|number| number.names).copied();
+        let elsewhere = scalars::all().find(|number| number.names.contains(&&*first.name));
+        let suggestion = nearest(&first.name, &self.parameters);
+        let suggestion = suggestion.or_else(|| nearest(&first.name, known()));
+        let help = match (elsewhere, suggestion, &self.parameters[..]) {
+            (Some(number), ..) => format!(
+                "; write the clause `{}` with this parameter in a scene",
+                number.clause()
+            ),
+            (None, Some(suggestion), _) => format!("; {}", suggestion.help()),
+            (None, None, []) => "; the programs have no parameters of their own".to_owned(),
+            (None, None, all) => format!("; the programs have {}", in_backticks(all)),
         };
         Err(Failure::usage(format!(
             "--set: no program or scene has a parameter `{name}`{help}"

@@ -32,7 +32,7 @@ pub fn choose(choice: &RunSelection, host: &Terminal) -> Result<ChosenRun, Failu
         Some(run) => run,
         None => {
             let run = median_run(&manifest, &finished, program)?;
-            host.warn(&format!(
+            host.note(&format!(
                 "note: run {run} has the median completion time. Choose another run with `--run N`\n"
             ));
             run

@@ -158,7 +158,7 @@ fn keep(out: &Path, fit: &Fit, scenes: &str, figures: &[(String, Vec<u8>)]) -> R
             .map_err(|error| Failure::not_written(&path, error))?;
     }
     if fit.stopped > 0 {
-        warn(&format!(
+        close(&format!(
             "note: {} of {} runs were stopped before they completed, and count for nothing\n",
             fit.stopped, fit.runs
         ));

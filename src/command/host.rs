@@ -8,7 +8,7 @@ use stochc_compiler::Checked;
 use super::interrupt::STOP;
 use super::progress::Display;
 use super::terminal::{
-    defer, has_colour, is_quiet, message_width, show_deferred, warn, warn_drawn,
+    close, defer, has_colour, is_quiet, message_width, show_deferred, warn, warn_drawn,
 };
 use crate::diagnostics::{drawn, drawn_errors, warning_lines};
 use crate::host::Host;
@@ -33,10 +33,8 @@ impl Host for Terminal {
         warn(text);
     }
 
-    fn report_warnings(&self, text: &str) {
-        if !is_quiet() {
-            warn(text);
-        }
+    fn note(&self, text: &str) {
+        close(text);
     }
 
     fn report_failure(&self, message: &str) {
@@ -48,9 +46,7 @@ impl Host for Terminal {
         if checked.has_errors() {
             warn_drawn(&drawn_errors(checked, has_colour(), message_width()));
         }
-        if !is_quiet() {
-            defer(&warning_lines(checked));
-        }
+        defer(&warning_lines(checked));
     }
 
     fn draw(&self, checked: &Checked) -> String {

@@ -199,8 +199,7 @@ impl RunNarrator<'_> {
             let bonds = counted(record.unplanned as usize, "unplanned bond");
             out += &format!("  {bonds}, undone at once\n");
         }
-        let faults = |kind| record.faults.iter().filter(|it| it.kind == kind).count();
-        let (dead, latches) = (faults(FaultKind::Dead), faults(FaultKind::Latch));
+        let [dead, latches] = [FaultKind::Dead, FaultKind::Latch].map(|it| record.faults_of(it));
         if dead > 0 {
             let times = counted(dead, "time");
             out += &format!("  a dead block docked {times}\n");

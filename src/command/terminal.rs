@@ -159,7 +159,7 @@ pub fn warn(text: &str) {
     warn_drawn(&visible_lines(text));
 }
 
-/// Prints the location of results and the next commands, unless the command is quiet.
+/// Prints a note, the location of results or the next commands, unless the command is quiet.
 pub fn close(text: &str) {
     if !is_quiet() {
         warn(text);

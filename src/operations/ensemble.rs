@@ -127,7 +127,7 @@ pub fn judge_scenes(
         let levels = levels.clone().for_runs(Some(found.stepping));
         match level(found.program, code, &levels) {
             Level::Allow => {}
-            Level::Warn => host.report_warnings(&format!("warning{}", found.text(code))),
+            Level::Warn => host.warn(&format!("warning{}", found.text(code))),
             Level::Deny => denied += &format!("error{}", found.text(code)),
         }
     }
@@ -218,13 +218,13 @@ pub(super) fn make_more(
             let folder = Folder::open(out, manifest, how.resume).map_err(Failure::usage)?;
             warn_of_damage(out, folder.damage(), host);
             match folder.state() {
-                FolderState::New if how.resume != Resume::No => host.warn(&format!(
+                FolderState::New if how.resume != Resume::No => host.note(&format!(
                     "there is nothing to resume in `{}`; all runs are made\n",
                     visible(&out.to_string_lossy())
                 )),
                 FolderState::New => {}
                 FolderState::Finished if how.continues => {}
-                FolderState::Finished => host.warn(&format!(
+                FolderState::Finished => host.note(&format!(
                     "`{}` is finished already\n",
                     visible(&out.to_string_lossy())
                 )),

@@ -2,6 +2,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
+use stochc_ir::table::PhaseId;
 use stochc_report::estimate::{
     CompletionEstimate, Method, PhaseEstimate, RemainingEstimate, Share,
 };
@@ -80,7 +81,20 @@ fn estimate_graph(program: &EnsembleProgram, rates: &Rates) -> Option<Completion
     let (tables, graph) = (program.tables(), &program.compiled.graph);
     let phases = tables.phases.iter().zip(&cost.phases);
     let phases = phases.filter(|(phase, _)| !phase.pre_attached);
-    let shares = cost.captures.iter().filter(|capture| capture.share > 0.0);
+    let name = |phase: PhaseId| tables.phases[phase.0 as usize].name.clone();
+    let of_captures = cost.captures.iter().map(|capture| Share {
+        event: graph.describe(capture.event, tables),
+        phase: name(graph.event(capture.event).phase),
+        share: capture.share,
+    });
+    let of_waits = (0..).zip(&cost.phases).map(|(phase, cost)| Share {
+        event: "wait".to_owned(),
+        phase: name(PhaseId(phase)),
+        share: cost.wait,
+    });
+    let shares = of_captures.chain(of_waits).filter(|it| it.share > 0.0);
+    let mut shares: Vec<Share> = shares.collect();
+    shares.sort_by(|a, b| b.share.total_cmp(&a.share));
     Some(CompletionEstimate {
         program: program.name.clone(),
         method: Method::Graph {
@@ -98,13 +112,7 @@ fn estimate_graph(program: &EnsembleProgram, rates: &Rates) -> Option<Completion
                 times: cost.times,
             })
             .collect(),
-        shares: shares
-            .map(|capture| Share {
-                event: graph.describe(capture.event, tables),
-                phase: (tables.phases[graph.event(capture.event).phase.0 as usize].name).clone(),
-                share: capture.share,
-            })
-            .collect(),
+        shares,
     })
 }
 
@@ -142,7 +150,8 @@ pub fn remaining(
             is_first_guess: rates.as_deref().is_none_or(Rates::is_guess),
             lower_bound: (rates.as_deref())
                 .map(|rates| program.lower_bound(rates))
-                .unwrap_or_default(),
+                .unwrap_or_default()
+                .ignoring_faults(&program.scene),
         });
     };
     finished.each(estimate).map_err(Failure::usage)?;

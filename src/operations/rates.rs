@@ -38,7 +38,7 @@ pub fn rates_for_scenes(
             Some(rates) => rates.clone(),
             None if scene.uncalibrated_term().is_some() => return Err(no_rates(program)),
             None => {
-                host.warn(&format!(
+                host.note(&format!(
                     "calibrating the scene of {}, which has no rates; `stochc calibrate --out` keeps them\n",
                     program.name
                 ));

@@ -73,7 +73,7 @@ impl<'a> Recordings<'a> {
             .filter(|&(program, run)| !path(folder, program, run).exists())
             .count();
         if missing > 0 {
-            host.warn(&format!(
+            host.note(&format!(
                 "note: {missing} of the runs to record had been made before; `stochc replay` makes \
                  such a run again\n"
             ));

@@ -115,7 +115,7 @@ fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Fai
     for path in paths {
         let real = std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
         if seen.contains(&real) {
-            host.warn(&format!(
+            host.note(&format!(
                 "note: `{}` is given twice\n",
                 visible(&path.to_string_lossy())
             ));
@@ -127,7 +127,7 @@ fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Fai
                 let (done, total) = (finished.len() as u64, manifest.total());
                 if done < total {
                     let shown = path.display();
-                    host.warn(&format!(
+                    host.note(&format!(
                         "note: `{shown}` is not finished: {done} of {total} runs\n"
                     ));
                 }
@@ -149,7 +149,7 @@ fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Fai
         .map(|(_, input)| input.manifest.stochc.as_str())
         .collect();
     if versions.windows(2).any(|pair| pair[0] != pair[1]) {
-        host.warn(&format!(
+        host.note(&format!(
             "note: the folders were made by different versions of stochc: {}\n",
             stochc_text::visible(&versions.join(", "))
         ));

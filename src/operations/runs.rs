@@ -57,7 +57,7 @@ pub(crate) fn warn_of_build(builds: &[String], host: &dyn Host) {
 
 pub(crate) fn warn_of_checkpoints(checkpoints: Option<&Checkpoints>, host: &dyn Host) {
     for note in checkpoints.map(Checkpoints::notes).unwrap_or_default() {
-        host.warn(&format!("note: {note}\n"));
+        host.note(&format!("note: {note}\n"));
     }
 }
 

@@ -94,7 +94,7 @@ pub fn manifest(
             Some(reason) if points.iter().all(Vec::is_empty) => {
                 return Err(Failure::invalid_program(reason));
             }
-            Some(reason) => host.report_warnings(&format!("note: left out, {reason}\n")),
+            Some(reason) => host.note(&format!("note: left out, {reason}\n")),
         }
     }
     let points = points.into_iter().flatten().collect();

@@ -27,7 +27,7 @@ pub(super) fn watched<R>(
     work: impl FnOnce() -> R,
 ) -> Result<R, Failure> {
     let page = write_of_one(folder, figures, Some(SHORTEST_PAUSE))?;
-    host.warn(&format!("report of the runs so far: {}\n", page.display()));
+    host.note(&format!("report of the runs so far: {}\n", page.display()));
     let done = std::thread::scope(|scope| {
         // The sender is dropped when the work ends, even by a panic.
         let (_working, ended) = channel();

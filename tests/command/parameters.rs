@@ -45,13 +45,15 @@ fn defaults_are_expressions_that_set_values_replace() {
 #[test]
 fn unknown_and_invalid_values_are_reported() {
     let error = |value: &str| {
-        let (status, _, err) = posts("check", &["--set", value]);
-        assert_eq!(status, 2, "{value}");
+        let (status, out, err) = posts("check", &["--set", value]);
+        assert_eq!((status, out.as_str()), (2, ""), "{value}");
         err
     };
     insta::assert_snapshot!(
         [
             "hight=4",
+            "faults.dead=1%",
+            "gravitty=1",
             "height=2.5",
             "height=4 cm",
             "height=1,2",

@@ -56,6 +56,7 @@ fn proved_properties_are_reported() {
             "no_cell_used_twice": true,
             "shapes": [],
             "has_timeout": false,
+            "has_dead_blocks": false,
             "unproved": [],
         },
     });
@@ -79,11 +80,12 @@ fn a_timeout_is_an_exception() {
 fn a_dead_block_is_an_exception() {
     let text = "scene worn from hemisphere { faults { dead 1% } }
         assembly a in worn { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }";
-    let (lines, _) = checked(text, "");
+    let (lines, proved) = checked(text, "");
     assert_eq!(
         lines[0],
         "  proved: completes in every order unless it captures a dead block"
     );
+    assert_eq!(proved[0]["has_dead_blocks"], true);
 }
 
 #[test]

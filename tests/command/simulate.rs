@@ -129,6 +129,11 @@ fn a_trace_has_the_dockings_of_dead_blocks() {
     assert_eq!(outcome.status, 3, "{}", outcome.err);
     let docked = "  a dead block docks as A: block ";
     assert!(outcome.out.contains(docked), "{}", outcome.out);
+    let outcome = stochc_with("simulate --model shuffle --runs 4 --quiet", &[&file]);
+    assert_eq!(outcome.row("With dead blocks"), ["4"]);
+    let estimate = stochc_with("estimate", &[&file]);
+    let reason = "the estimate ignores the `faults` of the scene";
+    assert!(estimate.out.contains(reason), "{}", estimate.out);
 }
 
 /// Checks that the record of a run can be understood without another file.

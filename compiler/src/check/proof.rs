@@ -22,7 +22,6 @@ pub struct Proof {
     /// Whether a phase has a timeout.
     pub has_timeout: bool,
     /// Whether the scene has dead blocks.
-    #[serde(skip)]
     pub has_dead_blocks: bool,
     /// Reasons why a property is not proved, as clauses.
     pub unproved: Vec<String>,

@@ -65,6 +65,11 @@ impl RunRecord {
         }
     }
 
+    /// Returns the number of captures that a kind of fault prevented.
+    pub fn faults_of(&self, kind: FaultKind) -> usize {
+        self.faults.iter().filter(|it| it.kind == kind).count()
+    }
+
     /// Returns the number of times that a phase was begun again.
     pub fn retries(&self, phase: PhaseId) -> u64 {
         let retried = |abort: &&AbortRecord| abort.phase == phase && abort.retried.is_some();

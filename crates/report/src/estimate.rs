@@ -3,10 +3,12 @@ use serde::Serialize;
 use stochc_experiments::statistics::{Observation, Summary};
 use stochc_experiments::{completion_time, phase_time};
 use stochc_ir::record::RunRecord;
+use stochc_ir::table::PhaseId;
 use stochc_results::EnsembleProgram;
 use stochc_runtime::rates::{Interaction, LowerBoundReasons, RemainingTime, Times};
 
 use crate::analysis::critical_path::{critical_path, moments};
+use crate::analysis::decisive_events::DecisiveEvents;
 use crate::analysis::events::Events;
 
 /// Estimated times of a program.
@@ -28,8 +30,8 @@ pub struct CompletionEstimate {
     pub total: Option<Times>,
     /// Times of each phase, except phases of pre-attached blocks.
     pub phases: Vec<PhaseEstimate>,
-    /// Captures and releases, each with its share of the completion time. The largest share is
-    /// first.
+    /// Captures, releases and the `wait` of phases, each with its share of the completion time. The
+    /// largest share is first.
     pub shares: Vec<Share>,
 }
 
@@ -85,7 +87,7 @@ pub struct RemainingEstimate {
 /// Share of an event in the completion time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// Event in the notation of the program.
+    /// Event in the notation of the program, or `wait`.
     pub event: String,
     /// Name of the event's phase.
     pub phase: String,
@@ -154,31 +156,24 @@ fn times(seen: &[Observation]) -> Option<Times> {
 /// share is first. Events without a share are absent.
 fn shares(program: &EnsembleProgram, records: &[&RunRecord]) -> Vec<Share> {
     let events = Events::new(program);
-    let mut ticks = vec![0.0; events.events.len()];
+    let mut decisive = DecisiveEvents::new(&events);
     for record in records {
-        for segment in critical_path(&events, record, &moments(&events, record)) {
-            if let Some(event) = segment.event() {
-                ticks[event] += segment.ticks() as f64;
-            }
-        }
+        let path = critical_path(&events, record, &moments(&events, record));
+        decisive.add(record.ticks, &path);
     }
-    let all: f64 = records.iter().map(|record| record.ticks as f64).sum();
-    let mut shares: Vec<(f64, Share)> = (events.events.iter().zip(ticks))
-        .filter(|(_, ticks)| *ticks > 0.0)
-        .map(|(event, ticks)| {
-            let share = ticks / all.max(1.0);
-            let phase = program.phases()[event.phase.0 as usize].name.clone();
-            let event = event.text(program);
-            (
-                ticks,
-                Share {
-                    event,
-                    phase,
-                    share,
-                },
-            )
-        })
+    let share = |event: String, phase: PhaseId, ticks: f64| Share {
+        event,
+        phase: program.phase(phase).to_owned(),
+        share: ticks / decisive.total.max(1.0),
+    };
+    let of_events = (events.events.iter().zip(&decisive.spent))
+        .map(|(event, ticks)| share(event.text(program), event.phase, *ticks));
+    let of_waits = (0..).zip(&decisive.waits);
+    let of_waits =
+        of_waits.map(|(phase, wait)| share("wait".to_owned(), PhaseId(phase), wait.spent));
+    let mut shares: Vec<Share> = (of_events.chain(of_waits))
+        .filter(|it| it.share > 0.0)
         .collect();
-    shares.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    shares.into_iter().map(|(_, share)| share).collect()
+    shares.sort_by(|a, b| b.share.total_cmp(&a.share));
+    shares
 }

@@ -40,6 +40,8 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
     document.scenes = options.physics.then(Vec::new);
     let mut log = SarifLog::new(std::env::current_dir().ok().as_deref());
     let mut tally = DiagnosticCounts::default();
+    // With `--set`, a later file can use a value. Summaries are printed after the check of all values.
+    let mut summaries = String::new();
     let source = options.source.settings();
     let mut unset = UnusedValues::new(&source);
     let (files, unread) = readable(&options.files);
@@ -58,13 +60,15 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         }
         // If the fixed source goes to standard output, summaries go to standard error.
         let is_output_taken = text.is_some();
-        let print_summary = |summary: &str| {
+        let mut print_summary = |summary: &str| {
             if is_output_taken {
                 warn(summary);
-                Ok(())
+            } else if source.set.is_empty() {
+                return print_folded(summary);
             } else {
-                print_folded(summary)
+                summaries += summary;
             }
+            Ok(())
         };
         let checked = match check(file, text, &source) {
             Ok(checked) => checked,
@@ -113,9 +117,14 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
             }
         }
     }
-    if exit == Exit::Success {
-        exit = exit_of(unset.check().map(|()| Exit::Success));
+    let unset = match exit {
+        Exit::Success => unset.check(),
+        _ => Ok(()),
+    };
+    if unset.is_ok() {
+        print_folded(&summaries)?;
     }
+    exit = exit.or_worse(exit_of(unset.map(|()| Exit::Success)));
     unused.notes().for_each(|note| warn(&note));
     match options.format() {
         Format::Json => print(&document.text())?,

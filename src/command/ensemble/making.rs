@@ -10,7 +10,7 @@ use super::arguments::{MAX_UNTIL, MakingOptions, RUNS};
 use crate::command::host::Terminal;
 use crate::command::interrupt::stop_on_interrupt;
 use crate::command::show::{ResultsView, TableFormat, show};
-use crate::command::terminal::{argument, close, print, warn};
+use crate::command::terminal::{argument, close, print};
 use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{EnsembleOptions, MadeEnsemble, can_record, judge_scenes, make};
 use crate::operations::forecast::{cpu_time, forecast_to_text};
@@ -58,7 +58,7 @@ pub fn judge(
     host: &Terminal,
 ) -> Result<(), Failure> {
     if let Some(reduction) = manifest.settings.reduction {
-        warn(&format!(
+        close(&format!(
             "note: runs without {}, which the scene has\n",
             reduction.name()
         ));

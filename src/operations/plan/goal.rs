@@ -66,13 +66,13 @@ fn hold_loose(goal: &mut Goal, loose: LooseParts, host: &dyn Host) {
             let cells: usize = parts.iter().map(|part| part.cells.len()).sum();
             if cells > 0 {
                 let (parts, cells) = (counted(parts.len(), "loose part"), counted(cells, "cell"));
-                host.warn(&format!("note: left out {parts} with {cells}\n"));
+                host.note(&format!("note: left out {parts} with {cells}\n"));
             }
         }
         LooseParts::Support => {
             let supports = goal.add_supports();
             if !supports.is_empty() {
-                host.warn(&format!(
+                host.note(&format!(
                     "note: added {} to support loose parts: {}\n",
                     counted(supports.len(), "cell"),
                     listed_cells(&supports)

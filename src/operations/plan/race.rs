@@ -93,7 +93,7 @@ pub fn winner(
         .chain(slow)
         .collect();
     let planned = fastest(running, options.objective);
-    host.warn(&race_to_text(&race));
+    host.note(&race_to_text(&race));
     Ok(Planned {
         plan: BuildPlan {
             race,

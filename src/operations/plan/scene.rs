@@ -28,7 +28,7 @@ pub fn choose(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Host) -> Re
         (None, _) => Ok(None),
     };
     if let Some(larger) = larger.map_err(no_room)? {
-        host.warn(&format!("note: {}\n", larger.in_words()));
+        host.note(&format!("note: {}\n", larger.in_words()));
     }
     Ok(())
 }
@@ -45,12 +45,12 @@ pub fn choose_declared(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Ho
     match &names[..] {
         [] => {}
         [only] => {
-            host.warn(&format!(
+            host.note(&format!(
                 "note: planned in `{only}`, the only scene of `{file}`\n"
             ));
             goal.scene = Some(only.clone());
         }
-        several => host.warn(&format!(
+        several => host.note(&format!(
             "note: planned in `{DEFAULT}`; `{file}` declares {}: choose one with `--scene`\n",
             in_backticks(several)
         )),

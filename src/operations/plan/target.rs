@@ -52,7 +52,7 @@ fn report_hidden(target: &str, hidden: &[u32], host: &dyn Host) {
     const LISTED: usize = 8;
     if !hidden.is_empty() {
         let numbers: Vec<String> = hidden.iter().take(LISTED).map(u32::to_string).collect();
-        host.warn(&format!(
+        host.note(&format!(
             "note: left out {} of `{}`: {}\n",
             counted(hidden.len(), "hidden model"),
             visible(target),

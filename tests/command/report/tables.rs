@@ -162,6 +162,50 @@ fn a_report_agrees_with_the_tables() {
     chains_fill(&chains, &runs, &bonds);
 }
 
+/// Checks the shares of a `wait`, and the differences between slow and fast runs.
+#[test]
+fn waits_have_rows_for_phases_and_slow_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, out] = ["rest.sa", "out"].map(|name| path(folder.path(), name));
+    let text = "assembly rest {
+        seed plate 1 x 1 { M at (0, 0) }
+        phase grow { M.up -> A }
+        phase settle { wait 4000 ticks }
+    }";
+    std::fs::write(&file, text).unwrap();
+    let simulate = "simulate --quiet --model rate --runs 40";
+    assert_eq!(stochc_with(simulate, &[&file, "--out", &out]).status, 0);
+    assert_eq!(stochc_with("report --quiet", &[&out]).status, 0);
+    let waits = csv(&out, "waits.csv");
+    let [capture, wait] = &waits[..] else {
+        panic!("{waits:?}");
+    };
+    assert_eq!((&*wait["capture"], &*wait["phase"]), ("wait", "settle"));
+    assert_eq!((&*wait["decided"], &*wait["slower"]), ("40", "0"));
+    let share = |row: &BTreeMap<String, String>| row["share"].parse::<f64>().unwrap();
+    let total: f64 = runs(&out, "rest").values().map(|&it| it as f64).sum();
+    close(&wait["share"], 40.0 * 4000.0 / total);
+    assert!((share(capture) + share(wait) - 1.0).abs() < 1e-9);
+    let slower: f64 = capture["slower"].parse().unwrap();
+    let docking: f64 = capture["slower_docking"].parse().unwrap();
+    assert!(
+        slower > 500.0 && docking.abs() < slower,
+        "{slower} {docking}"
+    );
+    let slowest = runs(&out, "rest")
+        .into_iter()
+        .max_by_key(|(_, ticks)| *ticks);
+    assert_eq!(capture["run_to_watch"], slowest.unwrap().0.to_string());
+    // Both kinds of estimates have the same rows.
+    for how in ["", "--runs 200"] {
+        let estimate = stochc_with(&format!("estimate --json {how}"), &[&file]).json();
+        let shares = estimate["estimates"][0]["shares"].as_array().unwrap();
+        assert_eq!((shares.len(), &shares[0]["event"]), (2, &"wait".into()));
+        let sum: f64 = shares.iter().map(|it| it["share"].as_f64().unwrap()).sum();
+        assert!((sum - 1.0).abs() < 1e-9, "{shares:?}");
+    }
+}
+
 /// Checks that `show --captures`, the report and the table of captures have the same waiting times
 /// if runs are stopped.
 #[test]

@@ -1,6 +1,6 @@
 //! Comparison of programs, for JSON output and tables.
 use serde::Serialize;
-use stochc_ir::record::{Limit, Outcome};
+use stochc_ir::record::{FaultKind, Limit, Outcome};
 use stochc_ir::table::PhaseId;
 
 use crate::comparison::{ComparedProgram, PairwiseResult, TimeUnit, pairwise_tests};
@@ -38,6 +38,9 @@ pub struct ProgramSummary {
     /// Mean number of unplanned captures in completed runs. `None` if no run has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unplanned: Option<f64>,
+    /// Number of runs in which a dead block docked. `None` if there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dead: Option<u64>,
     /// Number of requested runs.
     pub runs: u64,
     /// Number of finished runs, the sum of the next four fields.
@@ -184,6 +187,7 @@ struct ProgramTally {
     blocks: Mean,
     unplanned: Mean,
     is_any_unplanned: bool,
+    dead: u64,
     /// Number of each run, and its time \[ticks\].
     times: Vec<(u64, Observation)>,
     phase_times: Vec<TimeSample>,
@@ -208,6 +212,7 @@ impl<'a> ComparisonTally<'a> {
         let (tally, record) = (&mut self.programs[done.program], &done.record);
         tally.finished += 1;
         tally.is_any_unplanned |= record.unplanned > 0;
+        tally.dead += u64::from(record.faults_of(FaultKind::Dead) > 0);
         match record.outcome {
             Outcome::Completed => {
                 tally.completed += 1;
@@ -368,6 +373,7 @@ impl ProgramTally {
             captures: program.captures(),
             blocks_used: self.blocks.value(),
             unplanned: self.unplanned.value().filter(|_| self.is_any_unplanned),
+            dead: Some(self.dead).filter(|dead| *dead > 0),
             runs: manifest.runs,
             finished: self.finished,
             completed: self.completed,

@@ -4,7 +4,7 @@
 //! a run has its timing (`events.rs`), and each run its critical path (`critical_path.rs`). The
 //! other modules aggregate them.
 pub(crate) mod critical_path;
-mod decisive_events;
+pub(crate) mod decisive_events;
 pub(crate) mod events;
 pub(crate) mod maps;
 pub(crate) mod pairwise;

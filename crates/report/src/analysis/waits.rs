@@ -25,6 +25,8 @@ pub(crate) struct ReportedCapture {
     /// Mean time on the critical path in the slowest tenth of the runs, minus that in the fastest
     /// tenth \[ticks\]. `None` with few runs.
     pub slower: Option<f64>,
+    /// Part of `slower` after the last entry of the captured block \[ticks\].
+    pub slower_docking: Option<f64>,
     /// Slow run with the largest time of the capture on the critical path.
     pub run_to_watch: Option<u64>,
 }
@@ -70,6 +72,7 @@ pub(crate) fn waits(subject: &mut ReportedProgram) -> Vec<ReportedCapture> {
         spent,
         decided,
         total,
+        ..
     } = &subject.decisive;
     let slow_runs = subject.slow_runs.as_ref();
     let mut known = std::mem::take(&mut subject.waits).finish();
@@ -95,8 +98,38 @@ pub(crate) fn waits(subject: &mut ReportedProgram) -> Vec<ReportedCapture> {
             share: (*total > 0.0).then(|| spent[number] / total),
             decided: decided[number],
             slower: slow_runs.map(|it| it.difference(number)),
+            slower_docking: slow_runs.map(|it| it.docking(number)),
             run_to_watch: slow_runs.and_then(|it| it.run_to_watch(number)),
         });
     }
     found
+}
+
+/// Shortest duration of a phase (`wait`) that is on a critical path.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ReportedWait {
+    pub phase: PhaseId,
+    /// Fraction of the total time of all runs.
+    pub share: f64,
+    /// Number of runs with this `wait` on the critical path.
+    pub decided: usize,
+    /// Mean time on the critical path in the slowest tenth of the runs, minus that in the fastest
+    /// tenth \[ticks\]. `None` with few runs.
+    pub slower: Option<f64>,
+}
+
+/// Returns the `wait` of each phase that is on a critical path.
+pub(crate) fn phase_waits(subject: &ReportedProgram) -> Vec<ReportedWait> {
+    let waits = subject.decisive.waits.iter().enumerate();
+    let waits = waits.filter(|(_, wait)| wait.decided > 0);
+    let reported = waits.map(|(phase, wait)| ReportedWait {
+        phase: PhaseId(phase as u32),
+        share: wait.spent / subject.decisive.total.max(1.0),
+        decided: wait.decided,
+        slower: subject
+            .slow_runs
+            .as_ref()
+            .map(|it| it.difference_of_wait(phase)),
+    });
+    reported.collect()
 }

@@ -8,7 +8,7 @@ use stochc_files::csv::CsvTable;
 use crate::analysis::critical_path::SegmentKind;
 use crate::analysis::maps::{AGES, Maps, SliceMap};
 use crate::analysis::reported_program::{FinishedRun, ReportedProgram};
-use crate::analysis::waits::ReportedCapture;
+use crate::analysis::waits::{ReportedCapture, phase_waits};
 
 fn maybe(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| value.to_string())
@@ -239,6 +239,9 @@ fn captures(subjects: &[ReportedProgram], waits: &[Vec<ReportedCapture>]) -> Str
         "docking",
         "share",
         "decided",
+        "slower",
+        "slower_docking",
+        "run_to_watch",
     ]);
     for (subject, waits) in subjects.iter().zip(waits) {
         for wait in waits {
@@ -257,7 +260,25 @@ fn captures(subjects: &[ReportedProgram], waits: &[Vec<ReportedCapture>]) -> Str
                 maybe(wait.docking()),
                 maybe(wait.share),
                 wait.decided.to_string(),
+                maybe(wait.slower),
+                maybe(wait.slower_docking),
+                wait.run_to_watch
+                    .map_or(String::new(), |run| run.to_string()),
             ]);
+        }
+        for wait in phase_waits(subject) {
+            let phase = subject.program.phase(wait.phase).to_owned();
+            let unknown = || std::iter::repeat_n(String::new(), 8);
+            let first = [subject.label.clone(), phase, "wait".to_owned()];
+            let decided = [wait.share.to_string(), wait.decided.to_string()];
+            let slower = [maybe(wait.slower), String::new(), String::new()];
+            table.row(
+                first
+                    .into_iter()
+                    .chain(unknown())
+                    .chain(decided)
+                    .chain(slower),
+            );
         }
     }
     table.finish()

@@ -35,6 +35,7 @@ pub fn comparison_to_text(comparison: &Comparison, width: usize) -> String {
     rows.add_if_any("Failed", |c| c.failed);
     rows.add_if_any("Not finished", |c| c.runs - c.finished);
     add_phases(&mut rows);
+    rows.add_if_any("With dead blocks", |c| c.dead.unwrap_or(0));
     rows.add("Captures", |c| c.captures.to_string());
     rows.add("Different blocks", |c| {
         c.blocks_used.map_or(NONE.into(), |n| format!("{n:.1}"))

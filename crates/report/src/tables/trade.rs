@@ -216,8 +216,8 @@ fn notes(trade: &Trade) -> Vec<String> {
             .max_ticks
             .map_or("none".to_owned(), |it| it.to_string());
         notes.push(format!(
-            "incompl. counts runs that timed out or reached the limit of ticks ({limit}). Means with ≥ are lower bounds: each \
-             of these runs counts with the last observed time. Biases with * compare means of min(time, h), and do not \
+            "incompl. counts runs that timed out or reached the limit of ticks ({limit}). Means with ≥ are lower bounds: the \
+             mean of min(time, last observed time). Biases with * compare means of min(time, h), and do not \
              cover longer times. h is the last time that both samples cover."
         ));
     }

@@ -1,5 +1,5 @@
 //! Columns of `runs.parquet`.
-use stochc_ir::record::{Outcome, RunRecord};
+use stochc_ir::record::{FaultKind, Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
 
 use super::column::TableDefinition;
@@ -93,6 +93,14 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         "unplanned",
         "number of unplanned bonds: rows of `unplanned.parquet`",
         |row| row.run.record.unplanned_bonds.len() as u64,
+    );
+    table.integer("dead", "number of dockings of dead blocks", |row| {
+        row.run.record.faults_of(FaultKind::Dead) as u64
+    });
+    table.integer(
+        "failed_latches",
+        "number of dockings at which the latch failed",
+        |row| row.run.record.faults_of(FaultKind::Latch) as u64,
     );
     table.integer(
         "hops",

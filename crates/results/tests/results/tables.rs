@@ -8,7 +8,8 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use serde_json::{Value, json};
 use stochc_ir::record::{
-    AbortRecord, BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, WaitRecord,
+    AbortRecord, BondRecord, FaultKind, Limit, Origin, Outcome, ReleaseRecord, RunRecord,
+    WaitRecord,
 };
 use stochc_ir::table::PhaseId;
 use stochc_results::{Destination, Finished, Folder, Varied, tables};
@@ -108,6 +109,8 @@ fn run_row(done: &Finished, seed: u64) -> Value {
         "censored_captures": record.waiting.len() + aborted(record, |it| it.waiting.len()),
         "releases": record.releases.len() + aborted(record, |it| it.releases.len()),
         "unplanned": record.unplanned,
+        "dead": record.faults_of(FaultKind::Dead),
+        "failed_latches": record.faults_of(FaultKind::Latch),
         "hops": record.hops,
         "seed": seed,
     })

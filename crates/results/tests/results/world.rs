@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 
 use stochc_ir::graph::{EventAction, EventGraph, EventId, GraphEvent};
 use stochc_ir::record::{
-    AbortRecord, BondRecord, Limit, Origin, Outcome, ReleaseRecord, RunRecord, UnplannedRecord,
-    WaitRecord,
+    AbortRecord, BondRecord, FaultKind, FaultRecord, Limit, Origin, Outcome, ReleaseRecord,
+    RunRecord, UnplannedRecord, WaitRecord,
 };
 use stochc_ir::scene::schema::unspecified;
 use stochc_ir::scene::{Arrangement, Block, Enclosure, Free, Scene};
@@ -240,6 +240,15 @@ fn add_rare_events(record: &mut RunRecord) {
             child,
             tick: record.phase_ticks[0],
             body,
+        });
+    }
+    for tick in 0..total % 3 {
+        record.faults.push(FaultRecord {
+            phase: PhaseId(0),
+            child,
+            tick,
+            body,
+            kind: [FaultKind::Dead, FaultKind::Latch][(tick % 2) as usize],
         });
     }
     for tick in 0..total % 4 {

@@ -14,7 +14,7 @@ use super::origin::{first_of_text, text_id};
 use super::parts::ROWS;
 use crate::analysis::reported_program::ReportedProgram;
 use crate::analysis::slow_runs::SlowRuns;
-use crate::analysis::waits::ReportedCapture;
+use crate::analysis::waits::{ReportedCapture, phase_waits};
 use crate::ensemble_report::CRITICAL_PATHS;
 use crate::ensemble_report::html::{Html, HtmlCell, code, command, name};
 use crate::ensemble_report::narrative::{
@@ -250,10 +250,29 @@ pub(super) fn captures(subject: &ReportedProgram, waits: &[ReportedCapture], out
         "on the critical path",
         "share of time",
     ];
+    let unknown = || HtmlCell::Number("–".into());
+    let waits = phase_waits(subject);
+    rows.extend(waits.iter().map(|wait| {
+        let phase = subject.program.phase(wait.phase);
+        let mut row = vec![
+            HtmlCell::Marked(code("wait")),
+            HtmlCell::Marked(code(phase)),
+        ];
+        row.extend(std::iter::repeat_with(unknown).take(4));
+        row.push(HtmlCell::Number(format!("{} of {runs}", wait.decided)));
+        row.push(HtmlCell::Number(percent(wait.share)));
+        row
+    }));
     if let Some(slow_runs) = &subject.slow_runs {
-        header.extend(["slow runs", "run to watch"]);
-        for (row, wait) in rows.iter_mut().zip(&shown) {
+        header.extend(["slow runs", "of it docking", "run to watch"]);
+        let (of_captures, of_waits) = rows.split_at_mut(shown.len());
+        for (row, wait) in of_waits.iter_mut().zip(&waits) {
             row.push(figure(wait.slower, Some(subject.tick())));
+            row.extend([unknown(), unknown()]);
+        }
+        for (row, wait) in of_captures.iter_mut().zip(&shown) {
+            row.push(figure(wait.slower, Some(subject.tick())));
+            row.push(figure(wait.slower_docking, Some(subject.tick())));
             let run = wait.run_to_watch.map(|run| run.to_string());
             row.push(HtmlCell::Number(run.unwrap_or("–".into())));
         }
@@ -270,8 +289,9 @@ pub(super) fn captures(subject: &ReportedProgram, waits: &[ReportedCapture], out
 fn slow_runs_note(slow_runs: &SlowRuns) -> String {
     let mut note = format!(
         "<em>Slow runs</em> compares the slowest with the fastest tenth of the runs, {} runs each. It is \
-         the difference of the mean times that a run waited only for this capture. In the run to \
-         watch, this time is longest.",
+         the difference of the mean times that a run waited only for this capture. <em>Of it docking</em> \
+         is the part after the last entry of the captured block. It is large if blocks jam at the face. \
+         In the run to watch, the waiting time is longest.",
         slow_runs.runs
     );
     if slow_runs.unplanned != [0; 2] {
