@@ -17,8 +17,8 @@ pub use crate::command::terminal::show_deferred;
 use crate::command::terminal::{Color, TerminalOptions, configure, output_has_colour, print_drawn};
 use crate::command::{
     calibrate, check, compile, completions, estimate, explain, export, fit, fmt, fsck, import, lsp,
-    man, new, plan, repeat, replay, report, resume, shard, show, simulate, sweep, test, trace,
-    trade, verify,
+    man, new, optimize, plan, repeat, replay, report, resume, shard, show, simulate, sweep, test,
+    trace, trade, verify,
 };
 use crate::exit::{Exit, Failure};
 
@@ -29,7 +29,7 @@ pub struct Cli {
     /// The subcommand.
     #[command(subcommand)]
     pub command: Command,
-    /// Print no progress, notes or warnings
+    /// Print no progress or notes. Warnings and errors are printed
     #[arg(long, short, global = true, help_heading = "Global options")]
     pub quiet: bool,
     /// When to use colors: `auto`, `always` or `never`
@@ -164,6 +164,11 @@ pub enum Command {
         after_help = "Examples:\n  stochc fit tower.sa --data times.csv --vary free=50..500\n  stochc fit a.sa b.sa --data times.csv --vary 'bond.pull=2..12 N' --hold-out b"
     )]
     Fit(Box<fit::FitArguments>),
+    /// Search for the parameters with the shortest times
+    #[command(
+        after_help = "Examples:\n  stochc optimize tower.sa --vary 'agitation.speed=0.4..1.2 m/s' --vary free=50..500\n  stochc optimize tower.sa --vary height=2..6 --minimize p90 -o results/best"
+    )]
+    Optimize(Box<optimize::OptimizeArguments>),
     /// Split an ensemble into shards, run them anywhere, and merge them
     #[command(
         after_help = "Examples:\n  stochc shard new tower.sa --shards 8 -n 1000 -o results/tower\n  stochc shard run results/tower 0"
@@ -340,7 +345,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
     (
         "Run",
         &[
-            "simulate", "test", "sweep", "trace", "resume", "repeat", "estimate",
+            "simulate", "test", "sweep", "optimize", "trace", "resume", "repeat", "estimate",
         ],
     ),
     ("Look", &["show", "report", "replay", "export"]),
@@ -419,6 +424,7 @@ pub fn run(cli: Cli) -> Result<Exit, Failure> {
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Import(options) => import::run(&options),
         Command::Fit(options) => fit::run(&options),
+        Command::Optimize(options) => optimize::run(&options),
         Command::Shard(options) => shard::run(&options),
         Command::Fsck(options) => fsck::run(&options),
         Command::Lsp(options) => lsp::run(&options),

@@ -24,6 +24,7 @@ pub mod man;
 mod narrative;
 pub mod new;
 mod new_file;
+pub mod optimize;
 pub mod plan;
 mod presentation;
 mod progress;

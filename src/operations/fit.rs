@@ -8,11 +8,12 @@ use stochc_experiments::fit::{
     Posterior, Prior, Simulated, Unit,
 };
 use stochc_experiments::statistics::Observation;
-use stochc_experiments::sweep::RangeError;
+use stochc_experiments::sweep::{Parameter, RangeError};
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
 use stochc_ir::scene::Scene;
 use stochc_ir::scene::describe::terms;
+use stochc_ir::scene::scalars::find;
 use stochc_results::{CpuForecast, EnsembleProgram, Manifest};
 use stochc_runtime::Settings;
 use stochc_text::number;
@@ -78,18 +79,38 @@ pub fn check_priors(
     mut priors: Vec<Prior>,
     measured: &[FitProgram],
 ) -> Result<Vec<Prior>, Failure> {
+    check_twice(&priors)?;
+    for FitProgram { program, .. } in measured {
+        let for_scene = |prior: Prior| {
+            let number = find(&program.scene, &prior.name);
+            let number = number.map_err(|error| RangeError::Parameter { error })?;
+            prior.for_parameter(Parameter::Scene(number))
+        };
+        let known: Result<_, RangeError> = priors.into_iter().map(for_scene).collect();
+        priors = known.map_err(|error| Failure::usage(format!("--vary: {error}")))?;
+        let of_program = |prior: &&Prior| program.parameters.contains_key(&prior.name);
+        if let Some(prior) = priors.iter().find(of_program) {
+            return Err(Failure::usage(format!(
+                "--vary: `{}` is a parameter of `{}`, and a fit varies only scenes",
+                prior.name, program.name
+            )));
+        }
+    }
+    Ok(priors)
+}
+
+/// Checks that no parameter is given twice.
+///
+/// # Errors
+/// If a parameter is given twice.
+pub(super) fn check_twice(priors: &[Prior]) -> Result<(), Failure> {
     for (i, prior) in priors.iter().enumerate() {
         if priors[..i].iter().any(|other| other.name == prior.name) {
             let twice = format!("--vary: `{}` is given twice", prior.name);
             return Err(Failure::usage(twice));
         }
     }
-    for FitProgram { program, .. } in measured {
-        let for_scene = |prior: Prior| prior.for_scene(&program.scene);
-        let known: Result<_, RangeError> = priors.into_iter().map(for_scene).collect();
-        priors = known.map_err(|error| Failure::usage(format!("--vary: {error}")))?;
-    }
-    Ok(priors)
+    Ok(())
 }
 
 /// Reads the measured times of each program from a CSV file or a results folder. Warns if many times
@@ -449,7 +470,10 @@ pub fn fitted_scenes(
         let mut entry = program.clone();
         let medians = setup.priors.iter().zip(&fit.numbers);
         let varied: Result<_, RangeError> = medians
-            .map(|(prior, it)| prior.varied_to(it.median, &program.scene))
+            .map(|(prior, it)| {
+                let parameter = Parameter::find(program, &prior.name)?;
+                prior.varied_to(it.median, parameter)
+            })
             .collect();
         entry.varied = varied.map_err(Failure::usage)?;
         at_point(&mut entry, setup.levels, host)?;
@@ -483,18 +507,34 @@ fn at_points(
 ) -> Result<Vec<EnsembleProgram>, Failure> {
     let mut entries = Vec::new();
     for FitProgram { program, .. } in measured {
-        for point in &design.points {
-            let mut entry = program.clone();
-            let pairs = setup.priors.iter().zip(point);
-            let varied: Result<_, RangeError> = pairs
-                .map(|(prior, share)| prior.varied(*share, &program.scene))
-                .collect();
-            entry.varied = varied.map_err(Failure::usage)?;
-            entry.name += &entry.point();
-            at_point(&mut entry, setup.levels, host)?;
-            entries.push(entry);
-        }
+        let at = entries_at(setup.priors, setup.levels, program, &design.points, host);
+        entries.extend(at?);
     }
     share_tables(&mut entries);
     Ok(entries)
+}
+
+/// Returns a program at each of the points. A point has a coordinate for each prior.
+///
+/// # Errors
+/// If a program cannot run at a point.
+pub(super) fn entries_at(
+    priors: &[Prior],
+    levels: &LintLevels,
+    program: &EnsembleProgram,
+    points: &[Vec<f64>],
+    host: &dyn Host,
+) -> Result<Vec<EnsembleProgram>, Failure> {
+    let entries = points.iter().map(|point| {
+        let mut entry = program.clone();
+        let pairs = priors.iter().zip(point);
+        let varied: Result<_, RangeError> = pairs
+            .map(|(prior, share)| prior.varied(*share, Parameter::find(program, &prior.name)?))
+            .collect();
+        entry.varied = varied.map_err(Failure::usage)?;
+        entry.name += &entry.point();
+        at_point(&mut entry, levels, host)?;
+        Ok(entry)
+    });
+    entries.collect()
 }

@@ -15,6 +15,7 @@ pub mod import;
 mod in_memory;
 pub mod jani;
 pub mod json;
+pub mod optimize;
 pub mod plan;
 pub mod precision;
 pub mod programs;

@@ -181,8 +181,11 @@ pub fn files(manifest: &Manifest, finished: &Records, figures: &Figures) -> Furt
         ),
         ("sweep.csv".to_owned(), sweep.to_csv().into_bytes()),
     ];
-    for drawing in pictures(figures.medium, &sweep, "sweep") {
-        files.extend(figures.files(&drawing)?);
+    // Scattered points, such as those of an optimization, have no curves.
+    if sweep.is_grid() {
+        for drawing in pictures(figures.medium, &sweep, "sweep") {
+            files.extend(figures.files(&drawing)?);
+        }
     }
     if let Some(trade) = Trade::from_runs(manifest, finished)? {
         files.push((

@@ -200,7 +200,7 @@ fn mismatched_inputs_are_reported() {
             good,
             "free=8..9",
             "",
-            "a whole number, and a fit needs a range of five",
+            "a whole number, and its range needs at least five",
         ),
         (good, "free=8.5..60", "", "must be a whole number"),
     ] {

@@ -36,6 +36,7 @@ mod lsp;
 mod manifest;
 mod manual;
 mod new;
+mod optimize;
 #[cfg(target_os = "linux")]
 #[path = "../pages/mod.rs"]
 mod pages;

@@ -1,4 +1,5 @@
-//! Analysis of ensembles: comparison, sweeps, trades of accuracy for speed, calibration and fits.
+//! Analysis of ensembles: comparison, sweeps, trades of accuracy for speed, calibration, fits and
+//! optimization.
 //!
 //! Every result is a function of a manifest and its runs only.
 pub mod calibration;
@@ -7,6 +8,7 @@ mod claims;
 mod claims_without_runs;
 mod comparison;
 pub mod fit;
+pub mod optimize;
 pub mod resampling;
 mod stamped_json;
 pub mod statistics;

@@ -93,6 +93,11 @@ impl Emulator {
         }
     }
 
+    /// Returns the predicted statistics at a point, without their errors.
+    pub(crate) fn values_at(&self, at: &[f64]) -> Vec<f64> {
+        self.values(&self.features(at)).collect()
+    }
+
     /// Returns the terms of the polynomials at a point: 1, x, x² and all products.
     fn features(&self, at: &[f64]) -> DVector<f64> {
         DVector::from_vec(features(at, &self.scale))

@@ -1,13 +1,11 @@
-//! Priors of scene parameters: uniform between two values.
-use stochc_ir::scene::Scene;
-
-use crate::sweep::{RangeError, common, digits, logarithmic, number, value, varied};
+//! Priors of parameters: uniform between two values.
+use crate::sweep::{Parameter, RangeError, common, digits, logarithmic, value};
 use stochc_results::Varied;
 
-/// Prior of a scene parameter: its range.
+/// Prior of a parameter of a scene or program: its range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prior {
-    /// Name of the scene parameter, such as `bond.pull`.
+    /// Name of the parameter, such as `bond.pull`.
     pub name: String,
     /// Lower end of the range, in `unit`.
     pub from: f64,
@@ -17,7 +15,7 @@ pub struct Prior {
     pub unit: String,
     /// Whether the logarithm of the value is uniformly distributed, instead of the value.
     pub is_logarithmic: bool,
-    /// Whether the parameter must be an integer. Set by [`Prior::for_scene`].
+    /// Whether the parameter must be an integer. Set by [`Prior::for_parameter`].
     pub is_whole: bool,
 }
 
@@ -29,7 +27,7 @@ impl Prior {
     ///
     /// # Errors
     ///
-    /// If the format or the range is wrong. Does not check whether a scene has the parameter.
+    /// If the format or the range is wrong. Does not check whether the parameter exists.
     pub fn parse(text: &str) -> Result<Prior, RangeError> {
         let (name, range) = text.split_once('=').ok_or(RangeError::Prior)?;
         let (range, is_logarithmic) = logarithmic(range);
@@ -57,21 +55,20 @@ impl Prior {
         })
     }
 
-    /// Checks the prior against a scene and returns it.
+    /// Checks the prior of a parameter and returns it.
     ///
     /// # Errors
     ///
-    /// If the scene lacks the parameter, an end is out of range, or an integer range is too short.
-    pub fn for_scene(self, scene: &Scene) -> Result<Prior, RangeError> {
-        let number = number(scene, &self.name)?;
+    /// If an end is out of range, or an integer range is too short.
+    pub fn for_parameter(self, parameter: Parameter<'_>) -> Result<Prior, RangeError> {
         for end in [self.from, self.to] {
-            varied(number, end, &self.unit)?;
+            parameter.with_value(end, &self.unit)?;
         }
-        if number.is_whole() && self.to - self.from < MIN_SPAN {
+        if parameter.is_whole() && self.to - self.from < MIN_SPAN {
             return Err(RangeError::ShortRange(self.name));
         }
         Ok(Prior {
-            is_whole: number.is_whole(),
+            is_whole: parameter.is_whole(),
             ..self
         })
     }
@@ -86,7 +83,7 @@ impl Prior {
     }
 
     /// Returns the probability that the prior gives to values below `value`.
-    fn share(&self, value: f64) -> f64 {
+    pub fn share(&self, value: f64) -> f64 {
         let share = if self.is_logarithmic {
             (value / self.from).ln() / (self.to / self.from).ln()
         } else {
@@ -130,28 +127,35 @@ impl Prior {
         (self.share((to - MIN_SPAN).min(from)), self.share(to))
     }
 
-    /// Returns the scene parameter with its value at a probability of the prior.
+    /// Returns the value at a probability of the prior as simulations use it, in `unit`.
+    pub fn rounded(&self, share: f64) -> f64 {
+        self.round(self.value(share))
+    }
+
+    fn round(&self, value: f64) -> f64 {
+        if self.is_whole {
+            value.round()
+        } else {
+            digits(value, 7)
+        }
+    }
+
+    /// Returns the parameter with its value at a probability of the prior.
     ///
     /// # Errors
     ///
-    /// If the scene lacks the parameter or the value is invalid.
-    pub fn varied(&self, share: f64, scene: &Scene) -> Result<Varied, RangeError> {
-        self.varied_to(self.value(share), scene)
+    /// If the value is invalid.
+    pub fn varied(&self, share: f64, parameter: Parameter<'_>) -> Result<Varied, RangeError> {
+        self.varied_to(self.value(share), parameter)
     }
 
-    /// Returns the scene parameter with a value that is given in `unit`.
+    /// Returns the parameter with a value that is given in `unit`.
     ///
     /// # Errors
     ///
     /// See [`Prior::varied`].
-    pub fn varied_to(&self, value: f64, scene: &Scene) -> Result<Varied, RangeError> {
-        let number = number(scene, &self.name)?;
-        let value = if number.is_whole() {
-            value.round()
-        } else {
-            digits(value, 7)
-        };
-        varied(number, value, &self.unit)
+    pub fn varied_to(&self, value: f64, parameter: Parameter<'_>) -> Result<Varied, RangeError> {
+        parameter.with_value(self.round(value), &self.unit)
     }
 }
 
@@ -163,25 +167,35 @@ fn is_count(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use stochc_compiler::scene::built_in;
+    use stochc_ir::scene::Scene;
 
     use super::*;
+    use crate::sweep::number;
+
+    /// Returns a prior of a parameter of the scene.
+    fn prior(text: &str, scene: &Scene) -> Result<Prior, RangeError> {
+        let prior = Prior::parse(text)?;
+        let number = number(scene, &prior.name)?;
+        prior.for_parameter(Parameter::Scene(number))
+    }
 
     #[test]
     fn a_range_is_read_with_its_unit() {
         let prior = Prior::parse("bond.pull = 2..12 N").unwrap();
         assert_eq!((prior.from, prior.to, &*prior.unit), (2.0, 12.0, "N"));
         assert!((prior.value(0.25) - 4.5).abs() < 1e-12);
-        let prior = Prior::parse("free=50..5000 log").unwrap();
-        assert!(prior.is_logarithmic);
         let scene = built_in("hemisphere").unwrap();
-        let varied = prior.varied(0.5, &scene).unwrap();
+        let prior = prior("free=50..5000 log", &scene).unwrap();
+        assert!(prior.is_logarithmic);
+        let free = Parameter::Scene(number(&scene, "free").unwrap());
+        let varied = prior.varied(0.5, free).unwrap();
         assert_eq!((varied.name.as_str(), varied.given), ("free", 500.0));
     }
 
     #[test]
     fn integer_parameters_stay_integers() {
         let scene = built_in("hemisphere").unwrap();
-        let of = |text: &str| Prior::parse(text).unwrap().for_scene(&scene);
+        let of = |text: &str| prior(text, &scene);
         for text in ["free=8..20", "free=8..2000 log"] {
             let prior = of(text).unwrap();
             for share in [0.0, 0.03, 0.49, 0.77, 1.0] {
@@ -227,11 +241,7 @@ mod tests {
             assert!(Prior::parse(text).is_err(), "{text}");
         }
         let scene = built_in("hemisphere").unwrap();
-        let message = Prior::parse("frei=1..2")
-            .unwrap()
-            .varied(0.5, &scene)
-            .unwrap_err()
-            .to_string();
+        let message = prior("frei=1..2", &scene).unwrap_err().to_string();
         assert!(message.contains("free"), "{message}");
     }
 }

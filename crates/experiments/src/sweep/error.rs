@@ -102,9 +102,9 @@ pub enum RangeError {
         /// Suggestion for the user.
         help: String,
     },
-    /// The range of an integer parameter is too short for a fit.
+    /// The range of an integer parameter is too short for a polynomial.
     #[error(
-        "`{0}` is a whole number, and a fit needs a range of five of them at least; `stochc sweep` tries a few"
+        "`{0}` is a whole number, and its range needs at least five values; `stochc sweep` tries a few"
     )]
     ShortRange(String),
     /// Neither the program nor its scene has the parameter, but the program has a similar one.

@@ -12,9 +12,10 @@ mod parameter;
 mod points;
 
 pub use axis::Axis;
-pub(crate) use axis::{common, digits, logarithmic, value, varied};
+pub(crate) use axis::{common, digits, logarithmic, value};
 pub use error::{MAX_POINTS, RangeError};
 pub use outcome::{PointTally, Sweep, SweepPoint, SweepTally, SweptNumber, SweptValue};
 pub use parameter::{Parameter, ParameterValue};
+#[cfg(test)]
 pub(crate) use points::number;
 pub use points::{Point, points};

@@ -227,6 +227,22 @@ impl Sweep {
         (self.unit == TICKS).then_some(Tick(point.tick))
     }
 
+    /// Returns whether the points of every program are all combinations of the values of the axes.
+    pub fn is_grid(&self) -> bool {
+        let distinct = |axis: usize| {
+            let values = self
+                .points
+                .iter()
+                .filter_map(|point| point.values.get(axis));
+            let mut values: Vec<u64> = values.map(|value| value.si.to_bits()).collect();
+            values.sort_unstable();
+            values.dedup();
+            values.len()
+        };
+        let combinations: usize = (0..self.axes.len()).map(distinct).product();
+        self.points.len() >= combinations * self.programs().len()
+    }
+
     /// Returns the names of the programs in the sweep, without duplicates.
     pub fn programs(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();

@@ -1,7 +1,6 @@
 //! Points of a sweep: combinations of the values of its axes.
-use stochc_ir::scene::Scene;
-use stochc_ir::scene::scalars::find;
-use stochc_ir::scene::schema::SchemaNumber;
+#[cfg(test)]
+use stochc_ir::scene::{Scene, scalars::find, schema::SchemaNumber};
 
 use super::axis::Axis;
 use super::error::{MAX_POINTS, RangeError};
@@ -91,6 +90,7 @@ fn few(points: usize, values: usize) -> Result<(), RangeError> {
 /// # Errors
 ///
 /// If the scene has no such parameter.
+#[cfg(test)]
 pub(crate) fn number(scene: &Scene, name: &str) -> Result<&'static SchemaNumber, RangeError> {
     find(scene, name).map_err(|error| RangeError::Parameter { error })
 }

@@ -1,0 +1,248 @@
+//! Optimum that the emulator predicts.
+use serde::Serialize;
+
+use super::{Estimate, Objective};
+use crate::fit::{Emulator, Marginal, Posterior, Prior, Simulated};
+
+/// Quantile of the standard normal distribution for a 95 % interval.
+const NORMAL: f64 = 1.959_963_984_540_054;
+
+/// Times above this multiple of the smallest mean are compressed.
+const LONG: f64 = 6.0;
+
+/// Power of the compression.
+const COMPRESSION: f64 = 0.1;
+
+/// Number of intervals of a coordinate in the search for the minimum.
+const STEPS: u32 = 40;
+
+/// Largest number of passes over all coordinates.
+const PASSES: usize = 30;
+
+/// Optimum of a program.
+#[derive(Clone, Debug, Serialize)]
+pub struct Optimum {
+    /// Name of the program.
+    pub program: String,
+    /// Objective as the user writes it.
+    pub objective: String,
+    /// Optimal value of each parameter.
+    pub numbers: Vec<OptimalNumber>,
+    /// Value of the objective that the emulator predicts.
+    pub predicted: Estimate,
+    /// Value of the objective in runs with another seed. `None` if the sample has no value.
+    pub confirmed: Option<Estimate>,
+    /// Number of simulated points, without the confirmation.
+    pub points: usize,
+    /// Number of runs at these points.
+    pub runs: usize,
+    /// Number of runs that confirm the optimum.
+    pub confirming: u64,
+    /// Number of all runs that did not complete.
+    pub stopped: usize,
+}
+
+/// Optimal value of a parameter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OptimalNumber {
+    /// Optimal value.
+    pub value: f64,
+    /// Values that the emulator cannot distinguish from the optimum.
+    pub similar: Marginal,
+    /// Elasticity of the objective. `None` if it is unknown or a value is 0.
+    pub elasticity: Option<Estimate>,
+}
+
+/// Minimum of the objective in a box, predicted by the emulator.
+#[derive(Clone, Debug)]
+pub struct PredictedOptimum {
+    /// Coordinates of the optimum. Each is a cumulative probability of the prior of one parameter.
+    pub at: Vec<f64>,
+    /// Predicted value of the objective, with its 95 % interval.
+    pub value: Estimate,
+    /// Points that the emulator cannot distinguish from the optimum.
+    pub similar: Posterior,
+}
+
+impl PredictedOptimum {
+    /// Returns the optimum in a box with these ends. `common` is the number of runs with different
+    /// random numbers: runs at different points share them.
+    ///
+    /// Returns `None` if the box contains too few points.
+    pub fn new(
+        points: &[Simulated],
+        ends: &[(f64, f64)],
+        priors: &[Prior],
+        objective: Objective,
+        common: f64,
+        seed: u64,
+    ) -> Option<PredictedOptimum> {
+        let horizon = horizon(points, objective)?;
+        let near = points.iter().filter(|point| point.is_within(ends));
+        let near: Vec<Simulated> = near.map(|point| compressed(point, horizon)).collect();
+        let emulator = Emulator::new(&near, None)?;
+        let score = |at: &[f64]| objective.score(&emulator.values_at(at));
+        let search = Search {
+            ends,
+            priors,
+            score: &score,
+        };
+        let middle: Vec<f64> = ends.iter().map(|(low, high)| (low + high) / 2.0).collect();
+        let first = search.minimum(middle);
+        let predicted = emulator.estimate(&first);
+        let error = objective.score_variance(&predicted.values, &predicted.variance);
+        let (best, error) = (score(&first), error.sqrt().max(1e-6));
+        let likelihood = |at: &[f64]| -0.5 * ((score(at) - best).max(0.0) / error).powi(2);
+        let similar = Posterior::sample(ends, likelihood, seed);
+        // The minimum along the coordinates can be a local one.
+        let draws = similar.draws.iter();
+        let lowest = draws.min_by(|a, b| score(a).total_cmp(&score(b)));
+        let second = lowest.map(|at| search.minimum(at.clone()));
+        let at = match second {
+            Some(second) if score(&second) < score(&first) => second,
+            _ => first,
+        };
+        let predicted = emulator.estimate(&at);
+        let values = &predicted.values;
+        // Random numbers that all points share shift all predictions by the same error.
+        let shared = objective.score_variance(values, &emulator.sampling_variances(common));
+        let own = objective.score_variance(values, &predicted.variance);
+        let (middle, half) = (objective.score(values), NORMAL * (own + shared).sqrt());
+        let [value, low, high] =
+            [middle, middle - half, middle + half].map(|it| objective.value(it));
+        Some(PredictedOptimum {
+            at,
+            value: Estimate { value, low, high },
+            similar,
+        })
+    }
+
+    /// Returns the box of the next round.
+    pub fn surroundings(&self, priors: &[Prior]) -> Vec<(f64, f64)> {
+        let ends = self.similar.surroundings().into_iter().zip(priors);
+        ends.map(|(ends, prior)| prior.surroundings(ends)).collect()
+    }
+}
+
+/// Returns the horizon \[ticks\]. The search compresses longer times. Returns `None` without points.
+fn horizon(points: &[Simulated], objective: Objective) -> Option<f64> {
+    let means = points.iter().map(|point| {
+        let times = &point.times;
+        times.iter().sum::<f64>() / times.len() as f64
+    });
+    let lowest = means.min_by(f64::total_cmp)?;
+    Some(match objective {
+        Objective::Exceeds(time) => time.max(LONG * lowest),
+        Objective::Mean | Objective::Quantile(_) => LONG * lowest,
+    })
+}
+
+/// Compresses times above a horizon. Times far from the optimum can be so long that no polynomial
+/// fits them and the optimum.
+fn compressed(point: &Simulated, horizon: f64) -> Simulated {
+    let times = point.times.iter().map(|&time| {
+        if time > horizon {
+            horizon * (time / horizon).powf(COMPRESSION)
+        } else {
+            time
+        }
+    });
+    Simulated {
+        times: times.collect(),
+        ..point.clone()
+    }
+}
+
+/// Search for the smallest score in a box.
+struct Search<'a, F> {
+    ends: &'a [(f64, f64)],
+    priors: &'a [Prior],
+    score: &'a F,
+}
+
+impl<F: Fn(&[f64]) -> f64> Search<'_, F> {
+    /// Returns a point whose score no change of one coordinate lowers. All its values are valid.
+    fn minimum(&self, start: Vec<f64>) -> Vec<f64> {
+        let pairs = start.iter().zip(self.priors);
+        let mut at: Vec<f64> = pairs.map(|(at, prior)| prior.possible(*at)).collect();
+        let mut lowest = (self.score)(&at);
+        for _ in 0..PASSES {
+            let before = lowest;
+            for i in 0..at.len() {
+                for value in self.values(i) {
+                    let old = std::mem::replace(&mut at[i], value);
+                    let score = (self.score)(&at);
+                    if score < lowest {
+                        lowest = score;
+                    } else {
+                        at[i] = old;
+                    }
+                }
+            }
+            if lowest >= before {
+                break;
+            }
+        }
+        at
+    }
+
+    /// Returns valid values of a coordinate in the box.
+    fn values(&self, i: usize) -> impl Iterator<Item = f64> {
+        let ((low, high), prior) = (self.ends[i], &self.priors[i]);
+        let share = move |step: u32| low + (high - low) * f64::from(step) / f64::from(STEPS);
+        let values = (0..=STEPS).map(move |step| prior.possible(share(step)));
+        values.filter(move |it| (low..=high).contains(it))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::Design;
+
+    /// Returns times of a law with its minimum at (0.3, 1), in two rounds.
+    fn optimum(objective: Objective) -> PredictedOptimum {
+        let law = |at: &[f64]| (6.0 + 2.0 * (at[0] - 0.3).powi(2) - 0.6 * at[1]).exp();
+        let priors = [
+            Prior::parse("x=0..1").unwrap(),
+            Prior::parse("y=0..1").unwrap(),
+        ];
+        let mut ends = vec![(0.0, 1.0); 2];
+        let mut points = Vec::new();
+        let mut found = None;
+        for round in 0..3 {
+            let design = Design::latin_hypercube(&ends, 16, round);
+            points.extend(design.points.into_iter().enumerate().map(|(turn, at)| {
+                let share = |i: usize| ((i * 7 + turn * 3 + round as usize) % 23) as f64;
+                let time = |i| -law(&at) * (1.0 - (share(i) + 0.5) / 23.0).ln();
+                Simulated {
+                    times: (0..4).map(time).collect(),
+                    incomplete: 0,
+                    at,
+                }
+            }));
+            let next = PredictedOptimum::new(&points, &ends, &priors, objective, 12.0, round);
+            let next = next.unwrap();
+            ends = next.surroundings(&priors);
+            found = Some(next);
+        }
+        found.unwrap()
+    }
+
+    #[test]
+    fn finds_the_minimum_of_noisy_times() {
+        for objective in [
+            Objective::Mean,
+            Objective::Quantile(0.9),
+            Objective::Exceeds(400.0),
+        ] {
+            let found = optimum(objective);
+            // The mean time is within 5 % of the best one.
+            let excess = 2.0 * (found.at[0] - 0.3).powi(2) + 0.6 * (1.0 - found.at[1]);
+            assert!(excess < 0.05, "{objective:?}: {:?}", found.at);
+        }
+        let Estimate { low, high, .. } = optimum(Objective::Mean).value;
+        let truth = 5.4f64.exp();
+        assert!(low < truth && truth < high, "{low} {truth} {high}");
+    }
+}

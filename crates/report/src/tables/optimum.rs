@@ -1,0 +1,104 @@
+//! Table of an optimization for a terminal.
+use stochc_experiments::fit::Prior;
+use stochc_experiments::optimize::{Estimate, OptimalNumber, Optimum};
+use stochc_text::{TextColumn, TextTable, number, paragraph};
+
+/// Returns the optimum of each program and notes as text. `width` is the width of the terminal
+/// \[characters\].
+pub fn optima_to_text(optima: &[Optimum], priors: &[Prior], width: usize) -> String {
+    let mut text = String::new();
+    for optimum in optima {
+        text += &format!("{}\n", numbers(optimum, priors).text(width, false));
+    }
+    text += &format!("{}\n", objectives(optima).text(width, false));
+    for note in notes(optima) {
+        text += &paragraph(&note, width);
+    }
+    text
+}
+
+fn numbers(optimum: &Optimum, priors: &[Prior]) -> TextTable {
+    let column = |header: &str, cell: &dyn Fn(&OptimalNumber, &Prior) -> String| {
+        let pairs = optimum.numbers.iter().zip(priors);
+        TextColumn::figures(header, pairs.map(|(it, prior)| cell(it, prior)).collect())
+    };
+    let with_unit = |text: String, unit: &str| format!("{text} {unit}").trim_end().to_owned();
+    let range = |low: f64, high: f64, unit: &str| {
+        with_unit(format!("{} .. {}", number(low), number(high)), unit)
+    };
+    let edge = |it: &OptimalNumber, prior: &Prior| {
+        let is_at_end = it.value <= prior.from || it.value >= prior.to;
+        if is_at_end { "at an end" } else { "" }
+    };
+    let remarks = optimum.numbers.iter().zip(priors);
+    let remarks = remarks.map(|(it, prior)| edge(it, prior).to_owned());
+    let columns = vec![
+        column("optimum", &|it, _| {
+            with_unit(number(it.value), &it.similar.unit)
+        }),
+        column("similar", &|it, _| {
+            range(
+                it.similar.interval.0,
+                it.similar.interval.1,
+                &it.similar.unit,
+            )
+        }),
+        column("elasticity", &|it, _| {
+            it.elasticity.as_ref().map_or("-".to_owned(), interval)
+        }),
+        TextColumn::words("", remarks.collect()),
+    ];
+    TextTable {
+        label: optimum.program.clone(),
+        labels: (optimum.numbers.iter())
+            .map(|it| it.similar.name.clone())
+            .collect(),
+        columns,
+        ..TextTable::default()
+    }
+}
+
+fn interval(it: &Estimate) -> String {
+    format!("{} .. {}", number(it.low), number(it.high))
+}
+
+fn objectives(optima: &[Optimum]) -> TextTable {
+    let column = |header: &str, cell: &dyn Fn(&Optimum) -> String| {
+        TextColumn::figures(header, optima.iter().map(cell).collect())
+    };
+    TextTable {
+        label: "objective at the optimum".to_owned(),
+        labels: (optima.iter())
+            .map(|it| format!("{}: {}", it.program, it.objective))
+            .collect(),
+        columns: vec![
+            column("predicted", &|it| interval(&it.predicted)),
+            column("confirmed", &|it| {
+                let value = |it: &Estimate| format!("{} ({})", number(it.value), interval(it));
+                it.confirmed.as_ref().map_or("-".to_owned(), value)
+            }),
+            column("runs", &|it| it.runs.to_string()),
+        ],
+        ..TextTable::default()
+    }
+}
+
+fn notes(optima: &[Optimum]) -> Vec<String> {
+    let confirming = optima.first().map_or(0, |it| it.confirming);
+    let mut notes = vec![
+        format!(
+            "Times are in ticks. Intervals are 95 % intervals. Runs is the number of runs of the search. \
+             Confirmed is the value in {confirming} other runs with another seed."
+        ),
+        "Similar values cannot be distinguished from the optimum. Elasticity is the relative change of \
+         the objective, divided by the relative change of the parameter."
+            .to_owned(),
+    ];
+    let stopped: usize = optima.iter().map(|it| it.stopped).sum();
+    if stopped > 0 {
+        notes.push(format!(
+            "{stopped} runs did not complete. Each counts with the time of --max-ticks."
+        ));
+    }
+    notes
+}
