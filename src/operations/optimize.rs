@@ -67,6 +67,9 @@ struct Searched<'a> {
     stopped: usize,
 }
 
+/// A program, its parameters, and points with one value of each parameter.
+type PointsOfProgram<'a> = (&'a EnsembleProgram, &'a [Prior], Vec<Vec<f64>>);
+
 impl OptimizeSetup<'_> {
     /// Returns the number of rounds, and the number of points in each of them.
     ///
@@ -99,7 +102,7 @@ impl OptimizeSetup<'_> {
     /// Returns the manifest of the runs at points of several programs. Adds missing rates.
     fn manifest(
         &self,
-        points: &[(&EnsembleProgram, &[Prior], Vec<Vec<f64>>)],
+        points: &[PointsOfProgram<'_>],
         round: u64,
         runs: u64,
         host: &dyn Host,

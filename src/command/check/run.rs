@@ -117,14 +117,7 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
             }
         }
     }
-    let unset = match exit {
-        Exit::Success => unset.check(),
-        _ => Ok(()),
-    };
-    if unset.is_ok() {
-        print_folded(&summaries)?;
-    }
-    exit = exit.or_worse(exit_of(unset.map(|()| Exit::Success)));
+    exit = exit.or_worse(print_if_used(&summaries, unset, exit)?);
     unused.notes().for_each(|note| warn(&note));
     match options.format() {
         Format::Json => print(&document.text())?,
@@ -133,6 +126,18 @@ pub fn run(options: &CheckArguments) -> Result<Exit, Failure> {
         Format::Short => {}
     }
     Ok(exit)
+}
+
+/// Prints the summaries if all checks succeeded and used all values of `--set`. Reports unused values.
+fn print_if_used(summaries: &str, unset: UnusedValues<'_>, exit: Exit) -> Result<Exit, Failure> {
+    let unset = match exit {
+        Exit::Success => unset.check(),
+        _ => Ok(()),
+    };
+    if unset.is_ok() {
+        print_folded(summaries)?;
+    }
+    Ok(exit_of(unset.map(|()| Exit::Success)))
 }
 
 /// Returns the arguments that are readable files. Reports other arguments, and returns whether
