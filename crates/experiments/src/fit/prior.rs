@@ -181,9 +181,9 @@ mod tests {
 
     #[test]
     fn a_range_is_read_with_its_unit() {
-        let prior = Prior::parse("bond.pull = 2..12 N").unwrap();
-        assert_eq!((prior.from, prior.to, &*prior.unit), (2.0, 12.0, "N"));
-        assert!((prior.value(0.25) - 4.5).abs() < 1e-12);
+        let pull = Prior::parse("bond.pull = 2..12 N").unwrap();
+        assert_eq!((pull.from, pull.to, &*pull.unit), (2.0, 12.0, "N"));
+        assert!((pull.value(0.25) - 4.5).abs() < 1e-12);
         let scene = built_in("hemisphere").unwrap();
         let prior = prior("free=50..5000 log", &scene).unwrap();
         assert!(prior.is_logarithmic);
