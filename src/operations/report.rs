@@ -127,8 +127,8 @@ fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Fai
                 let (done, total) = (finished.len() as u64, manifest.total());
                 if done < total {
                     let shown = path.display();
-                    host.note(&format!(
-                        "note: `{shown}` is not finished: {done} of {total} runs\n"
+                    host.warn(&format!(
+                        "warning: `{shown}` is not finished: {done} of {total} runs\n"
                     ));
                 }
                 let path_text = path.to_string_lossy().into_owned();
@@ -149,8 +149,8 @@ fn read(paths: &[PathBuf], host: &dyn Host) -> Result<Vec<(PathBuf, Input)>, Fai
         .map(|(_, input)| input.manifest.stochc.as_str())
         .collect();
     if versions.windows(2).any(|pair| pair[0] != pair[1]) {
-        host.note(&format!(
-            "note: the folders were made by different versions of stochc: {}\n",
+        host.warn(&format!(
+            "warning: the folders were made by different versions of stochc: {}\n",
             stochc_text::visible(&versions.join(", "))
         ));
     }

@@ -4,7 +4,7 @@ use std::fs;
 use crate::plan::wrong;
 use crate::stochc::{path, stochc_with};
 
-const PLAN: &str = "plan --quiet --tries 1";
+const PLAN: &str = "plan --tries 1";
 
 #[test]
 fn a_scene_may_come_from_another_file() {

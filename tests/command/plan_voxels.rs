@@ -76,7 +76,7 @@ fn one_model_of_several_is_chosen() {
 fn copies_are_built_and_hidden_models_are_reported() {
     let copies = planned("fuzz/corpus/voxels/instances.vox", &[]);
     assert_eq!(captures(&copies), 6);
-    let (status, message) = wrong("plan --quiet", &["fuzz/corpus/voxels/hidden.vox"]);
+    let (status, message) = wrong("plan", &["fuzz/corpus/voxels/hidden.vox"]);
     assert_eq!(status, 1, "{message}");
     assert!(message.contains("left out 2 hidden models of"), "{message}");
 }
@@ -91,11 +91,11 @@ fn a_large_model_gets_a_scene_with_enough_blocks() {
         .collect();
     let solid = file(folder.path(), "solid.vox", &vox(&[&solid]));
     let out = path(folder.path(), "solid.sa");
-    let outcome = stochc_with("plan --quiet --tries 1", &[&solid, "--out", &out]);
+    let outcome = stochc_with("plan --tries 1", &[&solid, "--out", &out]);
     assert_eq!(outcome.status, 0, "{}", outcome.err);
     let note = "note: planned in `hemisphere_602`: `hemisphere` with 602 free blocks instead of 300 \
                 and room for them at the same density, radius 6.307 m\n";
-    assert_eq!(outcome.err, note);
+    assert!(outcome.err.contains(note), "{}", outcome.err);
     let written = fs::read_to_string(&out).unwrap();
     assert!(
         written.contains("scene hemisphere_602 from hemisphere {"),
@@ -120,7 +120,7 @@ fn a_high_model_gets_a_scene_with_enough_room() {
     let folder = tempfile::tempdir().unwrap();
     let tower = file(folder.path(), "tower.txt", "#\n\n".repeat(40).as_bytes());
     let out = path(folder.path(), "tower.sa");
-    let outcome = stochc_with("plan --quiet --tries 1", &[&tower, "--out", &out]);
+    let outcome = stochc_with("plan --tries 1", &[&tower, "--out", &out]);
     assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(
         outcome.err.contains("at the same density"),
@@ -163,8 +163,9 @@ fn loose_parts_are_all_reported_dropped_or_held() {
     );
     assert_eq!(captures(&planned(&drawn, &["--drop-loose"])), 31);
     assert_eq!(captures(&planned(&drawn, &["--supports"])), 51);
-    let outcome = stochc_with("plan --quiet --tries 1 --drop-loose", &[&drawn]);
-    assert_eq!(outcome.err, "note: left out 10 loose parts with 10 cells\n");
+    let outcome = stochc_with("plan --tries 1 --drop-loose", &[&drawn]);
+    let note = "note: left out 10 loose parts with 10 cells\n";
+    assert!(outcome.err.contains(note), "{}", outcome.err);
     assert!(outcome.out.contains("yields corners"), "{}", outcome.out);
 }
 

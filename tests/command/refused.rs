@@ -229,7 +229,7 @@ fn a_finished_folder_is_shown_again() {
     let first = stochc_with(TOWER, &["--out", &out]);
     assert_eq!((first.status, first.err.as_str()), (0, ""));
     let before = tables(&out);
-    let again = stochc_with(TOWER, &["--out", &out]);
+    let again = stochc_with(&TOWER.replace(" --quiet", ""), &["--out", &out]);
     assert_eq!((again.status, again.out), (0, first.out));
     assert!(again.err.contains("finished already"), "{}", again.err);
     assert!(before == tables(&out));

@@ -61,7 +61,7 @@ fn merged_shards_equal_the_folder_of_one_machine() {
             let [one, other] = [&plain, &shards].map(|it| stochc_with(what, &[it]));
             assert_eq!((one.status, &one.out), (other.status, &other.out), "{what}");
         }
-        let outcome = stochc_with("resume --quiet", &[&shards]);
+        let outcome = stochc_with("resume", &[&shards]);
         assert!(
             outcome.err.contains("is finished already"),
             "{}",

@@ -348,7 +348,7 @@ fn invalid_command_lines_are_reported() {
 
 #[test]
 fn a_reduced_model_is_reported() {
-    let line = "simulate tests/fixtures/dense.sa --runs 2 --quiet --substeps 2 --seed 2 --without friction --allow coarse-step";
+    let line = "simulate tests/fixtures/dense.sa --runs 2 --substeps 2 --seed 2 --without friction --allow coarse-step";
     let outcome = stochc(line);
     assert_eq!(outcome.status, 0);
     let note = "note: runs without friction, which the scene has\n";

@@ -164,7 +164,7 @@ fn hover_explains_the_clauses_of_a_scene() {
     };
     assert_eq!(offered("attract"), ["attract", "reject", "suction"]);
     assert_eq!(offered("gap"), ["centres", "gap", "corners"]);
-    assert_eq!(offered("anchor"), ["align", "anchor"]);
+    assert_eq!(offered("anchor"), ["align", "anchor", "strength"]);
     let clauses = offered("f\n");
     assert!(clauses.starts_with(&["tick".to_owned()]), "{clauses:?}");
     assert!(

@@ -186,7 +186,7 @@ fn an_unfinished_ensemble_is_marked() {
     assert_eq!(outcome.status, 0);
     assert_eq!(
         outcome.err,
-        format!("note: `{out}` is not finished: 2 of 4 runs\n")
+        format!("warning: `{out}` is not finished: 2 of 4 runs\n")
     );
     let page = fs::read_to_string(path(out.as_ref(), "report.html")).unwrap();
     assert!(page.contains("<strong>not finished</strong>: 2 of 4 runs are finished"));

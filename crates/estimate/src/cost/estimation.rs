@@ -34,7 +34,7 @@ pub fn estimate_without_timeouts(program: ProgramParts<'_>, rates: &Rates) -> Op
 /// Returns whether clearly fewer than half of the runs that reach a phase end at its timeout, for
 /// every phase. Takes few samples. Returns `false` if they do not decide it.
 ///
-/// With [`FEW`] samples and a share below [`RARE`], a share of one half has a probability of less
+/// With `FEW` samples and a share below `RARE`, a share of one half has a probability of less
 /// than 1e-5 (Hoeffding's inequality).
 pub fn times_out_rarely(program: ProgramParts<'_>, rates: &Rates) -> bool {
     let Some(events) = Events::new(program) else {
