@@ -1,7 +1,7 @@
 //! Decisions about claims without runs, from the distribution of the rate model.
 //!
-//! In a program whose captures happen one after the other, waiting times are independent, and every
-//! claimed time is a sum of waiting times. The distribution of the sum is a convolution.
+//! If the captures of a program happen one after the other, its waiting times are independent.
+//! Every claimed time is a sum of waiting times. The distribution of the sum is a convolution.
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use stochc_estimate::{Rates, SerialCapture, serial_captures};
@@ -140,9 +140,9 @@ fn counted<'a>(
     }
 }
 
-/// Returns the probability that the sum of waiting times is at most each of the limits \[ticks\],
-/// and the largest numerical error of a probability. Returns `None` if a limit is too large, or if
-/// `stop` is set.
+/// Returns the probability that the sum of waiting times is at most each of the limits \[ticks\].
+/// Also returns the largest numerical error of a probability. Returns `None` if a limit is too
+/// large, or if `stop` is set.
 fn probabilities<const N: usize>(
     captures: &[SerialCapture],
     limits: [f64; N],

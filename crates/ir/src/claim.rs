@@ -96,8 +96,8 @@ impl Claim {
     }
 }
 
-/// Returns a time \[ticks\] as text with at most three decimals, or with four digits if it is very
-/// short or very long.
+/// Returns a time \[ticks\] as text with at most three decimals. Very short and very long times have
+/// four digits.
 fn ticks(ticks: f64) -> String {
     if ticks != 0.0 && !(1.0..1e15).contains(&ticks) {
         let rounded = rounded(ticks, 3);

@@ -3,8 +3,8 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-/// Bound of the sum of all errors of a [`convolution`] with at most 2^20 terms, with the part that
-/// is cut off.
+/// Bound of the sum of all errors of a [`convolution`] with at most 2^20 terms. It includes the part
+/// that is cut off.
 const ERROR: f64 = 2e-11;
 
 /// Largest sum of the last probabilities of a distribution that are cut off.
