@@ -5,6 +5,7 @@ python3 lab/published/run.py [STOCHC [PART ...]]    needs only Python, takes som
 
 Writes the tables of docs/validation/published.md. ± is the 95 % confidence interval.
 """
+import itertools
 import json
 import math
 import random
@@ -86,19 +87,22 @@ def dot(a, b):
 
 # --- eddies ---------------------------------------------------------------------------------------
 
-SIGMA, SIDE, TICK = 0.10, 0.02, 0.02
-"""Speed of the eddies [m/s], side of a block [m], and tick [s]."""
+SIDE, TICK = 0.02, 0.02
+"""Side of a block [m], and tick [s]."""
+EDDIES = [(5, None), (10, None), (8.8, 0.2)]
+"""Size [cm] and correlation time [s] of the eddies. `None` is the default time."""
 
 
-def eddy_scene(length, vertical, blocks=60):
+def eddy_scene(length, time, blocks=60, box=4):
+    memory = f"  time {time} s" if time else ""
     return FREE.format(
         pull="1e-9 N",
         reach="1mm",
         anchor="1um",
         scene=f"""tick 20 ms  block cube {{ side 2 cm  mass 8 g  faces 1 }}  free {blocks} uniform
-    enclosure box {{ length 4 m  width 4 m  height 4 m  wall 20 N/m }}
+    enclosure box {{ length {box} m  width {box} m  height {box} m  wall 20 N/m }}
     fluid {{ density 1000 kg/m^3  viscosity 1 mPa s }}
-    agitation turbulence {{ speed 10 cm/s  length {length} cm  vertical {vertical} }}""",
+    agitation turbulence {{ speed 10 cm/s  length {length} cm{memory} }}""",
     )
 
 
@@ -124,12 +128,35 @@ def distance_to_maxwell(speeds, variance):
     return largest
 
 
+def pair_energy(length, time, distance=0.02, width=0.0025):
+    """Returns the energy of the relative motion of two close blocks, divided by the energy of one block."""
+    energies = []
+    for seed in range(1, 5):
+        blocks = trajectories(eddy_scene(length, time, blocks=200, box=1), 1500, seed)
+        series, places = list(velocities(blocks)), [block["translation"][200:] for block in blocks]
+        single, relative, pairs = 0, 0, 0
+        for t in range(0, len(series[0]), 5):
+            single += mean([dot(one[t], one[t]) for one in series])
+            cells = {}
+            for i, place in enumerate(places):
+                cells.setdefault(tuple(int(x // 2) for x in place[t]), []).append(i)
+            for i, place in enumerate(places):
+                cell = [int(x // 2) for x in place[t]]
+                for step in itertools.product((-1, 0, 1), repeat=3):
+                    for j in cells.get(tuple(c + d for c, d in zip(cell, step)), ()):
+                        if j > i and abs(math.dist(place[t], places[j][t]) * SIDE - distance) < width:
+                            relative += math.dist(series[i][t], series[j][t]) ** 2
+                            pairs += 1
+        energies.append(relative / pairs / 2 / (single / len(range(0, len(series[0]), 5))))
+    return interval(energies)
+
+
 def eddies():
     ticks = 6000
-    print("| eddies | v_x, v_y, v_z rms, cm/s | kurtosis | distance to Maxwell | T_L, s | D / (v² T_L) | D / Einstein |")
-    print("|---|--:|--:|--:|--:|--:|--:|")
-    for length, vertical in ((5, 1), (10, 1)):
-        blocks = trajectories(eddy_scene(length, vertical), ticks)
+    print("| eddies | v_x, v_y, v_z rms, cm/s | kurtosis | distance to Maxwell | T_L, s | D / (v² T_L) | D / Einstein | pair energy | of the fluid |")
+    print("|---|--:|--:|--:|--:|--:|--:|--:|--:|")
+    for length, time in EDDIES:
+        blocks = trajectories(eddy_scene(length, time), ticks)
         series = list(velocities(blocks))
         axes = [[v[k] for one in series for v in one[::5]] for k in range(3)]
         variances = [mean([v * v for v in axis]) for axis in axes]
@@ -156,12 +183,15 @@ def eddies():
         # Drag is quadratic. Its coefficient at the speed v is the force ρ a² v² / 2, divided by v.
         rate = 1000 * SIDE**2 * math.sqrt(3 * variance) / 2 / 0.008
         einstein = variance / rate
+        pair, spread_of_pairs = pair_energy(length, time)
+        x = math.pi * SIDE / (length / 100)
         rms = ", ".join(f"{100 * math.sqrt(v):.2f}" for v in variances)
         shape = ", ".join(f"{kurtosis(axis):.2f}" for axis in axes)
         print(
-            f"| {length} cm, vertical {vertical} | {rms} | {shape} | {distance_to_maxwell(speeds, variance):.3f} | {memory:.2f} "
+            f"| {length} cm, {time or 'default'} s | {rms} | {shape} | {distance_to_maxwell(speeds, variance):.3f} | {memory:.2f} "
             f"| {diffusivity / (variance * memory):.2f} ± {error / (variance * memory):.2f} "
-            f"| {diffusivity / einstein:.2f} ± {error / einstein:.2f} |",
+            f"| {diffusivity / einstein:.2f} ± {error / einstein:.2f} "
+            f"| {pair:.3f} ± {spread_of_pairs:.3f} | {1 - math.sin(x) / x:.3f} |",
             flush=True,
         )
 
@@ -272,6 +302,65 @@ assembly s in s {{
         print(f"| {reach / side} | {middle:.2f} ± {error:.2f} | {expected:.2f} | {turning:.2f} | {ratio} |", flush=True)
 
 
+# --- diffusion to a face --------------------------------------------------------------------------
+
+ENCOUNTER = """scene s {{ tick 10 s  block cube {{ side 10um  mass 1.05ng  faces 1 }}  free {free} uniform
+    enclosure hemisphere {{ radius {radius}um  wall 10 nN/m }}
+    fluid {{ viscosity 1 mPa s }}  agitation brownian {{ temperature 293 K }}  contact {{ restitution 0  friction 0 }}
+    bond attract {{ pull 0.13 pN within {reach}um  align 0.03 pN within 20um  anchor centres 1um tilt 45 deg }} }}
+assembly s in s {{ seed plate 1 x 1 {{ M at (0, 0) }}  phase p {{ M.up -> A }} }}
+"""
+
+
+def survival(inner, outer, diffusivity, places):
+    """Returns the probability that no walker has been absorbed, as a function of time.
+
+    Walkers start at the given distances between an absorbing and a reflecting sphere [um, um, um²/s, um].
+    """
+    width, modes = outer - inner, []
+    for n in range(60):
+        # tan(k w) = k b has one solution per branch of the tangent.
+        low, high = (n * math.pi + 1e-9) / width, (n + 0.5) * math.pi / width
+        for _ in range(100):
+            k = (low + high) / 2
+            low, high = (k, high) if math.tan(k * width) < k * outer else (low, k)
+        norm = width / 2 - math.sin(2 * k * width) / (4 * k)
+        overlap = inner / k + math.sin(k * width) / k**2 - outer * math.cos(k * width) / k
+        modes.append((diffusivity * k * k, [overlap / norm * math.sin(k * (r - inner)) / r for r in places]))
+
+    def value(time):
+        left = [0.0] * len(places)
+        for rate, shares in modes:
+            factor = math.exp(-rate * time)
+            left = [a + factor * b for a, b in zip(left, shares)]
+        return math.prod(left)
+
+    return value
+
+
+def encounters():
+    """Prints times of the first capture by diffusion, and those of diffusion to a sphere."""
+    print("\n| radius of the tank, um | blocks | simulated, 1,000 s | expected, 1,000 s | ratio |\n|--:|--:|--:|--:|--:|")
+    diffusivity = BOLTZMANN * 293 / (6 * math.pi * 1e-3 * CUBE_RADIUS * 1e-5) * 1e12
+    rng, side, reach = random.Random(2), 10, 50
+    # Mean distance of blocks with random orientations whose nearest face is within reach. They touch
+    # the floor at a mean height of 0.6 a, so the centre of the face is outside of the space of their centres.
+    directions = [[rng.gauss(0, 1) for _ in range(3)] for _ in range(100_000)]
+    nearest = [max(map(abs, d)) / math.sqrt(dot(d, d)) for d in directions]
+    inner = mean([side / 2 * c + math.sqrt(reach**2 - side**2 / 4 * (1 - c * c)) for c in nearest]) - 0.3 * side
+    for radius, free, runs in ((300, 40, 400), (300, 10, 200), (400, 20, 100)):
+        text = ENCOUNTER.format(free=free, radius=radius, reach=reach)
+        records = [it["record"] for it in journal(text, "--runs", runs, "--seed", 7, "--substeps", 1)]
+        bonds = [record["bonds"][0] for record in records]
+        middle, error = interval([10 * (bond["docked"] - bond["magnetized"] - bond["docking"]) for bond in bonds])
+        places = [side * math.dist(block["translation"][0], [0, 0, 0]) for block in trajectories(text, 1)]
+        left = survival(inner, radius, diffusivity, places)
+        expected, step = 0, middle / 500
+        for i in range(10_000):
+            expected += left((i + 0.5) * step) * step
+        print(f"| {radius} | {free} | {middle / 1000:.1f} ± {error / 1000:.1f} | {expected / 1000:.1f} | {middle / expected:.3f} ± {error / expected:.3f} |", flush=True)
+
+
 # --- planar self-assembly -------------------------------------------------------------------------
 
 TABLE = """scene table {{
@@ -313,6 +402,6 @@ def reaction():
         print(f"| {i + 1} | {middle:.0f} ± {error:.0f} | {expected:.0f} | {middle / expected:.2f} ± {error / expected:.2f} |", flush=True)
 
 
-PARTS = {"eddies": eddies, "heat": heat, "gas": gas, "reaction": reaction}
+PARTS = {"eddies": eddies, "heat": heat, "gas": gas, "encounters": encounters, "reaction": reaction}
 for name in sys.argv[2:] or PARTS:
     PARTS[name]()
