@@ -216,7 +216,7 @@ mod tests {
                 let share = |i: usize| ((i * 7 + turn * 3 + round as usize) % 23) as f64;
                 let time = |i| -law(&at) * (1.0 - (share(i) + 0.5) / 23.0).ln();
                 Simulated {
-                    times: (0..4).map(time).collect(),
+                    times: (0..16).map(time).collect(),
                     incomplete: 0,
                     at,
                 }
