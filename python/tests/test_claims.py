@@ -23,7 +23,7 @@ def test_claims_have_verdicts() -> None:
     found = verdicts(f"{right}\n    {wrong}", model="rate", seed=3)
     assert [claim["verdict"] for claim in found.claims] == ["holds", "fails"]
     assert not found.hold
-    assert "fails" in str(found)
+    assert "FAILS" in str(found)
     assert "<table" in found._repr_html_()
     assert verdicts(right).hold
 

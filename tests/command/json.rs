@@ -204,7 +204,7 @@ fn estimates_plans_and_trades_have_schemas() {
     let fit = "fit examples/fit/small.sa --data examples/fit/stopped.csv --vary free=8..60 --runs 4 \
                --points 8 --hold-out two --quiet --json";
     assert_output("fit", &stochc(fit));
-    let optimize = "optimize --model rate --runs 40 --confirm 10 --vary free=200..500 examples/line.sa --json --quiet";
+    let optimize = "optimize --model rate --runs 40 --confirm 10 --vary length=1..6 examples/windmill.sa --json --quiet";
     assert_output("optima", &stochc(optimize));
     let trade = "trade tests/fixtures/still.sa --runs 2 --finest 1 --max-ticks 50 --quiet --json";
     assert_output("trade", &stochc(trade));

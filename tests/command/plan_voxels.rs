@@ -129,7 +129,7 @@ fn a_high_model_gets_a_scene_with_enough_room() {
     );
     assert_eq!(stochc_with("check", &[&out]).status, 0);
     // A few blocks in a large enclosure have a lower density.
-    let outcome = stochc_with("plan --quiet --tries 1 --free 50", &[&tower]);
+    let outcome = stochc_with("plan --tries 1 --free 50", &[&tower]);
     assert_eq!(outcome.status, 0, "{}", outcome.err);
     assert!(outcome.err.contains("times its density"), "{}", outcome.err);
 }

@@ -100,7 +100,7 @@ fn a_resumed_ensemble_records_its_runs() {
     let results = Results::from_records(DENSE, "--record 1");
     let left = results.path().join("recordings/.stochc-partial-left");
     fs::write(&left, "by a kill").unwrap();
-    let outcome = stochc("resume --runs 3 --quiet --record all", &[&results.path()]);
+    let outcome = stochc("resume --runs 3 --record all", &[&results.path()]);
     assert_eq!(outcome.status, 0, "{}", outcome.err);
     let note = "note: 1 of the runs to record had been made before";
     assert!(outcome.err.contains(note), "{}", outcome.err);
