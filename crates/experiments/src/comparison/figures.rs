@@ -38,7 +38,7 @@ pub struct ProgramSummary {
     /// Mean number of unplanned captures in completed runs. `None` if no run has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unplanned: Option<f64>,
-    /// Number of runs in which a dead block docked. `None` if there are none.
+    /// Number of runs with a docked dead block. `None` if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dead: Option<u64>,
     /// Number of requested runs.

@@ -97,11 +97,9 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     table.integer("dead", "number of dockings of dead blocks", |row| {
         row.run.record.faults_of(FaultKind::Dead) as u64
     });
-    table.integer(
-        "failed_latches",
-        "number of dockings at which the latch failed",
-        |row| row.run.record.faults_of(FaultKind::Latch) as u64,
-    );
+    table.integer("failed_latches", "dockings with a failed latch", |row| {
+        row.run.record.faults_of(FaultKind::Latch) as u64
+    });
     table.integer(
         "hops",
         "number of hops of messages between a block and its parent or child",
