@@ -139,14 +139,7 @@ impl Pair<'_> {
             body: self.model.body(unit),
             face: Face::ALL[usize::from(face)],
         };
-        if self
-            .model
-            .control
-            .effects
-            .lattice
-            .target(block_face)
-            .is_none()
-        {
+        if !self.model.has_target(block_face) {
             return Ok(());
         }
         let child = self
@@ -166,15 +159,7 @@ impl Pair<'_> {
         let face = Face::ALL[self.random.below(6)];
         let body = block.body();
         let block_face = BlockFace { body, face };
-        if is_open(block, face)
-            || self
-                .model
-                .control
-                .effects
-                .lattice
-                .target(block_face)
-                .is_none()
-        {
+        if is_open(block, face) || !self.model.has_target(block_face) {
             return Ok(());
         }
         let unit = match body {
@@ -250,6 +235,10 @@ impl<'a> Model<'a> {
     /// Returns whether all phases are complete, or a timeout has ended the program.
     pub fn has_ended(&self) -> bool {
         self.control.is_complete() || self.outcome.timed_out
+    }
+
+    fn has_target(&self, face: BlockFace) -> bool {
+        self.control.effects.lattice.target(face).is_some()
     }
 
     pub fn body(&self, unit: u32) -> Body {

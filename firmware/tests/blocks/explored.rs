@@ -6,12 +6,12 @@
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use stochc_compiler::check;
 use stochc_control::BlockFace;
 use stochc_firmware::Image;
 use stochc_ir::Face;
 use stochc_ir::table::Tables;
 
+use crate::compiled::tables;
 use crate::driver::Model;
 use crate::host::{Channel, Host, HostEvent};
 use crate::random::{Reuse, declare_with};
@@ -235,16 +235,6 @@ fn dock(model: &mut Model<'_>, unit: u32, face: u8) -> Result<String, String> {
     }
     let child = model.free.remove(position);
     model.dock((unit, face), child, Face::Down, 0)
-}
-
-fn tables(program: &str) -> Tables {
-    let checked = check(
-        "explored.sa",
-        &mut |_: &str| Ok(program.as_bytes().to_vec()),
-        Default::default(),
-    );
-    let tables = checked.programs[0].tables.clone();
-    tables.unwrap_or_else(|| panic!("{:#?}", checked.diagnostics))
 }
 
 /// Programs with notifications between branches and seeds, releases, and captures of released roles.

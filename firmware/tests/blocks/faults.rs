@@ -2,9 +2,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use stochc_compiler::check;
 use stochc_firmware::Image;
 
+use crate::compiled::tables;
 use crate::host::{Channel, Host, HostEvent};
 
 /// Captures, notifications, releases, and captures of released blocks.
@@ -301,19 +301,9 @@ fn unfinished(host: &mut Host, image: &Image) -> Vec<(usize, usize)> {
     panic!("stuck without faults");
 }
 
-fn image(program: &str) -> Image {
-    let checked = check(
-        "lossy.sa",
-        &mut |_: &str| Ok(program.as_bytes().to_vec()),
-        Default::default(),
-    );
-    let tables = checked.programs[0].tables.as_ref();
-    Image::new(tables.unwrap_or_else(|| panic!("{:#?}", checked.programs))).unwrap()
-}
-
 #[test]
 fn lost_messages_with_lost_contacts_and_restarts_leave_no_trace() {
-    let image = image(PROGRAM);
+    let image = Image::new(&tables(PROGRAM)).unwrap();
     let mut host = Host::new();
     let mut counts = BTreeMap::new();
     for (start, contact) in unfinished(&mut host, &image) {
@@ -347,7 +337,7 @@ fn lost_messages_with_lost_contacts_and_restarts_leave_no_trace() {
 
 #[test]
 fn a_retry_repairs_lost_contacts_and_restarts_of_attached_blocks() {
-    let image = image(RETRIED);
+    let image = Image::new(&tables(RETRIED)).unwrap();
     let mut host = Host::new();
     let mut counts = BTreeMap::new();
     let faults = [0, 1, 4].map(|turn| Fault::Lost { turn });

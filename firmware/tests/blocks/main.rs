@@ -2,6 +2,7 @@
 //! that `stochc` verifies.
 #![allow(clippy::disallowed_methods, reason = "tests read and write files")]
 #![cfg(unix)]
+mod compiled;
 mod control;
 mod driver;
 mod equal;

@@ -2,11 +2,10 @@
 use std::path::Path;
 use std::process::Command;
 
-use stochc_compiler::check;
 use stochc_firmware::{Image, Sizes, files};
-use stochc_ir::table::Tables;
 use tempfile::TempDir;
 
+use crate::compiled::tables;
 use crate::host::ROOT;
 use crate::skipped::skipped;
 
@@ -20,17 +19,6 @@ const STRICT: [&str; 7] = [
     "-Werror",
     "-Os",
 ];
-
-/// Returns the tables of a program.
-fn tables(text: &str) -> Tables {
-    let checked = check(
-        "program.sa",
-        &mut |_: &str| Ok(text.as_bytes().to_vec()),
-        Default::default(),
-    );
-    let tables = checked.programs[0].tables.clone();
-    tables.unwrap_or_else(|| panic!("{:#?}", checked.programs))
-}
 
 /// Returns the image of an example, and a folder with its firmware.
 fn firmware(example: &str) -> (Image, TempDir) {
