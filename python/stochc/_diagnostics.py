@@ -83,6 +83,8 @@ class Proof:
     """Whether a phase has a timeout."""
     has_dead_blocks: bool
     """Whether the scene has dead blocks."""
+    has_breaking_bonds: bool
+    """Whether bonds of the structure can break."""
     unproved: list[str]
     """Reasons why one of these properties is not proved."""
 

@@ -57,6 +57,7 @@ fn proved_properties_are_reported() {
             "shapes": [],
             "has_timeout": false,
             "has_dead_blocks": false,
+            "has_breaking_bonds": false,
             "unproved": [],
         },
     });
@@ -86,6 +87,21 @@ fn a_dead_block_is_an_exception() {
         "  proved: completes in every order unless it captures a dead block"
     );
     assert_eq!(proved[0]["has_dead_blocks"], true);
+}
+
+#[test]
+fn a_breaking_bond_is_an_exception() {
+    let text = "scene heavy from hemisphere {
+            gravity 9.81 m/s^2
+            bond attract { pull 15 N within 20cm  anchor centres 1mm  strength { force 5 N } }
+        }
+        assembly a in heavy { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }";
+    let (lines, proved) = checked(text, "");
+    assert_eq!(
+        lines[0],
+        "  proved: completes in every order unless a bond breaks"
+    );
+    assert_eq!(proved[0]["has_breaking_bonds"], true);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 use std::fmt;
 
 use serde::Serialize;
+use stochc_ir::scene::Scene;
 use stochc_text::series;
 
 use crate::blocks::block_demand::scarce_phase;
@@ -23,6 +24,8 @@ pub struct Proof {
     pub has_timeout: bool,
     /// Whether the scene has dead blocks.
     pub has_dead_blocks: bool,
+    /// Whether bonds of the structure can break.
+    pub has_breaking_bonds: bool,
     /// Reasons why a property is not proved, as clauses.
     pub unproved: Vec<String>,
 }
@@ -51,6 +54,7 @@ impl Checked {
             shapes: self.shapes(program),
             has_timeout: (program.plan.phases.iter()).any(|phase| phase.timeout.is_some()),
             has_dead_blocks: has_dead_blocks(program),
+            has_breaking_bonds: (program.scene.as_ref()).is_some_and(Scene::has_breaking_bonds),
             unproved,
         })
     }
@@ -105,10 +109,14 @@ fn has_dead_blocks(program: &Program) -> bool {
 impl fmt::Display for Proof {
     /// Writes one line per property: `proved: ...`, or `not proved: ...` with the reason.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let order = match (self.has_timeout, self.has_dead_blocks) {
-            (true, _) => "completes in every order unless a phase times out",
-            (false, true) => "completes in every order unless it captures a dead block",
-            (false, false) => "completes in every order",
+        let order = if self.has_timeout {
+            "completes in every order unless a phase times out"
+        } else if self.has_dead_blocks {
+            "completes in every order unless it captures a dead block"
+        } else if self.has_breaking_bonds {
+            "completes in every order unless a bond breaks"
+        } else {
+            "completes in every order"
         };
         if self.completes {
             writeln!(f, "proved: {order}")?;

@@ -56,6 +56,11 @@ impl Scene {
         self.block.mass + fluid.map_or(0.0, |fluid| fluid.taken_along(self.block.side))
     }
 
+    /// Returns whether bonds of the structure can break.
+    pub fn has_breaking_bonds(&self) -> bool {
+        (self.bond.as_ref()).is_some_and(|bond| bond.strength().is_some())
+    }
+
     /// Returns the coefficient of friction with the table. `None` outside of planar worlds, and if
     /// the table has no friction.
     pub fn table_friction(&self) -> Option<f64> {

@@ -20,10 +20,6 @@ pub struct Requirement {
 
 const ADD_FLUID: &str = "add `fluid { density 1000 kg/m^3  viscosity 1 mPa s }`";
 
-fn has_strength(scene: &Scene) -> bool {
-    (scene.bond.as_ref()).is_some_and(|bond| bond.strength().is_some())
-}
-
 /// All requirements. For each clause, only the first violated one is reported.
 pub const REQUIREMENTS: [Requirement; 12] = [
     Requirement {
@@ -67,7 +63,7 @@ pub const REQUIREMENTS: [Requirement; 12] = [
     Requirement {
         clause: "bond",
         needs: "world",
-        is_broken: |s| s.planar.is_some() && has_strength(s),
+        is_broken: |s| s.planar.is_some() && s.has_breaking_bonds(),
         title: "bonds do not break in a planar world",
         label: "the table carries the weight of all blocks",
         help: "remove `strength`, or `world planar`",
@@ -75,7 +71,7 @@ pub const REQUIREMENTS: [Requirement; 12] = [
     Requirement {
         clause: "bond",
         needs: "gravity",
-        is_broken: |s| s.gravity.is_none() && has_strength(s),
+        is_broken: |s| s.gravity.is_none() && s.has_breaking_bonds(),
         title: "the strength of bonds needs gravity",
         label: "the scene has no `gravity`, so bonds carry no load",
         help: "add `gravity 9.81 m/s^2`, or remove `strength`",
