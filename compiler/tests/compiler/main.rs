@@ -13,6 +13,7 @@ mod diagnostics;
 mod fixes;
 mod handlers;
 mod levels;
+mod mount;
 mod names;
 mod patterns;
 mod planar;

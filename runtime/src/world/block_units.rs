@@ -126,7 +126,8 @@ impl Units {
         // The table carries the blocks of a planar world.
         let gravity = scene.gravity.filter(|_| scene.planar.is_none());
         let weight = made(&gravity, |gravity| self.weight(*gravity, scene))?;
-        Ok(weight.map(|weight| Vector3::z() * -weight))
+        let up = Vector3::from(scene.gravity_direction().map(|part| f64::from(-part)));
+        Ok(weight.map(|weight| up * -weight))
     }
 
     /// Returns the deceleration by the table of a planar world.

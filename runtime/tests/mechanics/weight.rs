@@ -2,10 +2,11 @@
 
 use crate::scenes::{Kind, at, contact, empty, hemisphere, states, world};
 use nalgebra::Vector3;
-use stochc_ir::scene::Scene;
+use stochc_ir::scene::{Mount, Scene};
 use stochc_runtime::world::{BodyState, World};
 
 in_either_precision!(
+    a_cube_falls_in_the_direction_of_gravity,
     an_elastic_cube_rises_as_high_as_it_fell,
     an_inelastic_cube_rises_no_higher_than_it_should,
     a_cube_that_lies_stays,
@@ -52,6 +53,26 @@ fn peaks(path: &[BodyState]) -> Vec<f64> {
     let heights: Vec<f64> = path.iter().map(|it| it.position.z - 0.5).collect();
     let is_peak = |it: &&[f64]| it[0] < it[1] && it[1] >= it[2];
     heights.windows(3).filter(is_peak).map(|it| it[1]).collect()
+}
+
+/// Checks the path g t² / 2 with a plate on the floor, on a wall and on the roof. The velocity changes
+/// before each step, so the path is longer by half a step.
+fn a_cube_falls_in_the_direction_of_gravity<K: Kind>() {
+    for (mount, direction) in [
+        (None, [0.0, 0.0, -1.0]),
+        (Some(Mount::Wall), [0.0, -1.0, 0.0]),
+        (Some(Mount::Roof), [0.0, 0.0, 1.0]),
+    ] {
+        let scene = Scene {
+            mount,
+            ..ground(0.0, 0.0)
+        };
+        let path = path::<K>(&scene, 4, 20.0, Vector3::zeros(), 40);
+        let fallen = path[39].position - at(0.0, 0.0, 20.5);
+        let expected = WEIGHT * 40.0 * 40.25 / 2.0;
+        let error = (fallen - Vector3::from(direction) * expected).norm();
+        assert!(error < 1e-4, "{mount:?}: {fallen}");
+    }
 }
 
 /// A maximum can fall between two ticks, so it appears lower by up to g/8.

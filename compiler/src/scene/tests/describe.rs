@@ -5,7 +5,7 @@ use stochc_grammar::{Symbols, parse};
 use stochc_ir::scene::describe::{absent, terms};
 use stochc_ir::scene::{
     Agitation, Anchor, Block, Bond, BondStrength, Contact, ContactLaw, Drag, Enclosure, Faults,
-    Fluid, Measure, Messages, Planar, Pump, Reach, Scene,
+    Fluid, Measure, Messages, Mount, Planar, Pump, Reach, Scene,
 };
 
 use crate::Sources;
@@ -295,6 +295,9 @@ fn any_scene() -> impl Strategy<Value = Scene> {
                 name: "s".to_owned(),
                 tick,
                 gravity: table.0.map(|_| table.1),
+                mount: (table.0.filter(|_| !enclosure.is_flat())).and(
+                    [None, Some(Mount::Wall), Some(Mount::Roof)][usize::from(block.faces) % 3],
+                ),
                 planar: enclosure.is_flat().then_some(Planar { friction: table.0 }),
                 block,
                 agitation: Some(kicks),

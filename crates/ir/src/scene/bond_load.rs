@@ -17,21 +17,21 @@ const LOWEST: i32 = 1;
 pub struct BlocksBeyond {
     /// Number of blocks.
     pub count: i64,
-    sum: [i64; 2],
+    sum: [i64; 3],
 }
 
 impl BlocksBeyond {
     fn one(cell: Cell) -> BlocksBeyond {
         BlocksBeyond {
             count: 1,
-            sum: [cell.x, cell.y].map(i64::from),
+            sum: [cell.x, cell.y, cell.z].map(i64::from),
         }
     }
 
     /// Adds blocks, or removes them if `sign` is -1.
     pub fn add(&mut self, more: BlocksBeyond, sign: i64) {
         self.count += sign * more.count;
-        self.sum = [0, 1].map(|axis| self.sum[axis] + sign * more.sum[axis]);
+        self.sum = [0, 1, 2].map(|axis| self.sum[axis] + sign * more.sum[axis]);
     }
 }
 
@@ -57,6 +57,8 @@ pub struct BreakingBonds {
     weight: f64,
     /// Block length \[m\].
     side: f64,
+    /// Direction of gravity in the frame of the structure.
+    down: [i32; 3],
     has_floor: bool,
     strength: BondStrength,
 }
@@ -71,6 +73,7 @@ impl BreakingBonds {
         Some(BreakingBonds {
             weight: (scene.block.mass - displaced) * scene.gravity?,
             side,
+            down: scene.gravity_direction(),
             has_floor: scene.contact.is_some(),
             strength,
         })
@@ -89,7 +92,7 @@ impl BreakingBonds {
 
     /// Returns whether the floor carries a block.
     fn stands(&self, cell: Cell) -> bool {
-        self.has_floor && self.weight > 0.0 && cell.z == LOWEST
+        self.has_floor && self.weight * f64::from(self.down[2]) < 0.0 && cell.z == LOWEST
     }
 
     /// Returns the load of the bond between a block and its parent. `face` is the face of the
@@ -98,17 +101,22 @@ impl BreakingBonds {
         let normal = face.normal();
         let force = beyond.count as f64 * self.weight;
         // Positive if the blocks press on their parent.
-        let pressing = force * f64::from(normal[2]);
+        let along: i32 = (0..3).map(|axis| normal[axis] * self.down[axis]).sum();
+        let pressing = -force * f64::from(along);
         let borne = pressing.max(0.0) * self.side / 2.0;
-        // The joint is half a block length from the block's centre.
-        let joint = [(cell.x, normal[0]), (cell.y, normal[1])];
-        let joint = joint.map(|(cell, normal)| 2 * i64::from(cell) - i64::from(normal));
-        let torque = [0, 1].map(|axis| {
-            let arm = (2 * beyond.sum[axis] - beyond.count * joint[axis]) as f64 / 2.0;
+        let cell = [cell.x, cell.y, cell.z];
+        let torque = [0, 1, 2].map(|axis| {
+            // Arms along gravity have no torque.
+            if self.down[axis] != 0 {
+                return 0.0;
+            }
+            // The joint is half a block length from the block's centre.
+            let joint = 2 * i64::from(cell[axis]) - i64::from(normal[axis]);
+            let arm = (2 * beyond.sum[axis] - beyond.count * joint) as f64 / 2.0;
             ((arm * self.side * self.weight).abs() - borne).max(0.0)
         });
         let force = if pressing > 0.0 { 0.0 } else { force.abs() };
-        let torque = torque[0].hypot(torque[1]);
+        let torque = torque.into_iter().fold(0.0, f64::hypot);
         let part = |load: f64, strength: Option<f64>| strength.map_or(0.0, |most| load / most);
         BondLoad {
             blocks: beyond.count,
@@ -223,6 +231,7 @@ mod tests {
         BreakingBonds {
             weight,
             side: 0.1,
+            down: [0, 0, -1],
             has_floor,
             strength: BondStrength {
                 force: Some(1.0),
@@ -272,6 +281,39 @@ mod tests {
         let load = |weight| law(weight, true).load(Face::Up, CELL, crane).torque;
         assert!((load(0.2) - 0.02).abs() < 1e-12);
         assert!((load(-0.2) - 0.06).abs() < 1e-12);
+    }
+
+    /// Checks that a plate on a wall turns all loads with it, and one on the roof reverses them.
+    #[test]
+    fn loads_turn_with_the_plate() {
+        let shape = blocks(&[[1, 0, 3], [1, 1, 4], [2, 1, 4], [3, 1, 4]]);
+        let mounted = |down, face| {
+            BreakingBonds {
+                down,
+                ..law(0.2, true)
+            }
+            .load(face, CELL, shape)
+        };
+        for face in Face::ALL {
+            let rising = law(-0.2, true).load(face, CELL, shape);
+            assert_eq!(mounted([0, 0, 1], face), rising, "{face:?}");
+        }
+        // The arms of the four blocks add up to 5 in x and to 3 in z.
+        let load = mounted([0, -1, 0], Face::East);
+        assert!((load.force - 0.8).abs() < 1e-12);
+        let torque = 0.02 * 5.0_f64.hypot(3.0);
+        assert!((load.torque - torque).abs() < 1e-12, "{load:?}");
+        assert_eq!(mounted([0, -1, 0], Face::North).force, 0.0);
+        let cell = Cell { x: 4, y: 0, z: 1 };
+        let one = |weight, down| {
+            let law = BreakingBonds {
+                down,
+                ..law(weight, true)
+            };
+            law.beyond(cell, BlocksBeyond::default()).count
+        };
+        assert_eq!((one(0.2, [0, 0, 1]), one(-0.2, [0, 0, 1])), (1, 0));
+        assert_eq!((one(0.2, [0, -1, 0]), one(-0.2, [0, -1, 0])), (1, 1));
     }
 
     #[test]

@@ -27,4 +27,6 @@ pub use medium::{Agitation, BOLTZMANN, Drag, Flow, Fluid, Jets, Stir, Strength, 
 pub use substeps::{InvalidSubsteps, Substeps, takes_local_steps};
 pub use suction::Suction;
 pub use validation::InvalidScene;
-pub use world::{Arrangement, Block, Contact, ContactLaw, Faults, Free, Messages, Planar, Scene};
+pub use world::{
+    Arrangement, Block, Contact, ContactLaw, Faults, Free, Messages, Mount, Planar, Scene,
+};

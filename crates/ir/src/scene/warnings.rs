@@ -163,10 +163,12 @@ fn density_at_structure(scene: &Scene, layers: &RangeInclusive<i32>) -> Option<(
 /// Warns of a structure at heights with few free blocks because of weight or lift.
 fn buoyant(scene: &Scene, layers: &RangeInclusive<i32>) -> Option<SceneWarning> {
     let (layer, density) = density_at_structure(scene, layers)?;
-    let where_they_are = if Settling::from_scene(scene)?.is_floating {
-        "most blocks float at the top"
-    } else {
-        "most blocks lie on the floor"
+    let is_away = Settling::from_scene(scene)?.is_floating;
+    let where_they_are = match (scene.mount, is_away) {
+        (None, true) => "most blocks float at the top",
+        (None, false) => "most blocks lie on the floor",
+        (Some(_), true) => "most blocks sink away from the plate",
+        (Some(_), false) => "most blocks float at the plate",
     };
     (density < MIN_DENSITY).then(|| SceneWarning {
         kind: SceneWarningKind::BuoyantBlocks,

@@ -24,6 +24,9 @@ pub struct Scene {
     pub planar: Option<Planar>,
     /// Enclosure of the free blocks.
     pub enclosure: Option<Enclosure>,
+    /// Position of the plate. `None` if the plate is on the floor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mount: Option<Mount>,
     /// Gravity \[m/s^2\]. A fluid with a density adds buoyancy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<f64>,
@@ -61,6 +64,15 @@ impl Scene {
         (self.bond.as_ref()).is_some_and(|bond| bond.strength().is_some())
     }
 
+    /// Returns the direction of gravity in the frame of the structure, as a unit vector.
+    pub fn gravity_direction(&self) -> [i32; 3] {
+        match self.mount {
+            None => [0, 0, -1],
+            Some(Mount::Wall) => [0, -1, 0],
+            Some(Mount::Roof) => [0, 0, 1],
+        }
+    }
+
     /// Returns the coefficient of friction with the table. `None` outside of planar worlds, and if
     /// the table has no friction.
     pub fn table_friction(&self) -> Option<f64> {
@@ -94,6 +106,7 @@ impl Scene {
         let viscosity = self.fluid.as_ref().and_then(|fluid| fluid.viscosity);
         Scene {
             planar: None,
+            mount: None,
             enclosure: None,
             agitation: None,
             gravity: None,
@@ -110,6 +123,17 @@ impl Scene {
             ..self.clone()
         }
     }
+}
+
+/// Position of a plate that is not on the floor. The frame of the structure, with its enclosure and
+/// its flows, turns with the plate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mount {
+    /// The plate is on a wall, and gravity points to the south of the structure.
+    Wall,
+    /// The plate is on the roof, and gravity points upward in the structure.
+    Roof,
 }
 
 /// Planar world. Blocks slide on a table, which is the ground, level with the plate. They turn only

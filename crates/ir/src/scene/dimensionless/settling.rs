@@ -5,7 +5,7 @@
 //! simulated profiles.
 use std::f64::consts::PI;
 
-use super::super::{Agitation, BOLTZMANN, Enclosure, Fluid, Scene, Turbulence};
+use super::super::{Agitation, BOLTZMANN, Enclosure, Fluid, Mount, Scene, Turbulence};
 use super::{BlockUnits, speed};
 
 /// Height distribution of blocks with a density other than the fluid's.
@@ -134,14 +134,26 @@ const SLICES: u32 = 512;
 /// Number of scale heights after which the profile is negligible.
 const FAR: f64 = 40.0;
 
-/// Returns the acceleration that weight and buoyancy give a block at rest, positive downward
-/// \[m/s^2\]. Returns 0 in a planar world, where the table carries the blocks.
+/// Returns the acceleration that weight and buoyancy give a block at rest, positive towards the
+/// floor of the structure \[m/s^2\]. Returns 0 in a planar world, and with a plate on a wall.
 pub fn down(scene: &Scene) -> f64 {
     if scene.planar.is_some() {
-        0.0
-    } else {
-        weight(scene)
+        return 0.0;
     }
+    match scene.mount {
+        None => weight(scene),
+        Some(Mount::Wall) => 0.0,
+        Some(Mount::Roof) => -weight(scene),
+    }
+}
+
+/// Returns the acceleration that presses a block against the floor or a wall, by its weight or its
+/// buoyancy \[m/s^2\]. Returns 0 in a planar world.
+pub(super) fn load(scene: &Scene) -> f64 {
+    if scene.planar.is_some() {
+        return 0.0;
+    }
+    weight(scene).abs()
 }
 
 /// Returns the weight of a block minus its buoyancy, divided by its inertial mass \[m/s^2\].

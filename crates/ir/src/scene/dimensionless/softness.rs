@@ -58,7 +58,7 @@ const MAX_MOVING: f64 = 1.0;
 pub(super) fn softness(scene: &Scene, out: &mut Vec<DimensionlessNumber>) {
     let units = BlockUnits::from_scene(scene);
     let down = settling::down(scene);
-    let weight = units.acceleration(down.abs());
+    let weight = units.acceleration(settling::load(scene));
     let lies_on_floor = down > 0.0 && scene.contact.is_some();
     // Jets come from the wall, and are slower at the structure and at the opposite wall.
     let radius = scene.enclosure.as_ref().map_or(0.0, Enclosure::radius);

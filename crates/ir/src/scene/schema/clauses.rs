@@ -1,8 +1,8 @@
 //! Clauses of a scene: their kinds and fields, in the order of the reference.
 use super::super::{
     Agitation, Anchor, Arrangement, Block, Bond, BondStrength, Contact, ContactLaw, Drag,
-    Enclosure, Faults, Flow, Fluid, Free, Jets, Magnets, Measure, Messages, Planar, Pump, Reach,
-    Scene, Stir, Strength, Turbulence,
+    Enclosure, Faults, Flow, Fluid, Free, Jets, Magnets, Measure, Messages, Mount, Planar, Pump,
+    Reach, Scene, Stir, Strength, Turbulence,
 };
 use super::equations::*;
 use super::numbers::*;
@@ -64,6 +64,7 @@ pub fn unspecified() -> Scene {
             arrangement: Arrangement::Uniform,
         },
         planar: None,
+        mount: None,
         enclosure: None,
         gravity: None,
         fluid: None,
@@ -128,7 +129,7 @@ macro_rules! kinds {
 
 /// All clauses of a scene.
 #[rustfmt::skip]
-pub static CLAUSES: [SchemaEntry; 14] = [
+pub static CLAUSES: [SchemaEntry; 15] = [
     field!(TICK).absent(Example("tick 20ms")).equations(&[&TICKS]),
     SchemaEntry::new("block", &[
         SchemaPart::OneOf { noun: "cube", of: &[SchemaEntry::new("cube", &[]).is(|_| true).equations(&[&CUBES])] },
@@ -162,6 +163,23 @@ pub static CLAUSES: [SchemaEntry; 14] = [
             .equations(&[&PLANE, &TABLE]),
     ])
     .otherwise("blocks move and turn in space"),
+    kinds!("mount" [
+        SchemaEntry::new("wall", &[])
+            .means("the plate is on a wall: gravity points to the south of the structure")
+            .is(|s| s.mount == Some(Mount::Wall))
+            .make(|s| s.mount = Some(Mount::Wall))
+            .equations(&[&ON_WALL]),
+        SchemaEntry::new("roof", &[])
+            .means("the plate is on the roof: gravity points upward in the structure, and free blocks sink away from it")
+            .is(|s| s.mount == Some(Mount::Roof))
+            .make(|s| s.mount = Some(Mount::Roof))
+            .equations(&[&ON_ROOF]),
+        SchemaEntry::new("floor", &[])
+            .means("the plate is on the floor, for a scene that is derived from another one")
+            .is(|_| false)
+            .make(|s| s.mount = None),
+    ])
+    .otherwise("the plate is on the floor"),
     kinds!("enclosure" [
         braces!("hemisphere" [field!(ENCLOSURE_RADIUS), field!(ENCLOSURE_WALL)])
             .means("a hemisphere on a solid floor, around the centre of the plate")

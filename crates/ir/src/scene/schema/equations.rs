@@ -201,6 +201,10 @@ equations! {
         Some("z = a / 2; ω = (0, 0, ω)"); [];
     TABLE "the table slows sliding and turning together, and holds blocks at rest"
         Some("m v' = -μ_t m g v / s, I ω' = -μ_t m g c² ω / s; s² = v² + c² ω², c = 0.3826 a"); [N(&TABLE_FRICTION)];
+    ON_WALL "the structure's frame, with the enclosure, lies on its side: its floor is a wall of the room"
+        Some("v' = -g y instead of -g z"); [];
+    ON_ROOF "the structure's frame, with the enclosure, is upside down: its floor is the roof of the room"
+        Some("v' = g z instead of -g z"); [];
     WEIGHT "pulls every free block down"
         Some("v' = -g z"); [N(&GRAVITY)] if |s| density(s).is_none() && s.planar.is_none();
     BUOYANCY "pulls every free block down, and its fluid bears it up"

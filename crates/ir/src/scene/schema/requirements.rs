@@ -1,5 +1,5 @@
 //! Terms that require other terms.
-use super::super::{Agitation, Bond, Enclosure, Scene, Strength, Suction, Turbulence};
+use super::super::{Agitation, Bond, Enclosure, Mount, Scene, Strength, Suction, Turbulence};
 
 /// Requirement of a clause.
 #[derive(Debug)]
@@ -21,7 +21,7 @@ pub struct Requirement {
 const ADD_FLUID: &str = "add `fluid { density 1000 kg/m^3  viscosity 1 mPa s }`";
 
 /// All requirements. For each clause, only the first violated one is reported.
-pub const REQUIREMENTS: [Requirement; 12] = [
+pub const REQUIREMENTS: [Requirement; 15] = [
     Requirement {
         clause: "world",
         needs: "gravity",
@@ -59,6 +59,30 @@ pub const REQUIREMENTS: [Requirement; 12] = [
         title: "this bond is not supported in a planar world",
         label: "its forces are defined in space only",
         help: "write `bond attract`, or remove `world planar`",
+    },
+    Requirement {
+        clause: "mount",
+        needs: "world",
+        is_broken: |s| s.planar.is_some() && s.mount.is_some(),
+        title: "a planar world has no walls and no roof for a plate",
+        label: "the plate is level with the table",
+        help: "remove `mount`, or `world planar`",
+    },
+    Requirement {
+        clause: "mount",
+        needs: "gravity",
+        is_broken: |s| s.gravity.is_none() && s.mount.is_some(),
+        title: "the position of the plate needs gravity",
+        label: "without `gravity`, floor, walls and roof are the same",
+        help: "add `gravity 9.81 m/s^2`, or remove `mount`",
+    },
+    Requirement {
+        clause: "mount",
+        needs: "flow",
+        is_broken: |s| s.flow.is_some() && s.mount == Some(Mount::Wall),
+        title: "a plate on a wall is not supported with a flow",
+        label: "the flow turns about the vertical axis of the structure, which is level here",
+        help: "remove `flow`, or write `mount roof`",
     },
     Requirement {
         clause: "bond",
