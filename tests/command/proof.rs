@@ -89,19 +89,40 @@ fn a_dead_block_is_an_exception() {
     assert_eq!(proved[0]["has_dead_blocks"], true);
 }
 
+/// Checks the proof of a program whose bonds break in no order, and of one with an overloaded bond.
 #[test]
 fn a_breaking_bond_is_an_exception() {
-    let text = "scene heavy from hemisphere {
-            gravity 9.81 m/s^2
-            bond attract { pull 15 N within 20cm  anchor centres 1mm  strength { force 5 N } }
-        }
-        assembly a in heavy { seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> A } }";
-    let (lines, proved) = checked(text, "");
+    let program = |arm: &str| {
+        format!(
+            "scene heavy from hemisphere {{
+                gravity 9.81 m/s^2
+                bond attract {{
+                    pull 15 N within 20cm  anchor centres 1mm
+                    strength {{ force 5 N }}
+                }}
+            }}
+            assembly a in heavy {{
+                seed plate 1 x 1 {{ M at (0, 0) }}
+                phase p {{ M.up -> A{arm} }}
+            }}"
+        )
+    };
+    let (lines, proved) = checked(&program(""), "");
     assert_eq!(
         lines[0],
         "  proved: completes in every order unless a bond breaks"
     );
     assert_eq!(proved[0]["has_breaking_bonds"], true);
+    assert_eq!(proved[0]["completes"], true);
+    let (lines, proved) = checked(&program(".up -> B.east -> C"), "--allow warnings");
+    let expected = [
+        "  proved: no cell is blocked or used twice",
+        "  not proved: completes in every order",
+        "    because a bond breaks (overloaded-bond)",
+    ];
+    assert_eq!(lines, expected);
+    assert_eq!(proved[0]["completes"], false);
+    assert_eq!(proved[0]["no_cell_blocked"], true);
 }
 
 #[test]

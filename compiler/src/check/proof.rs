@@ -12,7 +12,7 @@ use crate::diagnostic::{Code, Diagnostic};
 /// Properties of a program in every order of its captures and releases.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Proof {
-    /// Whether every order completes, if no timeout ends the run.
+    /// Whether every order completes, if no timeout and no broken bond ends the run.
     pub completes: bool,
     /// Whether every captured cell stays accessible until its block is captured.
     pub no_cell_blocked: bool,
@@ -42,11 +42,16 @@ impl Checked {
         let allowed = self.allowed.iter().map(|allowed| &allowed.diagnostic);
         let found = self.diagnostics.iter().chain(allowed);
         let found = found.filter(|diagnostic| diagnostic.programs.contains(&number));
-        let mut unproved: Vec<String> = found.filter_map(undecided).collect();
+        let (overload, found): (Vec<_>, Vec<_>) =
+            found.partition(|diagnostic| diagnostic.code == Code::OverloadedBond);
+        let mut unproved: Vec<String> = found.into_iter().filter_map(undecided).collect();
         unproved.sort_unstable();
         unproved.dedup();
         let no_cell_blocked = unproved.is_empty();
         unproved.extend(scarcity(program));
+        if let Some(diagnostic) = overload.first() {
+            unproved.push(format!("a bond breaks ({})", diagnostic.code));
+        }
         Some(Proof {
             completes: unproved.is_empty(),
             no_cell_blocked,
@@ -133,7 +138,7 @@ impl fmt::Display for Proof {
             writeln!(f, "proved: builds {}", series(&shapes, "and"))?;
         }
         if !self.completes {
-            writeln!(f, "not proved: {order}")?;
+            writeln!(f, "not proved: completes in every order")?;
             for reason in &self.unproved {
                 writeln!(f, "  because {reason}")?;
             }
