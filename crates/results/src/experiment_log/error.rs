@@ -54,6 +54,11 @@ pub enum RowError {
         "`{0}` is not a key of a log; keys are `run`, `seconds` or `ticks`, `event`, `block`, `by` and `body`"
     )]
     Key(String),
+    /// The log contains tracked positions.
+    #[error(
+        "`{0}` is a position, and a log contains only events; keep tracked positions in a file of their own"
+    )]
+    Position(String),
     /// The cell is not a whole number.
     #[error("`{text}` in `{column}` is not a whole number")]
     Number {

@@ -12,6 +12,9 @@ const MAX: f64 = 1e15;
 /// Columns of a log, and keys of its objects.
 const COLUMNS: [&str; 7] = ["run", "seconds", "ticks", "event", "block", "by", "body"];
 
+/// Columns that contain tracked positions.
+const POSITIONS: [&str; 3] = ["x", "y", "z"];
+
 /// Message for other JSON than JSON Lines.
 const NO_OBJECT: &str = "it is not an object of JSON; JSON Lines have one object per line";
 
@@ -82,6 +85,9 @@ fn json_row(number: u64, line: &[u8], tick: f64) -> Result<Row, RowError> {
     let object: Map<String, Value> =
         serde_json::from_slice(line).map_err(|_| RowError::Syntax(NO_OBJECT))?;
     if let Some(key) = object.keys().find(|key| !COLUMNS.contains(&key.as_str())) {
+        if POSITIONS.contains(&key.as_str()) {
+            return Err(RowError::Position(key.clone()));
+        }
         return Err(RowError::Key(key.clone()));
     }
     let cell = |name: &str| match object.get(name) {
@@ -108,6 +114,9 @@ fn csv_rows(text: &[u8], tick: f64) -> Result<Rows<'_>, LogError> {
     let is_valid = required.iter().all(|it| count(it) <= 1)
         && count("seconds") + count("ticks") <= 1
         && count("body") <= 1;
+    if let Some(column) = header.iter().find(|column| POSITIONS.contains(column)) {
+        return Err(RowError::Position(column.to_owned()).at(1));
+    }
     if !is_valid || !header.iter().all(is_known) {
         let columns: Vec<&str> = header.iter().collect();
         return Err(LogError::Columns(columns.join(",")));

@@ -242,6 +242,7 @@ fn wrong_rows_are_rejected_with_their_line() {
     for (line, row) in [
         (1, "run,seconds,event,block"),
         (1, "run,seconds,event,block,by,colour"),
+        (1, "run,seconds,event,block,by,x"),
         (2, "0,1,captured,C"),
         (2, "x,1,captured,C,A.up"),
         (2, "1,1,captured,C,A.up"),
