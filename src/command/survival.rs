@@ -1,10 +1,12 @@
 //! `stochc verify --faults`: whether a program completes in every order with dead blocks.
+use std::fmt::Write as _;
+
 use serde_json::{Value, json};
 use stochc_control::explore::{
     Exploration, ExplorationReport, ExplorationVerdict, Faults, Property, Violation,
 };
 use stochc_ir::table::{Action, Rule, Tables};
-use stochc_text::visible;
+use stochc_text::{counted, visible};
 
 use super::verify::reports;
 use stochc_compiler::model_check::MISTAKE;
@@ -96,8 +98,9 @@ impl Survival {
             _ => MISTAKE.to_owned(),
         };
         let (name, dockings) = (&tables.assembly, self.dockings());
+        let (what, steps) = (&violation.what, steps(violation));
         Some(format!(
-            "error: `{name}` in {file} does not survive {dockings}\n{violation}help: {help}\n"
+            "error: `{name}` in {file} does not survive {dockings}\n{what}\n{steps}help: {help}\n"
         ))
     }
 
@@ -120,4 +123,25 @@ impl Survival {
         };
         format!("add {timeout}`on timeout {{ release {name}  retry {dead} }}` to phase `{name}`")
     }
+}
+
+/// Returns the faults and the last steps of a trace, one line each.
+fn steps(violation: &Violation) -> String {
+    /// Number of last steps.
+    const LAST: usize = 20;
+    let count = violation.trace.len();
+    let (mut out, mut hidden) = (String::new(), 0);
+    for (at, step) in violation.trace.iter().enumerate() {
+        if at + LAST < count && !violation.faults.contains(&at) {
+            hidden += 1;
+            continue;
+        }
+        // Writing to a string cannot fail.
+        if hidden > 0 {
+            let hidden = counted(std::mem::take(&mut hidden), "step");
+            let _ = writeln!(out, "       ... {hidden} not shown; `--json` lists all");
+        }
+        let _ = writeln!(out, "{:5}. {step}", at + 1);
+    }
+    out
 }

@@ -763,6 +763,28 @@ fn dead_blocks_are_survived_with_retries() {
 }
 
 #[test]
+fn long_traces_show_the_fault_and_the_last_steps() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "towers.sa");
+    let towers = "assembly towers { seed plate 5 x 3 { M at (1, 1)  N at (3, 1) }
+        phase grow { M.up ->> T[1..15]  N.up ->> U[1..15] } }";
+    fs::write(&file, towers).unwrap();
+    let outcome = stochc_with("verify --faults 1", &[&file]);
+    assert_eq!(outcome.status, 3);
+    let lines: Vec<&str> = outcome.err.lines().collect();
+    // The two lines of the error precede the steps, and the help follows them.
+    let steps = &lines[2..lines.len() - 1];
+    let first = [
+        "       ... 1 step not shown; `--json` lists all",
+        "    2. N.up captures a block for U[1], which does not answer",
+        "       ... 9 steps not shown; `--json` lists all",
+        "   12. T[10].up captures T[11]",
+    ];
+    assert_eq!(steps[..4], first);
+    assert_eq!(steps.len(), 3 + 20, "{}", outcome.err);
+}
+
+#[test]
 fn proposed_retries_are_valid_in_their_phases() {
     for (file, help) in [
         (

@@ -99,6 +99,10 @@ impl PropertyChecker<'_> {
             phase: phase.unwrap_or(PhaseId(0)),
             what,
             trace: self.describer.trace(context, transitions),
+            faults: (transitions.iter().enumerate())
+                .filter(|(_, transition)| transition.is_fault())
+                .map(|(at, _)| at)
+                .collect(),
         }))
     }
 

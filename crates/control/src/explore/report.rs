@@ -56,6 +56,8 @@ pub struct Violation {
     pub what: String,
     /// Events that lead to the violation, in order, one line each.
     pub trace: Vec<String>,
+    /// Indices of the faults in the trace.
+    pub faults: Vec<usize>,
 }
 
 /// Property that must hold in every order of events.

@@ -55,6 +55,19 @@ impl Transition {
         !matches!(self, Transition::Answer(_))
     }
 
+    /// Returns whether the transition happens only with faults.
+    pub fn is_fault(&self) -> bool {
+        matches!(
+            self,
+            Transition::Lose(_)
+                | Transition::LoseAnswer(_)
+                | Transition::Hold(_)
+                | Transition::CaptureMistaken(..)
+                | Transition::Stray(_)
+                | Transition::Die(_)
+        )
+    }
+
     /// Returns the message of the transition. Returns `None` for a transition without a message.
     pub fn transit(&self) -> Option<InTransit> {
         match *self {
