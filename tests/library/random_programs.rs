@@ -3,6 +3,7 @@
 use std::cell::Cell as Counter;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
 
 use crate::random::{Declared, Reuse, declare, declare_with};
 use proptest::prelude::*;
@@ -21,6 +22,8 @@ use stochc::runtime::world::World;
 use stochc::runtime::world::rate::RateWorld;
 use stochc::runtime::world::shuffle::ShuffleWorld;
 use stochc::runtime::{Model, Settings, drive, run};
+use stochc_experiments::{ClaimTesting, ModelError, decide_claims, test_claims};
+use stochc_results::{EnsembleProgram, Finished, Records};
 
 /// Adds gravity, and lets bonds break. A bond holds the weight of `blocks` blocks. It also holds the
 /// torque of one block at the end of an arm of `arm` block lengths.
@@ -277,4 +280,45 @@ fn has_two_holders(tables: &Tables) -> bool {
         .map(|duty| (duty.role, duty.phase))
         .collect();
     duties.windows(2).any(|pair| pair[0] == pair[1])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
+
+    /// Formatting does not change claims, and all claims are decided with a few runs.
+    #[test]
+    fn claims_are_formatted_and_decided(
+        choices in prop::collection::vec(any::<u32>(), 0..60),
+        faces in 1u8..=5,
+        seed: u64,
+    ) {
+        let mut declared = declare(choices, faces);
+        let program = declared.program();
+        declared.text = stochc_grammar::format(&declared.text).unwrap();
+        prop_assert_eq!(&declared.program().claims, &program.claims);
+        let claims = program.claims.clone();
+        let Some(executable) = program.into_executable() else {
+            return Ok(());
+        };
+        prop_assert!(claims.len() >= 3, "{}", declared.text);
+        let rates = Rates::built_in(&executable.scene).expect("the scene has rates");
+        let settings = Settings::new(Model::Rate, 1);
+        let runs = (0..5).map(|run| Finished {
+            program: 0,
+            record: stochc::simulate(&executable, &settings, seed, run).unwrap(),
+            cpu: None,
+        });
+        let runs: Records = runs.collect::<Vec<_>>().into();
+        let program = EnsembleProgram::new("random", Vec::new(), executable);
+        let programs = std::slice::from_ref(&program);
+        let testing = ClaimTesting { alpha: 0.05, margin: 0.0, error: ModelError::NONE };
+        let tested = test_claims(&claims, programs, &runs, testing).unwrap();
+        let stop = AtomicBool::new(false);
+        let computed = decide_claims(&claims, programs, &[rates], ModelError::NONE, &stop);
+        let computed = computed.into_iter().flatten();
+        for tested in tested.into_iter().chain(computed) {
+            let (low, high) = tested.limits;
+            prop_assert!(low <= high, "{tested:?}: {}", declared.text);
+        }
+    }
 }

@@ -160,6 +160,30 @@ impl Generator {
         }
     }
 
+    /// Claims something about the runs of the program. `last` is the number of the last phase.
+    fn claims(&mut self, last: usize) {
+        let number = self.text.len();
+        let relation = [">=", "<="][number % 2];
+        let within = ["", " within 2 min", " within 5 ms", " within 1e12 s"][number % 4];
+        let bound = ["0.5", "99.99 %", "1e-7", "0.9999"][number / 2 % 4];
+        let mut events = vec![
+            "complete".to_owned(),
+            format!("phase p{}", number % (last + 1)),
+        ];
+        let captured = |(name, block): (&String, &Block)| {
+            Some(format!("captured {name} by {}", block.parent.as_ref()?))
+        };
+        events.extend(self.blocks.iter().find_map(captured));
+        for event in events {
+            let claim = format!("{event}{within} with probability {relation} {bound}");
+            let _ = writeln!(self.text, "    expect {claim}");
+        }
+        let _ = writeln!(
+            self.text,
+            "    expect mean completion {relation} {number} ticks"
+        );
+    }
+
     /// Returns the blocks that can be released: those without children.
     fn leaves(&self, stage: &Stage) -> Vec<String> {
         (self.blocks.iter())
@@ -417,9 +441,11 @@ pub fn declare_with(reuse: Reuse, choices: Vec<u32>, faces: u8) -> Declared {
         );
     }
     generator.text.push_str("    }\n");
-    for number in 0..=generator.choose(4) {
+    let phases = generator.choose(4);
+    for number in 0..=phases {
         generator.phase(number);
     }
+    generator.claims(phases);
     generator.text.push_str("}\n");
     generator.text.push_str(&generator.shapes);
     let structure = generator
