@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use stochc_experiments::calibration::{Calibration, profile, programs};
-use stochc_ir::scene::Scene;
+use stochc_ir::scene::{Bond, Scene};
 use stochc_results::{EnsembleProgram, Manifest};
 use stochc_runtime::Settings;
 use stochc_runtime::rates::Rates;
@@ -67,7 +67,8 @@ impl Effort {
     }
 }
 
-/// Calibrates the rates of a scene with physical simulations, without hardware faults.
+/// Calibrates the rates of a scene with physical simulations, without hardware faults and broken
+/// bonds.
 ///
 /// # Errors
 /// If the scene cannot be set up, or the user interrupts.
@@ -75,10 +76,12 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
     if let Some(error) = RateWorld::unsupported(scene) {
         return Err(Failure::invalid_program(error.to_string()));
     }
-    let scene = &Scene {
-        faults: None,
-        ..scene.clone()
-    };
+    let mut scene = scene.clone();
+    scene.faults = None;
+    if let Some(strength) = scene.bond.as_mut().and_then(Bond::strength_mut) {
+        *strength = None;
+    }
+    let scene = &scene;
     let observed = observed(scene)?;
     let gas = gas(scene, effort, host)?;
     let enough = ENOUGH * observed.len() as u64;
@@ -96,13 +99,15 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
     }
     let mut ticks = 0;
     loop {
+        let before = (calibration.captures(), ticks);
         let results = all_runs(&manifest, effort.threads, NOTHING, host)?;
         let observed = results.finished.each(|done| {
             ticks += done.record.ticks;
             calibration.observe(done.program, &done.record);
         });
         observed.map_err(Failure::usage)?;
-        if !is_adaptive || calibration.captures() >= enough || ticks >= MANY_TICKS {
+        let is_useless = before == (calibration.captures(), ticks);
+        if !is_adaptive || is_useless || calibration.captures() >= enough || ticks >= MANY_TICKS {
             break;
         }
         manifest.runs = RUNS;

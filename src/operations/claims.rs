@@ -131,6 +131,10 @@ fn rate_error(entries: &[EnsembleProgram], options: &ClaimOptions) -> Option<Mod
     });
     let is_supported = entries.iter().all(|program| supported(program).is_ok());
     let rates = rates.filter(|_| options.tries_rates && is_supported && !has_timeout)?;
+    // The error of other scenes was validated in too few of them.
+    if rates.iter().any(|rates| rates.held_out.is_some()) {
+        return None;
+    }
     let mut programs = entries.iter().zip(rates);
     let is_complete = programs.all(|(program, rates)| program.lower_bound(rates).is_empty());
     Some(ModelError {

@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 use stochc_estimate::Rates;
 use stochc_experiments::{ClaimTesting, ModelError, decide_claims, test_claims};
 use stochc_ir::claim::Claim;
+use stochc_ir::scene::{Bond, BondStrength, Scene};
 use stochc_results::{EnsembleProgram, Finished, Records};
 use stochc_runtime::{Model, Settings};
 
@@ -86,10 +87,28 @@ fn probabilities_and_means_agree_with_runs() {
 fn phases_with_a_wait_need_runs() {
     let text = TEXT.replace("E2.down -> D }", "E2.down -> D  wait 500 s }");
     assert_ne!(text, TEXT);
+    assert_needs_runs(&text, |_| ());
+}
+
+/// A structure whose bonds break never completes.
+#[test]
+fn bonds_that_break_need_runs() {
+    assert_needs_runs(TEXT, |scene| {
+        let strength = scene.bond.as_mut().and_then(Bond::strength_mut);
+        *strength.unwrap() = Some(BondStrength {
+            force: Some(1e-9),
+            torque: None,
+        });
+    });
+}
+
+/// Checks that no claim is decided without runs, in a changed scene.
+fn assert_needs_runs(text: &str, change: impl Fn(&mut Scene)) {
     let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
     let checked = stochc_compiler::check("hook.sa", &mut reader, Default::default());
     let claims = checked.programs[0].claims.clone();
-    let executable = stochc::compile(checked).unwrap().remove(0);
+    let mut executable = stochc::compile(checked).unwrap().remove(0);
+    change(&mut executable.scene);
     let rates = Rates::built_in(&executable.scene).unwrap();
     let program = EnsembleProgram::new("hook", Vec::new(), executable);
     let decided = decide_claims(

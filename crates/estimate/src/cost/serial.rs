@@ -46,8 +46,8 @@ impl SerialCapture {
 }
 
 /// Returns the captures of a program in order. Returns `None` if two faces can be open at the same
-/// time, if a block is released, if messages take time, if the scene has faults, or if a phase has
-/// a timeout or a `wait`.
+/// time, if a block is released, if messages take time, if the scene has faults or bonds that can
+/// break, or if a phase has a timeout or a `wait`.
 ///
 /// In these programs, the surroundings of a face do not change while it waits. Waiting times are
 /// therefore independent, and the completion time is their sum.
@@ -59,10 +59,13 @@ pub fn serial_captures(parts: ProgramParts<'_>, rates: &Rates) -> Option<Vec<Ser
     let has_releases = (graph.events.iter()).any(|event| !event.action.is_capture());
     let needs_time = MessageTimes::new(&events).is_some();
     let has_faults = parts.scene.faults.is_some();
+    let bond = parts.scene.bond.as_ref();
+    let has_strength = bond.is_some_and(|bond| bond.strength().is_some());
     if has_choice
         || has_releases
         || needs_time
         || has_faults
+        || has_strength
         || events.limits().iter().any(is_limited)
     {
         return None;

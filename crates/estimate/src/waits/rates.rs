@@ -3,7 +3,7 @@ use std::borrow::Cow;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
-use stochc_ir::scene::Scene;
+use stochc_ir::scene::{Bond, Scene};
 use stochc_ir::{Cell, Face, StrictJsonError, strict_json};
 use thiserror::Error;
 
@@ -122,12 +122,16 @@ impl Rates {
 
     /// Returns whether the rates are valid for a scene.
     pub fn are_of(&self, scene: &Scene) -> bool {
-        // Name, number of open faces per block, messages and faults do not affect waiting times.
+        // Name, number of open faces per block, messages, faults and strength of bonds do not affect
+        // waiting times.
         let mut alike = scene.clone();
         alike.name.clone_from(&self.scene.name);
         alike.block.faces = self.scene.block.faces;
         alike.messages.clone_from(&self.scene.messages);
         alike.faults.clone_from(&self.scene.faults);
+        if let Some(strength) = alike.bond.as_mut().and_then(Bond::strength_mut) {
+            *strength = (self.scene.bond.as_ref()).and_then(|bond| bond.strength().cloned());
+        }
         self.scene == alike
     }
 
@@ -367,6 +371,8 @@ const MAX_HEAD_STARTS: usize = 100;
 
 #[cfg(test)]
 mod tests {
+    use stochc_ir::scene::BondStrength;
+
     use super::*;
     use crate::waits::held_out::MAX_HELD_OUT_ERROR;
 
@@ -427,6 +433,20 @@ mod tests {
             corrupt(&mut rates);
             assert!(Rates::from_text(&rates.to_text()).is_err());
         }
+    }
+
+    #[test]
+    fn rates_do_not_depend_on_the_strength_of_bonds() {
+        let rates = &Rates::shipped()[0];
+        let mut scene = rates.scene.clone();
+        let bond = scene.bond.as_mut().expect("blocks bond");
+        *bond.strength_mut().expect("bonds can have a strength") = Some(BondStrength {
+            force: Some(1.0),
+            torque: None,
+        });
+        assert!(rates.are_of(&scene));
+        scene.bond = None;
+        assert!(!rates.are_of(&scene));
     }
 
     #[test]
