@@ -358,7 +358,8 @@ def simulate(
         model: physical model. `rigid`: rigid bodies. `rapier`: rigid bodies by a general engine. `rate`: no motion,
             waiting times drawn from calibrated rates. `shuffle`: no physics, for testing event tables.
         vary: scene parameters or settings, with their values. Every combination is simulated.
-        rates: files with rates for the model `rate`. Scenes without rates are calibrated first.
+        rates: files with rates for the model `rate`. Scenes without rates are calibrated first,
+            except those whose rates need a held-out error.
         substeps: steps of the model per tick. `"2/8"` means two, and eight for blocks near magnetized faces.
             In a scene with a fluid, all blocks take eight.
         solver_iterations: iterations of the contact solver per step.

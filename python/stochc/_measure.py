@@ -128,7 +128,8 @@ def estimate(
 
     Args:
         programs: programs, sources or files.
-        rates: files of rates. Scenes without rates are calibrated first.
+        rates: files of rates. Scenes without rates are calibrated first, except those whose
+            rates need a held-out error.
         runs: number of runs of each program. Default: sum waiting times along the dependency graph, without runs.
         max_ticks: tick limit of a run.
         seed: seed of the runs.
@@ -175,7 +176,8 @@ def test(
         alpha: largest probability that any claim is decided wrongly.
         margin: allow any decision about a probability that differs from its bound by less than this.
         model: model of the motion of blocks. Default: the rate model if its errors cannot change the verdict, otherwise `rigid`.
-        rates: files of rates. Scenes without rates are calibrated first.
+        rates: files of rates. Scenes without rates are calibrated first, except those whose
+            rates need a held-out error.
         runs: largest number of runs of each program.
         max_ticks: tick limit of a run.
         seed: seed of the random numbers.

@@ -100,5 +100,7 @@ pub fn run(options: &OptimizeArguments) -> Result<Exit, Failure> {
             argument(out)
         ));
     }
-    Ok(Exit::Success)
+    Ok(Exit::from_runs(
+        optima.iter().all(|it| it.stopped_confirming == 0),
+    ))
 }

@@ -399,7 +399,8 @@ fn confirmed(
             points: it.points.len(),
             runs: it.points.len() * RUNS as usize,
             confirming: setup.confirm,
-            stopped: it.stopped + stopped,
+            stopped: it.stopped,
+            stopped_confirming: stopped,
         });
     }
     Ok(optima)

@@ -28,6 +28,7 @@ pub fn rates_for_scenes(
     host: &dyn Host,
 ) -> Result<Vec<Rates>, Failure> {
     let mut found: Vec<Rates> = Vec::new();
+    note_calibrations(known, programs, host);
     for program in programs {
         supported(program)?;
         let scene = &program.scene;
@@ -48,6 +49,22 @@ pub fn rates_for_scenes(
         found.push(rates);
     }
     Ok(found)
+}
+
+/// Prints the cost of calibrations, if several scenes have no rates.
+fn note_calibrations(known: &[Rates], programs: &[EnsembleProgram], host: &dyn Host) {
+    let mut missing: Vec<&Scene> = Vec::new();
+    for EnsembleProgram { scene, .. } in programs {
+        if Rates::known(known, scene).is_none() && !missing.contains(&scene) {
+            missing.push(scene);
+        }
+    }
+    if missing.len() > 1 {
+        host.note(&format!(
+            "{} scenes have no rates. Calibrating each takes about 30 s of CPU time; `--model rigid` needs no rates\n",
+            missing.len()
+        ));
+    }
 }
 
 /// Returns the failure of a program whose scene needs a file of rates.

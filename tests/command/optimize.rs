@@ -60,6 +60,19 @@ fn an_optimum_is_found_confirmed_and_resumed() {
 }
 
 #[test]
+fn stopped_runs_of_the_confirmation_have_an_exit_status() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = towers(folder.path());
+    let command = "optimize --model rate --runs 40 --vary height=2..7 --max-ticks 1500 --quiet";
+    let outcome = stochc_with(command, &[&file]);
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
+    for what in ["of the search", "with another seed"] {
+        let note = format!("runs {what} did not complete");
+        assert!(outcome.out.contains(&note), "{}", outcome.out);
+    }
+}
+
+#[test]
 fn other_options_do_not_continue_an_optimization() {
     let folder = tempfile::tempdir().unwrap();
     let (file, out) = (towers(folder.path()), path(folder.path(), "out"));

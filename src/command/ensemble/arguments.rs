@@ -43,7 +43,7 @@ pub struct ModelOptions {
     #[arg(long, value_parser = one_of(&Model::ALL, Model::name, Model::meaning))]
     model: Option<Model>,
     /// File with the rates of a scene for `--model rate`, written by `stochc calibrate`. Missing rates are measured before
-    /// the runs
+    /// the runs, except for scenes whose rates need a held-out error
     #[arg(long, value_name = "FILE.rates")]
     pub rates: Vec<PathBuf>,
     /// Time steps per tick. `2/8` means eight steps for blocks near open faces, and two for all other blocks. Scenes with a

@@ -38,8 +38,10 @@ pub struct Optimum {
     pub runs: usize,
     /// Number of runs that confirm the optimum.
     pub confirming: u64,
-    /// Number of all runs that did not complete.
+    /// Number of runs of the search that did not complete.
     pub stopped: usize,
+    /// Number of runs at the optimum and at its neighbours that did not complete.
+    pub stopped_confirming: usize,
 }
 
 /// Optimal value of a parameter.

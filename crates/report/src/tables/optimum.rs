@@ -97,7 +97,14 @@ fn notes(optima: &[Optimum]) -> Vec<String> {
     let stopped: usize = optima.iter().map(|it| it.stopped).sum();
     if stopped > 0 {
         notes.push(format!(
-            "{stopped} runs did not complete. Each counts with the time of --max-ticks."
+            "{stopped} runs of the search did not complete. At each point, the first of them counts with the time of \
+             --max-ticks, the second with twice this time, and so on."
+        ));
+    }
+    let stopped: usize = optima.iter().map(|it| it.stopped_confirming).sum();
+    if stopped > 0 {
+        notes.push(format!(
+            "{stopped} runs with another seed did not complete. Each counts with the time of --max-ticks."
         ));
     }
     notes
