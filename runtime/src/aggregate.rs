@@ -73,7 +73,11 @@ pub(crate) fn gather<W: World>(
         dockings.clear();
         if let Err(fault) = world.step(&mut dockings) {
             let reason = fault.to_string();
-            break Outcome::Failed { phase, reason };
+            break Outcome::Failed {
+                phase,
+                reason,
+                is_broken: false,
+            };
         }
     };
     Ok(RunRecord {

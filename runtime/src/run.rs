@@ -191,8 +191,12 @@ fn follow<W: World>(
             break Outcome::Completed;
         };
         if let Some(reason) = controller.fault() {
-            let reason = reason.to_owned();
-            break Outcome::Failed { phase, reason };
+            // The blocks failed, not the computation.
+            break Outcome::Failed {
+                phase,
+                reason: reason.to_owned(),
+                is_broken: true,
+            };
         }
         let tick = world.tick();
         if let Some(by) = Limit::reached(controller.timed_out(), tick, max_ticks) {
@@ -206,7 +210,11 @@ fn follow<W: World>(
         dockings.clear();
         if let Err(fault) = world.step(&mut dockings) {
             let reason = fault.to_string();
-            break Outcome::Failed { phase, reason };
+            break Outcome::Failed {
+                phase,
+                reason,
+                is_broken: false,
+            };
         }
         controller.advance(&dockings, world);
         step_observer.observe(world, controller.take_log());

@@ -176,7 +176,9 @@ impl RunNarrator<'_> {
                 Limit::Timeout => format!("timed out in phase {}", phase(*of)),
                 Limit::MaxTicks => format!("stopped by `--max-ticks` in phase {}", phase(*of)),
             },
-            Outcome::Failed { phase: of, reason } => {
+            Outcome::Failed {
+                phase: of, reason, ..
+            } => {
                 format!("failed in phase {}: {}", phase(*of), visible(reason))
             }
         };

@@ -118,7 +118,7 @@ struct Failed {
 impl Failed {
     fn from_run(done: &Finished) -> Option<Failed> {
         let record = &done.record;
-        let Outcome::Failed { phase, reason } = &record.outcome else {
+        let Outcome::Failed { phase, reason, .. } = &record.outcome else {
             return None;
         };
         Some(Failed {

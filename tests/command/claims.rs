@@ -73,6 +73,28 @@ fn the_default_model_is_the_rate_model_where_its_error_does_not_matter() {
     assert_eq!(outcome.json()["claims"][0]["model"], "rigid");
 }
 
+/// An arm breaks at its third capture, in every run. It never completes.
+#[test]
+fn broken_bonds_decide_claims() {
+    let scene = "scene tank from hemisphere { gravity 1 m/s^2
+        bond attract { pull 2 N within 10cm  anchor centres 1mm  strength { force 1 mN } } }";
+    let body =
+        "seed plate 1 x 1 { M at (0, 0) } phase grow { M.up -> A.up -> B.east -> C.east -> D }
+        expect complete with probability <= 0.1
+        expect mean completion <= 90000 ticks
+        expect phase grow within 90000 ticks with probability >= 0.5";
+    let text = format!("{scene} assembly arm in tank {{ {body} }}");
+    let outcome = command(
+        "test --json --quiet --model shuffle --allow warnings",
+        &text,
+    );
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
+    let document = outcome.json();
+    let claims = document["claims"].as_array().unwrap();
+    let verdicts = claims.iter().map(|it| it["verdict"].as_str().unwrap());
+    assert_eq!(verdicts.collect::<Vec<_>>(), ["holds", "fails", "fails"]);
+}
+
 #[test]
 fn captures_one_after_the_other_need_no_runs() {
     let text = mast(

@@ -359,6 +359,17 @@ fn rates_with_a_large_held_out_error_are_refused() {
         );
         assert_eq!(with("invalid.rates").status, 2, "{command}");
     }
+    // The rate model would decide this claim.
+    let claim = "expect complete within 1 ticks with probability <= 0.5\n}";
+    let text = fs::read_to_string(file).unwrap().trim_end().to_owned();
+    let text = format!("{}{claim}", text.strip_suffix('}').unwrap());
+    fs::write(here("claim.sa"), text).unwrap();
+    let tested = stochc_with(
+        "test --json --quiet --runs 40 --max-ticks 5 --rates",
+        &[&here("accurate.rates"), &here("claim.sa")],
+    );
+    assert_eq!(tested.status, 0, "{}", tested.err);
+    assert_eq!(tested.json()["claims"][0]["model"], "rigid");
 }
 
 #[test]

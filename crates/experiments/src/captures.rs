@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use stochc_ir::Face;
-use stochc_ir::record::{BondRecord, Origin, Outcome, RunRecord, WaitRecord};
+use stochc_ir::record::{BondRecord, Origin, RunRecord, WaitRecord};
 use stochc_ir::table::{PhaseId, RoleId};
 
 use super::Time;
@@ -145,14 +145,15 @@ fn spread(waits: &[Observation]) -> Option<(f64, f64)> {
     curve.quantile(0.1).zip(curve.quantile(0.9))
 }
 
-/// Accumulator for the statistics of all captures of one program. Failed runs are ignored.
+/// Accumulator for the statistics of all captures of one program. Runs whose computation failed are
+/// ignored.
 #[derive(Clone, Debug, Default)]
 pub struct WaitsTally(BTreeMap<CaptureKey, CaptureTally>);
 
 impl WaitsTally {
     /// Adds the captures of a run.
     pub fn add(&mut self, record: &RunRecord) {
-        if matches!(record.outcome, Outcome::Failed { .. }) {
+        if record.outcome.is_invalid() {
             return;
         }
         self.add_attempt(&record.bonds, &record.waiting, record.ticks);

@@ -139,6 +139,9 @@ fn event_time(event: ClaimedEvent, record: &RunRecord) -> TimeRange {
         Outcome::Completed
         | Outcome::TimedOut {
             by: Limit::Timeout, ..
+        }
+        | Outcome::Failed {
+            is_broken: true, ..
         } => NEVER,
         Outcome::TimedOut { .. } => TimeRange::new(earliest, f64::INFINITY),
         // The events of the last tick are unknown.
@@ -369,6 +372,22 @@ mod tests {
         let time = event_time(ClaimedEvent::Completion, &timeout);
         assert_eq!(time.is_within(Some(200.0)), Some(false));
         assert_eq!(time.is_within(None), Some(false));
+    }
+
+    #[test]
+    fn broken_structures_never_complete() {
+        let run = |is_broken| {
+            let (phase, reason) = (PhaseId(1), String::new());
+            let outcome = Outcome::Failed {
+                phase,
+                reason,
+                is_broken,
+            };
+            RunRecord::without_bonds(0, outcome, 100)
+        };
+        let time = |is_broken| event_time(ClaimedEvent::Completion, &run(is_broken));
+        assert_eq!(time(true), NEVER);
+        assert_eq!(time(false).is_within(Some(200.0)), None);
     }
 
     #[test]

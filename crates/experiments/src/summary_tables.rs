@@ -56,9 +56,11 @@ pub fn summary_table<'a>(manifest: &'a Manifest, comparison: &'a Comparison) -> 
         "runs that reached the limit of ticks: their times are longer",
         |row| row.summary.censored,
     );
-    table.integer("failed", "runs whose physics broke down", |row| {
-        row.summary.failed
-    });
+    table.integer(
+        "failed",
+        "runs whose physics had an error, or whose structure broke",
+        |row| row.summary.failed,
+    );
     table.integer("captures", "captures that the program makes", |row| {
         row.summary.captures
     });
@@ -141,9 +143,11 @@ fn add_outcomes(table: &mut TableDefinition<&SweepPoint>) {
     table.integer("censored", "runs that reached the limit of ticks", |row| {
         row.censored as u64
     });
-    table.integer("failed", "runs whose physics broke down", |row| {
-        row.failed as u64
-    });
+    table.integer(
+        "failed",
+        "runs whose physics had an error, or whose structure broke",
+        |row| row.failed as u64,
+    );
     table
         .real(
             "share",

@@ -153,6 +153,14 @@ fn is_zero(number: &u64) -> bool {
     *number == 0
 }
 
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde asks for a reference"
+)]
+const fn is_false(value: &bool) -> bool {
+    !*value
+}
+
 /// Outcome of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "kind")]
@@ -166,13 +174,30 @@ pub enum Outcome {
         /// Limit that was reached.
         by: Limit,
     },
-    /// The computation failed, or a bond of the structure broke. The time is meaningless.
+    /// The computation failed, or the structure broke.
     Failed {
         /// Phase of the failure.
         phase: PhaseId,
         /// Description of the failure, with the block.
         reason: String,
+        /// Whether the structure broke, so that it never completes. Otherwise, the computation
+        /// failed, and the time is meaningless.
+        #[serde(default, skip_serializing_if = "is_false")]
+        is_broken: bool,
     },
+}
+
+impl Outcome {
+    /// Returns whether the computation failed, so that the record shows nothing about the program.
+    pub const fn is_invalid(&self) -> bool {
+        matches!(
+            self,
+            Outcome::Failed {
+                is_broken: false,
+                ..
+            }
+        )
+    }
 }
 
 /// Limit that stops a run.

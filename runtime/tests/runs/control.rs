@@ -574,8 +574,12 @@ fn without_a_block_to_attach_the_run_fails() {
     let record = drive(&tables, None, &mut world, Some(1000), 5, 1, &mut proceed)
         .expect("the run is not cancelled");
     let reason = "no free block is left to pre-attach as T3".to_owned();
-    let phase = PhaseId(0);
-    assert_eq!(record.outcome, Outcome::Failed { phase, reason });
+    let outcome = Outcome::Failed {
+        phase: PhaseId(0),
+        reason,
+        is_broken: true,
+    };
+    assert_eq!(record.outcome, outcome);
     assert_eq!((record.ticks, record.phase_ticks.len()), (0, 0));
 }
 

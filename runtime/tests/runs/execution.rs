@@ -252,7 +252,11 @@ fn broken_physics_fails_the_run() {
     });
     let record = record(&tables, &scene, &Settings::new(Model::Rapier, 1), 0);
     let phase = PhaseId(0);
-    let Outcome::Failed { phase: p, reason } = record.outcome else {
+    assert!(record.outcome.is_invalid());
+    let Outcome::Failed {
+        phase: p, reason, ..
+    } = record.outcome
+    else {
         panic!("{:?}", record.outcome);
     };
     assert_eq!(p, phase);

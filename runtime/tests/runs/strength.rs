@@ -32,7 +32,11 @@ const CRANE: &str = "phase grow { M.up -> A.up -> B.east -> C.east -> D.east -> 
 
 fn broken(record: &RunRecord) -> (usize, &str) {
     match &record.outcome {
-        Outcome::Failed { reason, .. } => (record.bonds.len(), reason),
+        Outcome::Failed {
+            reason,
+            is_broken: true,
+            ..
+        } => (record.bonds.len(), reason),
         outcome => panic!("{outcome:?}"),
     }
 }

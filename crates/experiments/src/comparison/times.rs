@@ -4,10 +4,10 @@ use stochc_ir::record::{Limit, Outcome, RunRecord};
 use crate::statistics::{Observation, Status};
 use stochc_results::{JournalError, Records};
 
-/// Returns the completion time of a run in ticks. Returns `None` if the run failed.
+/// Returns the completion time of a run in ticks. Returns `None` if the computation failed.
 ///
-/// A run that reached its limit of ticks is censored. A run that timed out in a phase counts as a
-/// run that never completes. It is not censored, because timeouts stop only slow runs.
+/// A run that reached its limit of ticks is censored. A run never completes if it timed out in a
+/// phase, or if its structure broke. It is not censored, because timeouts stop only slow runs.
 pub fn completion_time(record: &RunRecord) -> Option<Observation> {
     Some(Observation {
         time: record.ticks as f64,
@@ -16,7 +16,7 @@ pub fn completion_time(record: &RunRecord) -> Option<Observation> {
 }
 
 /// Returns the [`Status`] of events that did not happen before the end of a run with this outcome.
-/// Returns `None` if the run failed.
+/// Returns `None` if the computation failed.
 pub fn completion_status(outcome: &Outcome) -> Option<Status> {
     match outcome {
         Outcome::Completed => Some(Status::Completed),
@@ -24,7 +24,7 @@ pub fn completion_status(outcome: &Outcome) -> Option<Status> {
             Limit::Timeout => Status::Competing,
             Limit::MaxTicks => Status::Censored,
         }),
-        Outcome::Failed { .. } => None,
+        Outcome::Failed { is_broken, .. } => is_broken.then_some(Status::Competing),
     }
 }
 
@@ -55,20 +55,20 @@ pub fn median_run(finished: &Records, program: usize) -> Result<Option<u64>, Jou
     Ok(times.get(middle).map(|&(run, _)| run))
 }
 
-/// Returns the duration of a phase \[ticks\]. It is censored if the run was stopped in this phase.
-/// Returns `None` if the run failed or did not reach the phase.
+/// Returns the duration of a phase \[ticks\]. It is censored if the run ended in this phase.
+/// Returns `None` if the computation failed or the run did not reach the phase.
 pub fn phase_time(record: &RunRecord, phase: usize) -> Option<Observation> {
-    match &record.outcome {
-        Outcome::Failed { .. } => None,
-        outcome => match record.phase_ticks.get(phase) {
-            Some(&ticks) => Some(Observation::completed(ticks as f64)),
-            None if record.phase_ticks.len() == phase && *outcome != Outcome::Completed => {
-                let before: u64 = record.phase_ticks.iter().sum();
-                let cut = record.ticks.saturating_sub(before);
-                Some(Observation::censored(cut as f64))
-            }
-            None => None,
-        },
+    if record.outcome.is_invalid() {
+        return None;
+    }
+    match record.phase_ticks.get(phase) {
+        Some(&ticks) => Some(Observation::completed(ticks as f64)),
+        None if record.phase_ticks.len() == phase && record.outcome != Outcome::Completed => {
+            let before: u64 = record.phase_ticks.iter().sum();
+            let cut = record.ticks.saturating_sub(before);
+            Some(Observation::censored(cut as f64))
+        }
+        None => None,
     }
 }
 
@@ -82,21 +82,30 @@ mod tests {
 
     /// Checks a run that is stopped in its second phase, 30 ticks after the start of the phase.
     #[test]
-    fn a_timeout_never_completes_and_a_tick_limit_censors() {
-        let stopped = |by| {
-            let phase = PhaseId(1);
-            RunRecord {
-                phase_ticks: vec![70],
-                ..RunRecord::without_bonds(0, Outcome::TimedOut { phase, by }, 100)
-            }
+    fn timeouts_and_breaks_never_complete_and_a_tick_limit_censors() {
+        let phase = PhaseId(1);
+        let ended = |outcome| RunRecord {
+            phase_ticks: vec![70],
+            ..RunRecord::without_bonds(0, outcome, 100)
+        };
+        let stopped = |by| ended(Outcome::TimedOut { phase, by });
+        let failed = |is_broken| {
+            let reason = String::new();
+            ended(Outcome::Failed {
+                phase,
+                reason,
+                is_broken,
+            })
         };
         let [timeout, limit] = [Limit::Timeout, Limit::MaxTicks].map(stopped);
-        assert_eq!(
-            completion_time(&timeout),
-            Some(Observation::competing(100.0))
-        );
+        let [error, broken] = [false, true].map(failed);
+        for run in [&timeout, &broken] {
+            assert_eq!(completion_time(run), Some(Observation::competing(100.0)));
+        }
         assert_eq!(completion_time(&limit), Some(Observation::censored(100.0)));
-        for run in [timeout, limit] {
+        assert_eq!(completion_time(&error), None);
+        assert_eq!(phase_time(&error, 0), None);
+        for run in [timeout, limit, broken] {
             assert_eq!(phase_time(&run, 0), Some(Observation::completed(70.0)));
             assert_eq!(phase_time(&run, 1), Some(Observation::censored(30.0)));
             assert_eq!(phase_time(&run, 2), None);

@@ -1,6 +1,6 @@
 //! Results of a sweep at each point.
 use serde::Serialize;
-use stochc_ir::record::{BondRecord, Origin, RunRecord};
+use stochc_ir::record::{BondRecord, Origin, Outcome, RunRecord};
 
 use crate::statistics::{Status, TimeSample, share_interval};
 use crate::{Time, TimeUnit, completion_time, last_seen};
@@ -57,7 +57,8 @@ pub struct SweepPoint {
     pub timed_out: usize,
     /// Number of runs that reached the limit of ticks. Their times are right-censored.
     pub censored: usize,
-    /// Number of runs whose physics failed. They are excluded from all times.
+    /// Number of runs whose computation failed, or whose structure broke. Failed computations are
+    /// excluded from all times.
     pub failed: usize,
     /// Share of the finished runs that completed, 0 to 1. `None` if no run is finished.
     pub share: Option<f64>,
@@ -261,6 +262,7 @@ pub struct PointTally {
     /// Length of a tick in the unit of the sweep.
     unit: f64,
     finished: usize,
+    failed: usize,
     times: TimeSample,
     captures: u64,
     released: usize,
@@ -279,6 +281,7 @@ impl PointTally {
     /// Adds a run of a program.
     pub fn add(&mut self, program: &EnsembleProgram, record: &RunRecord) {
         self.finished += 1;
+        self.failed += usize::from(matches!(record.outcome, Outcome::Failed { .. }));
         let Some(mut time) = completion_time(record) else {
             return;
         };
@@ -311,7 +314,7 @@ impl PointTally {
     ) -> SweepPoint {
         let times = self.times.to_vec();
         let count = |status| times.iter().filter(|time| time.status == status).count();
-        let completed = count(Status::Completed);
+        let [completed, censored] = [Status::Completed, Status::Censored].map(count);
         let any = (self.captures > 0).then_some(self.captures as f64);
         let finished = self.finished;
         SweepPoint {
@@ -322,9 +325,9 @@ impl PointTally {
             tick,
             runs,
             completed,
-            timed_out: count(Status::Competing),
-            censored: count(Status::Censored),
-            failed: finished - times.len(),
+            timed_out: finished - completed - censored - self.failed,
+            censored,
+            failed: self.failed,
             share: (finished > 0).then(|| completed as f64 / finished as f64),
             share_interval: share_interval(completed, finished),
             time: Time::beside(&times, last),

@@ -214,11 +214,12 @@ fn candidate(row: &Row, reference: Option<&Row>, ranking: Vec<Ranked>) -> Candid
 fn cell(sample: &Sample, reference: Option<&[Observation]>) -> ProgramResult {
     let times = &sample.times[..];
     let time = Time::new(times);
+    let [completed, censored] = [Status::Completed, Status::Censored].map(|it| sample.count(it));
     ProgramResult {
-        runs: times.len() + sample.failed,
-        completed: sample.count(Status::Completed),
-        timed_out: sample.count(Status::Competing),
-        censored: sample.count(Status::Censored),
+        runs: sample.runs,
+        completed,
+        timed_out: sample.runs - completed - censored - sample.failed,
+        censored,
         failed: sample.failed,
         mean: time.as_ref().map(|time| time.mean),
         half_width: time.as_ref().and_then(|time| time.half_width),

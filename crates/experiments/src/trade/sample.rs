@@ -1,14 +1,17 @@
 //! Times and costs of the runs of one program with some settings.
 use crate::completion_time;
 use crate::statistics::{Observation, Status, median};
+use stochc_ir::record::Outcome;
 use stochc_results::Finished;
 
 /// Runs of one program with the same settings.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sample {
-    /// Completion times \[ticks\], except of failed runs.
+    /// Number of runs.
+    pub runs: usize,
+    /// Completion times \[ticks\], except of runs whose computation failed.
     pub times: Vec<Observation>,
-    /// Number of runs whose physics failed.
+    /// Number of runs whose computation failed, or whose structure broke.
     pub failed: usize,
     /// CPU times of the runs whose CPU time was measured \[s\].
     cpu: Vec<f64>,
@@ -18,10 +21,9 @@ pub(super) struct Sample {
 
 impl Sample {
     pub fn add(&mut self, done: &Finished) {
-        match completion_time(&done.record) {
-            Some(time) => self.times.push(time),
-            None => self.failed += 1,
-        }
+        self.runs += 1;
+        self.times.extend(completion_time(&done.record));
+        self.failed += usize::from(matches!(done.record.outcome, Outcome::Failed { .. }));
         if let Some(cpu) = done.cpu {
             self.cpu.push(cpu);
             self.ticks += done.record.ticks;

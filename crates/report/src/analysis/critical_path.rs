@@ -656,6 +656,7 @@ mod tests {
         let failed = Outcome::Failed {
             phase: PhaseId(0),
             reason: String::new(),
+            is_broken: false,
         };
         let failed = record(failed, 50, &[], Vec::new());
         assert!(critical_path(&events, &failed, &moments(&events, &failed)).is_empty());

@@ -229,7 +229,7 @@ impl<'a> ReportedProgram<'a> {
         self.point.add(self.program, record);
         self.waits.add(record);
         match &record.outcome {
-            Outcome::Failed { phase, reason } => {
+            Outcome::Failed { phase, reason, .. } => {
                 self.failed += 1;
                 if self.failures.len() < MAX_FAILURES {
                     self.failures.push(FailedRun {
@@ -294,7 +294,7 @@ impl<'a> ReportedProgram<'a> {
     }
 
     /// For each size, adds the time from the start of the run until the run's largest group reached
-    /// this size. Failed runs add nothing.
+    /// this size. Failed computations add nothing.
     fn add_sizes(&mut self, record: &RunRecord) {
         let Some(status) = completion_status(&record.outcome) else {
             return;
@@ -393,10 +393,11 @@ impl<'a> ReportedProgram<'a> {
     pub fn counts(&self) -> RunCounts {
         let times = || self.times.iter().map(|(_, time)| time.status);
         let count = |of| times().filter(|status| *status == of).count();
+        let [completed, censored] = [Status::Completed, Status::Censored].map(count);
         RunCounts {
-            completed: count(Status::Completed),
-            timed_out: count(Status::Competing),
-            censored: count(Status::Censored),
+            completed,
+            timed_out: self.runs - completed - censored - self.failed,
+            censored,
             failed: self.failed,
         }
     }

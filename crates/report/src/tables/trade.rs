@@ -223,7 +223,8 @@ fn notes(trade: &Trade) -> Vec<String> {
     }
     if cells().any(|cell| cell.failed > 0) {
         notes.push(
-            "failed counts runs with an error of the physics. Only the cost includes them.".into(),
+            "failed counts runs with an error of the physics, or with a broken bond. Runs with an error count only in the cost."
+                .into(),
         );
     }
     notes

@@ -78,6 +78,7 @@ fn censored_runs_make_means_lower_bounds() {
     let failed = Outcome::Failed {
         phase: PhaseId(0),
         reason: "block 7 left the world".into(),
+        is_broken: false,
     };
     finished.push(Finished {
         program: 1,

@@ -259,6 +259,7 @@ fn failed_runs_are_excluded() {
     failed.record.outcome = Outcome::Failed {
         phase: PhaseId(0),
         reason: "a block is nowhere".into(),
+        is_broken: false,
     };
     let with_failed = runs.iter().cloned().chain([failed]).collect();
     let complete = summarize(runs);

@@ -75,6 +75,7 @@ pub(crate) fn attempt(
             let outcome = Outcome::Failed {
                 phase,
                 reason: format!("{PANICKED}{text}"),
+                is_broken: false,
             };
             Some(RunRecord::without_bonds(run, outcome, ticks))
         }

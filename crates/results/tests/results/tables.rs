@@ -59,7 +59,7 @@ fn word(outcome: &Outcome) -> (&'static str, Option<PhaseId>, Option<&str>) {
             Limit::Timeout => ("timed_out", Some(*phase), None),
             Limit::MaxTicks => ("censored", Some(*phase), None),
         },
-        Outcome::Failed { phase, reason } => ("failed", Some(*phase), Some(reason)),
+        Outcome::Failed { phase, reason, .. } => ("failed", Some(*phase), Some(reason)),
     }
 }
 

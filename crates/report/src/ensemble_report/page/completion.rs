@@ -101,7 +101,7 @@ fn failures(parts: &Parts, subject: &ReportedProgram, out: &mut Html) {
     let label = name(&subject.label);
     let n = subject.failed;
     out.paragraph(&format!(
-        "{n} runs of {label} failed. No figure includes them:"
+        "{n} runs of {label} failed. Broken structures never complete. No figure includes the other failed runs:"
     ));
     let item = |failed: &FailedRun| {
         let replay = (parts.surroundings.replay)(subject.folder, subject.number, failed.run);
