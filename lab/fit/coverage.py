@@ -4,6 +4,7 @@
 `coverage.py STOCHC TRIALS LIMIT [RUNS]` makes TRIALS measurements of RUNS runs (100) of each program of `examples/fit/small.sa` with
 20 free blocks, stops the runs at LIMIT ticks, and fits `free`. Each measurement and each fit has its own seed.
 With the LIMIT `mixed`, half of the runs are stopped at 250 ticks and half at 500.
+With `--waits` at the end, the fit uses the waiting times of the stopped runs instead of their completion times.
 """
 import json
 import pathlib
@@ -15,12 +16,21 @@ PROGRAMS = pathlib.Path(__file__).resolve().parents[2] / "examples/fit/small.sa"
 TRUTH = 20
 
 
-def measured(stochc, folder, seed, runs, limit):
-    """Returns the table of a measurement."""
+def simulated(stochc, folder, seed, runs, *options):
+    """Returns the results folder of a simulated measurement."""
     truth = folder / "truth.sa"
     truth.write_text(PROGRAMS.read_text().replace("free 8 ", f"free {TRUTH} "))
     out = folder / "measured"
-    subprocess.run([stochc, "simulate", truth, "--runs", str(runs), "--seed", str(seed), "--out", out, "-q"], check=True, capture_output=True)
+    simulate = [stochc, "simulate", truth, "--runs", str(runs), "--seed", str(seed), "--out", out, "-q", *options]
+    done = subprocess.run(simulate, capture_output=True, text=True)
+    # The exit status of stopped runs is 3.
+    assert done.returncode in (0, 3), done.stderr
+    return out
+
+
+def measured(stochc, folder, seed, runs, limit):
+    """Returns the table of a measurement."""
+    out = simulated(stochc, folder, seed, runs)
     rows = ["program,ticks,stopped"]
     for line in (out / "journal.jsonl").read_text().splitlines()[1:]:
         line = json.loads(line)
@@ -32,20 +42,24 @@ def measured(stochc, folder, seed, runs, limit):
 
 
 def main():
-    stochc, trials, limit = sys.argv[1], int(sys.argv[2]), sys.argv[3]
-    runs = int(sys.argv[4]) if len(sys.argv) > 4 else 100
+    words = [word for word in sys.argv[1:] if word != "--waits"]
+    stochc, trials, limit = words[0], int(words[1]), words[2]
+    runs = int(words[3]) if len(words) > 3 else 100
     held, widths = 0, []
     for trial in range(trials):
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder)
-            data = folder / "times.csv"
-            data.write_text(measured(stochc, folder, 10_000 + trial, runs, limit))
+            if "--waits" in sys.argv:
+                data = simulated(stochc, folder, 10_000 + trial, runs, "--max-ticks", limit)
+            else:
+                data = folder / "times.csv"
+                data.write_text(measured(stochc, folder, 10_000 + trial, runs, limit))
             fit = [stochc, "fit", PROGRAMS, "--data", data, "--vary", "free=8..60 log", "--seed", str(trial), "-q", "--json"]
             number = json.loads(subprocess.run(fit, check=True, capture_output=True, text=True).stdout)["numbers"][0]
             low, high = number["interval"]
             held += low <= TRUTH <= high
             widths.append(high - low)
-            print(f"{trial}: {number['median']:.0f} ({low:.0f} .. {high:.0f})", flush=True)
+            print(f"{trial}: {number['median']:.0f} ({low:.1f} .. {high:.1f})", flush=True)
     print(f"{held} of {trials} hold {TRUTH}; mean width {sum(widths) / trials:.1f}")
 
 

@@ -1,14 +1,15 @@
-//! Fits of scene parameters to measured completion times.
+//! Fits of scene parameters to measured completion times or waiting times.
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use stochc_compiler::LintLevels;
-use stochc_experiments::completion_time;
 use stochc_experiments::fit::{
     DataError, Design, Emulator, Fit, FittedProgram, MeasuredTimes, Measurement, Observed,
     Posterior, Prior, Simulated, Unit,
 };
-use stochc_experiments::statistics::Observation;
+use stochc_experiments::statistics::{Observation, Status};
 use stochc_experiments::sweep::{Parameter, RangeError};
+use stochc_experiments::{WaitsTally, completion_time};
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
 use stochc_ir::scene::Scene;
@@ -30,8 +31,8 @@ use crate::host::Host;
 pub struct FitProgram {
     /// Program. Its scene has the parameter values of the source.
     pub program: EnsembleProgram,
-    /// Measured times of the program, or the number of runs to predict.
-    pub measurement: Measurement,
+    /// Measured times of the program or of each of its captures, or the number of runs to predict.
+    pub measurements: Vec<Measurement>,
 }
 
 /// Programs whose times the fit does not use.
@@ -133,28 +134,41 @@ pub fn measured_times(path: &Path, host: &dyn Host) -> Result<MeasuredTimes, Fai
     Ok(times)
 }
 
-/// Returns the times of the runs in a results folder, in seconds.
+/// Returns the waiting times of each capture in a results folder, in seconds. An aggregate has no
+/// captures, so it has the completion times of its runs.
 fn times_in_folder(folder: &Path, host: &dyn Host) -> Result<MeasuredTimes, Failure> {
     let (manifest, finished) = read(folder, host)?;
     let mut runs = vec![Vec::new(); manifest.programs.len()];
+    let mut waits = vec![WaitsTally::default(); manifest.programs.len()];
     let read = finished.each(|done| {
-        let tick = manifest.programs[done.program].scene.tick;
-        let observed = completion_time(&done.record);
-        runs[done.program].extend(observed.map(|it| Observation {
-            time: it.time * tick,
-            ..it
-        }));
+        runs[done.program].extend(completion_time(&done.record));
+        waits[done.program].add(&done.record);
     });
     read.map_err(Failure::usage)?;
-    let programs = manifest.programs.iter().zip(runs).map(|(program, runs)| {
-        let name = program.name.clone();
-        let observed = Observed::from_runs(&runs);
-        let observed = observed.ok_or_else(|| Failure::usage(DataError::TooFew(name.clone())))?;
-        Ok((name, observed))
-    });
+    let mut programs = Vec::new();
+    for (i, program) in manifest.programs.iter().enumerate() {
+        let in_seconds = |mut times: Vec<Observation>| {
+            times
+                .iter_mut()
+                .for_each(|it| it.time *= program.scene.tick);
+            times
+        };
+        let observed: Vec<Observed> = if program.tables().aggregate.is_some() {
+            let runs = in_seconds(std::mem::take(&mut runs[i]));
+            Observed::from_runs(&runs).into_iter().collect()
+        } else {
+            let waits = waits[i].times(program).into_iter();
+            let waits: Vec<_> = waits.map(|(of, times)| (of, in_seconds(times))).collect();
+            Observed::from_captures(&waits)
+        };
+        if observed.is_empty() {
+            return Err(Failure::usage(DataError::TooFew(program.name.clone())));
+        }
+        programs.extend(observed.into_iter().map(|it| (program.name.clone(), it)));
+    }
     Ok(MeasuredTimes {
         unit: Unit::Seconds,
-        programs: programs.collect::<Result<_, Failure>>()?,
+        programs,
         pile_ups: Vec::new(),
     })
 }
@@ -182,11 +196,11 @@ pub fn matched(
                 "`{name}` is already compiled; name its source file instead"
             )));
         }
-        let place = observed.iter().position(|(of, _)| of == name);
-        let measurement = measurement(name, place.map(|place| observed.remove(place).1), unused)?;
+        let own = observed.extract_if(.., |(of, _)| of == name);
+        let measurements = measurements(name, own.map(|(_, it)| it).collect(), unused)?;
         known.push(FitProgram {
             program,
-            measurement,
+            measurements,
         });
     }
     if let Some((left, _)) = observed.first() {
@@ -205,39 +219,39 @@ pub fn matched(
             )));
         }
     }
-    if known.iter().any(|it| it.measurement.is_fitted) {
+    if all(&known).any(|it| it.is_fitted) {
         Ok(known)
     } else {
         Err(Failure::usage("--hold-out: no program is left to fit to"))
     }
 }
 
-fn measurement(
+/// Returns the measurements of all programs in order.
+fn all(measured: &[FitProgram]) -> impl Iterator<Item = &Measurement> {
+    measured.iter().flat_map(|it| &it.measurements)
+}
+
+fn measurements(
     name: &String,
-    observed: Option<Observed>,
+    observed: Vec<Observed>,
     unused: Unused<'_>,
-) -> Result<Measurement, Failure> {
-    let is_predicted = unused.predicted.contains(name);
-    let n = match &observed {
-        Some(_) if is_predicted => {
-            return Err(Failure::usage(format!(
-                "--predict: the data have times of `{name}`; write `--hold-out {name}`"
-            )));
-        }
-        Some(observed) => observed.n,
-        None if is_predicted => unused.n,
-        None => {
-            return Err(Failure::usage(format!(
-                "the data have no times of `{name}`; give its times, leave it out of the files, or write `--predict {name}`"
-            )));
-        }
-    };
-    Ok(Measurement {
+) -> Result<Vec<Measurement>, Failure> {
+    let measurement = |observed: Option<Observed>| Measurement {
         program: name.clone(),
-        n,
+        n: observed.as_ref().map_or(unused.n, |it| it.n),
         is_fitted: observed.is_some() && !unused.held_out.contains(name),
         observed,
-    })
+    };
+    match (observed.is_empty(), unused.predicted.contains(name)) {
+        (false, true) => Err(Failure::usage(format!(
+            "--predict: the data have times of `{name}`; write `--hold-out {name}`"
+        ))),
+        (true, false) => Err(Failure::usage(format!(
+            "the data have no times of `{name}`; give its times, leave it out of the files, or write `--predict {name}`"
+        ))),
+        (true, true) => Ok(vec![measurement(None)]),
+        (false, false) => Ok(observed.into_iter().map(Some).map(measurement).collect()),
+    }
 }
 
 /// Points that one round of a fit simulates.
@@ -329,7 +343,8 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
     let priors = setup.priors;
     check_limit(setup, measured)?;
     let mut ends = vec![(0.0, 1.0); priors.len()];
-    let mut all: Vec<Vec<Simulated>> = vec![Vec::new(); measured.len()];
+    let measurements: Vec<&Measurement> = all(measured).collect();
+    let mut known: Vec<Vec<Simulated>> = vec![Vec::new(); measurements.len()];
     let (mut posterior, mut stopped) = (None, 0);
     for round in 0..setup.rounds {
         let points = Points {
@@ -338,15 +353,15 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
         };
         let (new, lost) = simulated(setup, measured, &points, host)?;
         stopped += lost;
-        for (all, new) in all.iter_mut().zip(new) {
-            all.extend(new);
+        for (known, new) in known.iter_mut().zip(new) {
+            known.extend(new);
         }
-        let emulators: Option<Vec<Emulator>> = (all.iter().zip(measured))
-            .map(|(points, program)| {
+        let emulators: Option<Vec<Emulator>> = (known.iter().zip(&measurements))
+            .map(|(points, measurement)| {
                 // Fit polynomials only near the remaining range. Distant points would distort them.
                 let near = points.iter().filter(|point| point.is_within(&ends));
                 let near: Vec<Simulated> = near.cloned().collect();
-                Emulator::new(&near, program.measurement.horizon())
+                Emulator::new(&near, measurement.horizon())
             })
             .collect();
         let Some(emulators) = emulators else {
@@ -355,19 +370,19 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
                 "at too few points do the runs complete: narrow the ranges, or raise `--max-ticks`",
             ));
         };
-        let known = emulators.iter().zip(measured);
-        let known: Vec<FittedProgram> = known
-            .map(|(emulator, program)| FittedProgram {
-                measurement: &program.measurement,
+        let pairs = emulators.iter().zip(&measurements);
+        let fitted: Vec<FittedProgram> = pairs
+            .map(|(emulator, measurement)| FittedProgram {
+                measurement,
                 emulator,
             })
             .collect();
-        let found = Posterior::new(&ends, &known, points.seed);
+        let found = Posterior::new(&ends, &fitted, points.seed);
         let surroundings = found.surroundings().into_iter().zip(priors);
         ends = surroundings
             .map(|(ends, prior)| prior.surroundings(ends))
             .collect();
-        let predictions = known.iter().map(|it| found.predict(it)).collect();
+        let predictions = fitted.iter().map(|it| found.predict(it)).collect();
         posterior = Some((found, predictions));
     }
     let (posterior, predictions): (Posterior, Vec<_>) =
@@ -393,10 +408,11 @@ fn check_limit(setup: &FitSetup, measured: &[FitProgram]) -> Result<(), Failure>
     let limit = setup.settings.max_ticks.unwrap_or(u64::MAX);
     for FitProgram {
         program,
-        measurement,
+        measurements,
     } in measured
     {
-        let horizon = measurement.horizon().unwrap_or(0.0) * setup.ticks(&program.scene);
+        let horizons = measurements.iter().filter_map(Measurement::horizon);
+        let horizon = horizons.fold(0.0, f64::max) * setup.ticks(&program.scene);
         if horizon > limit as f64 {
             return Err(Failure::usage(format!(
                 "--max-ticks: runs of `{}` were observed for {horizon:.0} ticks; simulate them as long",
@@ -407,8 +423,8 @@ fn check_limit(setup: &FitSetup, measured: &[FitProgram]) -> Result<(), Failure>
     Ok(())
 }
 
-/// Simulates every program at every point. Returns the times of each program. Also returns the
-/// number of incomplete runs whose completion times the fit needs.
+/// Simulates every program at every point. Returns the times for each measurement. Also returns
+/// the number of incomplete runs whose completion times the fit needs.
 fn simulated(
     setup: &FitSetup,
     measured: &[FitProgram],
@@ -417,35 +433,88 @@ fn simulated(
 ) -> Result<(Vec<Vec<Simulated>>, usize), Failure> {
     let manifest = setup.manifest(measured, points, host)?;
     let results = all_runs(&manifest, setup.threads, "nothing was fitted", host)?;
-    let mut found: Vec<Vec<Simulated>> = vec![Vec::new(); measured.len()];
-    let mut stopped = 0;
-    let mut observed = vec![Vec::new(); manifest.programs.len()];
+    let mut runs = vec![Vec::new(); manifest.programs.len()];
+    let mut waits = vec![WaitsTally::default(); manifest.programs.len()];
     let read = results.finished.each(|done| {
-        observed[done.program].extend(completion_time(&done.record));
+        runs[done.program].extend(completion_time(&done.record));
+        waits[done.program].add(&done.record);
     });
     read.map_err(Failure::usage)?;
     let count = points.design.points.len();
-    for (entry, program) in manifest.programs.iter().enumerate() {
-        let unit = setup.ticks(&program.scene);
-        let completed = observed[entry].iter().filter_map(|it| it.completed_time());
-        let times: Vec<f64> = completed.map(|ticks| ticks / unit).collect();
-        let incomplete = observed[entry].len() - times.len();
-        // If there is a horizon, an incomplete run is as informative as a complete one.
-        let lost = match measured[entry / count].measurement.horizon() {
-            Some(_) => 0,
-            None => setup.runs as usize - times.len(),
-        };
-        stopped += lost;
-        // If many runs at a point are stopped, the known times are biased towards fast runs.
-        if lost * 10 <= setup.runs as usize {
-            found[entry / count].push(Simulated {
-                at: points.design.points[entry % count].clone(),
-                times,
-                incomplete,
-            });
+    let (mut found, mut stopped) = (Vec::new(), 0);
+    for (i, FitProgram { measurements, .. }) in measured.iter().enumerate() {
+        let mut of_program: Vec<Vec<Simulated>> = vec![Vec::new(); measurements.len()];
+        for (point, at) in points.design.points.iter().enumerate() {
+            let entry = i * count + point;
+            let program = &manifest.programs[entry];
+            let unit = setup.ticks(&program.scene);
+            let waits: BTreeMap<_, _> = waits[entry].times(program).into_iter().collect();
+            for (measurement, found) in measurements.iter().zip(&mut of_program) {
+                let (all, observed) = match measurement.capture() {
+                    None => (setup.runs as usize, &*runs[entry]),
+                    Some(capture) => {
+                        let waits = waits.get(capture).map_or(&[][..], |it| it);
+                        (waits.len(), waits)
+                    }
+                };
+                let (simulated, lost) = simulated_at(at, measurement, (all, observed), unit);
+                stopped += lost;
+                // If many times at a point are lost, the known times are biased towards short ones.
+                if lost * 10 <= all {
+                    found.push(simulated);
+                }
+            }
         }
+        check_captures(measurements, &of_program)?;
+        found.extend(of_program);
     }
     Ok((found, stopped))
+}
+
+/// Returns the times of a measurement at a point, and the number of lost times. `all` is the number
+/// of simulated runs or waits; `observed` excludes failed ones. There are `unit` ticks per unit of
+/// the data.
+fn simulated_at(
+    at: &[f64],
+    measurement: &Measurement,
+    (all, observed): (usize, &[Observation]),
+    unit: f64,
+) -> (Simulated, usize) {
+    let completed = observed.iter().filter_map(|it| it.completed_time());
+    let times: Vec<f64> = completed.map(|ticks| ticks / unit).collect();
+    // After the horizon, an incomplete time is as informative as a complete one.
+    let lost = match measurement.horizon() {
+        Some(horizon) => censored_before(horizon * unit, observed),
+        None => all - times.len(),
+    };
+    let simulated = Simulated {
+        at: at.to_vec(),
+        incomplete: observed.len().saturating_sub(times.len() + lost),
+        times,
+    };
+    (simulated, lost)
+}
+
+/// Returns the number of times that were right-censored before the horizon \[ticks\].
+fn censored_before(horizon: f64, observed: &[Observation]) -> usize {
+    let censored = observed.iter().filter(|it| it.status == Status::Censored);
+    // All times are whole ticks.
+    censored.filter(|it| it.time + 0.5 < horizon).count()
+}
+
+/// Checks that the simulated runs of a program contain the measured captures.
+fn check_captures(measurements: &[Measurement], found: &[Vec<Simulated>]) -> Result<(), Failure> {
+    for (measurement, points) in measurements.iter().zip(found) {
+        let is_missing = points.iter().all(|it| it.times.is_empty());
+        if let Some(capture) = measurement.capture().filter(|_| is_missing) {
+            return Err(Failure::usage(format!(
+                "no simulated run of `{}` has the measured capture `{capture}`; fit the program of the measured runs, or change \
+                 the ranges",
+                measurement.program
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Returns the scenes of all programs with the fitted medians, as source text that programs can

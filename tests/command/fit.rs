@@ -3,8 +3,6 @@ use std::fs;
 
 use serde_json::Value;
 use stochc::report::figures::Medium;
-use stochc_ir::record::Outcome;
-use stochc_results::Folder;
 
 use crate::layout;
 use crate::stochc::{path, stochc_with};
@@ -101,29 +99,46 @@ fn recovers_a_parameter_and_predicts_held_out_programs() {
 }
 
 #[test]
-fn a_results_folder_has_the_times_of_its_runs() {
+fn recovers_a_parameter_from_waiting_times() {
     let folder = tempfile::tempdir().unwrap();
-    let [file, data, runs] =
-        ["small.sa", "times.csv", "runs"].map(|name| path(folder.path(), name));
-    fs::write(&file, programs(20)).unwrap();
-    let simulate = "simulate --runs 12 --seed 900 --max-ticks 400 --quiet --out";
-    assert_eq!(stochc_with(simulate, &[&runs, &file]).status, 3);
-    let results = Folder::read(std::path::Path::new(&runs)).unwrap();
-    let mut table = "program,seconds,stopped\n".to_owned();
-    for done in results.finished.to_vec().unwrap() {
-        let program = &results.manifest.programs[done.program];
-        let seconds = done.record.ticks as f64 * program.scene.tick;
-        let is_stopped = done.record.outcome != Outcome::Completed;
-        table += &format!("{},{seconds},{is_stopped}\n", program.name);
-    }
-    fs::write(&data, table).unwrap();
-    let [of_table, of_folder] = [&data, &runs].map(|data| {
-        let options = [&file, "--data", data, "--vary", "free=8..60"];
-        let fit = "fit --quiet --runs 4 --points 8 --rounds 1 --max-ticks 2000";
-        stochc_with(fit, &options)
+    let [truth, file, other, runs] =
+        ["truth.sa", "small.sa", "other.sa", "runs"].map(|name| path(folder.path(), name));
+    fs::write(&truth, programs(20)).unwrap();
+    fs::write(&file, programs(8)).unwrap();
+    let simulate = "simulate --runs 100 --seed 900 --max-ticks 350 --quiet --out";
+    assert_eq!(stochc_with(simulate, &[&runs, &truth]).status, 3);
+    let options = [&*file, "--data", &runs, "--vary", "free=8..60 log"];
+    let outcome = stochc_with("fit --quiet --points 12 --json", &options);
+    assert_eq!((outcome.status, &*outcome.err), (0, ""), "{}", outcome.out);
+    let (low, high) = fitted(&outcome.out);
+    assert!(
+        low < 20.0 && 20.0 < high && high - low < 20.0,
+        "{low} .. {high}"
+    );
+    // There is one measurement per capture, and none of a whole run.
+    let fit: Value = serde_json::from_str(&outcome.out).unwrap();
+    let observed = fit["predictions"].as_array().unwrap().iter();
+    let observed: Vec<&Value> = observed.map(|it| &it["observed"]).collect();
+    let captures: Vec<&Value> = observed.iter().map(|it| &it["capture"]).collect();
+    let first = "grow: M.up -> A";
+    assert_eq!(captures, [first, first, "grow: A.up -> B"]);
+    // Every run waited for its first block. The face of `A` is switched on at the tick of its
+    // capture, so the runs that captured `A` waited for `B`. Stopped runs have censored waits.
+    let [n, stopped] = ["n", "stopped"].map(|key| {
+        let counts = observed.iter().map(|it| it[key].as_u64().unwrap());
+        counts.collect::<Vec<_>>()
     });
-    assert_eq!((of_folder.status, &of_folder.err), (0, &of_table.err));
-    assert_eq!(of_folder.out, of_table.out);
+    assert_eq!(n[..2], [100, 100]);
+    assert_eq!(n[2], 100 - stopped[1], "{stopped:?}");
+    assert!(stopped.iter().all(|it| *it > 10), "{stopped:?}");
+
+    let source = programs(8).replace("A.up -> B", "A.north -> B");
+    fs::write(&other, source).unwrap();
+    let options = [&*other, "--data", &runs, "--vary", "free=8..60 log"];
+    let outcome = stochc_with("fit --quiet --runs 4 --points 8", &options);
+    assert_eq!(outcome.status, 2, "{}", outcome.err);
+    let reason = "no simulated run of `two` has the measured capture `grow: A.up -> B`";
+    assert!(outcome.err.contains(reason), "{}", outcome.err);
 }
 
 #[test]

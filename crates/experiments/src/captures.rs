@@ -29,6 +29,24 @@ pub struct CaptureKey {
     pub repetition: u32,
 }
 
+impl CaptureKey {
+    /// Returns the name of the capture, such as `grow: A.up -> B`.
+    fn label(&self, program: &EnsembleProgram) -> String {
+        let phase = program.phase(self.phase);
+        let roles = (program.role(self.parent), program.role(self.child));
+        label(phase, roles, self.face, self.repetition)
+    }
+}
+
+fn label(phase: &str, roles: (&str, &str), face: Face, repetition: u32) -> String {
+    let again = match repetition {
+        0 => String::new(),
+        n => format!(" ({})", n + 1),
+    };
+    let (parent, child) = roles;
+    format!("{phase}: {parent}.{} -> {child}{again}", face.word())
+}
+
 /// Counter of repeated captures, which gives each capture in a phase its own key.
 #[derive(Debug, Default)]
 pub struct Repetitions(BTreeMap<CaptureKey, u32>);
@@ -176,6 +194,16 @@ impl WaitsTally {
         }
     }
 
+    /// Returns the waiting times \[ticks\] of each capture, with its name. Pre-attached blocks have
+    /// none.
+    pub fn times(&self, program: &EnsembleProgram) -> Vec<(String, Vec<Observation>)> {
+        let captures = self.0.iter();
+        captures
+            .filter(|(key, _)| !program.is_pre_attached(key.phase))
+            .map(|(key, tally)| (key.label(program), tally.times.to_vec()))
+            .collect()
+    }
+
     /// Returns the statistics of each capture.
     pub fn finish(self) -> BTreeMap<CaptureKey, Waits> {
         let waits = self.0.into_iter();
@@ -243,16 +271,7 @@ pub fn captures(program: &EnsembleProgram, tally: WaitsTally) -> Vec<CaptureSumm
 impl CaptureSummary {
     /// Returns the name of the capture, such as `grow: A.up -> B`.
     pub fn label(&self) -> String {
-        let again = match self.repetition {
-            0 => String::new(),
-            n => format!(" ({})", n + 1),
-        };
-        format!(
-            "{}: {}.{} -> {}{again}",
-            self.phase,
-            self.parent,
-            self.face.word(),
-            self.child
-        )
+        let roles = (&*self.parent, &*self.child);
+        label(&self.phase, roles, self.face, self.repetition)
     }
 }

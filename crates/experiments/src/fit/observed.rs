@@ -5,12 +5,15 @@ use crate::statistics::{KaplanMeier, Observation, Summary};
 /// lasted longer than the horizon.
 const FOLLOWED: f64 = 0.5;
 
-/// Statistics of a program's measured completion times.
+/// Statistics of a program's measured completion times, or of the waiting times of a capture.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Observed {
-    /// Number of runs, at least 2.
+    /// Name of the capture, such as `grow: A.up -> B`, whose waiting times replace the times of the
+    /// runs. `None` for completion times.
+    pub capture: Option<String>,
+    /// Number of times, at least 2.
     pub n: usize,
-    /// Number of right-censored runs.
+    /// Number of right-censored times.
     pub stopped: usize,
     /// Horizon, in the unit of the table. Longer times are replaced by the horizon. `None` if all
     /// times are used unchanged.
@@ -29,6 +32,7 @@ pub struct Observed {
 impl Observed {
     pub(crate) fn from_summary(n: usize, mean: f64, sd: f64) -> Observed {
         Observed {
+            capture: None,
             n,
             stopped: 0,
             horizon: None,
@@ -57,7 +61,34 @@ impl Observed {
         if runs.len() < 2 {
             return None;
         }
-        let horizon = horizon(runs);
+        Observed::limited(runs, horizon(runs))
+    }
+
+    /// Returns the statistics of each capture's waiting times, which may be right-censored. Leaves
+    /// out captures with too few of them.
+    ///
+    /// All captures have a horizon, at most twice the program's mean waiting time. All statistics
+    /// are then means. With logarithms, the small biases of many captures would add up.
+    pub fn from_captures(captures: &[(String, Vec<Observation>)]) -> Vec<Observed> {
+        let all = captures.iter().flat_map(|(_, waits)| waits);
+        let total: f64 = all.clone().map(|wait| wait.time).sum();
+        let ended = all.filter(|wait| wait.is_completed()).count();
+        let limit = 2.0 * total / ended as f64;
+        let observed = captures.iter().map(|(capture, waits)| {
+            let horizon = horizon(waits).map_or(limit, |horizon| horizon.min(limit));
+            let is_known = waits.len() >= 2 && horizon > 0.0;
+            let observed = is_known.then(|| Observed::limited(waits, Some(horizon)))??;
+            Some(Observed {
+                capture: Some(capture.clone()),
+                ..observed
+            })
+        });
+        observed.flatten().collect()
+    }
+
+    /// Returns the statistics of at least two times, limited by the horizon.
+    fn limited(runs: &[Observation], horizon: Option<f64>) -> Option<Observed> {
+        let stopped = runs.iter().filter(|run| !run.is_completed()).count();
         let end = horizon.unwrap_or(f64::INFINITY);
         let cut: Vec<Observation> = (runs.iter())
             .map(|run| {
@@ -82,6 +113,7 @@ impl Observed {
             return None;
         }
         Some(Observed {
+            capture: None,
             n: runs.len(),
             stopped,
             horizon,
@@ -199,6 +231,30 @@ mod tests {
             &[[50.0; 50].as_slice(), &[900.0]].concat(),
         ));
         assert_eq!(straggler.unwrap().horizon, Some(50.0));
+    }
+
+    #[test]
+    fn censored_waits_of_captures_count() {
+        let limit_of = |waits: Vec<Observation>| {
+            let one = Observed::from_captures(&[("a".to_owned(), waits)]);
+            (one[0].n, one[0].stopped, one[0].horizon, one[0].incomplete)
+        };
+        // The mean waiting time is 100 / 4 of complete waits, and 400 / 4 with censored ones.
+        let ended = [10.0, 20.0, 30.0, 40.0];
+        let complete = limit_of(runs(&ended, &[]));
+        assert_eq!(complete, (4, 0, Some(50.0), 0.0));
+        let censored = limit_of(runs(&ended, &[60.0; 5]));
+        assert_eq!(censored.0, 9);
+        assert_eq!((censored.1, censored.2), (5, Some(60.0)));
+        assert!((censored.3 - 5.0 / 9.0).abs() < 1e-12, "{censored:?}");
+        // A fast and a slow capture have one limit: twice their mean of 30.
+        let captures = [runs(&[4.0, 6.0], &[]), runs(&[40.0, 70.0], &[])];
+        let captures = captures.map(|waits| ("a".to_owned(), waits));
+        let [fast, slow] = &Observed::from_captures(&captures)[..] else {
+            panic!("two captures");
+        };
+        assert_eq!((fast.mean, fast.horizon), (5.0, Some(60.0)));
+        assert_eq!((slow.mean, slow.incomplete), (50.0, 0.5));
     }
 
     #[test]

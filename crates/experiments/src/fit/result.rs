@@ -34,7 +34,7 @@ pub struct Fit {
 pub struct Measurement {
     /// Name of the program.
     pub program: String,
-    /// Number of runs: measured runs, or runs to predict.
+    /// Number of times: measured times, or runs to predict.
     pub n: usize,
     /// Measured times. `None` if the program is only predicted.
     pub observed: Option<Observed>,
@@ -43,6 +43,19 @@ pub struct Measurement {
 }
 
 impl Measurement {
+    /// Returns the name of the capture that was measured. `None` for completion times.
+    pub fn capture(&self) -> Option<&str> {
+        self.observed.as_ref()?.capture.as_deref()
+    }
+
+    /// Returns the name of the program, and of the capture if there is one.
+    pub fn label(&self) -> String {
+        match self.capture() {
+            None => self.program.clone(),
+            Some(capture) => format!("{}, {capture}", self.program),
+        }
+    }
+
     /// Returns the horizon, in the unit of the table. Longer times are replaced by the horizon.
     /// Returns `None` if all times are used unchanged.
     pub fn horizon(&self) -> Option<f64> {
@@ -253,7 +266,62 @@ mod tests {
         (0..n).map(|_| (0..4).map(|_| wait(random)).sum()).collect()
     }
 
-    /// Returns the result of two rounds of a fit of the first parameter. The times are measured at
+    /// Returns the result of two rounds of a fit. `simulated` returns times at a point, for each
+    /// measurement.
+    fn two_rounds(
+        measurements: &[Measurement],
+        mut simulated: impl FnMut(&[f64]) -> Vec<Vec<f64>>,
+        seed: u64,
+    ) -> (Marginal, Prediction) {
+        let mut ends = vec![(0.0, 1.0); 2];
+        let mut points: Vec<Vec<Simulated>> = vec![Vec::new(); measurements.len()];
+        let mut found = None;
+        for round in 0..2 {
+            let design = Design::latin_hypercube(&ends, 18, seed + 1000 * round);
+            for at in design.points {
+                for (points, times) in points.iter_mut().zip(simulated(&at)) {
+                    points.push(Simulated {
+                        times,
+                        at: at.clone(),
+                        incomplete: 0,
+                    });
+                }
+            }
+            let emulators = points
+                .iter()
+                .zip(measurements)
+                .map(|(points, measurement)| {
+                    let near = points.iter().filter(|point| point.is_within(&ends));
+                    let near: Vec<Simulated> = near.cloned().collect();
+                    Emulator::new(&near, measurement.horizon()).unwrap()
+                });
+            let emulators: Vec<Emulator> = emulators.collect();
+            let pairs = measurements.iter().zip(&emulators);
+            let measured: Vec<FittedProgram> = pairs
+                .map(|(measurement, emulator)| FittedProgram {
+                    measurement,
+                    emulator,
+                })
+                .collect();
+            let posterior = Posterior::new(&ends, &measured, seed);
+            ends = posterior.surroundings();
+            let prior = Prior::parse("x=0..1").unwrap();
+            let prediction = posterior.predict(&measured[0]);
+            found = Some((posterior.marginal(0, &prior), prediction));
+        }
+        found.unwrap()
+    }
+
+    fn measurement(observed: Observed) -> Measurement {
+        Measurement {
+            program: "sums".to_owned(),
+            n: observed.n,
+            observed: Some(observed),
+            is_fitted: true,
+        }
+    }
+
+    /// Returns the fit of the first parameter to completion times. The times are measured at
     /// `truth`; run `i` is censored at `limit(i)`.
     fn fitted(
         random: &mut ChaCha8Rng,
@@ -272,46 +340,58 @@ mod tests {
                 }
             })
             .collect();
-        let measurement = Measurement {
-            program: "sums".to_owned(),
-            n: runs.len(),
-            observed: Observed::from_runs(&runs),
-            is_fitted: true,
-        };
-        let mut ends = vec![(0.0, 1.0); 2];
-        let mut points: Vec<Simulated> = Vec::new();
-        let mut found = None;
-        for round in 0..2 {
-            let design = Design::latin_hypercube(&ends, 18, seed + 1000 * round);
-            points.extend(design.points.into_iter().map(|at| Simulated {
-                times: times(random, &at, 12),
-                at,
-                incomplete: 0,
-            }));
-            let near = points.iter().filter(|point| point.is_within(&ends));
-            let near: Vec<Simulated> = near.cloned().collect();
-            let emulator = Emulator::new(&near, measurement.horizon()).unwrap();
-            let measured = FittedProgram {
-                measurement: &measurement,
-                emulator: &emulator,
-            };
-            let posterior = Posterior::new(&ends, std::slice::from_ref(&measured), seed);
-            ends = posterior.surroundings();
-            let prior = Prior::parse("x=0..1").unwrap();
-            found = Some((posterior.marginal(0, &prior), posterior.predict(&measured)));
-        }
-        found.unwrap()
+        let measurement = measurement(Observed::from_runs(&runs).unwrap());
+        two_rounds(&[measurement], |at| vec![times(random, at, 12)], seed)
     }
 
-    /// Checks the coverage of 95 % intervals if run `i` of a measurement is censored at `limit(i)`.
-    /// The mean time is 221 at the centre of the range. Returns the intervals' mean width.
-    fn check_coverage(limit: impl Fn(usize) -> f64) -> f64 {
+    /// Returns the waiting times of three captures in each of `n` runs. They have different means.
+    fn waits(random: &mut ChaCha8Rng, at: &[f64], n: usize) -> Vec<Vec<f64>> {
+        let shares = [0.2, 1.0, 1.8].into_iter();
+        let waits = shares.map(|share| {
+            let waits = times(random, at, n).into_iter();
+            waits.map(|wait| share * wait / 3.0).collect()
+        });
+        waits.collect()
+    }
+
+    /// Returns the fit of the first parameter to the waiting times of three captures, one after
+    /// the other. The waiting times are measured at `truth`; each run is stopped at `limit`.
+    fn fitted_to_waits(
+        random: &mut ChaCha8Rng,
+        truth: &[f64],
+        limit: f64,
+        seed: u64,
+    ) -> (Marginal, Prediction) {
+        let mut captures = vec![("wait".to_owned(), Vec::new()); 3];
+        let all = waits(random, truth, 100);
+        for run in 0..100 {
+            let mut left = limit;
+            for ((_, observed), waits) in captures.iter_mut().zip(&all) {
+                if waits[run] > left {
+                    observed.push(Observation::censored(left));
+                    break;
+                }
+                observed.push(Observation::completed(waits[run]));
+                left -= waits[run];
+            }
+        }
+        let observed = Observed::from_captures(&captures).into_iter();
+        let measurements: Vec<Measurement> = observed.map(measurement).collect();
+        assert_eq!(measurements.len(), 3);
+        two_rounds(&measurements, |at| waits(random, at, 12), seed)
+    }
+
+    /// Checks the coverage of the 95 % intervals of fits. The arguments of `fitted` are a random
+    /// generator, the truth and a seed. Returns the intervals' mean width.
+    fn check_coverage(
+        fitted: impl Fn(&mut ChaCha8Rng, &[f64], u64) -> (Marginal, Prediction),
+    ) -> f64 {
         const TRIALS: u64 = 60;
         let (mut held, mut widths) = (0, 0.0);
         for trial in 0..TRIALS {
             let mut random = ChaCha8Rng::seed_from_u64(trial);
             let truth = [0.2 + 0.6 * random.random::<f64>(), 0.5];
-            let (low, high) = fitted(&mut random, &truth, &limit, trial).0.interval;
+            let (low, high) = fitted(&mut random, &truth, trial).0.interval;
             held += u64::from((low..=high).contains(&truth[0]));
             widths += high - low;
         }
@@ -323,9 +403,15 @@ mod tests {
         width
     }
 
+    /// Checks the coverage if run `i` of a measurement is censored at `limit(i)`. The mean time is
+    /// 221 at the centre of the range. Returns the intervals' mean width.
+    fn check_coverage_of_runs(limit: impl Fn(usize) -> f64) -> f64 {
+        check_coverage(|random, truth, seed| fitted(random, truth, &limit, seed))
+    }
+
     #[test]
     fn intervals_have_their_coverage() {
-        let width = check_coverage(|_| f64::INFINITY);
+        let width = check_coverage_of_runs(|_| f64::INFINITY);
         assert!(width < 0.5, "the data say something");
     }
 
@@ -340,16 +426,27 @@ mod tests {
         };
         let halves = |i: usize| if i.is_multiple_of(2) { 140.0 } else { 280.0 };
         let widths = [
-            check_coverage(|_| 220.0),
-            check_coverage(|_| 150.0),
-            check_coverage(early),
-            check_coverage(halves),
+            check_coverage_of_runs(|_| 220.0),
+            check_coverage_of_runs(|_| 150.0),
+            check_coverage_of_runs(early),
+            check_coverage_of_runs(halves),
         ];
         // The data constrain the parameter: without data, the width would be 0.95.
         assert!(
             widths.iter().all(|width| *width < 0.75 * 0.95),
             "{widths:?}"
         );
+    }
+
+    /// Checks the coverage of fits to waiting times. In the second case, half of the runs are
+    /// stopped, and in the third case most of them.
+    #[test]
+    fn intervals_from_waiting_times_have_their_coverage() {
+        for limit in [f64::INFINITY, 220.0, 100.0] {
+            let width =
+                check_coverage(|random, truth, seed| fitted_to_waits(random, truth, limit, seed));
+            assert!(width < 0.75 * 0.95, "{limit}: {width}");
+        }
     }
 
     /// Checks a prior range that does not contain the truth. The prediction then misses the data.

@@ -80,8 +80,8 @@ fn predictions(out: &mut Drawing, fit: &Fit, top: f64) -> f64 {
     });
     let most = ends.fold(0.0, f64::max);
     let name = |it: &Prediction| match (&it.measurement.observed, it.measurement.is_fitted) {
-        (_, true) => it.measurement.program.clone(),
-        (Some(_), false) => format!("{} (held out)", it.measurement.program),
+        (_, true) => it.measurement.label(),
+        (Some(_), false) => format!("{} (held out)", it.measurement.label()),
         (None, false) => format!("{} (not measured)", it.measurement.program),
     };
     let names: Vec<String> = fit.predictions.iter().map(name).collect();
@@ -105,7 +105,7 @@ fn predictions(out: &mut Drawing, fit: &Fit, top: f64) -> f64 {
         if let Some(observed) = &it.measurement.observed {
             let tooltip = format!(
                 "{}: measured {}",
-                it.measurement.program,
+                it.measurement.label(),
                 number(observed.mean)
             );
             out.disc("ink", (scale.at(observed.mean), y), 4.0, &tooltip);

@@ -100,7 +100,7 @@ fn predictions(fit: &Fit) -> TextTable {
     TextTable {
         label: "program".to_owned(),
         labels: (fit.predictions.iter())
-            .map(|it| it.measurement.program.clone())
+            .map(|it| it.measurement.label())
             .collect(),
         columns,
         ..TextTable::default()
@@ -154,8 +154,8 @@ fn notes(fit: &Fit) -> Vec<String> {
     )];
     if has_horizon(fit) {
         notes.push(
-            "Some runs were stopped. The remark (up to) gives the time limit: longer times count as this limit. Incomplete is \
-             the share of runs that take longer."
+            "The remark (up to) gives the limit of the times: longer times count as this limit. Incomplete is the share of longer \
+             times."
                 .to_owned(),
         );
     }
