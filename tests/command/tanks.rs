@@ -1,5 +1,5 @@
 //! Tests the physical experiments. Each runs for a few seconds.
-use crate::stochc::{path, stochc_with};
+use crate::stochc::{path, stochc_reading, stochc_with};
 
 const EXAMPLES: [&str; 5] = [
     "experiment_1",
@@ -67,5 +67,40 @@ fn a_tank_is_recorded_and_shown_with_its_enclosure() {
     assert!(
         written.contains(&format!(r#""lift":{:.6}"#, lift)[..13]),
         "no lift"
+    );
+}
+
+/// Checks that rising blocks build below a plate on the roof. They float away from a plate on the
+/// floor.
+#[test]
+fn rising_blocks_gather_at_a_plate_on_the_roof() {
+    let outcome = |mount: &str| {
+        let text = format!(
+            "scene tank {{
+                tick 20 ms
+                block cube {{ side 10 cm  mass 0.95 kg  faces 2 }}
+                free 60 uniform
+                enclosure cylinder {{ radius 60 cm  height 150 cm  wall 200 N/m }}
+                mount {mount}
+                gravity 9.81 m/s^2
+                fluid {{ density 1000 kg/m^3 }}
+                agitation turbulence {{ speed 30 cm/s  length 20 cm }}
+                contact {{ restitution 0.2  friction 0.3 }}
+                bond attract {{ pull 2 N within 10 cm  anchor centres 1 mm tilt 26 deg }}
+            }}
+            assembly bracket in tank {{
+                seed plate 3 x 3 {{ M at (1, 1) }}
+                phase grow {{ M.up ->> T[1..2]  T[2].east -> A }}
+            }}"
+        );
+        stochc_reading("simulate --runs 1 --quiet --max-ticks 3000 -", &text)
+    };
+    let (roof, floor) = (outcome("roof"), outcome("floor"));
+    assert_eq!(
+        (roof.status, floor.status),
+        (0, 3),
+        "{}{}",
+        roof.err,
+        floor.err
     );
 }
