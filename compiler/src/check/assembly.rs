@@ -296,6 +296,12 @@ impl<'a> AssemblyInput<'a> {
         symbols: &Symbols,
         later: &mut Vec<Diagnostic>,
     ) -> Result<(), Cancelled> {
+        let seeds = program.plan.seeds.iter().map(|seed| seed.cell);
+        let cells = seeds.chain(program.layout.cells.iter().flatten().copied());
+        let plane = scene.and_then(|scene| {
+            scene.planar.as_ref()?;
+            reach::Plane::new(scene, &program.plan.plate, &cells.collect::<Vec<_>>())
+        });
         let subject = reach::ValidProgram {
             plan: &program.plan,
             liveness: &program.liveness,
@@ -307,8 +313,8 @@ impl<'a> AssemblyInput<'a> {
             patterns: &self.declarations.declared.patterns,
             file: self.file,
             trial: self.trial,
-            is_planar: planar(scene).is_some(),
-            has_passable_gaps: scene.is_some_and(Rates::pass_gaps) && planar(scene).is_none(),
+            plane,
+            has_passable_gaps: scene.is_some_and(Rates::pass_gaps) && plane.is_none(),
             sources: self.sources,
             symbols,
             cancellation: self.settings.cancellation,

@@ -2,7 +2,6 @@
 use std::borrow::Cow;
 
 use stochc_grammar::Cancelled;
-use stochc_ir::scene::Planar;
 use stochc_ir::{Cell, Face};
 
 use super::descendants::DescendantIndex;
@@ -59,8 +58,8 @@ pub fn check(
         untouched: None,
         proposed: Vec::new(),
     };
-    survey.occupancy.is_planar = subject.is_planar;
-    if subject.is_planar {
+    survey.occupancy.plane = subject.plane;
+    if subject.plane.is_some() {
         for seed in &plan.seeds {
             let cell = survey.in_search(seed.cell);
             survey.occupancy.fill_by_seed(cell);
@@ -158,20 +157,14 @@ impl ReachAnalysis<'_> {
 
     /// Returns a cell in the frame of the search. See [`OccupiedCells`].
     pub(super) fn in_search(&self, cell: Cell) -> Cell {
-        if self.subject.is_planar {
-            Cell::new(cell.x, cell.z - Planar::LAYER, cell.y)
-        } else {
-            cell
-        }
+        let plane = self.subject.plane;
+        plane.map_or(cell, |plane| plane.turn(cell))
     }
 
     /// Returns a face in the frame of the search.
     pub(super) fn face_in_search(&self, face: Face) -> Face {
-        match face {
-            Face::North if self.subject.is_planar => Face::Up,
-            Face::South if self.subject.is_planar => Face::Down,
-            _ => face,
-        }
+        let plane = self.subject.plane;
+        plane.map_or(face, |plane| plane.turn_face(face))
     }
 
     pub(super) fn is_capture(&self, id: EventId) -> bool {

@@ -56,7 +56,7 @@ impl ReachAnalysis<'_> {
                 continue;
             };
             let i = (id.0 - first) as usize;
-            is_clear_above[i] |= self.occupancy.top(cell) == Some(cell.z);
+            is_clear_above[i] |= self.occupancy.is_top(cell);
             if is_clear_above[i]
                 && let Some(below) = self.captor_below(id, first)
                 && !self.occupancy.is_retained(cell)
@@ -268,7 +268,7 @@ impl ReachAnalysis<'_> {
 
     /// Returns the cubes of two block lengths that contain a cell, above the ground.
     fn boxes(&self, cell: Cell) -> impl Iterator<Item = Cell> + use<> {
-        let is_planar = self.subject.is_planar;
+        let is_planar = self.subject.plane.is_some();
         (0..8).filter_map(move |i| {
             let low = cell.offset([0, 1, 2].map(|axis| -(i >> axis & 1)))?;
             (low.z >= 1 || is_planar).then_some(low)

@@ -194,7 +194,8 @@ impl ReachAnalysis<'_> {
         }
         help.push_str(&blocking);
         let is_full = |cell| self.occupancy.is_blocked(self.in_search(cell), &has);
-        help.push_str(&picture::layer(cell, is_full));
+        let has_walls = subject.plane.is_some_and(|plane| plane.has_walls());
+        help.push_str(&picture::layer(cell, has_walls, is_full));
         Some(diagnostic.help(help))
     }
 

@@ -46,6 +46,7 @@ mod moving_cube;
 mod occupancy;
 mod path_search;
 mod picture;
+mod plane;
 mod program;
 mod proposal;
 mod reachable;
@@ -54,5 +55,6 @@ mod sealed;
 mod trial;
 
 pub use analysis::check;
+pub use plane::Plane;
 pub use program::ValidProgram;
 pub use proposal::Trial;

@@ -36,7 +36,7 @@ impl MovingCube<'_> {
 
     /// Returns the rows from `low` to below `high`, or the single row of a planar world.
     fn rows(&self, low: i32, high: i32) -> Range<i32> {
-        if self.occupancy.is_planar {
+        if self.occupancy.plane.is_some() {
             0..1
         } else {
             low..high

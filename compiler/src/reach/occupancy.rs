@@ -1,12 +1,12 @@
 //! Occupied cells at a state of a phase.
 //!
-//! In a planar world, cell (x, y, 1) is stored as (x, 0, y). A path then leads north instead of up.
-//! All cells of other rows are blocked, and there is no ground.
+//! In a planar world, the cells are turned ([`Plane`]), and there is no ground.
 use std::collections::BTreeSet;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 use stochc_ir::Cell;
 
+use super::plane::Plane;
 use crate::expanded::EventId;
 
 /// Function that returns whether a capture has happened.
@@ -25,8 +25,8 @@ pub struct OccupiedCells {
     sorted: Option<BTreeSet<(i32, i32, i32)>>,
     /// Number of blocks that [`OccupiedCells::ceiling`] has visited.
     passed: std::cell::Cell<u64>,
-    /// Whether the world is planar.
-    pub is_planar: bool,
+    /// Plane of a planar world.
+    pub plane: Option<Plane>,
     /// Cells of the seeds of a planar world. They are always occupied.
     seeds: FxHashSet<Cell>,
 }
@@ -91,13 +91,17 @@ impl OccupiedCells {
 
     /// Returns whether all cells of a column from `z` on are empty.
     pub fn is_clear(&self, x: i32, y: i32, z: i32) -> bool {
-        let is_outside = self.is_planar && y != 0;
-        !is_outside && self.tops.get(&(x, y)).is_none_or(|&top| top < z)
+        self.tops.get(&(x, y)).is_none_or(|&top| top < z)
+            && self.wall_above(Cell::new(x, y, z)).is_none()
     }
 
-    /// Returns the height of a column's highest occupied cell. Returns `None` for an empty column.
-    pub fn top(&self, cell: Cell) -> Option<i32> {
-        self.tops.get(&(cell.x, cell.y)).copied()
+    /// Returns whether a cell is the highest occupied one of its column, and no wall is above it.
+    pub fn is_top(&self, cell: Cell) -> bool {
+        self.tops.get(&(cell.x, cell.y)) == Some(&cell.z) && self.wall_above(cell).is_none()
+    }
+
+    fn wall_above(&self, cell: Cell) -> Option<i32> {
+        self.plane.and_then(|plane| plane.wall_above(cell))
     }
 
     /// Sorts the cells. [`OccupiedCells::ceiling`] requires sorted cells.
@@ -115,18 +119,17 @@ impl OccupiedCells {
             || (self.cells.get(&cell)).is_some_and(|&by| has(by) || self.is_retained(cell))
     }
 
-    /// Returns whether the ground, a seed or the end of a plane always blocks a cell.
+    /// Returns whether the ground, a seed or a wall of a plane always blocks a cell.
     fn is_fixed(&self, cell: Cell) -> bool {
-        if self.is_planar {
-            cell.y != 0 || self.seeds.contains(&cell)
-        } else {
-            cell.z < 1
+        match &self.plane {
+            Some(plane) => plane.is_wall(cell) || self.seeds.contains(&cell),
+            None => cell.z < 1,
         }
     }
 
     /// Returns whether a cell is in the ground.
     pub fn is_ground(&self, cell: Cell) -> bool {
-        !self.is_planar && cell.z < 1
+        self.plane.is_none() && cell.z < 1
     }
 
     /// Returns whether a capture of the phase fills the cell while a previous block may still be
@@ -141,12 +144,14 @@ impl OccupiedCells {
         if self.is_clear(x, y, z) {
             return None;
         }
+        let wall = self.wall_above(Cell::new(x, y, z));
         let sorted = self.sorted.as_ref()?;
-        (sorted.range((x, y, z)..=(x, y, i32::MAX)))
+        let block = (sorted.range((x, y, z)..=(x, y, i32::MAX)))
             .map(|&(x, y, z)| Cell::new(x, y, z))
             .inspect(|_| self.passed.set(self.passed.get() + 1))
             .find(|&cell| self.is_blocked(cell, has))
-            .map(|cell| cell.z)
+            .map(|cell| cell.z);
+        block.into_iter().chain(wall).min()
     }
 
     /// Returns the number of blocks visited in [`OccupiedCells::ceiling`] since the last call.

@@ -5,8 +5,9 @@ use stochc_ir::Cell;
 /// Number of cells in the picture on each side of the centre.
 const REACH: i32 = 4;
 
-/// Returns the layer around a cell, north at the top: `@` the cell, `#` full, `.` empty.
-pub fn layer(cell: Cell, is_full: impl Fn(Cell) -> bool) -> String {
+/// Returns the layer around a cell, north at the top: `@` the cell, `#` full, `.` empty. With
+/// `has_walls`, walls also fill cells.
+pub fn layer(cell: Cell, has_walls: bool, is_full: impl Fn(Cell) -> bool) -> String {
     let is_full = |dx, dy| cell.offset([dx, dy, 0]).is_none_or(&is_full);
     let range = || -REACH..=REACH;
     // Range with occupied cells.
@@ -29,8 +30,9 @@ pub fn layer(cell: Cell, is_full: impl Fn(Cell) -> bool) -> String {
         cell.x.saturating_add(west)..=cell.x.saturating_add(east),
         cell.y.saturating_add(south)..=cell.y.saturating_add(north),
     );
+    let walls = if has_walls { ", or the wall" } else { "" };
     format!(
-        "layer {}, north at the top: `@` the cell, `#` a block that can be there by then\n{}",
+        "layer {}, north at the top: `@` the cell, `#` a block that can be there by then{walls}\n{}",
         cell.z,
         layer_picture(x, y, sign)
     )

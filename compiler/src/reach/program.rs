@@ -2,6 +2,7 @@
 use stochc_grammar::tree::Assembly;
 use stochc_grammar::{Cancellation, Symbols};
 
+use super::plane::Plane;
 use super::proposal::Trial;
 use crate::blocks::liveness::Liveness;
 use crate::dependencies::graph::DependencyGraph;
@@ -30,8 +31,8 @@ pub struct ValidProgram<'a> {
     /// Function that checks the files with one change. `None` inside such a check, because it needs
     /// only the titles of diagnostics.
     pub trial: Option<&'a Trial<'a>>,
-    /// Whether the world is planar.
-    pub is_planar: bool,
+    /// Plane of a planar world.
+    pub plane: Option<Plane>,
     /// Whether blocks are known to [pass gaps](stochc_estimate::Rates::passes_gaps) in the scene.
     pub has_passable_gaps: bool,
     pub sources: &'a Sources,

@@ -81,7 +81,7 @@ impl ReachAnalysis<'_> {
         };
         let occupancy = &self.occupancy;
         let sees_sky = |cell: Cell| occupancy.is_clear(cell.x, cell.y, cell.z);
-        if occupancy.top(cell) == Some(cell.z)
+        if occupancy.is_top(cell)
             || Face::SIDES
                 .into_iter()
                 .any(|face| cell.across(face).is_some_and(sees_sky))

@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 
 use proptest::prelude::*;
 use stochc_compiler::diagnostic::Code;
+use stochc_ir::scene::{Extent, PlanarArea, Scene};
+use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
 use crate::{checked, with_code};
@@ -147,15 +149,135 @@ fn scenes_of_planar_worlds_are_consistent() {
     }
 }
 
+/// Returns a planar scene with blocks of 20 cm.
+fn scene(enclosure: &str) -> Scene {
+    let text = format!(
+        "scene w from hemisphere {{ world planar free 9 uniform enclosure {enclosure} }}
+        assembly a in w {{ seed plate 1 x 1 {{ M at (0, 0) }} phase p {{ M.north -> T }} }}"
+    );
+    checked(&text).programs.remove(0).scene.unwrap()
+}
+
+const PLATE: Plate = Plate { width: 4, depth: 5 };
+
+fn area(enclosure: &str) -> PlanarArea {
+    PlanarArea::from_scene(&scene(enclosure), &PLATE).unwrap()
+}
+
+fn cell(x: i32, y: i32) -> Cell {
+    Cell::new(x, y, 1)
+}
+
+/// Compares each cell with the extents that `outside-enclosure` tests.
+#[test]
+fn the_area_contains_the_cells_that_do_not_leave_the_enclosure() {
+    for enclosure in [
+        "disc { radius 1.4m  wall 25 N/m }",
+        "rectangle { length 1.6m  width 2.2m  wall 25 N/m }",
+    ] {
+        let (area, scene) = (area(enclosure), scene(enclosure));
+        let mut inside = 0;
+        for (x, y) in (-10..15).flat_map(|x| (-10..15).map(move |y| (x, y))) {
+            let enclosure = scene.enclosure.as_ref().unwrap();
+            let extents = enclosure.extents(cell(x, y), &PLATE, scene.block.side);
+            let is_outside = extents.iter().any(Extent::is_outside);
+            assert_eq!(area.contains(cell(x, y)), !is_outside, "{x} {y}");
+            inside += usize::from(!is_outside);
+        }
+        assert!((80..200).contains(&inside), "{enclosure:?}: {inside}");
+    }
+    let space = Scene {
+        planar: None,
+        ..scene("disc { radius 1.4m  wall 25 N/m }")
+    };
+    assert_eq!(PlanarArea::from_scene(&space, &PLATE), None);
+}
+
+/// Checks the side of a structure that free blocks come from. Without room, walls are ignored.
+#[test]
+fn blocks_come_from_the_side_with_the_most_room() {
+    let side = |area: PlanarArea, cells: &[Cell]| {
+        let access = area.access(cells);
+        let walls = access.area.has_walls();
+        walls.then_some((access.side, access.row))
+    };
+    let rectangle = area("rectangle { length 4m  width 4m  wall 25 N/m }");
+    for (cells, expected) in [
+        (vec![cell(1, 2), cell(2, 2)], Some((Face::North, 3))),
+        (vec![cell(1, 9)], Some((Face::South, 8))),
+        (vec![cell(0, -7), cell(-6, 11)], Some((Face::East, 1))),
+        (vec![cell(9, -7), cell(2, 11)], Some((Face::West, 1))),
+        (vec![cell(-7, -7), cell(10, 11)], None),
+        (vec![cell(1, 2), cell(1, 20)], None),
+        (vec![], None),
+    ] {
+        assert_eq!(side(rectangle, &cells), expected, "{cells:?}");
+    }
+    let disc = area("disc { radius 80cm  wall 25 N/m }");
+    for (rows, expected) in [
+        (2..=2, Some((Face::North, 3))),
+        (3..=3, Some((Face::South, 2))),
+        (0..=4, None),
+    ] {
+        let cells = rows.flat_map(|y| (-1..=4).map(move |x| cell(x, y)));
+        let cells: Vec<Cell> = cells.collect();
+        assert_eq!(side(disc, &cells), expected, "{cells:?}");
+    }
+}
+
+/// Checks a cell in a corner of the enclosure, and a passage along the wall.
+#[test]
+fn walls_close_cells_and_passages() {
+    let program = |wall: &str, phases: &str| {
+        format!(
+            "scene w from hemisphere {{ world planar free 9 uniform enclosure {wall} }}
+            assembly a in w {{ seed plate 6 x 6 {{ M at (1, 0) }} {phases} }}"
+        )
+    };
+    let near = "rectangle { length 1.2m  width 1.2m  wall 250 N/m }";
+    let far = "rectangle { length 1.7m  width 1.7m  wall 250 N/m }";
+    let corner = "phase p { M.north -> N.west -> W } phase q { M.west -> CORE }";
+    let passage =
+        "phase p { M.west -> A  M.north -> B.north -> C.west -> D } phase q { A.north -> E }";
+    let (sealed, tight) = (Code::SealedCavity, Code::TightApproach);
+    for (wall, phases, expected) in [
+        (near, corner, vec![sealed, tight]),
+        (far, corner, vec![tight]),
+        (near, passage, vec![sealed, tight]),
+        (far, passage, vec![tight]),
+        (near, "phase p { M.west -> A  M.north -> B }", vec![tight]),
+        (near, "phase p { M.east -> A  M.north -> B }", vec![]),
+    ] {
+        let found = checked(&program(wall, phases));
+        let codes: BTreeSet<Code> = found.diagnostics.iter().map(|it| it.code).collect();
+        let expected = expected.into_iter().collect();
+        assert_eq!(codes, expected, "{phases}: {:?}", found.diagnostics);
+    }
+    let found = checked(&program(near, corner));
+    let help = with_code(&found, sealed)[0].help.as_deref().unwrap();
+    assert!(help.contains("by then, or the wall\n"), "{help}");
+    assert!(
+        help.contains("# # # # @ # . . .   (y = 0)\n# # # # # # # # #"),
+        "{help}"
+    );
+}
+
 /// Returns a program with one capture per phase, and the cells in their order. Each number is one
 /// choice. The cells are in a square, so that many of them are closed.
 fn walk(choices: &[u32]) -> (String, Vec<Cell>) {
+    let (text, cells) = phases(choices, |face| face);
+    (program(&text), cells)
+}
+
+/// Returns the phases of `walk`, with faces turned by `turn`.
+fn phases(choices: &[u32], turn: impl Fn(Face) -> Face) -> (String, Vec<Cell>) {
     let mut built = vec![("M".to_owned(), Cell::new(0, 0, 1))];
     let mut text = String::new();
     for pair in choices.chunks_exact(2) {
         let (name, cell) = built[pair[0] as usize % built.len()].clone();
         let face = Face::SIDES[pair[1] as usize % 4];
         let next = cell.across(face).unwrap();
+        let face = turn(face);
         let is_inside = (0..4).contains(&next.x) && (0..4).contains(&next.y);
         if !is_inside || built.iter().any(|(_, cell)| *cell == next) {
             continue;
@@ -165,15 +287,22 @@ fn walk(choices: &[u32]) -> (String, Vec<Cell>) {
         built.push((format!("B{number}"), next));
     }
     let cells = built.into_iter().skip(1).map(|(_, cell)| cell).collect();
-    (program(&text), cells)
+    (text, cells)
 }
 
-/// Returns whether a path of free cells leads out of the square of `walk`.
-fn is_open(start: Cell, built: &[Cell]) -> bool {
+/// Returns whether a path of free cells leads out of the square of `walk`. With `has_walls`, it can
+/// lead out only to the north.
+fn is_open(start: Cell, built: &[Cell], has_walls: bool) -> bool {
     let mut seen = BTreeSet::from([start]);
     let mut open = vec![start];
     while let Some(cell) = open.pop() {
-        if cell.x.min(cell.y) < 0 || cell.x.max(cell.y) > 3 {
+        if cell.y > 3 {
+            return true;
+        }
+        if cell.x.min(cell.y) < 0 || cell.x > 3 {
+            if has_walls {
+                continue;
+            }
             return true;
         }
         for next in Face::SIDES.into_iter().filter_map(|face| cell.across(face)) {
@@ -193,7 +322,37 @@ proptest! {
     #[test]
     fn the_proof_agrees_with_a_search_in_the_plane(choices in prop::collection::vec(any::<u32>(), 80)) {
         let (text, cells) = walk(&choices);
-        let closed = (0..cells.len()).any(|i| !is_open(cells[i], &cells[..i]));
+        let closed = (0..cells.len()).any(|i| !is_open(cells[i], &cells[..i], false));
+        let found = checked(&text);
+        let errors: Vec<_> = found.diagnostics.iter().filter(|it| it.is_error()).collect();
+        prop_assert!(errors.iter().all(|it| it.code == Code::SealedCavity), "{text}\n{errors:?}");
+        prop_assert_eq!(!errors.is_empty(), closed, "{}", text);
+    }
+
+    /// Compares the proof with a search between walls in the west, east and south. The table is
+    /// turned by quarter turns.
+    #[test]
+    fn the_proof_agrees_with_a_search_between_walls(
+        choices in prop::collection::vec(any::<u32>(), 80),
+        turns in 0..4usize,
+    ) {
+        let (text, cells) = phases(&choices, |face| face.turned(turns as u8).unwrap());
+        let closed = (0..cells.len()).any(|i| !is_open(cells[i], &cells[..i], true));
+        let (seed, [width, depth]) = [
+            ((0, 0), [4, 6]),
+            ((5, 0), [6, 4]),
+            ((3, 5), [4, 6]),
+            ((0, 3), [6, 4]),
+        ][turns];
+        let text = format!(
+            "scene w from hemisphere {{
+                world planar free 20 uniform
+                enclosure rectangle {{ length {}cm  width {}cm  wall 25 N/m }}
+            }}
+            assembly a in w {{ seed plate {width} x {depth} {{ M at {seed:?} }} {text} }}",
+            20 * width,
+            20 * depth
+        );
         let found = checked(&text);
         let errors: Vec<_> = found.diagnostics.iter().filter(|it| it.is_error()).collect();
         prop_assert!(errors.iter().all(|it| it.code == Code::SealedCavity), "{text}\n{errors:?}");
