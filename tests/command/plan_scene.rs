@@ -147,3 +147,50 @@ fn the_gain_of_scaffolds_is_reported() {
     let explanation = explained(&["--tries", "200", "--plate", "4 x 4"]);
     assert!(explanation.contains("a gain of "), "{explanation}");
 }
+
+/// Plans a shape in a planar world, where the seed is among the cells. Programs cannot be completed
+/// there.
+#[test]
+fn shapes_are_planned_in_planar_worlds() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "table.sa");
+    let table = fs::read_to_string("examples/lab/air_table.sa").unwrap();
+    let (scene, _) = table.split_once("/// A T").unwrap();
+    let shape = "shape tee { layer 1 {\n# # #\n. # .\n. . .\n} }";
+    let text = |phase: &str| {
+        format!(
+            "{scene}{shape}
+            assembly build in air_table {{
+                seed plate 3 x 3 {{ M at (1, 0) }}
+                phase grow {{ {phase} }}
+            }}"
+        )
+    };
+    fs::write(&file, text("M.north -> A")).unwrap();
+    let out = path(folder.path(), "planned.sa");
+    let outcome = stochc_with(PLAN, &[&file, "--out", &out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let program = fs::read_to_string(&out).unwrap();
+    assert!(program.contains("P[1, 0].north ->"), "{program}");
+    let checked = stochc_with("check --deny warnings", &[&out]);
+    assert_eq!(checked.status, 0, "{}", checked.err);
+    let run = "simulate --model shuffle --runs 20 --quiet";
+    let outcome = stochc_with(run, &[&out]);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let drawing = path(folder.path(), "pair.txt");
+    fs::write(&drawing, "##\n").unwrap();
+    let scene = format!("{file}:air_table");
+    let (status, message) = wrong(PLAN, &[&drawing, "--scene", &scene]);
+    let help = "or name their positions (`--plate`)";
+    assert_eq!((status, message.contains(help)), (1, true), "{message}");
+    let plate = ["--plate", "3 x 3 at (2, 0)"];
+    let outcome = stochc_with(
+        PLAN,
+        &[&[&*drawing, "--scene", &scene], &plate[..]].concat(),
+    );
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    fs::write(&file, text("yields tee")).unwrap();
+    let (status, message) = wrong(PLAN, &[&file, "--complete"]);
+    let expected = "in a planar world, only whole shapes can be planned";
+    assert_eq!((status, message.contains(expected)), (1, true), "{message}");
+}

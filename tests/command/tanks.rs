@@ -1,5 +1,5 @@
 //! Tests the physical experiments. Each runs for a few seconds.
-use crate::stochc::{path, stochc_reading, stochc_with};
+use crate::stochc::{path, stochc_with};
 
 const EXAMPLES: [&str; 5] = [
     "experiment_1",
@@ -74,6 +74,8 @@ fn a_tank_is_recorded_and_shown_with_its_enclosure() {
 /// floor.
 #[test]
 fn rising_blocks_gather_at_a_plate_on_the_roof() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "tank.sa");
     let outcome = |mount: &str| {
         let text = format!(
             "scene tank {{
@@ -93,7 +95,8 @@ fn rising_blocks_gather_at_a_plate_on_the_roof() {
                 phase grow {{ M.up ->> T[1..2]  T[2].east -> A }}
             }}"
         );
-        stochc_reading("simulate --runs 1 --quiet --max-ticks 3000 -", &text)
+        std::fs::write(&file, text).unwrap();
+        stochc_with("simulate --runs 1 --quiet --max-ticks 3000", &[&file])
     };
     let (roof, floor) = (outcome("roof"), outcome("floor"));
     assert_eq!(

@@ -37,6 +37,7 @@ fn option_for(error: &TargetError, extent: PlanScope<'_>) -> &'static str {
         (TargetError::Loose(_), PlanScope::Whole) => {
             "; `--supports` adds such cells, `--drop-loose` leaves the parts out"
         }
+        (TargetError::NoSeeds, _) => " (`--plate`)",
         (TargetError::TooFewBlocks { .. }, PlanScope::Whole | PlanScope::Rest(_)) => {
             " (`--free`, `--scene`)"
         }

@@ -85,8 +85,10 @@ pub fn plan(
             (completion.missing(), Some(completion.scene().clone()))
         }
     };
-    if let Some(scene) = scene.as_ref().filter(|scene| scene.planar.is_some()) {
-        let reason = "has `world planar`, and `plan` works only in space";
+    let is_rest = matches!(options.extent, PlanScope::Rest(_));
+    let planar = scene.as_ref().filter(|scene| scene.planar.is_some());
+    if let Some(scene) = planar.filter(|_| is_rest) {
+        let reason = "has `world planar`, where only whole shapes can be planned";
         return Err(Failure::usage(format!("scene `{}` {reason}", visible(&scene.name))).into());
     }
     let rates = read_rates_for(options.rates, scene.iter(), host)?;

@@ -8,8 +8,11 @@ use super::statement::{Called, NameWords};
 use crate::plan::capture::Capture;
 use crate::target::structure::{ExistingBlock, Target};
 
-/// Returns the pre-attached blocks, each after its parent.
+/// Returns the pre-attached blocks, each after its parent. Empty in a planar world.
 pub fn pre_attached(target: &Target) -> Vec<Capture> {
+    if target.plane().is_some() {
+        return Vec::new();
+    }
     let all = || target.existing().iter().chain(target.released());
     let there: FxHashMap<Cell, &ExistingBlock> = all().map(|block| (block.cell, block)).collect();
     let parent = |block: &ExistingBlock| {
@@ -29,11 +32,27 @@ pub fn pre_attached(target: &Target) -> Vec<Capture> {
     captures.collect()
 }
 
-/// Returns the name of the pre-attached block in a cell, or `None` if there is none.
+/// Returns the name of the pre-attached block, or of the seed of a planar world, in a cell. Returns
+/// `None` if there is none.
 pub fn name_of(target: &Target, cell: Cell) -> Option<String> {
     let Cell { x, y, z } = target.existing_at(cell)?.cell;
+    if target.plane().is_some() {
+        return Some(format!("P[{x}, {y}]"));
+    }
     let word = NameWords::OWN.name(Called::Block);
     Some(format!("{word}[{x}, {y}, {z}]"))
+}
+
+/// Returns the positions of a planar world's seeds that capture, sorted. Empty in space.
+pub fn seeds_among_cells(target: &Target, captures: &[Capture]) -> Vec<(i32, i32)> {
+    let parents = captures.iter().filter_map(|capture| {
+        let parent = capture.cell.across(capture.direction.opposite())?;
+        target.plane().and(target.existing_at(parent))
+    });
+    let mut seeds: Vec<(i32, i32)> = parents.map(|it| (it.cell.x, it.cell.y)).collect();
+    seeds.sort_unstable();
+    seeds.dedup();
+    seeds
 }
 
 /// Writes the phase that releases existing blocks. It follows the plate in the source.

@@ -19,7 +19,7 @@ use crate::plan::capture::Capture;
 use crate::target::error::listed_cells;
 use crate::target::structure::Target;
 use crate::timing::precedence::Why;
-use existing::{name_of, pre_attached, write_releases};
+use existing::{name_of, pre_attached, seeds_among_cells, write_releases};
 use repetition::{Repeated, repeated};
 pub use shape::declaration;
 use statement::{NameWords, Statement, statements};
@@ -100,7 +100,8 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
         .chain(second.iter().flatten())
         .cloned()
         .collect();
-    for seat in repetition::seats(&all) {
+    let among_cells = seeds_among_cells(target, &plan.captures);
+    for seat in repetition::seats(&all, &among_cells) {
         seat.write(&mut out, |out, at| {
             let _ = write!(
                 out,

@@ -14,10 +14,11 @@ pub struct Repeated<'a> {
     pub nest: LoopNest,
 }
 
-/// Returns the positions of all seeds that the statements use, combined in loops.
-pub fn seats(statements: &[Statement]) -> Vec<LoopNest> {
+/// Returns the positions of all seeds that the statements use, and of `others`, combined in loops.
+pub fn seats(statements: &[Statement], others: &[(i32, i32)]) -> Vec<LoopNest> {
     let seeds = statements.iter().filter_map(Statement::seed);
     let mut nests: Vec<LoopNest> = seeds
+        .chain(others.iter().copied())
         .map(|(x, y)| LoopNest::new(Cell::new(x, y, 0)))
         .collect();
     nests.sort_by_key(|nest| (nest.base.y, nest.base.x));

@@ -117,6 +117,10 @@ impl Completion {
         let Some(scene) = program.scene.clone() else {
             return Err(NotCompleted::Wrong);
         };
+        if scene.planar.is_some() {
+            let reason = "in a planar world, only whole shapes can be planned";
+            return Err(NotCompleted::Refused(reason.to_owned()));
+        }
         let seeds = &program.plan.seeds;
         let mut names: BTreeMap<Cell, String> = BTreeMap::new();
         let called = there.iter().map(|(block, role)| (block.cell, *role));

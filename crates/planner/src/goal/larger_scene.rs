@@ -37,7 +37,14 @@ impl Goal {
         };
         let mut scene = base.clone();
         scene.free.count = free;
-        scale(&mut scene, cube_root(f64::from(free) / count(&base)));
+        let ratio = f64::from(free) / count(&base);
+        let is_planar = base.planar.is_some();
+        let factor = if is_planar {
+            ratio.sqrt()
+        } else {
+            cube_root(ratio)
+        };
+        scale(&mut scene, factor);
         if let Some(factor) = self.factor_needed(&scene) {
             scale(&mut scene, factor);
         }

@@ -2,11 +2,10 @@
 //! with more cells.
 use std::collections::BTreeSet;
 
-use crate::{LoosePart, Target, TargetError, declaration};
+use crate::{LoosePart, TargetError, declaration};
 use stochc_ir::Cell;
 
 use super::definition::Goal;
-use super::existing_structure::Repair;
 
 impl Goal {
     /// Removes the loose parts from the goal, and returns them.
@@ -31,10 +30,7 @@ impl Goal {
     }
 
     fn loose(&self) -> Vec<LoosePart> {
-        let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
-        let Repair { existing, released } = self.repair.clone();
-        let (cells, seeds) = (self.cells.clone(), self.seeds.clone());
-        let target = Target::with_existing(cells, (existing, released), plate, seeds, u32::MAX);
+        let target = self.target(self.scene().ok().as_ref(), u32::MAX);
         match target {
             Err(TargetError::Loose(parts)) => parts,
             _ => Vec::new(),

@@ -5,6 +5,7 @@ use stochc_compiler::diagnostic::{Code, Diagnostic};
 use stochc_compiler::scene::DEFAULT;
 use stochc_compiler::{Checked, check_text};
 use stochc_estimate::Rates;
+use stochc_ir::scene::Scene;
 
 use super::definition::{Goal, NAME};
 use super::existing_structure::Repair;
@@ -97,7 +98,7 @@ impl Goal {
     pub fn plan(&self, rates: &[Rates], search: PlanSearch<'_>) -> Result<Planned, Unplanned> {
         let scene = self.scene().map_err(Unplanned::Wrong)?;
         let hardware = Hardware::from_scene(&scene);
-        let target = self.target(hardware).map_err(Unplanned::Refused)?;
+        let target = (self.target(Some(&scene), hardware.free)).map_err(Unplanned::Refused)?;
         let law = RateLaw::for_scene(&scene, rates);
         let found = plan(&target, hardware, &law, search).map_err(Unplanned::Refused)?;
         let mut best = self.accepted(&target, found.plain, hardware, &law)?;
@@ -118,7 +119,8 @@ impl Goal {
             };
         }
         let mut alternatives = Vec::new();
-        if self.cells.len() <= MAX_COMPARED && self.repair == Repair::default() {
+        let has_baselines = self.repair == Repair::default() && target.plane().is_none();
+        if self.cells.len() <= MAX_COMPARED && has_baselines {
             let objective = search.objective;
             for (baseline, mut plan) in baseline_plans(&target, hardware, &law, search.seed) {
                 let checked = self.check(&target, &plan, &[]);
@@ -161,8 +163,11 @@ impl Goal {
     ) -> Result<Vec<Planned>, Unplanned> {
         let scene = self.scene().map_err(Unplanned::Wrong)?;
         let hardware = Hardware::from_scene(&scene);
-        let target = self.target(hardware).map_err(Unplanned::Refused)?;
+        let target = (self.target(Some(&scene), hardware.free)).map_err(Unplanned::Refused)?;
         let law = RateLaw::for_scene(&scene, rates);
+        if target.plane().is_some() {
+            return Ok(Vec::new());
+        }
         let plans = baseline_plans(&target, hardware, &law, seed).into_iter();
         let accepted = plans.filter_map(|(baseline, plan)| {
             let plan = BuildPlan {
@@ -175,11 +180,15 @@ impl Goal {
         Ok(accepted.collect())
     }
 
-    pub(super) fn target(&self, hardware: Hardware) -> Result<Target, TargetError> {
+    /// Returns the target in a scene with a number of free blocks.
+    pub(super) fn target(&self, scene: Option<&Scene>, free: u32) -> Result<Target, TargetError> {
         let plate = self.plate.clone().unwrap_or_else(|| self.smallest_plate());
         let Repair { existing, released } = self.repair.clone();
         let (cells, seeds) = (self.cells.clone(), self.seeds.clone());
-        Target::with_existing(cells, (existing, released), plate, seeds, hardware.free)
+        match scene.filter(|scene| scene.planar.is_some()) {
+            Some(scene) => Target::in_plane(cells, scene, plate, seeds, free),
+            None => Target::with_existing(cells, (existing, released), plate, seeds, free),
+        }
     }
 
     /// Calls `written` with a plan and the names of its program.

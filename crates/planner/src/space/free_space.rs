@@ -1,5 +1,6 @@
 //! Free positions of a cube that are reachable from outside.
 use stochc_estimate::{beside_gap, gap_entrances};
+use stochc_ir::scene::{Planar, PlanarAccess};
 use stochc_ir::{Cell, Face};
 
 use crate::space::grid::{Grid, shifted};
@@ -13,6 +14,8 @@ pub struct FreeSpace {
     size: i32,
     /// Whether a cube at a reachable position can also bring a block into adjacent gaps.
     has_gaps: bool,
+    /// Area of a planar world, where the cube is a square that stays inside.
+    plane: Option<PlanarAccess>,
     reach: Grid<PlaceReach>,
 }
 
@@ -41,12 +44,21 @@ impl FreeSpace {
     /// complete.
     pub fn new(sites: &Sites<'_>, size: i32) -> FreeSpace {
         let cells = sites.target.cells();
+        let plane = sites.target.plane().copied();
+        let entrance = plane.map(|plane| plane.entrance());
+        let enclosed: Vec<Cell> = cells.iter().copied().chain(entrance).collect();
         let mut space = FreeSpace {
             size,
             has_gaps: false,
-            reach: Grid::around(cells, 3),
+            plane,
+            reach: Grid::around(&enclosed, 3),
         };
         let mut open = Vec::new();
+        if let Some(plane) = &plane {
+            let open = space.beside_structure(sites, plane);
+            space.flood(sites, open, &|_| true, PlaceReach::Always, &mut |_| {});
+            return space;
+        }
         // Sorted by x, y, z: the last cell of each column is its highest.
         for (i, &cell) in cells.iter().enumerate() {
             let is_top = cells
@@ -62,10 +74,31 @@ impl FreeSpace {
         space
     }
 
-    /// Sets whether gaps are accessible as well.
+    /// Sets whether gaps are accessible as well. In a planar world, they never are.
     #[must_use]
     pub fn with_gaps(self, has_gaps: bool) -> FreeSpace {
+        let has_gaps = has_gaps && self.plane.is_none();
         FreeSpace { has_gaps, ..self }
+    }
+
+    /// Returns the positions in the first rows beyond the structure of a planar world.
+    fn beside_structure(&self, sites: &Sites<'_>, plane: &PlanarAccess) -> Vec<Cell> {
+        let [x, y, _] = plane.side.normal();
+        let row = if x + y > 0 {
+            plane.row
+        } else {
+            plane.row + 1 - self.size
+        };
+        let cells = sites.target.cells().iter().copied();
+        let lows = cells.chain([plane.entrance()]).map(|cell| {
+            if x == 0 {
+                Cell::new(cell.x, row, cell.z)
+            } else {
+                Cell::new(row, cell.y, cell.z)
+            }
+        });
+        lows.filter(|&low| self.is_free(sites, low, &|_| true))
+            .collect()
     }
 
     /// Returns the positions of the cube that cover the cell above `top` and have no block above
@@ -138,9 +171,15 @@ impl FreeSpace {
         lows.filter(|low| low.z >= 1)
     }
 
-    /// Returns whether a cube above the ground fits at a position.
+    /// Returns whether a cube above the ground, or a square inside the walls, fits at a position.
     pub fn is_free(&self, sites: &Sites<'_>, low: Cell, stands: &impl Fn(u32) -> bool) -> bool {
-        low.z >= 1 && self.cells(low).all(|cell| is_empty(sites, cell, stands))
+        let is_inside = match &self.plane {
+            Some(plane) => {
+                low.z == Planar::LAYER && self.cells(low).all(|cell| plane.area.contains(cell))
+            }
+            None => low.z >= 1,
+        };
+        is_inside && self.cells(low).all(|cell| is_empty(sites, cell, stands))
     }
 
     /// Returns whether a position is reachable with the complete target.

@@ -16,6 +16,10 @@ pub enum TargetError {
     TooFar(Cell),
     /// Cells at or under the level of the plate.
     BelowPlate(Vec<Cell>),
+    /// Cells that are not in the layer of a planar world, or that are seeds.
+    NotInPlane(Vec<Cell>),
+    /// No blocks of the plate are named in a planar world.
+    NoSeeds,
     /// Parts connected to no capturing block of the plate.
     Loose(Vec<LoosePart>),
     /// The scene has fewer free blocks than the target has cells.
@@ -132,6 +136,15 @@ impl fmt::Display for TargetError {
                 cells(below.len()),
                 listed_cells(below)
             ),
+            TargetError::NotInPlane(taken) => write!(
+                f,
+                "{} of the target: {}, in no free cell of the planar world",
+                cells(taken.len()),
+                listed_cells(taken)
+            ),
+            TargetError::NoSeeds => {
+                f.write_str("in a planar world, a plan needs named blocks of the plate")
+            }
             TargetError::Loose(parts) => f.write_str(&loose(parts)),
             TargetError::TooFewBlocks { needed, free } => write!(
                 f,
@@ -159,6 +172,13 @@ impl TargetError {
             }
             TargetError::BelowPlate(_) => {
                 Some("layer 1 rests on the plate: move the target up".to_owned())
+            }
+            TargetError::NotInPlane(_) => Some(
+                "a shape in a planar world has only layer 1, without the blocks of the plate"
+                    .to_owned(),
+            ),
+            TargetError::NoSeeds => {
+                Some("plan a shape that an assembly claims, or name their positions".to_owned())
             }
             TargetError::Loose(parts) => bridges(parts),
             TargetError::TooFewBlocks { needed, .. } => Some(format!(

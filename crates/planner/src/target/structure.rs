@@ -2,6 +2,7 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::VecDeque;
 
+use stochc_ir::scene::{Planar, PlanarAccess, PlanarArea, Scene};
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
@@ -27,6 +28,8 @@ pub struct Target {
     seeds: Option<Vec<(i32, i32)>>,
     /// Whether the first captures begin with the run, when the free blocks are at rest.
     is_at_rest: bool,
+    /// Area of a planar world. Its existing blocks are the seeds, and `seeds` is empty.
+    plane: Option<PlanarAccess>,
 }
 
 /// Block that exists before the first capture.
@@ -107,11 +110,57 @@ impl Target {
             released,
             plate,
             seeds,
+            plane: None,
         };
         match target.loose() {
             parts if parts.is_empty() => Ok(target),
             parts => Err(TargetError::Loose(parts)),
         }
+    }
+
+    /// Returns a target in the planar world of a scene. Its seeds are blocks among the cells.
+    ///
+    /// # Errors
+    ///
+    /// As [`Target::new`], and if there are no seeds, or a cell is not a free cell of the plane.
+    pub(crate) fn in_plane(
+        cells: Vec<Cell>,
+        scene: &Scene,
+        plate: Plate,
+        seeds: Option<Vec<(i32, i32)>>,
+        free: u32,
+    ) -> Result<Target, TargetError> {
+        let seeds = seeds.ok_or(TargetError::NoSeeds)?;
+        let seeds: FxHashSet<Cell> = (seeds.into_iter())
+            .map(|(x, y)| Cell::new(x, y, Planar::LAYER))
+            .collect();
+        let is_free = |cell: &Cell| cell.z == Planar::LAYER && !seeds.contains(cell);
+        let taken: Vec<Cell> = cells
+            .iter()
+            .filter(|cell| !is_free(cell))
+            .copied()
+            .collect();
+        if !taken.is_empty() {
+            return Err(TargetError::NotInPlane(taken));
+        }
+        let area = PlanarArea::from_scene(scene, &plate);
+        let existing = seeds.iter().map(|&cell| ExistingBlock {
+            cell,
+            // Seeds have no parent.
+            direction: Face::Up,
+            can_capture: true,
+        });
+        let existing: Vec<ExistingBlock> = existing.collect();
+        let free = free.saturating_add(existing.len() as u32);
+        let target =
+            Target::with_existing(cells, (existing, Vec::new()), plate, Some(Vec::new()), free)?;
+        let plane = area.map(|area| area.access(&target.cells));
+        Ok(Target { plane, ..target })
+    }
+
+    /// Returns the area of a planar world, or `None` in space.
+    pub(crate) fn plane(&self) -> Option<&PlanarAccess> {
+        self.plane.as_ref()
     }
 
     /// Returns a target with other cells on the same plate, or `None` if it is invalid.

@@ -4,6 +4,7 @@
     reason = "the tests read shapes from the disk"
 )]
 mod order;
+mod planar;
 mod random;
 mod refused;
 mod rest;
