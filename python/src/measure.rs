@@ -23,16 +23,30 @@ use super::host::WIDTH;
 use super::program::PythonProgram;
 use super::settings::{folders, named};
 
+/// Python arguments of an estimate and of a test: programs with their rates, and settings of runs.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct RatedPrograms {
+    programs: Vec<Py<PythonProgram>>,
+    rates: Vec<PathBuf>,
+    max_ticks: u64,
+    seed: u64,
+    threads: Option<u16>,
+}
+
+impl RatedPrograms {
+    fn programs(&self) -> Vec<EnsembleProgram> {
+        let programs = self.programs.iter().map(|it| (*it.get().0).clone());
+        programs.collect()
+    }
+}
+
 /// Python arguments of an estimate.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct EstimateRequest {
-    programs: Vec<Py<PythonProgram>>,
-    rates: Vec<PathBuf>,
+    rated: RatedPrograms,
     runs: Option<u64>,
-    max_ticks: u64,
-    seed: u64,
-    threads: Option<u16>,
 }
 
 /// Returns estimates of completion times, as JSON and as text.
@@ -45,15 +59,15 @@ pub fn estimate(
     /// Number of captures that the text lists.
     const SHOWN: usize = 5;
     call(py, progress.as_ref(), move |host| {
-        let programs = request.programs.iter().map(|it| (*it.get().0).clone());
+        let EstimateRequest { rated, runs } = &request;
         let how = Estimating {
-            rates: &request.rates,
-            runs: request.runs,
-            max_ticks: request.max_ticks,
-            seed: request.seed,
-            threads: request.threads,
+            rates: &rated.rates,
+            runs: *runs,
+            max_ticks: rated.max_ticks,
+            seed: rated.seed,
+            threads: rated.threads,
         };
-        let found = estimates(programs.collect(), &how, host)?;
+        let found = estimates(rated.programs(), &how, host)?;
         Ok((
             json!(found).to_string(),
             estimates_to_text(&found, SHOWN, WIDTH),
@@ -65,15 +79,11 @@ pub fn estimate(
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct TestRequest {
-    programs: Vec<Py<PythonProgram>>,
+    rated: RatedPrograms,
     alpha: f64,
     margin: f64,
     model: Option<String>,
-    rates: Vec<PathBuf>,
     runs: u64,
-    max_ticks: u64,
-    seed: u64,
-    threads: Option<u16>,
 }
 
 /// Returns the verdicts about the claims of programs, as JSON and as text.
@@ -84,21 +94,21 @@ pub fn test(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(String, String)> {
     call(py, progress.as_ref(), move |host| {
-        let programs = request.programs.iter().map(|it| (*it.get().0).clone());
-        let programs: Vec<EnsembleProgram> = programs.collect();
+        let rated = &request.rated;
+        let programs = rated.programs();
         let model = request.model.as_ref();
         let model = model.map(|name| named("model", name, &Model::ALL, Model::name));
         let model = model.transpose()?;
         let mut settings = Settings {
             model: model.unwrap_or(Settings::default().model),
-            max_ticks: Some(request.max_ticks),
+            max_ticks: Some(rated.max_ticks),
             ..Settings::default()
         }
         .resolved();
         let scenes = programs.iter().map(|program| &program.scene);
-        let rates = read_rates_for(&request.rates, scenes, host)?;
+        let rates = read_rates_for(&rated.rates, scenes, host)?;
         if settings.model == Model::Rate {
-            settings.rates = rates_for_scenes(&rates, &programs, request.threads, host)?;
+            settings.rates = rates_for_scenes(&rates, &programs, rated.threads, host)?;
         }
         let how = ClaimOptions {
             alpha: request.alpha,
@@ -107,8 +117,8 @@ pub fn test(
             settings,
             rates,
             runs: request.runs,
-            seed: request.seed,
-            threads: request.threads,
+            seed: rated.seed,
+            threads: rated.threads,
         };
         let found = tested_claims(&programs, &how, host)?;
         let claims: Vec<_> = found.iter().map(ReportedClaim::to_json).collect();

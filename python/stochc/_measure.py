@@ -13,7 +13,7 @@ from ._ensemble import Programs, _listed  # pyright: ignore[reportPrivateUsage]
 from ._errors import ProgramError, UsageError
 from ._program import Program, Source, chosen
 from ._progress import Progress, shown
-from ._requests import EstimateRequest, PlanRequest, TestRequest, TradeRequest
+from ._requests import EstimateRequest, PlanRequest, RatedPrograms, TestRequest, TradeRequest
 
 
 @dataclass(frozen=True)
@@ -143,12 +143,8 @@ def estimate(
     ('pair', 20)
     """
     request: EstimateRequest = {
-        "rates": _arguments.paths("rates", rates),
         "runs": _arguments.maybe("runs", runs, 2, MOST_RUNS),
-        "max_ticks": whole("max_ticks", max_ticks, 1, MOST_TICKS),
-        "seed": whole("seed", seed, 0, MOST_SEED),
-        "threads": _arguments.threads(threads),
-        "programs": _listed(programs, ((), (), ()), allow_import),
+        "rated": _rated(programs, rates, max_ticks, seed, threads, allow_import),
     }
     with shown(progress) as show:
         found, text = _native.estimate(request, show)
@@ -196,12 +192,8 @@ def test(
         "alpha": _within("alpha", alpha, "a part", 0.4999) or 0.05,
         "margin": _within("margin", margin, "a part", 1.0) or 0.0,
         "model": _maybe_word("model", model),
-        "rates": _arguments.paths("rates", rates),
         "runs": whole("runs", runs, 1, MOST_RUNS),
-        "max_ticks": whole("max_ticks", max_ticks, 1, MOST_TICKS),
-        "seed": whole("seed", seed, 0, MOST_SEED),
-        "threads": _arguments.threads(threads),
-        "programs": _listed(programs, ((), (), ()), allow_import),
+        "rated": _rated(programs, rates, max_ticks, seed, threads, allow_import),
     }
     with shown(progress) as show:
         found, text = _native.test(request, show)
@@ -310,6 +302,24 @@ def plan(
     with shown(progress) as show:
         texts, assembly, found, explained = _native.plan(request, show)
     return Plan(texts[0][1], json.loads(found), explained, assembly, dict(texts))
+
+
+def _rated(
+    programs: Programs,
+    rates: Path | Iterable[Path],
+    max_ticks: int,
+    seed: int,
+    threads: int | None,
+    allow_import: Source | Iterable[Source],
+) -> RatedPrograms:
+    """Checks the arguments of an estimate and of a test."""
+    return {
+        "rates": _arguments.paths("rates", rates),
+        "max_ticks": whole("max_ticks", max_ticks, 1, MOST_TICKS),
+        "seed": whole("seed", seed, 0, MOST_SEED),
+        "threads": _arguments.threads(threads),
+        "programs": _listed(programs, ((), (), ()), allow_import),
+    }
 
 
 def _alone(name: str, /, **others: object) -> None:

@@ -42,29 +42,31 @@ class StorageOptions(TypedDict):
     record_every: int
 
 
-class EstimateRequest(TypedDict):
-    """Arguments of an estimate."""
+class RatedPrograms(TypedDict):
+    """Programs with their rates, and settings of runs."""
 
     programs: list[_native.Program]
     rates: list[str]
-    runs: int | None
     max_ticks: int
     seed: int
     threads: int | None
+
+
+class EstimateRequest(TypedDict):
+    """Arguments of an estimate."""
+
+    rated: RatedPrograms
+    runs: int | None
 
 
 class TestRequest(TypedDict):
     """Arguments of a test of claims."""
 
-    programs: list[_native.Program]
+    rated: RatedPrograms
     alpha: float
     margin: float
     model: str | None
-    rates: list[str]
     runs: int
-    max_ticks: int
-    seed: int
-    threads: int | None
 
 
 class PlanRequest(TypedDict):
