@@ -341,26 +341,11 @@ fn confirmed(
     rounds: u64,
     host: &dyn Host,
 ) -> Result<Vec<Optimum>, Failure> {
-    let neighbours: Vec<Vec<[f64; 2]>> = searched.iter().map(neighbours).collect();
-    let points = searched.iter().zip(&neighbours).map(|(it, neighbours)| {
-        let at = it.optimum();
-        let moved = neighbours.iter().enumerate().flat_map(|(i, values)| {
-            values.map(|value| {
-                let mut moved = at.to_vec();
-                moved[i] = value;
-                moved
-            })
-        });
-        // The optimum can be its own neighbour, at an end of a range.
-        let mut points = vec![at.to_vec()];
-        for point in moved {
-            if !points.contains(&point) {
-                points.push(point);
-            }
-        }
-        (it.program, &*it.priors, points)
-    });
-    let points: Vec<_> = points.collect();
+    let (points, neighbours): (Vec<_>, Vec<_>) = searched.iter().map(neighbourhood).unzip();
+    let points = searched.iter().zip(points);
+    let points: Vec<_> = points
+        .map(|(it, points)| (it.program, &*it.priors, points))
+        .collect();
     let manifest = setup.manifest(&points, rounds, setup.confirm, host)?;
     let sampled = setup.sampled(&manifest, "confirmation", host)?;
     let mut times = sampled.iter();
@@ -370,24 +355,16 @@ fn confirmed(
         let limit = setup.limit();
         let stopped = times.iter().flat_map(|times| times.iter());
         let stopped = stopped.filter(|time| **time >= limit).count();
-        let of = |i: usize, share: f64| {
-            let mut at = it.optimum().to_vec();
-            at[i] = share;
-            let place = points.iter().position(|point| *point == at);
-            place.map(|place| times[place].as_slice())
-        };
         let numbers = it.priors.iter().zip(neighbours).enumerate();
         let numbers = numbers.map(|(i, (prior, [low, high]))| {
-            let ratio = prior.value(high) / prior.value(low);
-            let pair = of(i, low)
-                .zip(of(i, high))
-                .filter(|_| ratio > 1.0 && ratio.is_finite());
+            let ratio = prior.value(high.share) / prior.value(low.share);
+            let pair = [low, high].map(|near| times[near.point].as_slice());
+            let pair = Some(pair).filter(|_| ratio > 1.0 && ratio.is_finite());
             OptimalNumber {
                 value: prior.rounded(it.optimum()[i]),
                 similar: it.found().similar.marginal(i, prior),
-                elasticity: pair.and_then(|(low, high)| {
-                    elasticity(setup.objective, [low, high], ratio.ln(), setup.seed)
-                }),
+                elasticity: pair
+                    .and_then(|pair| elasticity(setup.objective, pair, ratio.ln(), setup.seed)),
             }
         });
         optima.push(Optimum {
@@ -416,17 +393,42 @@ impl Searched<'_> {
     }
 }
 
-/// Returns a smaller and a larger coordinate for each parameter, near the optimum.
-fn neighbours(it: &Searched<'_>) -> Vec<[f64; 2]> {
-    let pairs = it.optimum().iter().zip(&it.priors);
-    let near = pairs.map(|(share, prior)| {
+/// Point that differs from the optimum in one parameter.
+struct Neighbour {
+    /// Coordinate of the parameter.
+    share: f64,
+    /// Index of the point among those that are simulated.
+    point: usize,
+}
+
+/// Returns the points to simulate: the optimum and its neighbours. Each parameter has a neighbour
+/// with a smaller value and one with a larger value.
+fn neighbourhood(it: &Searched<'_>) -> (Vec<Vec<f64>>, Vec<[Neighbour; 2]>) {
+    let at = it.optimum();
+    let mut points = vec![at.to_vec()];
+    let pairs = at.iter().zip(&it.priors).enumerate();
+    let near = pairs.map(|(i, (share, prior))| {
         let value = prior.value(*share);
         let step = if prior.is_whole {
             (STEP * value.abs()).round().max(1.0)
         } else {
             STEP * value.abs()
         };
-        [value - step, value + step].map(|value| prior.possible(prior.share(value)))
+        [value - step, value + step].map(|value| {
+            let share = prior.possible(prior.share(value));
+            // At an end of a range, the optimum is its own neighbour.
+            if share == at[i] {
+                return Neighbour { share, point: 0 };
+            }
+            let mut moved = at.to_vec();
+            moved[i] = share;
+            points.push(moved);
+            Neighbour {
+                share,
+                point: points.len() - 1,
+            }
+        })
     });
-    near.collect()
+    let near = near.collect();
+    (points, near)
 }
