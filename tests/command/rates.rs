@@ -372,6 +372,22 @@ fn rates_with_a_large_held_out_error_are_refused() {
     assert_eq!(tested.json()["claims"][0]["model"], "rigid");
 }
 
+/// All runs fail at their start.
+#[test]
+fn a_calibration_without_captures_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "wild.sa");
+    let physics = "free 40 uniform  gravity 1 m/s^2  agitation kicks { speed 0 .. 1e30 m/s }";
+    let body = "seed plate 1 x 1 { M at (0, 0) } phase p { M.up -> T }";
+    let text =
+        format!("scene wild from hemisphere {{ {physics} }} assembly a in wild {{ {body} }}");
+    fs::write(&file, text).unwrap();
+    let outcome = stochc_with("calibrate --quiet --allow warnings", &[&file]);
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
+    let reason = "only 0 captures were observed";
+    assert!(outcome.err.contains(reason), "{}", outcome.err);
+}
+
 #[test]
 fn models_without_positions_are_not_recorded() {
     let folder = tempfile::tempdir().unwrap();
