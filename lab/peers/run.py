@@ -15,13 +15,14 @@ TARGET = HERE.parent.parent / "target" / "peers"
 
 # Name, driver, and the driver's name for the engine. The other engines are compared with the first.
 ENGINES = [
-    ("Rapier, as the project sets it up", "own", "as-the-project"),
-    ("`RapierWorld`, the project's world", "own", "rapier-world"),
-    ("`RigidWorld`, the project's kernel", "own", "rigid-world"),
-    ("`RigidWorld`, double precision", "own", "rigid-world-double"),
+    ("`--model rigid`", "own", "rigid-world"),
+    ("`--model rigid`, double precision", "own", "rigid-world-double"),
+    ("`--model rapier`", "own", "rapier-world"),
+    ("Rapier, as `--model rapier` sets it up", "own", "as-the-project"),
     ("Rapier, its defaults", "plain", "defaults"),
     ("ODE, `worldstep`, sweep and prune", "ode", "worldstep"),
     ("ODE, `quickstep`, hash space", "ode", "quickstep"),
+    ("Bullet, sequential impulses", "bullet", "impulses"),
     ("MuJoCo, Newton", "mujoco", "newton"),
 ]
 
@@ -47,22 +48,28 @@ def build():
     for more in (["--bin", "plain"], ["--bin", "own", "--features", "own"]):
         subprocess.run(cargo + more, check=True, env=environment)
     programs = {name: TARGET / "release" / name for name in ("plain", "own")}
-    compiler = ["cc", "-std=c17", "-O3", "-Wall", "-Wextra"]
+    compilers = {".c": ["cc", "-std=c17"], ".cpp": ["c++", "-std=c++17"]}
 
-    def c(name, *libraries):
-        source, program = HERE / "c" / f"{name}.c", TARGET / name
+    def c(file, *libraries):
+        source = HERE / "c" / file
+        program = TARGET / source.stem
+        compiler = [*compilers[source.suffix], "-O3", "-Wall", "-Wextra"]
         subprocess.run([*compiler, source, "-o", program, *libraries, "-lm"], check=True)
-        programs[name] = program
+        programs[source.stem] = program
 
     if pathlib.Path("/usr/include/ode/ode.h").exists():
-        c("ode", "-lode")
+        c("ode.c", "-lode")
     else:
         say("left out: ODE is not installed (apt-get install libode-dev)")
+    if pathlib.Path("/usr/include/bullet").exists():
+        c("bullet.cpp", "-isystem", "/usr/include/bullet", "-lBulletDynamics", "-lBulletCollision", "-lLinearMath")
+    else:
+        say("left out: Bullet is not installed (apt-get install libbullet-dev)")
     if found := importlib.util.find_spec("mujoco"):
         # The Python package contains the library and its headers. Python itself does not run.
         place = pathlib.Path(found.origin).parent
         library = next(place.glob("libmujoco.so*"))
-        c("mujoco", f"-I{place / 'include'}", library, f"-Wl,-rpath,{place}")
+        c("mujoco.c", f"-I{place / 'include'}", library, f"-Wl,-rpath,{place}")
     else:
         say(f"left out: MuJoCo is not installed ({sys.executable} -m pip install mujoco)")
     return programs
@@ -257,7 +264,7 @@ def main():
     core = max(os.sched_getaffinity(0)) if options.core is None else options.core
     os.sched_setaffinity(0, {core})
     told = []
-    for program, engine in (("ode", "worldstep"), ("mujoco", "newton")):
+    for program, engine in (("ode", "worldstep"), ("bullet", "impulses"), ("mujoco", "newton")):
         if program in programs:
             driver = Driver(programs[program], engine, 300, KICK)
             told.append(driver.version.strip())

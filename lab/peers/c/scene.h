@@ -1,6 +1,8 @@
-// The scene and the protocol of the drivers in C. src/scene.rs and src/drive.rs define the same in Rust and explain it.
+// The scene and the protocol of the drivers in C and C++. src/scene.rs and src/drive.rs define the same in Rust and explain it.
 // Everything is in block units: block length 1, mass 1, tick 1.
+#ifndef _GNU_SOURCE
 #define _GNU_SOURCE
+#endif
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -68,7 +70,7 @@ static size_t lattice(double within, double spacing, double (*out)[3]) {
             for (long i = -reach; i < reach; i++) {
                 double x = (i + 0.5) * spacing, y = (j + 0.5) * spacing, z = (k + 0.5) * spacing;
                 if (z < 1.0 || sqrt(x * x + y * y + z * z) > within) continue;
-                if (out) memcpy(out[count], (double[3]){x, y, z}, sizeof *out);
+                if (out) out[count][0] = x, out[count][1] = y, out[count][2] = z;
                 count++;
             }
     return count;
@@ -84,8 +86,8 @@ static void arrange(void) {
             fails = middle;
     }
     size_t sites = lattice(within, fits, NULL);
-    double(*all)[3] = malloc(sites * sizeof *all);
-    start = malloc(blocks * sizeof *start);
+    double(*all)[3] = (double(*)[3])malloc(sites * sizeof *all);
+    start = (double(*)[3])malloc(blocks * sizeof *start);
     lattice(within, fits, all);
     for (size_t i = 0; i < blocks; i++) memcpy(start[i], all[i * sites / blocks], sizeof *start);
     free(all);
