@@ -31,7 +31,11 @@ impl HeldOut {
 
     /// Returns a further way out, if more captures can change the held-out error considerably.
     fn advice(&self) -> &'static str {
-        if self.sampling > self.error / 2.0 { ", or calibrate with more runs (`--runs`)" } else { "" }
+        if self.sampling > self.error / 2.0 {
+            ", or calibrate with more runs (`--runs`)"
+        } else {
+            ""
+        }
     }
 }
 
@@ -41,7 +45,11 @@ mod tests {
 
     #[test]
     fn more_runs_are_advised_only_if_the_sampling_error_is_large() {
-        let advised = |error, sampling| InaccurateRates(HeldOut { error, sampling }).to_string().contains("`--runs`");
+        let advised = |error, sampling| {
+            InaccurateRates(HeldOut { error, sampling })
+                .to_string()
+                .contains("`--runs`")
+        };
         assert!(advised(0.2, 0.15));
         assert!(!advised(0.3, 0.05));
     }
