@@ -4,7 +4,7 @@
 `coverage.py STOCHC TRIALS LIMIT [RUNS]` makes TRIALS measurements of RUNS runs (100) of each program of `examples/fit/small.sa` with
 20 free blocks, stops the runs at LIMIT ticks, and fits `free`. Each measurement and each fit has its own seed.
 With the LIMIT `mixed`, half of the runs are stopped at 250 ticks and half at 500.
-With `--waits` at the end, the fit uses the waiting times of the stopped runs instead of their completion times.
+With `--waits` at the end, the fit uses the waiting times of the stopped runs instead of their completion times. LIMIT must then be a number.
 """
 import json
 import pathlib
@@ -45,6 +45,8 @@ def main():
     words = [word for word in sys.argv[1:] if word != "--waits"]
     stochc, trials, limit = words[0], int(words[1]), words[2]
     runs = int(words[3]) if len(words) > 3 else 100
+    if "--waits" in sys.argv and limit == "mixed":
+        raise SystemExit("--waits needs a number of ticks as LIMIT")
     held, widths = 0, []
     for trial in range(trials):
         with tempfile.TemporaryDirectory() as folder:
