@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the commands behind the tables of docs/validation/performance.md, and prints their output.
+"""Runs commands of docs/validation/performance.md, and prints their output.
 
 python3 lab/performance.py [SECTION...]    takes an hour; the comparisons need the packages that lab/peers/README.md lists
 """
@@ -51,7 +51,7 @@ def run(section, command):
         done = subprocess.run(command, shell=True, cwd=ROOT, stdout=subprocess.PIPE, text=True)
         times.append((cpu() - before, time.monotonic() - began))
         if done.returncode:
-            print(f"**failed with status {done.returncode}**")
+            sys.exit(f"`{command}` failed with status {done.returncode}")
     # The output of stochc itself says nothing about its speed.
     output = "" if command.startswith(STOCHC) else done.stdout
     return output, *map(statistics.median, zip(*times))
