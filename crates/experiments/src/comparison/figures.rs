@@ -52,7 +52,7 @@ pub struct ProgramSummary {
     pub timed_out: u64,
     /// Number of runs that reached the tick limit, `--max-ticks`. Their times are right-censored.
     pub censored: u64,
-    /// Number of failed runs. They are excluded from all times.
+    /// Number of failed runs. Only runs with a broken bond have times, which are infinite.
     pub failed: u64,
     /// Statistics of the completion time. `None` if no run has a time.
     pub time: Option<Time>,

@@ -1,4 +1,5 @@
 //! Program of a report, with the accumulated data of its runs.
+use std::collections::BTreeSet;
 use std::io;
 
 use stochc_experiments::statistics::{Observation, Status, TimeSample};
@@ -57,9 +58,12 @@ pub(crate) struct ReportedProgram<'a> {
     pub events: Events,
     /// Number of finished runs.
     pub runs: usize,
-    /// Run number and completion time \[ticks\] of each run. Failed runs are excluded.
+    /// Run number and completion time \[ticks\] of each run. Failed runs are excluded, except those
+    /// with a broken structure.
     pub times: Vec<(u64, Observation)>,
     pub failed: usize,
+    /// Numbers of the runs with a broken structure.
+    broken: BTreeSet<u64>,
     /// Details of the first failed runs.
     pub failures: Vec<FailedRun>,
     /// Accumulated results of the program, as if it were one point of a sweep.
@@ -206,6 +210,7 @@ impl<'a> ReportedProgram<'a> {
             phase_times: vec![TimeSample::default(); program.phases().len()],
             size_times: vec![TimeSample::default(); program.phases().len()],
             example_runs: Vec::new(),
+            broken: BTreeSet::new(),
             slow_runs: None,
             events,
         }
@@ -218,6 +223,15 @@ impl<'a> ReportedProgram<'a> {
         self.runs += 1;
         let time = completion_time(record);
         self.times.extend(time.map(|time| (record.run, time)));
+        if matches!(
+            record.outcome,
+            Outcome::Failed {
+                is_broken: true,
+                ..
+            }
+        ) {
+            self.broken.insert(record.run);
+        }
         for (phase, times) in self.phase_times.iter_mut().enumerate() {
             if let Some(time) = phase_time(record, phase) {
                 times.push(time);
@@ -268,7 +282,10 @@ impl<'a> ReportedProgram<'a> {
 
     /// Compares the critical paths of the slowest and the fastest tenth of the runs.
     fn compare_slow_runs(&mut self, finished: &Records) -> Result<(), ReportError> {
-        let mut runs = self.times.clone();
+        // A failed run has no critical path.
+        let mut runs: Vec<_> = (self.times.iter().copied())
+            .filter(|(run, _)| !self.broken.contains(run))
+            .collect();
         if runs.len() < MIN_RUNS || self.is_aggregate() {
             return Ok(());
         }
@@ -372,7 +389,8 @@ impl<'a> ReportedProgram<'a> {
         unit.unit()
     }
 
-    /// Returns the completion times \[ticks\]. Failed runs are excluded.
+    /// Returns the completion times \[ticks\]. Failed runs are excluded, except those with a broken
+    /// structure.
     pub fn times(&self) -> Vec<Observation> {
         self.times.iter().map(|&(_, time)| time).collect()
     }

@@ -267,6 +267,42 @@ fn failed_runs_are_excluded() {
     assert_eq!(summarize(with_failed), complete);
 }
 
+/// Checks the differences between slow and fast runs with and without broken structures.
+#[test]
+fn broken_runs_are_not_among_the_slow_runs() {
+    let mut runs: Vec<Finished> = Vec::new();
+    for copy in 0..6 {
+        let add = |done: &Finished| {
+            let mut done = done.clone();
+            done.record.run += 5 * copy;
+            runs.push(done);
+        };
+        five(0.2).finished.each(add).unwrap();
+    }
+    let slower = |runs: &[Finished]| {
+        let mut input = five(0.2);
+        input.finished = runs.to_vec().into();
+        let report = report_of(&[input]);
+        let found = rows(&report, "waits.csv").into_iter();
+        found
+            .map(|mut row| row.remove("slower").unwrap())
+            .collect::<Vec<_>>()
+    };
+    let expected = slower(&runs);
+    assert!(expected.iter().any(|it| it != "0"), "{expected:?}");
+    for run in 30..36 {
+        let mut broken = runs[0].clone();
+        broken.record.run = run;
+        broken.record.outcome = Outcome::Failed {
+            phase: PhaseId(0),
+            reason: "a bond broke".into(),
+            is_broken: true,
+        };
+        runs.push(broken);
+    }
+    assert_eq!(slower(&runs), expected);
+}
+
 #[test]
 fn three_programs_are_corrected_for_three_pairs() {
     let mut inputs = [0.1, 0.2, 0.3].map(five);
