@@ -28,16 +28,22 @@ pub fn rates_for_scenes(
     host: &dyn Host,
 ) -> Result<Vec<Rates>, Failure> {
     let mut found: Vec<Rates> = Vec::new();
-    note_calibrations(known, programs, host);
     for program in programs {
         supported(program)?;
+        if Rates::known(known, &program.scene).is_none()
+            && program.scene.uncalibrated_term().is_some()
+        {
+            return Err(no_rates(program));
+        }
+    }
+    note_calibrations(known, programs, host);
+    for program in programs {
         let scene = &program.scene;
         if found.iter().any(|rates| rates.are_of(scene)) {
             continue;
         }
         let rates = match Rates::known(known, scene) {
             Some(rates) => rates.clone(),
-            None if scene.uncalibrated_term().is_some() => return Err(no_rates(program)),
             None => {
                 host.note(&format!(
                     "calibrating the scene of {}, which has no rates; `stochc calibrate --out` keeps them\n",
@@ -55,7 +61,8 @@ pub fn rates_for_scenes(
 fn note_calibrations(known: &[Rates], programs: &[EnsembleProgram], host: &dyn Host) {
     let mut missing: Vec<&Scene> = Vec::new();
     for EnsembleProgram { scene, .. } in programs {
-        if Rates::known(known, scene).is_none() && !missing.contains(&scene) {
+        let is_new = !missing.iter().any(|other| Rates::are_shared(other, scene));
+        if Rates::known(known, scene).is_none() && is_new {
             missing.push(scene);
         }
     }

@@ -122,17 +122,22 @@ impl Rates {
 
     /// Returns whether the rates are valid for a scene.
     pub fn are_of(&self, scene: &Scene) -> bool {
+        Rates::are_shared(&self.scene, scene)
+    }
+
+    /// Returns whether two scenes have the same rates.
+    pub fn are_shared(first: &Scene, second: &Scene) -> bool {
         // Name, number of open faces per block, messages, faults and strength of bonds do not affect
         // waiting times.
-        let mut alike = scene.clone();
-        alike.name.clone_from(&self.scene.name);
-        alike.block.faces = self.scene.block.faces;
-        alike.messages.clone_from(&self.scene.messages);
-        alike.faults.clone_from(&self.scene.faults);
+        let mut alike = second.clone();
+        alike.name.clone_from(&first.name);
+        alike.block.faces = first.block.faces;
+        alike.messages.clone_from(&first.messages);
+        alike.faults.clone_from(&first.faults);
         if let Some(strength) = alike.bond.as_mut().and_then(Bond::strength_mut) {
-            *strength = (self.scene.bond.as_ref()).and_then(|bond| bond.strength().cloned());
+            *strength = (first.bond.as_ref()).and_then(|bond| bond.strength().cloned());
         }
-        self.scene == alike
+        *first == alike
     }
 
     /// Returns whether blocks certainly enter gaps about as fast as other cells. In some scenes,
