@@ -32,7 +32,8 @@ pub struct FitArguments {
     /// Programs whose times were measured
     #[arg(value_name = "FILE", required = true)]
     files: Vec<String>,
-    /// Results folder of `stochc import`, or CSV file with measured times. The header is `program,ticks`, with a row for each run, or
+    /// Results folder of `stochc import`, or CSV file with measured times. From a folder, the fit uses the waiting time of each
+    /// capture. In a file, the header is `program,ticks`, with a row for each run, or
     /// `program,n,mean_ticks,sd_ticks`. Times can be in `seconds` instead of `ticks`. In a third column `stopped`, `true`
     /// marks a run that was stopped at this time
     #[arg(long, value_name = "DIR|FILE.csv")]
@@ -62,7 +63,8 @@ pub struct FitArguments {
     /// fluid, a flow or `bond reject` take eight steps for all blocks
     #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
     substeps: Substeps,
-    /// Stop each run after this many ticks. The fit does not use stopped runs, and a warning counts them
+    /// Stop each simulated run after this many ticks. The fit does not use the times that are then too short, and a note counts
+    /// them
     #[arg(long, value_name = "TICKS", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     /// Folder for `fit.json`, the figure `fit.svg`, and `fitted.sa` with the fitted scenes. It must be new or empty
@@ -159,8 +161,8 @@ fn keep(out: &Path, fit: &Fit, scenes: &str, figures: &[(String, Vec<u8>)]) -> R
     }
     if fit.stopped > 0 {
         close(&format!(
-            "note: {} of {} runs were stopped before they completed, and count for nothing\n",
-            fit.stopped, fit.runs
+            "note: {} simulated times are not used, because their runs were stopped\n",
+            fit.stopped
         ));
     }
     Ok(())

@@ -132,6 +132,13 @@ fn recovers_a_parameter_from_waiting_times() {
     assert_eq!(n[2], 100 - stopped[1], "{stopped:?}");
     assert!(stopped.iter().all(|it| *it > 10), "{stopped:?}");
 
+    // Waits for `B` begin late, so this limit ends many of them before their horizon.
+    let outcome = stochc_with("fit --quiet --points 12 --max-ticks 350", &options);
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
+    let reason =
+        "at too few points do the runs complete: narrow the ranges, or raise `--max-ticks`";
+    assert!(outcome.err.contains(reason), "{}", outcome.err);
+
     let source = programs(8).replace("A.up -> B", "A.north -> B");
     fs::write(&other, source).unwrap();
     let options = [&*other, "--data", &runs, "--vary", "free=8..60 log"];
@@ -139,6 +146,30 @@ fn recovers_a_parameter_from_waiting_times() {
     assert_eq!(outcome.status, 2, "{}", outcome.err);
     let reason = "no simulated run of `two` has the measured capture `grow: A.up -> B`";
     assert!(outcome.err.contains(reason), "{}", outcome.err);
+}
+
+/// The timeout ends most runs before they wait for `B`.
+#[test]
+fn rare_captures_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let [truth, file, runs] =
+        ["truth.sa", "small.sa", "runs"].map(|name| path(folder.path(), name));
+    let programs = |free| programs(free).replace("grow {", "grow timeout 150 ticks {");
+    fs::write(&truth, programs(30)).unwrap();
+    fs::write(&file, programs(8)).unwrap();
+    let simulate = "simulate --runs 100 --seed 900 --quiet --out";
+    assert_eq!(stochc_with(simulate, &[&runs, &truth]).status, 3);
+    let options = [&*file, "--data", &runs, "--vary", "free=8..30 log"];
+    let outcome = stochc_with("fit --points 12 --runs 6", &options);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let note = "note: left out `two, grow: A.up -> B`: it has too few simulated waiting times";
+    assert!(outcome.err.contains(note), "{}", outcome.err);
+    let out = outcome.out.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(out.contains("two, grow: M.up -> A"), "{out}");
+    assert!(!out.contains("A.up -> B"), "{out}");
+    // A run can have several waiting times, so the lost ones are no share of the runs.
+    let lost = "simulated times are not used, because their runs were stopped.";
+    assert!(out.contains(lost), "{out}");
 }
 
 #[test]

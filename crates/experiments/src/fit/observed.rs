@@ -22,9 +22,9 @@ pub struct Observed {
     pub mean: f64,
     /// Standard deviation of the times.
     pub sd: f64,
-    /// Fraction of runs that were incomplete at the horizon. 0 without a horizon.
+    /// Fraction of times that are longer than the horizon. 0 without a horizon.
     pub incomplete: f64,
-    /// Effective number of runs: number of completely observed runs that would be equally
+    /// Effective number of times: number of completely observed times that would be equally
     /// informative.
     pub effective_n: f64,
 }

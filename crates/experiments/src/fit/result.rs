@@ -23,7 +23,8 @@ pub struct Fit {
     pub points: usize,
     /// Number of runs at all these points.
     pub runs: usize,
-    /// Number of simulated runs that are incomplete although the fit needs their completion times.
+    /// Number of simulated times that the fit cannot use because their runs were stopped. A run has
+    /// a completion time, or the waiting times of its captures.
     pub stopped: usize,
     /// Draws from the posterior, in the units of the priors. Each is a list of values.
     pub draws: Vec<Vec<f64>>,
@@ -114,7 +115,7 @@ pub struct Prediction {
     pub mean: Interval,
     /// Standard deviation. `None` if there is a horizon.
     pub sd: Option<Interval>,
-    /// Fraction of runs that are incomplete at the horizon. `None` without a horizon.
+    /// Fraction of times that are longer than the horizon. `None` without a horizon.
     pub incomplete: Option<Interval>,
 }
 

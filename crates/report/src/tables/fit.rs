@@ -1,6 +1,6 @@
 //! Table of a fit for a terminal.
 use stochc_experiments::fit::{Fit, Interval, Marginal, Observed, Prediction, Prior, Unit};
-use stochc_text::{number, percent, percent_number};
+use stochc_text::{number, percent_number};
 
 use stochc_text::{TextColumn, TextTable, paragraph};
 
@@ -160,10 +160,9 @@ fn notes(fit: &Fit) -> Vec<String> {
         );
     }
     if fit.stopped > 0 {
-        let share = percent(fit.stopped as f64 / fit.runs as f64);
         notes.push(format!(
-            "{} runs ({share}) were stopped before they completed, and are not used. Points with more than a tenth of such runs \
-             are left out.",
+            "{} simulated times are not used, because their runs were stopped. Points with more than a tenth of such times are \
+             left out.",
             fit.stopped
         ));
     }

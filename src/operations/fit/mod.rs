@@ -1,13 +1,14 @@
 //! Fits of scene parameters to measured completion times or waiting times.
-use std::collections::BTreeMap;
+mod simulated;
+
 use std::path::Path;
 
 use stochc_compiler::LintLevels;
 use stochc_experiments::fit::{
     DataError, Design, Emulator, Fit, FittedProgram, MeasuredTimes, Measurement, Observed,
-    Posterior, Prior, Simulated, Unit,
+    Posterior, Prior, Unit,
 };
-use stochc_experiments::statistics::{Observation, Status};
+use stochc_experiments::statistics::Observation;
 use stochc_experiments::sweep::{Parameter, RangeError};
 use stochc_experiments::{WaitsTally, completion_time};
 use stochc_files::budget::TIMES;
@@ -20,11 +21,12 @@ use stochc_runtime::Settings;
 use stochc_text::number;
 
 use super::forecast::cpu_time;
-use super::in_memory::all_runs;
 use super::results::read;
 use super::sweep::{at_point, share_tables};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
+
+use simulated::{Sample, check_captures, simulated};
 
 /// Program of a fit, with its measured times.
 #[derive(Clone, Debug)]
@@ -344,39 +346,39 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
     check_limit(setup, measured)?;
     let mut ends = vec![(0.0, 1.0); priors.len()];
     let measurements: Vec<&Measurement> = all(measured).collect();
-    let mut known: Vec<Vec<Simulated>> = vec![Vec::new(); measurements.len()];
-    let (mut posterior, mut stopped) = (None, 0);
+    let mut known: Vec<Vec<Sample>> = vec![Vec::new(); measurements.len()];
+    let (mut posterior, mut left_out) = (None, Vec::new());
     for round in 0..setup.rounds {
         let points = Points {
             design: &setup.design(&ends, round)?,
             seed: setup.seed_of_round(round),
         };
-        let (new, lost) = simulated(setup, measured, &points, host)?;
-        stopped += lost;
+        let new = simulated(setup, measured, &points, host)?;
         for (known, new) in known.iter_mut().zip(new) {
             known.extend(new);
         }
-        let emulators: Option<Vec<Emulator>> = (known.iter().zip(&measurements))
-            .map(|(points, measurement)| {
-                // Fit polynomials only near the remaining range. Distant points would distort them.
-                let near = points.iter().filter(|point| point.is_within(&ends));
-                let near: Vec<Simulated> = near.cloned().collect();
-                Emulator::new(&near, measurement.horizon())
-            })
+        check_captures(&measurements, &known)?;
+        let emulators: Result<Vec<_>, Failure> = (measurements.iter().zip(&known))
+            .map(|(measurement, samples)| emulator(measurement, samples, &ends))
             .collect();
-        let Some(emulators) = emulators else {
+        let emulators = emulators?;
+        let mut fitted: Vec<FittedProgram> = Vec::new();
+        left_out.clear();
+        for (measurement, emulator) in measurements.iter().zip(&emulators) {
+            match emulator {
+                Some(emulator) => fitted.push(FittedProgram {
+                    measurement,
+                    emulator,
+                }),
+                None => left_out.push(measurement.label()),
+            }
+        }
+        if !fitted.iter().any(|it| it.measurement.is_fitted) {
             return Err(Failure::error(
                 Exit::UnsuccessfulRun,
-                "at too few points do the runs complete: narrow the ranges, or raise `--max-ticks`",
+                "all captures have too few simulated waiting times: raise `--runs`",
             ));
-        };
-        let pairs = emulators.iter().zip(&measurements);
-        let fitted: Vec<FittedProgram> = pairs
-            .map(|(emulator, measurement)| FittedProgram {
-                measurement,
-                emulator,
-            })
-            .collect();
+        }
         let found = Posterior::new(&ends, &fitted, points.seed);
         let surroundings = found.surroundings().into_iter().zip(priors);
         ends = surroundings
@@ -387,6 +389,11 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
     }
     let (posterior, predictions): (Posterior, Vec<_>) =
         posterior.expect("there is one round at least");
+    for capture in left_out {
+        host.note(&format!(
+            "note: left out `{capture}`: it has too few simulated waiting times; raise `--runs` to use it\n"
+        ));
+    }
     let marginals = priors.iter().enumerate();
     let points = setup.points()? * setup.rounds as usize;
     Ok(Fit {
@@ -398,9 +405,33 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
         predictions,
         points,
         runs: points * measured.len() * setup.runs as usize,
-        stopped,
+        stopped: known.iter().flatten().map(|it| it.lost).sum(),
         draws: posterior.values(priors),
     })
+}
+
+/// Fits polynomials to the times of a measurement at the points within `ends`. Distant points would
+/// distort them. Returns `None` for a capture with too few simulated waiting times.
+///
+/// # Errors
+/// If too many points have lost times.
+fn emulator(
+    measurement: &Measurement,
+    samples: &[Sample],
+    ends: &[(f64, f64)],
+) -> Result<Option<Emulator>, Failure> {
+    let near = || samples.iter().filter(|it| it.times.is_within(ends));
+    let new = |points: Vec<_>| Emulator::new(&points, measurement.horizon());
+    let unbiased = near().filter(|it| !it.is_biased());
+    let emulator = new(unbiased.map(|it| it.times.clone()).collect());
+    let has_enough = || new(near().map(Sample::with_lost).collect()).is_some();
+    if emulator.is_none() && (measurement.capture().is_none() || has_enough()) {
+        return Err(Failure::error(
+            Exit::UnsuccessfulRun,
+            "at too few points do the runs complete: narrow the ranges, or raise `--max-ticks`",
+        ));
+    }
+    Ok(emulator)
 }
 
 /// Checks that the limit of ticks allows simulated runs to last as long as the measured ones.
@@ -417,100 +448,6 @@ fn check_limit(setup: &FitSetup, measured: &[FitProgram]) -> Result<(), Failure>
             return Err(Failure::usage(format!(
                 "--max-ticks: runs of `{}` were observed for {horizon:.0} ticks; simulate them as long",
                 program.name
-            )));
-        }
-    }
-    Ok(())
-}
-
-/// Simulates every program at every point. Returns the times for each measurement. Also returns
-/// the number of incomplete runs whose completion times the fit needs.
-fn simulated(
-    setup: &FitSetup,
-    measured: &[FitProgram],
-    points: &Points<'_>,
-    host: &dyn Host,
-) -> Result<(Vec<Vec<Simulated>>, usize), Failure> {
-    let manifest = setup.manifest(measured, points, host)?;
-    let results = all_runs(&manifest, setup.threads, "nothing was fitted", host)?;
-    let mut runs = vec![Vec::new(); manifest.programs.len()];
-    let mut waits = vec![WaitsTally::default(); manifest.programs.len()];
-    let read = results.finished.each(|done| {
-        runs[done.program].extend(completion_time(&done.record));
-        waits[done.program].add(&done.record);
-    });
-    read.map_err(Failure::usage)?;
-    let count = points.design.points.len();
-    let (mut found, mut stopped) = (Vec::new(), 0);
-    for (i, FitProgram { measurements, .. }) in measured.iter().enumerate() {
-        let mut of_program: Vec<Vec<Simulated>> = vec![Vec::new(); measurements.len()];
-        for (point, at) in points.design.points.iter().enumerate() {
-            let entry = i * count + point;
-            let program = &manifest.programs[entry];
-            let unit = setup.ticks(&program.scene);
-            let waits: BTreeMap<_, _> = waits[entry].times(program).into_iter().collect();
-            for (measurement, found) in measurements.iter().zip(&mut of_program) {
-                let (all, observed) = match measurement.capture() {
-                    None => (setup.runs as usize, &*runs[entry]),
-                    Some(capture) => {
-                        let waits = waits.get(capture).map_or(&[][..], |it| it);
-                        (waits.len(), waits)
-                    }
-                };
-                let (simulated, lost) = simulated_at(at, measurement, (all, observed), unit);
-                stopped += lost;
-                // If many times at a point are lost, the known times are biased towards short ones.
-                if lost * 10 <= all {
-                    found.push(simulated);
-                }
-            }
-        }
-        check_captures(measurements, &of_program)?;
-        found.extend(of_program);
-    }
-    Ok((found, stopped))
-}
-
-/// Returns the times of a measurement at a point, and the number of lost times. `all` is the number
-/// of simulated runs or waits; `observed` excludes failed ones. There are `unit` ticks per unit of
-/// the data.
-fn simulated_at(
-    at: &[f64],
-    measurement: &Measurement,
-    (all, observed): (usize, &[Observation]),
-    unit: f64,
-) -> (Simulated, usize) {
-    let completed = observed.iter().filter_map(|it| it.completed_time());
-    let times: Vec<f64> = completed.map(|ticks| ticks / unit).collect();
-    // After the horizon, an incomplete time is as informative as a complete one.
-    let lost = match measurement.horizon() {
-        Some(horizon) => censored_before(horizon * unit, observed),
-        None => all - times.len(),
-    };
-    let simulated = Simulated {
-        at: at.to_vec(),
-        incomplete: observed.len().saturating_sub(times.len() + lost),
-        times,
-    };
-    (simulated, lost)
-}
-
-/// Returns the number of times that were right-censored before the horizon \[ticks\].
-fn censored_before(horizon: f64, observed: &[Observation]) -> usize {
-    let censored = observed.iter().filter(|it| it.status == Status::Censored);
-    // All times are whole ticks.
-    censored.filter(|it| it.time + 0.5 < horizon).count()
-}
-
-/// Checks that the simulated runs of a program contain the measured captures.
-fn check_captures(measurements: &[Measurement], found: &[Vec<Simulated>]) -> Result<(), Failure> {
-    for (measurement, points) in measurements.iter().zip(found) {
-        let is_missing = points.iter().all(|it| it.times.is_empty());
-        if let Some(capture) = measurement.capture().filter(|_| is_missing) {
-            return Err(Failure::usage(format!(
-                "no simulated run of `{}` has the measured capture `{capture}`; fit the program of the measured runs, or change \
-                 the ranges",
-                measurement.program
             )));
         }
     }
