@@ -72,7 +72,7 @@ class Proof:
     """Properties of a program that are proved for every order of its captures and releases."""
 
     completes: bool
-    """Whether every order completes, if no timeout and no broken bond ends the run."""
+    """Whether every order completes, if no timeout, dead block or broken bond ends the run."""
     no_cell_blocked: bool
     """Whether every captured cell stays accessible until its block is captured."""
     no_cell_used_twice: bool

@@ -126,6 +126,40 @@ fn a_breaking_bond_is_an_exception() {
 }
 
 #[test]
+fn all_exceptions_are_listed() {
+    let program = |faults: &str, timeout: &str| {
+        format!(
+            "scene heavy from hemisphere {{
+                {faults}
+                gravity 9.81 m/s^2
+                bond attract {{
+                    pull 15 N within 20cm  anchor centres 1mm
+                    strength {{ force 5 N }}
+                }}
+            }}
+            assembly a in heavy {{
+                seed plate 1 x 1 {{ M at (0, 0) }}
+                phase p {timeout} {{ M.up -> A }}
+            }}"
+        )
+    };
+    let (faults, timeout) = ("faults { dead 1% }", "timeout 3600 s");
+    for (faults, timeout, expected) in [
+        ("", timeout, "a bond breaks or a phase times out"),
+        (faults, "", "it captures a dead block or a bond breaks"),
+        (
+            faults,
+            timeout,
+            "it captures a dead block, a bond breaks or a phase times out",
+        ),
+    ] {
+        let (lines, _) = checked(&program(faults, timeout), "--allow warnings");
+        let expected = format!("  proved: completes in every order unless {expected}");
+        assert_eq!(lines[0], expected);
+    }
+}
+
+#[test]
 fn nothing_is_proved_about_wrong_programs_and_aggregates() {
     let document = stochc("check --json tests/fixtures/wrong.sa").json();
     assert_eq!(document["programs"][0]["proved"], Value::Null);

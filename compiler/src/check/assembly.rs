@@ -296,12 +296,7 @@ impl<'a> AssemblyInput<'a> {
         symbols: &Symbols,
         later: &mut Vec<Diagnostic>,
     ) -> Result<(), Cancelled> {
-        let seeds = program.plan.seeds.iter().map(|seed| seed.cell);
-        let cells = seeds.chain(program.layout.cells.iter().flatten().copied());
-        let plane = scene.and_then(|scene| {
-            scene.planar.as_ref()?;
-            reach::Plane::new(scene, &program.plan.plate, &cells.collect::<Vec<_>>())
-        });
+        let plane = scene.and_then(|it| reach::Plane::new(it, &program.plan, &program.layout));
         let subject = reach::ValidProgram {
             plan: &program.plan,
             liveness: &program.liveness,

@@ -8,11 +8,12 @@ use stochc_text::series;
 use crate::blocks::block_demand::scarce_phase;
 use crate::check::checked::{Checked, Program};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::reach::Plane;
 
 /// Properties of a program in every order of its captures and releases.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Proof {
-    /// Whether every order completes, if no timeout and no broken bond ends the run.
+    /// Whether every order completes, if no timeout, dead block or broken bond ends the run.
     pub completes: bool,
     /// Whether every captured cell stays accessible until its block is captured.
     pub no_cell_blocked: bool,
@@ -44,7 +45,8 @@ impl Checked {
         let found = found.filter(|diagnostic| diagnostic.programs.contains(&number));
         let (overload, found): (Vec<_>, Vec<_>) =
             found.partition(|diagnostic| diagnostic.code == Code::OverloadedBond);
-        let mut unproved: Vec<String> = found.into_iter().filter_map(undecided).collect();
+        let undecided = found.into_iter().filter_map(undecided);
+        let mut unproved: Vec<String> = undecided.chain(ignored_walls(program)).collect();
         unproved.sort_unstable();
         unproved.dedup();
         let no_cell_blocked = unproved.is_empty();
@@ -90,6 +92,16 @@ fn undecided(diagnostic: &Diagnostic) -> Option<String> {
     Some(format!("{reason} ({})", diagnostic.code))
 }
 
+/// Returns the reason why walls may close cells. Returns `None` if the proof considers all walls.
+fn ignored_walls(program: &Program) -> Option<String> {
+    let Program { plan, layout, .. } = program;
+    let plane = Plane::new(program.scene.as_ref()?, plan, layout)?;
+    plane.ignores_walls().then(|| {
+        "no side of the structure has room for two rows of blocks, so the proof ignores walls"
+            .to_owned()
+    })
+}
+
 /// Returns the reason why all free blocks may be bound before a release. Returns `None` if no order
 /// does this.
 fn scarcity(program: &Program) -> Option<String> {
@@ -114,17 +126,21 @@ fn has_dead_blocks(program: &Program) -> bool {
 impl fmt::Display for Proof {
     /// Writes one line per property: `proved: ...`, or `not proved: ...` with the reason.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let order = if self.has_timeout {
-            "completes in every order unless a phase times out"
-        } else if self.has_dead_blocks {
-            "completes in every order unless it captures a dead block"
-        } else if self.has_breaking_bonds {
-            "completes in every order unless a bond breaks"
-        } else {
-            "completes in every order"
-        };
         if self.completes {
-            writeln!(f, "proved: {order}")?;
+            let exceptions = [
+                (self.has_dead_blocks, "it captures a dead block"),
+                (self.has_breaking_bonds, "a bond breaks"),
+                (self.has_timeout, "a phase times out"),
+            ];
+            let exceptions = exceptions.into_iter().filter(|(applies, _)| *applies);
+            let exceptions: Vec<&str> = exceptions.map(|(_, exception)| exception).collect();
+            let unless = if exceptions.is_empty() {
+                ""
+            } else {
+                " unless "
+            };
+            let exceptions = series(&exceptions, "or");
+            writeln!(f, "proved: completes in every order{unless}{exceptions}")?;
         }
         let cells = if self.no_cell_blocked {
             "no cell is blocked or used twice"

@@ -3,18 +3,27 @@
 //! The frame is turned so that free blocks come from above, as in space. If they come from the
 //! north, cell (x, y, 1) is stored as (x, 0, y). Cells outside the walls are blocked.
 use stochc_ir::scene::{Planar, PlanarAccess, PlanarArea, Scene};
-use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
+
+use crate::expanded::ExpandedProgram;
+use crate::shapes::layout::Layout;
 
 /// Plane with its walls.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane(PlanarAccess);
 
 impl Plane {
-    /// Returns the plane of a structure. Returns `None` if the world is not planar.
-    pub fn new(scene: &Scene, plate: &Plate, cells: &[Cell]) -> Option<Plane> {
-        let area = PlanarArea::from_scene(scene, plate)?;
-        Some(Plane(area.access(cells)))
+    /// Returns the plane of a program. Returns `None` if the world is not planar.
+    pub fn new(scene: &Scene, plan: &ExpandedProgram, layout: &Layout) -> Option<Plane> {
+        let area = PlanarArea::from_scene(scene, &plan.plate)?;
+        let seeds = plan.seeds.iter().map(|seed| seed.cell);
+        let cells = seeds.chain(layout.cells.iter().flatten().copied());
+        Some(Plane(area.access(&cells.collect::<Vec<_>>())))
+    }
+
+    /// Returns whether the search ignores walls, because no side has enough room.
+    pub fn ignores_walls(&self) -> bool {
+        self.0.ignores_walls
     }
 
     /// Returns a cell in the frame of the search.

@@ -262,6 +262,33 @@ fn walls_close_cells_and_passages() {
     );
 }
 
+/// Checks that nothing is proved about access without room next to the structure. A wall closes
+/// one of the cells.
+#[test]
+fn ignored_walls_prove_no_access() {
+    let proof = |phases: &str| {
+        let text = format!(
+            "scene w from hemisphere {{
+                world planar free 9 uniform
+                enclosure rectangle {{ length 1.2m  width 1.2m  wall 250 N/m }}
+            }}
+            assembly a in w {{ seed plate 6 x 6 {{ M at (1, 0) }} {phases} }}"
+        );
+        checked(&text).proof(0)
+    };
+    let corner = "phase p { M.north -> N.west -> W } phase q { M.west -> CORE }";
+    assert_eq!(proof(corner), None);
+    let full = format!("{corner} phase r {{ N.east ->> T[1..3]  T[3].north ->> U[1..3] }}");
+    let expected = "proved: no cell is used twice\n\
+        not proved: completes in every order\n  \
+        because no side of the structure has room for two rows of blocks, so the proof ignores walls\n";
+    let found = proof(&full).unwrap();
+    assert_eq!(found.to_string(), expected);
+    assert!(!found.completes && !found.no_cell_blocked);
+    let roomy = proof("phase p { M.east -> A  M.north -> B }").unwrap();
+    assert!(roomy.completes && roomy.no_cell_blocked);
+}
+
 /// Returns a program with one capture per phase, and the cells in their order. Each number is one
 /// choice. The cells are in a square, so that many of them are closed.
 fn walk(choices: &[u32]) -> (String, Vec<Cell>) {

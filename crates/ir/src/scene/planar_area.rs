@@ -18,6 +18,8 @@ pub struct PlanarAccess {
     pub side: Face,
     /// First row beyond the structure on this side, as a coordinate along the side's axis.
     pub row: i32,
+    /// Whether the area has walls that are ignored, because no side has enough room.
+    pub ignores_walls: bool,
 }
 
 /// Area inside the walls of a planar world, in block lengths.
@@ -104,6 +106,7 @@ impl PlanarArea {
             area: if open_side.is_some() { self } else { endless },
             side,
             row,
+            ignores_walls: self.has_walls() && open_side.is_none(),
         }
     }
 
