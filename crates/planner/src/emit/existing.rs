@@ -43,16 +43,12 @@ pub fn name_of(target: &Target, cell: Cell) -> Option<String> {
     Some(format!("{word}[{x}, {y}, {z}]"))
 }
 
-/// Returns the positions of a planar world's seeds that capture, sorted. Empty in space.
-pub fn seeds_among_cells(target: &Target, captures: &[Capture]) -> Vec<(i32, i32)> {
-    let parents = captures.iter().filter_map(|capture| {
-        let parent = capture.cell.across(capture.direction.opposite())?;
-        target.plane().and(target.existing_at(parent))
-    });
-    let mut seeds: Vec<(i32, i32)> = parents.map(|it| (it.cell.x, it.cell.y)).collect();
-    seeds.sort_unstable();
-    seeds.dedup();
-    seeds
+/// Returns the positions of a planar world's seeds, sorted. Empty in space. Seeds without captures
+/// are obstacles.
+pub fn seeds_among_cells(target: &Target) -> Vec<(i32, i32)> {
+    let seeds = target.plane().map(|_| target.existing());
+    let seeds = seeds.into_iter().flatten();
+    seeds.map(|it| (it.cell.x, it.cell.y)).collect()
 }
 
 /// Writes the phase that releases existing blocks. It follows the plate in the source.

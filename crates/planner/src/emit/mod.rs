@@ -100,7 +100,7 @@ pub fn draft(target: &Target, plan: &BuildPlan, naming: Naming<'_>) -> String {
         .chain(second.iter().flatten())
         .cloned()
         .collect();
-    let among_cells = seeds_among_cells(target, &plan.captures);
+    let among_cells = seeds_among_cells(target);
     for seat in repetition::seats(&all, &among_cells) {
         seat.write(&mut out, |out, at| {
             let _ = write!(

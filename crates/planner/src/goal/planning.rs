@@ -61,6 +61,7 @@ fn allowance(code: Code, hardware: Hardware) -> Option<(&'static str, String)> {
     let reason = match code {
         Code::TightApproach => "not every block has an access path two cells wide",
         Code::ReachUndecided => "the planner has found a way in for every block",
+        Code::UnusedSeed => "in a planar world, every seed is an obstacle",
         code if is_of_scene(code) => "the scene is as it was given",
         Code::UnplannedBond if hardware.attracts_always => {
             "where every face attracts, none can be kept from it"

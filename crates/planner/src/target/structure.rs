@@ -151,9 +151,18 @@ impl Target {
             can_capture: true,
         });
         let existing: Vec<ExistingBlock> = existing.collect();
-        let free = free.saturating_add(existing.len() as u32);
+        // Seeds are cells of the target, but not free blocks.
+        let count = existing.len();
+        let all = free.saturating_add(count as u32);
         let target =
-            Target::with_existing(cells, (existing, Vec::new()), plate, Some(Vec::new()), free)?;
+            Target::with_existing(cells, (existing, Vec::new()), plate, Some(Vec::new()), all);
+        let target = target.map_err(|error| match error {
+            TargetError::TooFewBlocks { needed, .. } => TargetError::TooFewBlocks {
+                needed: needed - count,
+                free,
+            },
+            other => other,
+        })?;
         let plane = area.map(|area| area.access(&target.cells));
         Ok(Target { plane, ..target })
     }

@@ -101,6 +101,45 @@ fn cells_outside_the_plane_and_plates_without_seeds_are_refused() {
     assert!(matches!(refused(&goal), TargetError::Loose(_)));
 }
 
+#[test]
+fn seeds_are_not_counted_as_free_blocks() {
+    let corner = (0..12).map(|i| Cell::new((i + 1) % 6, (i + 1) / 6, 1));
+    let corner: Vec<Cell> = corner.collect();
+    let mut goal = goal(&corner, [20, 20]);
+    goal.set_free(9).unwrap();
+    let found = tried(&goal, 1).unwrap_err();
+    let expected = TargetError::TooFewBlocks {
+        needed: 12,
+        free: 9,
+    };
+    assert!(
+        matches!(&found, Unplanned::Refused(error) if *error == expected),
+        "{found:?}"
+    );
+    goal.set_free(12).unwrap();
+    assert!(tried(&goal, 1).is_ok());
+}
+
+/// Checks a bar between two walls, with blocks south of it. A seed in the north captures nothing.
+/// It decides that free blocks come from the south.
+#[test]
+fn seeds_without_captures_are_obstacles_in_the_program() {
+    let bar = (1..6).map(|x| Cell::new(x, 4, 1));
+    let shape: Vec<Cell> = bar.chain([3, 2].map(|y| Cell::new(3, y, 1))).collect();
+    let mut goal = goal(&shape, [6, 20]);
+    goal.plate = Some(Plate { width: 6, depth: 8 });
+    goal.seeds = Some(vec![(0, 4), (2, 7)]);
+    let planned = tried(&goal, 1).unwrap();
+    assert!(
+        planned.text.contains("P[2, 7] at (2, 7)"),
+        "{}",
+        planned.text
+    );
+    let mut expected = shape;
+    expected.sort_unstable();
+    assert_eq!(built(&planned), expected);
+}
+
 /// Checks that a scene with four times as many free blocks has four times the area.
 #[test]
 fn larger_planar_scenes_keep_the_density() {
