@@ -189,6 +189,12 @@ fn shapes_are_planned_in_planar_worlds() {
         &[&[&*drawing, "--scene", &scene], &plate[..]].concat(),
     );
     assert_eq!(outcome.status, 0, "{}", outcome.err);
+    // The seed holds both blocks in the plane, but none of them in space.
+    for option in ["--drop-loose", "--supports"] {
+        let arguments = [&[&*drawing, "--scene", &scene, option], &plate[..]].concat();
+        let with_option = stochc_with(PLAN, &arguments);
+        assert_eq!((with_option.status, &with_option.out), (0, &outcome.out));
+    }
     fs::write(&file, text("yields tee")).unwrap();
     let (status, message) = wrong(PLAN, &[&file, "--complete"]);
     let expected = "in a planar world, only whole shapes can be planned";

@@ -38,8 +38,9 @@ pub(super) fn placed(
         goal.plate = Some(plate.plate.clone());
         goal.seeds = plate.seeds.clone();
     }
-    hold_loose(&mut goal, options.loose, host);
     scene::choose(&mut goal, options, host)?;
+    hold_loose(&mut goal, options.loose, host);
+    scene::enlarge(&mut goal, options, host)?;
     Ok(goal)
 }
 

@@ -15,13 +15,21 @@ use stochc_planner::Goal;
 /// Sets the scene of a goal as the options require.
 ///
 /// # Errors
-/// If the scene does not exist or has no room for the free blocks.
+/// If the scene does not exist.
 pub fn choose(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Host) -> Result<(), Failure> {
     match options.scene.map(SceneName::parse) {
         None => {}
         Some(SceneName::InFile { file, name }) => take(goal, file, name, options, host)?,
         Some(SceneName::Known(name)) => goal.scene = Some(known(goal, name)?),
     }
+    Ok(())
+}
+
+/// Sets the number of free blocks as the options require. Enlarges the default scene if needed.
+///
+/// # Errors
+/// If the scene has no room for the free blocks.
+pub fn enlarge(goal: &mut Goal, options: &PlanOptions<'_>, host: &dyn Host) -> Result<(), Failure> {
     let larger = match (options.free, options.extent) {
         (Some(free), _) => goal.set_free(free),
         (None, PlanScope::Whole) => goal.enlarge_default_scene(),
