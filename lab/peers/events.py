@@ -17,11 +17,11 @@ EVENTS = 40_000  # in one round of one simulator
 
 # Name, driver, and the arguments of the driver.
 SIMULATORS = [
-    ("`--model rate`, 16 towers apart", "captures", ["16", "6"]),
-    ("`--model rate`, 256 towers apart", "captures", ["256", "6"]),
-    ("`--model rate`, 10,000 towers apart", "captures", ["10000", "6"]),
-    ("`--model rate`, 256 towers side by side", "captures", ["256", "1"]),
-    ("`--model rate`, 10,000 towers side by side", "captures", ["10000", "1"]),
+    ("`--model rate`, 16 distant towers", "captures", ["16", "6"]),
+    ("`--model rate`, 256 distant towers", "captures", ["256", "6"]),
+    ("`--model rate`, 10,000 distant towers", "captures", ["10000", "6"]),
+    ("`--model rate`, 256 adjacent towers", "captures", ["256", "1"]),
+    ("`--model rate`, 10,000 adjacent towers", "captures", ["10000", "1"]),
     ("rebop, 16 reactions, dense", "reactions", ["dense", "16"]),
     ("rebop, 16 reactions, sparse", "reactions", ["sparse", "16"]),
     ("rebop, 256 reactions, sparse", "reactions", ["sparse", "256"]),
