@@ -4,7 +4,7 @@
 python3 lab/sensitivity/run.py STOCHC RUNS TEMPLATE...
 
 Each number is set to 75 % and to 125 % of its value. An elasticity of -1 means that a number which is 1 % larger makes
-completion 1 % faster. ± is the 95 % confidence interval. Writes the table of docs/guides/scene.md.
+completion 1 % faster. ± is the 95 % confidence interval. Prints the numbers of docs/guides/scene.md.
 """
 import json
 import math

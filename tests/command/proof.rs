@@ -89,32 +89,38 @@ fn a_dead_block_is_an_exception() {
     assert_eq!(proved[0]["has_dead_blocks"], true);
 }
 
+/// Returns a program of one phase whose bonds can break. `faults` is a clause of its scene.
+fn breaking(faults: &str, phase: &str) -> String {
+    format!(
+        "scene heavy from hemisphere {{
+            {faults}
+            gravity 9.81 m/s^2
+            bond attract {{
+                pull 15 N within 20cm  anchor centres 1mm
+                strength {{ force 5 N }}
+            }}
+        }}
+        assembly a in heavy {{
+            seed plate 1 x 1 {{ M at (0, 0) }}
+            phase p {phase}
+        }}"
+    )
+}
+
 /// Checks the proof of a program whose bonds break in no order, and of one with an overloaded bond.
 #[test]
 fn a_breaking_bond_is_an_exception() {
-    let program = |arm: &str| {
-        format!(
-            "scene heavy from hemisphere {{
-                gravity 9.81 m/s^2
-                bond attract {{
-                    pull 15 N within 20cm  anchor centres 1mm
-                    strength {{ force 5 N }}
-                }}
-            }}
-            assembly a in heavy {{
-                seed plate 1 x 1 {{ M at (0, 0) }}
-                phase p {{ M.up -> A{arm} }}
-            }}"
-        )
-    };
-    let (lines, proved) = checked(&program(""), "");
+    let (lines, proved) = checked(&breaking("", "{ M.up -> A }"), "");
     assert_eq!(
         lines[0],
         "  proved: completes in every order unless a bond breaks"
     );
     assert_eq!(proved[0]["has_breaking_bonds"], true);
     assert_eq!(proved[0]["completes"], true);
-    let (lines, proved) = checked(&program(".up -> B.east -> C"), "--allow warnings");
+    let (lines, proved) = checked(
+        &breaking("", "{ M.up -> A.up -> B.east -> C }"),
+        "--allow warnings",
+    );
     let expected = [
         "  proved: no cell is blocked or used twice",
         "  not proved: completes in every order",
@@ -127,22 +133,6 @@ fn a_breaking_bond_is_an_exception() {
 
 #[test]
 fn all_exceptions_are_listed() {
-    let program = |faults: &str, timeout: &str| {
-        format!(
-            "scene heavy from hemisphere {{
-                {faults}
-                gravity 9.81 m/s^2
-                bond attract {{
-                    pull 15 N within 20cm  anchor centres 1mm
-                    strength {{ force 5 N }}
-                }}
-            }}
-            assembly a in heavy {{
-                seed plate 1 x 1 {{ M at (0, 0) }}
-                phase p {timeout} {{ M.up -> A }}
-            }}"
-        )
-    };
     let (faults, timeout) = ("faults { dead 1% }", "timeout 3600 s");
     for (faults, timeout, expected) in [
         ("", timeout, "a bond breaks or a phase times out"),
@@ -153,7 +143,8 @@ fn all_exceptions_are_listed() {
             "it captures a dead block, a bond breaks or a phase times out",
         ),
     ] {
-        let (lines, _) = checked(&program(faults, timeout), "--allow warnings");
+        let phase = format!("{timeout} {{ M.up -> A }}");
+        let (lines, _) = checked(&breaking(faults, &phase), "--allow warnings");
         let expected = format!("  proved: completes in every order unless {expected}");
         assert_eq!(lines[0], expected);
     }
