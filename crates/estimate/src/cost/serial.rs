@@ -59,13 +59,11 @@ pub fn serial_captures(parts: ProgramParts<'_>, rates: &Rates) -> Option<Vec<Ser
     let has_releases = (graph.events.iter()).any(|event| !event.action.is_capture());
     let needs_time = MessageTimes::new(&events).is_some();
     let has_faults = parts.scene.faults.is_some();
-    let bond = parts.scene.bond.as_ref();
-    let has_strength = bond.is_some_and(|bond| bond.strength().is_some());
     if has_choice
         || has_releases
         || needs_time
         || has_faults
-        || has_strength
+        || parts.scene.has_breaking_bonds()
         || events.limits().iter().any(is_limited)
     {
         return None;
