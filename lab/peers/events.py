@@ -14,6 +14,7 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 TARGET = HERE.parent.parent / "target" / "peers"
 EVENTS = 40_000  # in one round of one simulator
+CUBES = 100  # in the row of VisibleSim
 
 # Name, driver, and the arguments of the driver.
 SIMULATORS = [
@@ -28,6 +29,8 @@ SIMULATORS = [
     ("rgrow, 16 rows of tiles", "rgrow", ["16"]),
     ("rgrow, 256 rows of tiles", "rgrow", ["256"]),
     ("KaSim, 256 chains", "kappy", ["256"]),
+    ("`--model shuffle`, captures, releases and hops of messages", "control", ["10000"]),
+    ("VisibleSim, a message between neighbours", "visiblesim", []),
 ]
 
 
@@ -39,8 +42,31 @@ def build():
     """Builds the Rust drivers."""
     environment = os.environ | {"CARGO_TARGET_DIR": str(TARGET)}
     cargo = ["cargo", "build", "--release", "--locked", "--manifest-path", HERE.parent / "Cargo.toml"]
-    for name, feature in (("captures", "own"), ("reactions", "reactions")):
-        subprocess.run([*cargo, "--bin", name, "--features", feature], check=True, env=environment)
+    for name, features in (("captures", ["--features", "own"]), ("reactions", ["--features", "reactions"]), ("control", [])):
+        subprocess.run([*cargo, "--bin", name, *features], check=True, env=environment)
+
+
+def visiblesim(source, rounds):
+    """Builds the driver of VisibleSim. Returns its command. `source` is a built copy of its repository."""
+    program, world = TARGET / "visiblesim", TARGET / "visiblesim.xml"
+    row = f'<blocksLine plane="1" line="1" values="{"1" * CUBES}"/>'
+    blocks = f'<blockList color="128,255,128" blockSize="10.0,10.0,10.0">{row}</blockList>'
+    world.write_text(f'<?xml version="1.0"?><world gridSize="{CUBES},3,3" windowSize="800,600">{blocks}</world>')
+    core = pathlib.Path(source) / "simulatorCore"
+    options = ["-O2", "-DNDEBUG", "-std=c++17", "-w", "-DTINYXML_USE_STL", "-DTIXML_USE_STL", f"-I{core}/src", f"-L{core}/lib"]
+    libraries = ["-lsimSlidingCubes", "-lmuparser", "-lglut", "-lGL", "-lGLEW", "-lGLU", "-lpthread", "-ldl"]
+    subprocess.run(["g++", *options, HERE / "c" / "visiblesim.cpp", "-o", program, *libraries], check=True)
+    return [program, str(EVENTS), str(rounds), "-f", "-t", "-c", world]
+
+
+def times(driver, text):
+    """Returns the times of an event [ns] in the output of a driver."""
+    lines = text.splitlines()
+    if driver == "control":
+        # The last row of its table: towers are built and released.
+        return [1e3 / float(lines[-1].split("|")[6])]
+    # VisibleSim prints other lines as well.
+    return [float(line) for line in lines if re.fullmatch(r"[\d.]+(e[+-]?\d+)?", line)]
 
 
 def command(driver, words, rounds):
@@ -48,6 +74,13 @@ def command(driver, words, rounds):
     numbers = [str(EVENTS), str(rounds)]
     if driver in ("captures", "reactions"):
         return [TARGET / "release" / driver, *words, *numbers]
+    if driver == "control":
+        return [TARGET / "release" / driver, *words]
+    if driver == "visiblesim":
+        source = os.environ.get("VISIBLESIM")
+        if source is None:
+            say("left out: the variable VISIBLESIM is not the path of a built copy of VisibleSim")
+        return source and visiblesim(source, rounds)
     if importlib.util.find_spec(driver) is None:
         say(f"left out: {sys.executable} -m pip install {driver}")
         return None
@@ -144,7 +177,7 @@ def main():
         if start := command(driver, words, chosen.rounds):
             say(name)
             said = subprocess.run(start, check=True, capture_output=True, text=True).stdout
-            rows.append((name, statistics.median(map(float, said.split()))))
+            rows.append((name, statistics.median(times(driver, said))))
     reference = next(time for name, time in rows if name == "rebop, 16 reactions, dense")
     print("| simulator | ns an event | over rebop's 16 dense reactions |\n|---|--:|--:|")
     for name, nanoseconds in rows:
