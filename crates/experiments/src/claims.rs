@@ -1,10 +1,11 @@
 //! Decisions about claims, from the runs of programs.
 use serde::Serialize;
 use stochc_ir::claim::{Claim, ClaimedEvent, Relation};
-use stochc_ir::record::{Limit, Origin, Outcome, RunRecord};
+use stochc_ir::record::{Origin, Outcome, RunRecord};
 use stochc_results::{EnsembleProgram, JournalError, Records};
 
-use crate::statistics::{Mean, MeanTest, ShareTest, Side};
+use crate::completion_status;
+use crate::statistics::{Mean, MeanTest, ShareTest, Side, Status};
 
 /// Result of testing a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -135,17 +136,11 @@ impl TimeRange {
 /// Returns the time of an event in a run.
 fn event_time(event: ClaimedEvent, record: &RunRecord) -> TimeRange {
     let ticks = record.ticks as f64;
-    let missing = |earliest: f64| match &record.outcome {
-        Outcome::Completed
-        | Outcome::TimedOut {
-            by: Limit::Timeout, ..
-        }
-        | Outcome::Failed {
-            is_broken: true, ..
-        } => NEVER,
-        Outcome::TimedOut { .. } => TimeRange::new(earliest, f64::INFINITY),
+    let missing = |earliest: f64| match completion_status(&record.outcome) {
+        Some(Status::Completed | Status::Competing) => NEVER,
+        Some(Status::Censored) => TimeRange::new(earliest, f64::INFINITY),
         // The events of the last tick are unknown.
-        Outcome::Failed { .. } => TimeRange::new((earliest - 1.0).max(0.0), f64::INFINITY),
+        None => TimeRange::new((earliest - 1.0).max(0.0), f64::INFINITY),
     };
     // The run has processed the events of its last tick.
     let next = ticks + 1.0;
@@ -343,6 +338,7 @@ fn cpu(runs: &[ClaimedRun]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use stochc_ir::record::Limit;
     use stochc_ir::table::PhaseId;
 
     use super::*;

@@ -9,6 +9,7 @@ mod claims_without_runs;
 mod comparison;
 pub mod fit;
 pub mod optimize;
+mod outcome_counts;
 pub mod resampling;
 mod stamped_json;
 pub mod statistics;
@@ -26,4 +27,5 @@ pub use comparison::{
     ProgramSummary, Time, TimeUnit, completion_status, completion_time, last_seen, median_run,
     pairwise_tests, phase_time, sort_by_time,
 };
+pub use outcome_counts::OutcomeCounts;
 pub use summary_tables::summary_table;

@@ -198,6 +198,17 @@ impl Outcome {
             }
         )
     }
+
+    /// Returns whether the structure broke, so that the run never completes.
+    pub const fn is_broken(&self) -> bool {
+        matches!(
+            self,
+            Outcome::Failed {
+                is_broken: true,
+                ..
+            }
+        )
+    }
 }
 
 /// Limit that stops a run.

@@ -1,8 +1,9 @@
 //! Comparison of programs, for JSON output and tables.
 use serde::Serialize;
-use stochc_ir::record::{FaultKind, Limit, Outcome};
+use stochc_ir::record::{FaultKind, Outcome};
 use stochc_ir::table::PhaseId;
 
+use crate::OutcomeCounts;
 use crate::comparison::{ComparedProgram, PairwiseResult, TimeUnit, pairwise_tests};
 use crate::comparison::{completion_time, phase_time};
 use crate::statistics::{Difference, KaplanMeier, Mean, Observation, Runs, Summary, TimeSample};
@@ -180,10 +181,7 @@ pub struct ComparisonTally<'a> {
 /// Accumulator for the results of one program.
 #[derive(Clone, Debug, Default)]
 struct ProgramTally {
-    finished: u64,
-    completed: u64,
-    timed_out: u64,
-    censored: u64,
+    outcomes: OutcomeCounts,
     blocks: Mean,
     unplanned: Mean,
     is_any_unplanned: bool,
@@ -210,20 +208,12 @@ impl<'a> ComparisonTally<'a> {
     /// Adds a finished run.
     pub fn add(&mut self, done: &Finished) {
         let (tally, record) = (&mut self.programs[done.program], &done.record);
-        tally.finished += 1;
+        tally.outcomes.add(&record.outcome);
         tally.is_any_unplanned |= record.unplanned > 0;
         tally.dead += u64::from(record.faults_of(FaultKind::Dead) > 0);
-        match record.outcome {
-            Outcome::Completed => {
-                tally.completed += 1;
-                tally.blocks.add(record.blocks_used.into());
-                tally.unplanned.add(record.unplanned as f64);
-            }
-            Outcome::TimedOut { by, .. } => match by {
-                Limit::Timeout => tally.timed_out += 1,
-                Limit::MaxTicks => tally.censored += 1,
-            },
-            Outcome::Failed { .. } => {}
+        if record.outcome == Outcome::Completed {
+            tally.blocks.add(record.blocks_used.into());
+            tally.unplanned.add(record.unplanned as f64);
         }
         let time = completion_time(record);
         tally.times.extend(time.map(|time| (record.run, time)));
@@ -365,7 +355,6 @@ impl ProgramTally {
         let phases = program.phases().iter().enumerate();
         let waited = |(i, _): &(usize, _)| !program.is_pre_attached(PhaseId(*i as u32));
         let phases: Vec<_> = phases.filter(waited).collect();
-        let known = self.completed + self.timed_out + self.censored;
         ProgramSummary {
             name: program.name.clone(),
             tick: program.scene.tick,
@@ -375,11 +364,11 @@ impl ProgramTally {
             unplanned: self.unplanned.value().filter(|_| self.is_any_unplanned),
             dead: Some(self.dead).filter(|dead| *dead > 0),
             runs: manifest.runs,
-            finished: self.finished,
-            completed: self.completed,
-            timed_out: self.timed_out,
-            censored: self.censored,
-            failed: self.finished - known,
+            finished: self.outcomes.finished() as u64,
+            completed: self.outcomes.completed as u64,
+            timed_out: self.outcomes.timed_out as u64,
+            censored: self.outcomes.censored as u64,
+            failed: self.outcomes.failed() as u64,
             time,
             phase_times: phases
                 .into_iter()

@@ -1,9 +1,9 @@
 //! Results of a sweep at each point.
 use serde::Serialize;
-use stochc_ir::record::{BondRecord, Origin, Outcome, RunRecord};
+use stochc_ir::record::{BondRecord, Origin, RunRecord};
 
-use crate::statistics::{Status, TimeSample, share_interval};
-use crate::{Time, TimeUnit, completion_time, last_seen};
+use crate::statistics::{TimeSample, share_interval};
+use crate::{OutcomeCounts, Time, TimeUnit, completion_time, last_seen};
 use stochc_results::{
     ChosenSetting, EnsembleProgram, Finished, JournalError, Manifest, Records, Varied,
 };
@@ -261,8 +261,7 @@ impl Sweep {
 pub struct PointTally {
     /// Length of a tick in the unit of the sweep.
     unit: f64,
-    finished: usize,
-    failed: usize,
+    outcomes: OutcomeCounts,
     times: TimeSample,
     captures: u64,
     released: usize,
@@ -280,8 +279,7 @@ impl PointTally {
 
     /// Adds a run of a program.
     pub fn add(&mut self, program: &EnsembleProgram, record: &RunRecord) {
-        self.finished += 1;
-        self.failed += usize::from(matches!(record.outcome, Outcome::Failed { .. }));
+        self.outcomes.add(&record.outcome);
         let Some(mut time) = completion_time(record) else {
             return;
         };
@@ -313,10 +311,14 @@ impl PointTally {
         last: f64,
     ) -> SweepPoint {
         let times = self.times.to_vec();
-        let count = |status| times.iter().filter(|time| time.status == status).count();
-        let [completed, censored] = [Status::Completed, Status::Censored].map(count);
         let any = (self.captures > 0).then_some(self.captures as f64);
-        let finished = self.finished;
+        let OutcomeCounts {
+            completed,
+            timed_out,
+            censored,
+            ..
+        } = self.outcomes;
+        let finished = self.outcomes.finished();
         SweepPoint {
             name,
             program,
@@ -325,9 +327,9 @@ impl PointTally {
             tick,
             runs,
             completed,
-            timed_out: finished - completed - censored - self.failed,
+            timed_out,
             censored,
-            failed: self.failed,
+            failed: self.outcomes.failed(),
             share: (finished > 0).then(|| completed as f64 / finished as f64),
             share_interval: share_interval(completed, finished),
             time: Time::beside(&times, last),

@@ -7,7 +7,7 @@ use super::convergence::{CLOSE, Convergence, Doubling, at_limit, convergence};
 use super::ranking::{Orders, Ranked, Verdict};
 use super::result::{CandidateResult, ProgramResult, Reference, Trade, TradedProgram};
 use super::sample::Sample;
-use crate::statistics::{Observation, Relative, Status, relative};
+use crate::statistics::{Observation, Relative, relative};
 use crate::{Comparison, ComparisonTally, Time};
 use stochc_results::ChosenSetting;
 use stochc_results::{Finished, JournalError, Manifest, Records};
@@ -153,7 +153,7 @@ fn place<T>(list: &mut Vec<T>, is_it: impl Fn(&T) -> bool, new: impl FnOnce() ->
 fn reference(rows: &[Row]) -> Option<Reference> {
     let is_known = |&i: &usize| {
         let mut samples = rows[i].samples.iter();
-        refines(&rows[i].settings) && samples.all(|it| it.count(Status::Completed) > 1)
+        refines(&rows[i].settings) && samples.all(|it| it.outcomes.completed > 1)
     };
     let mut refined: Vec<usize> = (0..rows.len()).filter(is_known).collect();
     refined.sort_by_key(|&i| rows[i].settings.substeps);
@@ -214,13 +214,12 @@ fn candidate(row: &Row, reference: Option<&Row>, ranking: Vec<Ranked>) -> Candid
 fn cell(sample: &Sample, reference: Option<&[Observation]>) -> ProgramResult {
     let times = &sample.times[..];
     let time = Time::new(times);
-    let [completed, censored] = [Status::Completed, Status::Censored].map(|it| sample.count(it));
     ProgramResult {
-        runs: sample.runs,
-        completed,
-        timed_out: sample.runs - completed - censored - sample.failed,
-        censored,
-        failed: sample.failed,
+        runs: sample.outcomes.finished(),
+        completed: sample.outcomes.completed,
+        timed_out: sample.outcomes.timed_out,
+        censored: sample.outcomes.censored,
+        failed: sample.outcomes.failed(),
         mean: time.as_ref().map(|time| time.mean),
         half_width: time.as_ref().and_then(|time| time.half_width),
         horizon: time.as_ref().and_then(|time| time.horizon),

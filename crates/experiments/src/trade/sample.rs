@@ -1,18 +1,15 @@
 //! Times and costs of the runs of one program with some settings.
-use crate::completion_time;
-use crate::statistics::{Observation, Status, median};
-use stochc_ir::record::Outcome;
+use crate::statistics::{Observation, median};
+use crate::{OutcomeCounts, completion_time};
 use stochc_results::Finished;
 
 /// Runs of one program with the same settings.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sample {
-    /// Number of runs.
-    pub runs: usize,
+    /// Number of runs with each outcome.
+    pub outcomes: OutcomeCounts,
     /// Completion times \[ticks\], except of runs whose computation failed.
     pub times: Vec<Observation>,
-    /// Number of runs whose computation failed, or whose structure broke.
-    pub failed: usize,
     /// CPU times of the runs whose CPU time was measured \[s\].
     cpu: Vec<f64>,
     /// Total ticks of the runs with a CPU time.
@@ -21,18 +18,12 @@ pub(super) struct Sample {
 
 impl Sample {
     pub fn add(&mut self, done: &Finished) {
-        self.runs += 1;
+        self.outcomes.add(&done.record.outcome);
         self.times.extend(completion_time(&done.record));
-        self.failed += usize::from(matches!(done.record.outcome, Outcome::Failed { .. }));
         if let Some(cpu) = done.cpu {
             self.cpu.push(cpu);
             self.ticks += done.record.ticks;
         }
-    }
-
-    pub fn count(&self, status: Status) -> usize {
-        let times = self.times.iter();
-        times.filter(|time| time.status == status).count()
     }
 
     /// Returns the median CPU time of a run \[s\]. Returns `None` if no CPU time is known.

@@ -2,10 +2,11 @@
 use std::collections::BTreeSet;
 use std::io;
 
-use stochc_experiments::statistics::{Observation, Status, TimeSample};
+use stochc_experiments::statistics::{Observation, TimeSample};
 use stochc_experiments::sweep::{PointTally, Sweep, SweepTally};
 use stochc_experiments::{
-    TimeUnit, WaitsTally, completion_status, completion_time, phase_time, sort_by_time,
+    OutcomeCounts, TimeUnit, WaitsTally, completion_status, completion_time, phase_time,
+    sort_by_time,
 };
 use stochc_ir::record::{Outcome, RunRecord};
 use stochc_ir::table::PhaseId;
@@ -56,12 +57,11 @@ pub(crate) struct ReportedProgram<'a> {
     pub manifest: &'a Manifest,
     pub program: &'a EnsembleProgram,
     pub events: Events,
-    /// Number of finished runs.
-    pub runs: usize,
     /// Run number and completion time \[ticks\] of each run. Failed runs are excluded, except those
     /// with a broken structure.
     pub times: Vec<(u64, Observation)>,
-    pub failed: usize,
+    /// Number of finished runs with each outcome.
+    pub outcomes: OutcomeCounts,
     /// Numbers of the runs with a broken structure.
     broken: BTreeSet<u64>,
     /// Details of the first failed runs.
@@ -200,9 +200,8 @@ impl<'a> ReportedProgram<'a> {
             number,
             manifest,
             program,
-            runs: 0,
             times: Vec::new(),
-            failed: 0,
+            outcomes: OutcomeCounts::default(),
             failures: Vec::new(),
             point: PointTally::new(clock.tick(program)),
             waits: WaitsTally::default(),
@@ -220,16 +219,10 @@ impl<'a> ReportedProgram<'a> {
         /// Largest number of failed runs whose details are stored.
         const MAX_FAILURES: usize = 5;
         let record = &run.record;
-        self.runs += 1;
         let time = completion_time(record);
         self.times.extend(time.map(|time| (record.run, time)));
-        if matches!(
-            record.outcome,
-            Outcome::Failed {
-                is_broken: true,
-                ..
-            }
-        ) {
+        self.outcomes.add(&record.outcome);
+        if record.outcome.is_broken() {
             self.broken.insert(record.run);
         }
         for (phase, times) in self.phase_times.iter_mut().enumerate() {
@@ -244,7 +237,6 @@ impl<'a> ReportedProgram<'a> {
         self.waits.add(record);
         match &record.outcome {
             Outcome::Failed { phase, reason, .. } => {
-                self.failed += 1;
                 if self.failures.len() < MAX_FAILURES {
                     self.failures.push(FailedRun {
                         run: record.run,
@@ -408,31 +400,10 @@ impl<'a> ReportedProgram<'a> {
         self.phase_times[phase].to_vec()
     }
 
-    pub fn counts(&self) -> RunCounts {
-        let times = || self.times.iter().map(|(_, time)| time.status);
-        let count = |of| times().filter(|status| *status == of).count();
-        let [completed, censored] = [Status::Completed, Status::Censored].map(count);
-        RunCounts {
-            completed,
-            timed_out: self.runs - completed - censored - self.failed,
-            censored,
-            failed: self.failed,
-        }
-    }
-
     /// Returns the fastest, the median and the slowest run, each once.
     pub fn example_runs(&self) -> &[(&'static str, FinishedRun)] {
         &self.example_runs
     }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RunCounts {
-    pub completed: usize,
-    pub timed_out: usize,
-    /// Number of runs that reached the limit of ticks.
-    pub censored: usize,
-    pub failed: usize,
 }
 
 /// Returns the latest observed time of all runs of all programs, in the unit `clock`.

@@ -53,14 +53,14 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
     }
     let rows: Vec<Vec<HtmlCell>> = (parts.subjects.iter())
         .map(|subject| {
-            let counts = subject.counts();
+            let counts = subject.outcomes;
             let time = parts.time(subject);
             let mut row = vec![HtmlCell::Marked(name(&subject.label))];
             let counts = [
                 counts.completed,
                 counts.timed_out,
                 counts.censored,
-                counts.failed,
+                counts.failed(),
             ];
             row.extend(counts.map(|n| HtmlCell::Number(n.to_string())));
             row.extend(figures(time.as_ref(), tick(parts)));
@@ -95,11 +95,11 @@ pub(super) fn completion(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawi
 
 /// Adds a list of the runs whose physics failed.
 fn failures(parts: &Parts, subject: &ReportedProgram, out: &mut Html) {
-    if subject.failed == 0 {
+    let n = subject.outcomes.failed();
+    if n == 0 {
         return;
     }
     let label = name(&subject.label);
-    let n = subject.failed;
     out.paragraph(&format!(
         "{n} runs of {label} failed. Broken structures never complete. No figure includes the other failed runs:"
     ));

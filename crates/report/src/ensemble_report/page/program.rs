@@ -35,7 +35,7 @@ pub(super) fn program(parts: &Parts, index: usize, out: &mut Html, drawings: &mu
     let (subject, waits) = (&parts.subjects[index], &parts.waits[index]);
     let n = index + 1;
     out.heading(2, &format!("program-{n}"), &name(&subject.label));
-    if subject.runs == 0 {
+    if subject.outcomes.finished() == 0 {
         out.paragraph("No run of this program is finished.");
         return;
     }

@@ -13,7 +13,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
     let mut items = Vec::new();
     for (number, subject) in parts.detailed() {
         let waits = &parts.waits[number];
-        let counts = subject.counts();
+        let counts = subject.outcomes;
         let mut item = format!(
             "<strong>{}</strong>: {} of {} runs completed",
             name(&subject.label),
@@ -23,7 +23,7 @@ pub(super) fn in_short(parts: &Parts, out: &mut Html) {
         for (n, what) in [
             (counts.timed_out, "timed out"),
             (counts.censored, "censored"),
-            (counts.failed, "failed"),
+            (counts.failed(), "failed"),
         ] {
             if n > 0 {
                 item += &format!(", {n} {what}");
