@@ -74,19 +74,20 @@ fn the_default_model_is_the_rate_model_where_its_error_does_not_matter() {
 }
 
 /// An arm breaks at its third capture, in every run. It never completes.
-#[test]
-fn broken_bonds_decide_claims() {
-    let scene = "scene tank from hemisphere { gravity 1 m/s^2
-        bond attract { pull 2 N within 10cm  anchor centres 1mm  strength { force 1 mN } } }";
-    let body =
-        "seed plate 1 x 1 { M at (0, 0) } phase grow { M.up -> A.up -> B.east -> C.east -> D }
+pub(crate) const BREAKING: &str = "scene tank from hemisphere { gravity 1 m/s^2
+    bond attract { pull 2 N within 10cm  anchor centres 1mm  strength { force 1 mN } } }
+    assembly arm in tank {
+        seed plate 1 x 1 { M at (0, 0) } phase grow { M.up -> A.up -> B.east -> C.east -> D }
         expect complete with probability <= 0.1
         expect mean completion <= 90000 ticks
-        expect phase grow within 90000 ticks with probability >= 0.5";
-    let text = format!("{scene} assembly arm in tank {{ {body} }}");
+        expect phase grow within 90000 ticks with probability >= 0.5
+    }";
+
+#[test]
+fn broken_bonds_decide_claims() {
     let outcome = command(
         "test --json --quiet --model shuffle --allow warnings",
-        &text,
+        BREAKING,
     );
     assert_eq!(outcome.status, 3, "{}", outcome.err);
     let document = outcome.json();

@@ -5,6 +5,7 @@ use std::fs;
 
 use serde_json::{Map, Value, json};
 
+use crate::claims::BREAKING;
 use crate::pages::assert_page;
 use crate::stochc::{Outcome, path, stochc, stochc_with};
 
@@ -165,6 +166,13 @@ fn results_have_schemas() {
     assert_output("show", &stochc_with("show --json", &[&out]));
     let alone = "trace --model rigid --substeps 1 --max-ticks 400 --json --quiet --run 0";
     assert_output("runs", &stochc_with(alone, &files));
+    let breaking = path(folder.path(), "breaking.sa");
+    fs::write(&breaking, BREAKING).unwrap();
+    let trace = "trace --model shuffle --allow warnings --json --quiet";
+    let broken = stochc_with(trace, &[&breaking]);
+    assert_output("runs", &broken);
+    let outcome = &broken.json()["runs"][0]["outcome"];
+    assert_eq!(outcome["is_broken"], true, "{outcome}");
     let shards = "shard new --quiet --model shuffle --runs 4 --shards 2 --out";
     assert_eq!(stochc_with(shards, &[&cut, LATE]).status, 0);
     assert_output("status", &stochc_with("shard status --json", &[&cut]));

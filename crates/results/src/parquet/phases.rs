@@ -53,8 +53,8 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
     add_phase(&mut table, |of: &Reached| of.phase);
     table.text(
         "outcome",
-        "`completed`; or the outcome of the run, if it ended in this phase: `timed_out`, `censored` \
-             or `failed`",
+        "`completed`; or the outcome of the run, if it ended in this phase: `timed_out`, `censored`, \
+             `broken` or `failed`",
         |row| match row.item.ended {
             Some(_) => "completed",
             None => outcome(&row.run.record.outcome),

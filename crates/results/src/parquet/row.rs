@@ -126,6 +126,9 @@ pub(super) fn outcome(outcome: &Outcome) -> &'static str {
             by: Limit::MaxTicks,
             ..
         } => "censored",
+        Outcome::Failed {
+            is_broken: true, ..
+        } => "broken",
         Outcome::Failed { .. } => "failed",
     }
 }

@@ -23,11 +23,11 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         row.run.program.scene.name.as_str()
     });
     table.text("outcome", "`completed`; `timed_out`: stopped by the timeout of a phase, so the run never completes; `censored`: stopped by \
-             `--max-ticks`, so the time is a lower bound; `failed`: the computation failed, or a bond of the structure broke", |row| outcome(&row.run.record.outcome));
+             `--max-ticks`, so the time is a lower bound; `broken`: a bond of the structure broke, so the run never completes; `failed`: the computation failed", |row| outcome(&row.run.record.outcome));
     table
         .text(
             "failed_phase",
-            "name of the phase that was stopped or that failed",
+            "name of the phase that did not complete",
             |row| {
                 let phase = unfinished(row.run.record)?;
                 Some(row.run.program.phase(phase))
@@ -42,13 +42,15 @@ pub(super) fn table<'a>(axes: &SweepAxes<'_>) -> TableDefinition<'a, RunRow<'a, 
         )
         .null("the run completed");
     table
-        .text("reason", "reason of the failure", |row| {
-            match &row.run.record.outcome {
+        .text(
+            "reason",
+            "reason of the failure, or description of the broken bond",
+            |row| match &row.run.record.outcome {
                 Outcome::Failed { reason, .. } => Some(reason.as_str()),
                 Outcome::Completed | Outcome::TimedOut { .. } => None,
-            }
-        })
-        .null("the run did not fail");
+            },
+        )
+        .null("the run neither failed nor broke");
     add_ticks(
         &mut table,
         "ticks",

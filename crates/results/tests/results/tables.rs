@@ -59,7 +59,14 @@ fn word(outcome: &Outcome) -> (&'static str, Option<PhaseId>, Option<&str>) {
             Limit::Timeout => ("timed_out", Some(*phase), None),
             Limit::MaxTicks => ("censored", Some(*phase), None),
         },
-        Outcome::Failed { phase, reason, .. } => ("failed", Some(*phase), Some(reason)),
+        Outcome::Failed {
+            phase,
+            reason,
+            is_broken,
+        } => {
+            let word = if *is_broken { "broken" } else { "failed" };
+            (word, Some(*phase), Some(reason))
+        }
     }
 }
 
@@ -122,7 +129,7 @@ fn the_table_of_runs_matches_the_records() {
     let results = complete(folder.path(), &manifest(40), 2);
     let runs = results.finished.to_vec().unwrap();
     let expected: Vec<_> = runs.iter().map(|done| run_row(done, u64::MAX)).collect();
-    for outcome in ["completed", "timed_out", "censored", "failed"] {
+    for outcome in ["completed", "timed_out", "censored", "broken", "failed"] {
         assert!(expected.iter().any(|row| row["outcome"] == outcome));
     }
     assert_eq!(table(folder.path(), "runs"), expected);
