@@ -63,8 +63,7 @@ pub struct FitArguments {
     /// fluid, a flow or `bond reject` take eight steps for all blocks
     #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
     substeps: Substeps,
-    /// Stop each simulated run after this many ticks. The fit does not use the times that are then too short, and a note counts
-    /// them
+    /// Stop each simulated run after this many ticks. Waiting times that are then incomplete count as right-censored
     #[arg(long, value_name = "TICKS", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     /// Folder for `fit.json`, the figure `fit.svg`, and `fitted.sa` with the fitted scenes. It must be new or empty
@@ -161,7 +160,7 @@ fn keep(out: &Path, fit: &Fit, scenes: &str, figures: &[(String, Vec<u8>)]) -> R
     }
     if fit.stopped > 0 {
         close(&format!(
-            "note: {} simulated times are not used, because their runs were stopped\n",
+            "note: {} simulated times are not used, because they are incomplete\n",
             fit.stopped
         ));
     }

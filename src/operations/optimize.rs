@@ -198,7 +198,7 @@ pub fn optimize(
                 it.points.push(Simulated {
                     at,
                     times,
-                    incomplete: 0,
+                    incomplete: Vec::new(),
                 });
             }
             let common = (RUNS * (round + 1)) as f64;

@@ -1,4 +1,6 @@
 //! Fits of scene parameters to measured completion times or waiting times.
+mod early_ends;
+mod run_times;
 mod simulated;
 
 use std::path::Path;
@@ -10,7 +12,6 @@ use stochc_experiments::fit::{
 };
 use stochc_experiments::statistics::Observation;
 use stochc_experiments::sweep::{Parameter, RangeError};
-use stochc_experiments::{WaitsTally, completion_time};
 use stochc_files::budget::TIMES;
 use stochc_files::read_file;
 use stochc_ir::scene::Scene;
@@ -26,6 +27,7 @@ use super::sweep::{at_point, share_tables};
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
 
+use run_times::run_times;
 use simulated::{Sample, check_captures, simulated};
 
 /// Program of a fit, with its measured times.
@@ -140,15 +142,9 @@ pub fn measured_times(path: &Path, host: &dyn Host) -> Result<MeasuredTimes, Fai
 /// captures, so it has the completion times of its runs.
 fn times_in_folder(folder: &Path, host: &dyn Host) -> Result<MeasuredTimes, Failure> {
     let (manifest, finished) = read(folder, host)?;
-    let mut runs = vec![Vec::new(); manifest.programs.len()];
-    let mut waits = vec![WaitsTally::default(); manifest.programs.len()];
-    let read = finished.each(|done| {
-        runs[done.program].extend(completion_time(&done.record));
-        waits[done.program].add(&done.record);
-    });
-    read.map_err(Failure::usage)?;
+    let times = run_times(&finished, manifest.programs.len())?;
     let mut programs = Vec::new();
-    for (i, program) in manifest.programs.iter().enumerate() {
+    for (program, known) in manifest.programs.iter().zip(times) {
         let in_seconds = |mut times: Vec<Observation>| {
             times
                 .iter_mut()
@@ -156,10 +152,10 @@ fn times_in_folder(folder: &Path, host: &dyn Host) -> Result<MeasuredTimes, Fail
             times
         };
         let observed: Vec<Observed> = if program.tables().aggregate.is_some() {
-            let runs = in_seconds(std::mem::take(&mut runs[i]));
+            let runs = in_seconds(known.completion);
             Observed::from_runs(&runs).into_iter().collect()
         } else {
-            let waits = waits[i].times(program).into_iter();
+            let waits = known.waits.times(program).into_iter();
             let waits: Vec<_> = waits.map(|(of, times)| (of, in_seconds(times))).collect();
             Observed::from_captures(&waits)
         };
@@ -358,26 +354,28 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
             known.extend(new);
         }
         check_captures(&measurements, &known)?;
-        let emulators: Result<Vec<_>, Failure> = (measurements.iter().zip(&known))
+        let emulators: Vec<_> = (measurements.iter().zip(&known))
             .map(|(measurement, samples)| emulator(measurement, samples, &ends))
             .collect();
-        let emulators = emulators?;
         let mut fitted: Vec<FittedProgram> = Vec::new();
         left_out.clear();
         for (measurement, emulator) in measurements.iter().zip(&emulators) {
             match emulator {
-                Some(emulator) => fitted.push(FittedProgram {
+                Ok(emulator) => fitted.push(FittedProgram {
                     measurement,
                     emulator,
                 }),
-                None => left_out.push(measurement.label()),
+                Err(reason) => {
+                    let reason = format!("`{}`: {reason}", measurement.label());
+                    if measurement.capture().is_none() {
+                        return Err(Failure::error(Exit::UnsuccessfulRun, reason));
+                    }
+                    left_out.push(reason);
+                }
             }
         }
         if !fitted.iter().any(|it| it.measurement.is_fitted) {
-            return Err(Failure::error(
-                Exit::UnsuccessfulRun,
-                "all captures have too few simulated waiting times: raise `--runs`",
-            ));
+            return Err(Failure::error(Exit::UnsuccessfulRun, &left_out[0]));
         }
         let found = Posterior::new(&ends, &fitted, points.seed);
         let surroundings = found.surroundings().into_iter().zip(priors);
@@ -390,9 +388,7 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
     let (posterior, predictions): (Posterior, Vec<_>) =
         posterior.expect("there is one round at least");
     for capture in left_out {
-        host.note(&format!(
-            "note: left out `{capture}`: it has too few simulated waiting times; raise `--runs` to use it\n"
-        ));
+        host.note(&format!("note: left out {capture}\n"));
     }
     let marginals = priors.iter().enumerate();
     let points = setup.points()? * setup.rounds as usize;
@@ -411,27 +407,30 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
 }
 
 /// Fits polynomials to the times of a measurement at the points within `ends`. Distant points would
-/// distort them. Returns `None` for a capture with too few simulated waiting times.
+/// distort them.
 ///
 /// # Errors
-/// If too many points have lost times.
+/// The reason why the times cannot be used.
 fn emulator(
     measurement: &Measurement,
     samples: &[Sample],
     ends: &[(f64, f64)],
-) -> Result<Option<Emulator>, Failure> {
+) -> Result<Emulator, String> {
     let near = || samples.iter().filter(|it| it.times.is_within(ends));
     let new = |points: Vec<_>| Emulator::new(&points, measurement.horizon());
     let unbiased = near().filter(|it| !it.is_biased());
-    let emulator = new(unbiased.map(|it| it.times.clone()).collect());
-    let has_enough = || new(near().map(Sample::with_lost).collect()).is_some();
-    if emulator.is_none() && (measurement.capture().is_none() || has_enough()) {
-        return Err(Failure::error(
-            Exit::UnsuccessfulRun,
-            "at too few points do the runs complete: narrow the ranges, or raise `--max-ticks`",
-        ));
+    if let Some(emulator) = new(unbiased.map(|it| it.times.clone()).collect()) {
+        return Ok(emulator);
     }
-    Ok(emulator)
+    if measurement.capture().is_some() && new(near().map(Sample::with_lost).collect()).is_none() {
+        return Err("it has too few simulated waiting times; raise `--runs`".to_owned());
+    }
+    Err(match early_ends::reason(near().map(|it| &it.ends)) {
+        Some(reason) => format!("too many simulated runs end early: {reason}"),
+        None => {
+            "too few points have different times; widen the ranges, or raise `--runs`".to_owned()
+        }
+    })
 }
 
 /// Checks that the limit of ticks allows simulated runs to last as long as the measured ones.

@@ -1,10 +1,11 @@
 //! Simulated times at the points of a fit.
 use std::collections::BTreeMap;
 
+use stochc_experiments::OutcomeCounts;
 use stochc_experiments::fit::{Measurement, Simulated};
 use stochc_experiments::statistics::{Observation, Status};
-use stochc_experiments::{WaitsTally, completion_time};
 
+use super::run_times::run_times;
 use super::{FitProgram, FitSetup, Points};
 use crate::exit::Failure;
 use crate::host::Host;
@@ -13,12 +14,15 @@ use crate::operations::in_memory::all_runs;
 /// Simulated times of a measurement at a point.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
-    /// All times, except the lost ones.
+    /// All times.
     pub times: Simulated,
-    /// Number of times that the fit cannot use because their runs were stopped.
+    /// Number of incomplete times that the fit cannot use.
     pub lost: usize,
     /// Number of simulated runs or waits.
     all: usize,
+    /// Number of runs with each outcome. For a capture, aborted attempts at phases count as timed
+    /// out.
+    pub ends: OutcomeCounts,
 }
 
 impl Sample {
@@ -27,10 +31,12 @@ impl Sample {
         self.lost * 10 > self.all
     }
 
-    /// Returns the times. Lost times count as incomplete.
+    /// Returns the times as if no incomplete time would ever complete.
     pub fn with_lost(&self) -> Simulated {
         let mut times = self.times.clone();
-        times.incomplete += self.lost;
+        for it in &mut times.incomplete {
+            it.status = Status::Competing;
+        }
         times
     }
 }
@@ -44,13 +50,7 @@ pub(super) fn simulated(
 ) -> Result<Vec<Vec<Sample>>, Failure> {
     let manifest = setup.manifest(measured, points, host)?;
     let results = all_runs(&manifest, setup.threads, "nothing was fitted", host)?;
-    let mut runs = vec![Vec::new(); manifest.programs.len()];
-    let mut waits = vec![WaitsTally::default(); manifest.programs.len()];
-    let read = results.finished.each(|done| {
-        runs[done.program].extend(completion_time(&done.record));
-        waits[done.program].add(&done.record);
-    });
-    read.map_err(Failure::usage)?;
+    let times = run_times(&results.finished, manifest.programs.len())?;
     let count = points.design.points.len();
     let mut found = Vec::new();
     for (i, FitProgram { measurements, .. }) in measured.iter().enumerate() {
@@ -59,16 +59,25 @@ pub(super) fn simulated(
             let entry = i * count + point;
             let program = &manifest.programs[entry];
             let unit = setup.ticks(&program.scene);
-            let waits: BTreeMap<_, _> = waits[entry].times(program).into_iter().collect();
+            let known = &times[entry];
+            let waits: BTreeMap<_, _> = known.waits.times(program).into_iter().collect();
             for (measurement, found) in measurements.iter().zip(&mut of_program) {
+                let mut ends = known.outcomes;
                 let (all, observed) = match measurement.capture() {
-                    None => (setup.runs as usize, &*runs[entry]),
+                    None => (setup.runs as usize, &*known.completion),
                     Some(capture) => {
+                        ends.timed_out += known.aborts;
                         let waits = waits.get(capture).map_or(&[][..], |it| it);
                         (waits.len(), waits)
                     }
                 };
-                found.push(simulated_at(at, measurement, (all, observed), unit));
+                let times = times_at(at, observed, unit);
+                found.push(Sample {
+                    lost: lost(&times, all, measurement.horizon()),
+                    times,
+                    all,
+                    ends,
+                });
             }
         }
         found.extend(of_program);
@@ -76,34 +85,34 @@ pub(super) fn simulated(
     Ok(found)
 }
 
-/// Returns the times of a measurement at a point. `all` is the number of simulated runs or waits;
-/// `observed` excludes failed ones. There are `unit` ticks per unit of the data.
-fn simulated_at(
-    at: &[f64],
-    measurement: &Measurement,
-    (all, observed): (usize, &[Observation]),
-    unit: f64,
-) -> Sample {
+/// Returns simulated times at a point. There are `unit` ticks per unit of the data.
+fn times_at(at: &[f64], observed: &[Observation], unit: f64) -> Simulated {
     let completed = observed.iter().filter_map(|it| it.completed_time());
-    let times: Vec<f64> = completed.map(|ticks| ticks / unit).collect();
-    // After the horizon, an incomplete time is as informative as a complete one.
-    let lost = match measurement.horizon() {
-        Some(horizon) => censored_before(horizon * unit, observed),
-        None => all - times.len(),
-    };
-    let times = Simulated {
+    let incomplete = observed.iter().filter(|it| !it.is_completed());
+    Simulated {
         at: at.to_vec(),
-        incomplete: observed.len().saturating_sub(times.len() + lost),
-        times,
-    };
-    Sample { times, lost, all }
+        times: completed.map(|ticks| ticks / unit).collect(),
+        incomplete: incomplete
+            .map(|it| Observation {
+                time: it.time / unit,
+                ..*it
+            })
+            .collect(),
+    }
 }
 
-/// Returns the number of times that were right-censored before the horizon \[ticks\].
-fn censored_before(horizon: f64, observed: &[Observation]) -> usize {
-    let censored = observed.iter().filter(|it| it.status == Status::Censored);
-    // All times are whole ticks.
-    censored.filter(|it| it.time + 0.5 < horizon).count()
+/// Returns the number of incomplete times that the fit cannot use. `all` is the number of simulated
+/// runs or waits. With a horizon, a time is lost if it was censored before the horizon and too few
+/// others lasted longer.
+fn lost(times: &Simulated, all: usize, horizon: Option<f64>) -> usize {
+    match horizon {
+        None => all - times.times.len(),
+        Some(horizon) if times.is_followed(horizon) => 0,
+        Some(horizon) => {
+            let incomplete = times.incomplete.iter();
+            incomplete.filter(|it| it.at_risk_until() < horizon).count()
+        }
+    }
 }
 
 /// Checks that simulated runs contain the measured captures. `found` contains the samples of each

@@ -201,7 +201,7 @@ mod tests {
             .map(|(turn, at)| Simulated {
                 times: times(mean(&at), 24, turn),
                 at,
-                incomplete: 0,
+                incomplete: Vec::new(),
             })
             .collect()
     }

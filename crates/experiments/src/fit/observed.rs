@@ -90,15 +90,7 @@ impl Observed {
     fn limited(runs: &[Observation], horizon: Option<f64>) -> Option<Observed> {
         let stopped = runs.iter().filter(|run| !run.is_completed()).count();
         let end = horizon.unwrap_or(f64::INFINITY);
-        let cut: Vec<Observation> = (runs.iter())
-            .map(|run| {
-                if run.time > end {
-                    Observation::censored(end)
-                } else {
-                    *run
-                }
-            })
-            .collect();
+        let cut = cut(runs, end);
         let curve = KaplanMeier::new(&cut)?;
         let n = runs.len() as f64;
         let mean = curve.restricted_mean(end).mean;
@@ -140,36 +132,51 @@ fn horizon(runs: &[Observation]) -> Option<f64> {
         .map(|run| run.time)
         .collect();
     stops.sort_by(f64::total_cmp);
-    // Returns whether enough of the runs that lasted longer than `time` were still observed then.
-    let is_followed = |followed: usize, incomplete: f64| {
-        followed as f64 >= FOLLOWED * incomplete * runs.len() as f64
-    };
     let last = *stops.last()?;
     let later = runs.iter().filter(|run| run.time > last).count();
-    if later > 0 && is_followed(later, curve.incomplete(last)) {
+    if later > 0 && is_enough(later, curve.incomplete(last), runs) {
         return None;
     }
-    let is_horizon = |time: &&f64| {
-        let followed = runs.iter().filter(|run| run.time >= **time).count();
-        is_followed(followed, curve.incomplete(time.next_down()))
-    };
+    let is_horizon = |time: &&f64| is_followed(runs, &curve, **time);
     stops.iter().rev().find(is_horizon).copied()
 }
 
-/// Returns the mean square of times: twice the integral of t S(t).
+/// Returns whether enough of the runs that lasted longer than `time` were observed until then.
+pub(super) fn is_followed(runs: &[Observation], curve: &KaplanMeier, time: f64) -> bool {
+    let followed = runs.iter().filter(|run| run.at_risk_until() >= time);
+    is_enough(followed.count(), curve.incomplete(time.next_down()), runs)
+}
+
+fn is_enough(followed: usize, incomplete: f64, runs: &[Observation]) -> bool {
+    followed as f64 >= FOLLOWED * incomplete * runs.len() as f64
+}
+
+/// Returns the observations, each censored at `end` if it is longer.
+pub(super) fn cut(runs: &[Observation], end: f64) -> Vec<Observation> {
+    let cut = |run: &Observation| {
+        if run.time > end {
+            Observation::censored(end)
+        } else {
+            *run
+        }
+    };
+    runs.iter().map(cut).collect()
+}
+
+/// Returns the mean square of times.
 fn second_moment(curve: &KaplanMeier) -> f64 {
-    let (mut sum, mut began, mut incomplete) = (0.0, 0.0, 1.0);
-    for point in curve.curve() {
-        sum += incomplete * (point.time * point.time - began * began);
-        (began, incomplete) = (point.time, point.incomplete);
-    }
-    let end = curve.last();
-    sum + incomplete * (end * end - began * began)
+    let square = |(time, share): (f64, f64)| share * time.min(curve.last()).powi(2);
+    curve.shares().map(square).sum()
 }
 
 /// Returns the effective number of runs: the number of uncensored runs with the same variance of
 /// the restricted mean.
-fn effective_n(curve: &KaplanMeier, runs: &[Observation], mean: f64, variance: f64) -> f64 {
+pub(super) fn effective_n(
+    curve: &KaplanMeier,
+    runs: &[Observation],
+    mean: f64,
+    variance: f64,
+) -> f64 {
     let end = curve.last();
     let contributions = curve.contributions(runs, end);
     let squares: f64 = contributions.iter().map(|it| (it - mean).powi(2)).sum();
@@ -177,7 +184,9 @@ fn effective_n(curve: &KaplanMeier, runs: &[Observation], mean: f64, variance: f
     if squares > 0.0 && variance > 0.0 {
         (n * n * variance / squares).min(n)
     } else {
-        runs.iter().map(|run| run.time / end).sum()
+        runs.iter()
+            .map(|run| run.at_risk_until().min(end) / end)
+            .sum()
     }
 }
 

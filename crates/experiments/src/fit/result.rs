@@ -23,8 +23,8 @@ pub struct Fit {
     pub points: usize,
     /// Number of runs at all these points.
     pub runs: usize,
-    /// Number of simulated times that the fit cannot use because their runs were stopped. A run has
-    /// a completion time, or the waiting times of its captures.
+    /// Number of incomplete simulated times that the fit cannot use. A run has a completion time, or
+    /// the waiting times of its captures.
     pub stopped: usize,
     /// Draws from the posterior, in the units of the priors. Each is a list of values.
     pub draws: Vec<Vec<f64>>,
@@ -271,7 +271,7 @@ mod tests {
     /// measurement.
     fn two_rounds(
         measurements: &[Measurement],
-        mut simulated: impl FnMut(&[f64]) -> Vec<Vec<f64>>,
+        mut simulated: impl FnMut(&[f64]) -> Vec<Vec<Observation>>,
         seed: u64,
     ) -> (Marginal, Prediction) {
         let mut ends = vec![(0.0, 1.0); 2];
@@ -281,10 +281,12 @@ mod tests {
             let design = Design::latin_hypercube(&ends, 18, seed + 1000 * round);
             for at in design.points {
                 for (points, times) in points.iter_mut().zip(simulated(&at)) {
+                    let (completed, incomplete): (Vec<_>, Vec<_>) =
+                        times.into_iter().partition(|it| it.is_completed());
                     points.push(Simulated {
-                        times,
+                        times: completed.iter().map(|it| it.time).collect(),
                         at: at.clone(),
-                        incomplete: 0,
+                        incomplete,
                     });
                 }
             }
@@ -292,16 +294,22 @@ mod tests {
                 .iter()
                 .zip(measurements)
                 .map(|(points, measurement)| {
+                    let horizon = measurement.horizon();
+                    let is_known = |it: &&Simulated| horizon.is_none_or(|end| it.is_followed(end));
                     let near = points.iter().filter(|point| point.is_within(&ends));
-                    let near: Vec<Simulated> = near.cloned().collect();
-                    Emulator::new(&near, measurement.horizon()).unwrap()
+                    let near: Vec<Simulated> = near.filter(is_known).cloned().collect();
+                    Emulator::new(&near, horizon)
                 });
-            let emulators: Vec<Emulator> = emulators.collect();
+            let emulators: Vec<Option<Emulator>> = emulators.collect();
             let pairs = measurements.iter().zip(&emulators);
+            // Captures with too few waiting times are left out.
             let measured: Vec<FittedProgram> = pairs
-                .map(|(measurement, emulator)| FittedProgram {
-                    measurement,
-                    emulator,
+                .filter_map(|(measurement, emulator)| {
+                    let emulator = emulator.as_ref()?;
+                    Some(FittedProgram {
+                        measurement,
+                        emulator,
+                    })
                 })
                 .collect();
             let posterior = Posterior::new(&ends, &measured, seed);
@@ -342,44 +350,50 @@ mod tests {
             })
             .collect();
         let measurement = measurement(Observed::from_runs(&runs).unwrap());
-        two_rounds(&[measurement], |at| vec![times(random, at, 12)], seed)
+        let simulated = |at: &[f64]| {
+            let times = times(random, at, 12).into_iter();
+            vec![times.map(Observation::completed).collect()]
+        };
+        two_rounds(&[measurement], simulated, seed)
     }
 
-    /// Returns the waiting times of three captures in each of `n` runs. They have different means.
-    fn waits(random: &mut ChaCha8Rng, at: &[f64], n: usize) -> Vec<Vec<f64>> {
+    /// Returns the waiting times of three captures, one after the other, in `n` runs. They have
+    /// different means. Each run is stopped at `limit`.
+    fn waits(random: &mut ChaCha8Rng, at: &[f64], n: usize, limit: f64) -> Vec<Vec<Observation>> {
+        let mut left = vec![limit; n];
         let shares = [0.2, 1.0, 1.8].into_iter();
         let waits = shares.map(|share| {
-            let waits = times(random, at, n).into_iter();
-            waits.map(|wait| share * wait / 3.0).collect()
+            let waits = times(random, at, n).into_iter().zip(&mut left);
+            let waits = waits.filter(|(_, left)| **left > 0.0);
+            waits
+                .map(|(wait, left)| {
+                    let wait = share * wait / 3.0;
+                    let end = std::mem::replace(left, *left - wait);
+                    if wait > end {
+                        Observation::censored(end)
+                    } else {
+                        Observation::completed(wait)
+                    }
+                })
+                .collect()
         });
         waits.collect()
     }
 
-    /// Returns the fit of the first parameter to the waiting times of three captures, one after
-    /// the other. The waiting times are measured at `truth`; each run is stopped at `limit`.
+    /// Returns the fit of the first parameter to the waiting times of three captures. The waiting
+    /// times are measured at `truth`. Measured and simulated runs are stopped at `limit`.
     fn fitted_to_waits(
         random: &mut ChaCha8Rng,
         truth: &[f64],
         limit: f64,
         seed: u64,
     ) -> (Marginal, Prediction) {
-        let mut captures = vec![("wait".to_owned(), Vec::new()); 3];
-        let all = waits(random, truth, 100);
-        for run in 0..100 {
-            let mut left = limit;
-            for ((_, observed), waits) in captures.iter_mut().zip(&all) {
-                if waits[run] > left {
-                    observed.push(Observation::censored(left));
-                    break;
-                }
-                observed.push(Observation::completed(waits[run]));
-                left -= waits[run];
-            }
-        }
+        let captures = waits(random, truth, 100, limit).into_iter();
+        let captures: Vec<_> = captures.map(|it| ("wait".to_owned(), it)).collect();
         let observed = Observed::from_captures(&captures).into_iter();
         let measurements: Vec<Measurement> = observed.map(measurement).collect();
         assert_eq!(measurements.len(), 3);
-        two_rounds(&measurements, |at| waits(random, at, 12), seed)
+        two_rounds(&measurements, |at| waits(random, at, 24, limit), seed)
     }
 
     /// Checks the coverage of the 95 % intervals of fits. The arguments of `fitted` are a random

@@ -1,20 +1,22 @@
 //! Statistics for comparing simulated and measured times.
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
+use super::observed::{cut, effective_n};
 use super::simulated::Simulated;
+use crate::statistics::KaplanMeier;
 
 /// Statistics of a sample of times, with their covariance.
 ///
 /// Without a horizon, the statistics are the logarithms of mean and standard deviation. With a
 /// horizon, they are three means over all runs. The first is of the time as a fraction of the
 /// horizon, the second of the square of this fraction. The third is the fraction of incomplete
-/// runs. A mean is unbiased for any number of runs, even if nearly all are censored.
+/// runs. Runs that are censored before the horizon count as in the Kaplan-Meier estimate.
 pub struct TimeStatistics {
     /// Values of the two or three statistics.
     pub values: DVector<f64>,
-    /// Covariance of the statistics, multiplied by the number of runs.
+    /// Covariance of the statistics, multiplied by the effective number of runs.
     pub unit_covariance: DMatrix<f64>,
-    /// Number of runs.
+    /// Effective number of runs: number of uncensored runs that would be equally informative.
     pub n: f64,
 }
 
@@ -66,30 +68,32 @@ impl TimeStatistics {
         })
     }
 
-    /// Returns the three means for a horizon.
+    /// Returns the three means for a horizon, from the Kaplan-Meier curve of the times.
     fn means(simulated: &Simulated, horizon: f64) -> Option<TimeStatistics> {
-        let all = simulated.times.len() + simulated.incomplete;
-        if all < 3 {
+        let runs = cut(&simulated.all(), horizon);
+        if runs.len() < 3 {
             return None;
         }
-        let never = std::iter::repeat_n(f64::INFINITY, simulated.incomplete);
-        let figures: Vec<DVector<f64>> = (simulated.times.iter().copied().chain(never))
-            .map(|time| {
+        let curve = KaplanMeier::new(&runs)?;
+        let shares: Vec<(DVector<f64>, f64)> = (curve.shares())
+            .map(|(time, share)| {
                 let part = (time / horizon).min(1.0);
-                DVector::from_vec(vec![part, part * part, f64::from(time > horizon)])
+                let beyond = f64::from(time > horizon);
+                (DVector::from_vec(vec![part, part * part, beyond]), share)
             })
             .collect();
-        let n = all as f64;
         let zero = DVector::zeros(3);
-        let mean = figures.iter().fold(zero, |sum, it| sum + it) / n;
+        let mean = (shares.iter()).fold(zero, |sum, (it, share)| sum + it * *share);
         let least = DMatrix::from_diagonal_element(3, 3, MIN_VARIANCE);
-        let scatter = figures.iter().fold(DMatrix::zeros(3, 3), |sum, it| {
-            sum + (it - &mean) * (it - &mean).transpose()
+        let scatter = (shares.iter()).fold(DMatrix::zeros(3, 3), |sum, (it, share)| {
+            sum + (it - &mean) * (it - &mean).transpose() * *share
         });
+        let n = runs.len() as f64;
+        let variance = scatter[(0, 0)] * horizon * horizon;
         Some(TimeStatistics {
+            n: effective_n(&curve, &runs, mean[0] * horizon, variance),
             values: mean,
-            unit_covariance: scatter / (n - 1.0) + least,
-            n,
+            unit_covariance: scatter * (n / (n - 1.0)) + least,
         })
     }
 }
@@ -97,13 +101,14 @@ impl TimeStatistics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::Observation;
 
     #[test]
     fn runs_beyond_the_horizon_count_as_incomplete_at_it() {
         let simulated = Simulated {
             at: vec![0.5],
             times: vec![10.0, 30.0, 90.0],
-            incomplete: 1,
+            incomplete: vec![Observation::censored(60.0)],
         };
         let found = TimeStatistics::new(&simulated, Some(40.0)).unwrap();
         let expected = [
@@ -116,14 +121,35 @@ mod tests {
         }
         // The sample has four runs, two of them incomplete.
         let of_share = found.unit_covariance[(2, 2)];
-        assert!((of_share - 1.0 / 3.0).abs() < 1e-6 && found.n == 4.0);
+        assert!((of_share - 1.0 / 3.0).abs() < 1e-6 && (found.n - 4.0).abs() < 1e-9);
         let none = Simulated {
             times: vec![],
-            incomplete: 4,
+            incomplete: vec![Observation::censored(60.0); 4],
             ..simulated
         };
         let none = TimeStatistics::new(&none, Some(40.0)).unwrap();
         assert_eq!(none.values.as_slice(), [1.0, 1.0, 1.0]);
         assert!(none.unit_covariance.try_inverse().is_some());
+    }
+
+    /// The run that is censored at 20 has the same chances as the two runs that last longer.
+    #[test]
+    fn runs_censored_before_the_horizon_share_their_weight() {
+        let simulated = Simulated {
+            at: vec![0.5],
+            times: vec![10.0, 30.0],
+            incomplete: vec![Observation::censored(20.0), Observation::censored(50.0)],
+        };
+        let found = TimeStatistics::new(&simulated, Some(40.0)).unwrap();
+        let shares = [(0.25, 0.25), (0.75, 0.375), (1.0, 0.375)];
+        let expected = [
+            shares.iter().map(|(part, share)| part * share).sum(),
+            shares.iter().map(|(part, share)| part * part * share).sum(),
+            0.375,
+        ];
+        for (found, expected) in found.values.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+        assert!((3.0..4.0).contains(&found.n), "{}", found.n);
     }
 }

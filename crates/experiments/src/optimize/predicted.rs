@@ -219,7 +219,7 @@ mod tests {
                 let time = |i| -law(&at) * (1.0 - (share(i) + 0.5) / 23.0).ln();
                 Simulated {
                     times: (0..16).map(time).collect(),
-                    incomplete: 0,
+                    incomplete: Vec::new(),
                     at,
                 }
             }));

@@ -138,6 +138,18 @@ impl KaplanMeier {
         self.steps.iter().map(point).collect()
     }
 
+    /// Returns each completion time with the share of runs that completed then. The last item is
+    /// infinity, with the share of incomplete runs.
+    pub(crate) fn shares(&self) -> impl Iterator<Item = (f64, f64)> {
+        let incomplete = self.steps.last().map_or(1.0, |step| step.after);
+        let completed = self.steps.iter().scan(1.0, |before, step| {
+            let share = *before - step.after;
+            *before = step.after;
+            Some((step.time, share))
+        });
+        completed.chain([(f64::INFINITY, incomplete)])
+    }
+
     /// Returns the median completion time; see [`quantile`](Self::quantile).
     pub fn median(&self) -> Option<f64> {
         self.quantile(0.5)

@@ -161,7 +161,7 @@ fn notes(fit: &Fit) -> Vec<String> {
     }
     if fit.stopped > 0 {
         notes.push(format!(
-            "{} simulated times are not used, because their runs were stopped. Points with more than a tenth of such times are \
+            "{} simulated times are not used, because they are incomplete. Points with more than a tenth of such times are \
              left out.",
             fit.stopped
         ));
