@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use stochc_experiments::calibration::{Calibration, profile, programs};
-use stochc_ir::scene::{Bond, Scene};
+use stochc_ir::scene::Scene;
 use stochc_results::{EnsembleProgram, Manifest};
 use stochc_runtime::Settings;
 use stochc_runtime::rates::Rates;
@@ -76,12 +76,7 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
     if let Some(error) = RateWorld::unsupported(scene) {
         return Err(Failure::invalid_program(error.to_string()));
     }
-    let mut scene = scene.clone();
-    scene.faults = None;
-    if let Some(strength) = scene.bond.as_mut().and_then(Bond::strength_mut) {
-        *strength = None;
-    }
-    let scene = &scene;
+    let scene = &scene.without_failures();
     let observed = observed(scene)?;
     let gas = gas(scene, effort, host)?;
     let enough = ENOUGH * observed.len() as u64;
@@ -106,7 +101,8 @@ pub fn measure(scene: &Scene, effort: &Effort, host: &dyn Host) -> Result<Rates,
             calibration.observe(done.program, &done.record);
         });
         observed.map_err(Failure::usage)?;
-        let is_useless = before == (calibration.captures(), ticks);
+        let is_useless =
+            before == (calibration.captures(), ticks) || calibration.has_only_failures();
         if !is_adaptive || is_useless || calibration.captures() >= enough || ticks >= MANY_TICKS {
             break;
         }

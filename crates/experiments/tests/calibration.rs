@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 
 use stochc_compiler::scene::built_in;
 use stochc_compiler::{Limits, check};
-use stochc_experiments::calibration::{Calibration, PROGRAMS, profile, programs};
+use stochc_experiments::calibration::{Calibration, PROGRAMS, TooFew, profile, programs};
 use stochc_ir::scene::Scene;
 use stochc_ir::table::Tables;
 use stochc_runtime::rates::{Parameters, Rates};
@@ -87,7 +87,7 @@ fn rejects_too_few_captures() {
     let scene = built_in("hemisphere").expect("a built-in scene");
     let calibration = Calibration::new(&scene, vec![1.0]);
     let error = calibration.rates(&Settings::default(), 0).unwrap_err();
-    assert_eq!(error.captures, 0);
+    assert_eq!(error, TooFew::NoCaptures { runs: 0 });
 }
 
 #[test]

@@ -3,7 +3,7 @@ use std::borrow::Cow;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
-use stochc_ir::scene::{Bond, Scene};
+use stochc_ir::scene::Scene;
 use stochc_ir::{Cell, Face, StrictJsonError, strict_json};
 use thiserror::Error;
 
@@ -127,17 +127,12 @@ impl Rates {
 
     /// Returns whether two scenes have the same rates.
     pub fn are_shared(first: &Scene, second: &Scene) -> bool {
-        // Name, number of open faces per block, messages, faults and strength of bonds do not affect
-        // waiting times.
-        let mut alike = second.clone();
+        let mut alike = second.without_failures();
+        // Name, number of open faces per block and messages do not affect waiting times.
         alike.name.clone_from(&first.name);
         alike.block.faces = first.block.faces;
         alike.messages.clone_from(&first.messages);
-        alike.faults.clone_from(&first.faults);
-        if let Some(strength) = alike.bond.as_mut().and_then(Bond::strength_mut) {
-            *strength = (first.bond.as_ref()).and_then(|bond| bond.strength().cloned());
-        }
-        *first == alike
+        first.without_failures() == alike
     }
 
     /// Returns whether blocks certainly enter gaps about as fast as other cells. In some scenes,

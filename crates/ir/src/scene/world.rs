@@ -64,6 +64,18 @@ impl Scene {
         (self.bond.as_ref()).is_some_and(|bond| bond.strength().is_some())
     }
 
+    /// Returns the scene without hardware faults and with bonds that do not break. Both scenes have
+    /// the same waiting times.
+    #[must_use]
+    pub fn without_failures(&self) -> Scene {
+        let mut scene = self.clone();
+        scene.faults = None;
+        if let Some(strength) = scene.bond.as_mut().and_then(Bond::strength_mut) {
+            *strength = None;
+        }
+        scene
+    }
+
     /// Returns the direction of gravity in the frame of the structure, as a unit vector.
     pub fn gravity_direction(&self) -> [i32; 3] {
         match self.mount {
