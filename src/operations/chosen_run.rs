@@ -9,8 +9,8 @@ use stochc_files::budget::RECORDING;
 use stochc_ir::record::RunRecord;
 use stochc_results::recording::{EVERY, Outline, Recorder, RecordingError, RecordingHeader, path};
 use stochc_results::{EnsembleProgram, Finished, Manifest, Records, until};
-use stochc_runtime::RunError;
 use stochc_runtime::observe::Observer;
+use stochc_runtime::{Model, RunError};
 
 use super::recordings::begin;
 use super::runs::warn_of_build;
@@ -139,10 +139,13 @@ impl ChosenRun {
         observer: &mut impl Observer,
         host: &dyn Host,
     ) -> Result<RunRecord, Failure> {
-        warn_of_build(&self.manifest.builds, host);
-        let mut watch = until(host.stop());
         let run = self.run;
         let settings = &self.manifest.settings_of(self.entry());
+        if settings.model == Model::Measured {
+            return Err(Failure::usage(RunError::Measured));
+        }
+        warn_of_build(&self.manifest.builds, host);
+        let mut watch = until(host.stop());
         let record =
             (self.entry()).observe(settings, self.manifest.seed, run, &mut watch, observer);
         let record = record.map_err(|error| match error {

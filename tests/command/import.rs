@@ -6,6 +6,7 @@ use stochc_ir::record::RunRecord;
 use stochc_results::Folder;
 
 use crate::logs::{Detail, csv, without_physics};
+use crate::manifest::set_builds;
 use crate::stochc::{path, stochc_with};
 
 /// Returns the runs of a results folder of one program. All its tables are functions of these runs.
@@ -64,6 +65,19 @@ fn imported_runs_have_the_tables_of_the_simulated_ones() {
                 outcome.err
             );
         }
+    }
+    // The build that imported the runs does not matter.
+    let manifest = path(measured.as_ref(), "manifest.json");
+    set_builds(&manifest, &["0123456789abcdef"]);
+    for (line, of) in [
+        ("replay --run 3", &measured),
+        ("export --run 3 --format parquet", &measured),
+        ("repeat --quiet", &manifest),
+    ] {
+        let outcome = stochc_with(line, &[of]);
+        assert_eq!(outcome.status, 2, "{line}: {}", outcome.err);
+        let (reason, err) = ("measured in an experiment", &outcome.err);
+        assert!(err.starts_with("error: ") && err.contains(reason), "{err}");
     }
     // Measured runs have no limit of ticks and no replay.
     let pages = [("a.html", &simulated), ("b.html", &measured)].map(|(name, folder)| {

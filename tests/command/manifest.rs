@@ -1,6 +1,7 @@
 //! Tests that a manifest is enough to repeat its ensemble, and that an interrupted ensemble is
 //! resumed.
 use std::fs;
+use std::path::Path;
 
 use serde_json::{Value, json};
 
@@ -143,21 +144,26 @@ fn a_killed_ensemble_resumes() {
 }
 
 /// Returns the path of a results folder with three runs. Its manifest lists these builds.
-fn made_by(folder: &std::path::Path, builds: &[&str]) -> String {
+fn made_by(folder: &Path, builds: &[&str]) -> String {
     let out = path(folder, "out");
     let outcome = stochc_with(
         "simulate --quiet tests/fixtures/dense.sa --runs 3",
         &["--out", &out],
     );
     assert_eq!((outcome.status, outcome.err.as_str()), (0, ""));
-    let file = path(out.as_ref(), "manifest.json");
-    let text = fs::read_to_string(&file).unwrap();
+    set_builds(&path(out.as_ref(), "manifest.json"), builds);
+    out
+}
+
+/// Replaces the list of builds in a manifest. Removes the checksums of its folder.
+pub(crate) fn set_builds(file: &str, builds: &[&str]) {
+    let text = fs::read_to_string(file).unwrap();
     let mut manifest: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(manifest["builds"].as_array().unwrap().len(), 1);
     manifest["builds"] = builds.into();
-    fs::write(&file, manifest.to_string()).unwrap();
-    fs::remove_file(path(out.as_ref(), "checksums.json")).unwrap();
-    out
+    fs::write(file, manifest.to_string()).unwrap();
+    let checksums = Path::new(file).with_file_name("checksums.json");
+    fs::remove_file(checksums).unwrap();
 }
 
 #[test]

@@ -82,8 +82,10 @@ pub fn from_manifest(path: &Path, runs: Option<u64>, host: &dyn Host) -> Result<
     let refuse = |reason: ManifestError| Failure::usage(format!("`{shown}`: {reason}"));
     let manifest = Manifest::from_json(&text).map_err(refuse)?;
     manifest.within_limits().map_err(refuse)?;
-    warn_of_build(&manifest.builds, host);
-    by_this_build(manifest, runs)
+    let builds = manifest.builds.clone();
+    let manifest = by_this_build(manifest, runs)?;
+    warn_of_build(&builds, host);
+    Ok(manifest)
 }
 
 /// Returns the manifest with only this build in its list of builds. `runs` replaces the number of
