@@ -2,21 +2,14 @@
 //! tick.
 
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
-use std::time::Instant;
 
 use crate::tables::Draft;
 use proptest::prelude::*;
-use stochc_compiler::Limits;
 use stochc_control::{Lattice, Orientation};
-use stochc_ir::record::Outcome;
-use stochc_ir::scene::Scene;
-use stochc_ir::table::{PhaseId, Tables};
 use stochc_ir::{Cell, Face};
 use stochc_runtime::counter_rng::{Draws, Stream, below, unit};
 use stochc_runtime::world::shuffle::ShuffleWorld;
 use stochc_runtime::world::{BlockFace, Body, Docking, World as _};
-use stochc_runtime::{Model, Settings, run};
 
 struct Plain {
     tick: u64,
@@ -185,65 +178,4 @@ proptest! {
             prop_assert_eq!(pose.map(|pose| pose.orientation), world.orientation(Body::Free(id)));
         }
     }
-}
-
-/// Program that builds towers of ten on a square plate and releases them again.
-struct Towers {
-    tables: Tables,
-    scene: Scene,
-}
-
-impl Towers {
-    fn on_a_plate_of(edge: usize) -> Towers {
-        let last = edge - 1;
-        let text = format!(
-            "scene vast from hemisphere {{ free {} uniform enclosure hemisphere {{ radius {}m wall 25 N/m }} }}
-            pattern tower(base) {{ base.up ->> T[1..10] }}
-            assembly towers in vast {{
-                seed plate {edge} x {edge} {{ for y in 0..{last} {{ for x in 0..{last} {{ S[x, y] at (x, y) }} }} }}
-                phase build {{ for y in 0..{last} {{ for x in 0..{last} {{ tower(S[x, y]) as t[x, y] }} }} }}
-                phase clear {{ for y in 0..{last} {{ for x in 0..{last} {{ for i in 1..10 {{ release t[x, y].T[i] }} }} }} }}
-            }}",
-            10 * edge * edge,
-            edge + 20,
-        );
-        let mut reader = |_: &str| Ok(text.as_bytes().to_vec());
-        let mut checked = stochc_compiler::check("towers.sa", &mut reader, Limits::default());
-        assert!(!checked.has_errors(), "{:?}", checked.diagnostics);
-        let program = checked.programs.remove(0);
-        Towers {
-            tables: program.tables.expect("the program is valid"),
-            scene: program.scene.expect("the program is valid"),
-        }
-    }
-
-    /// Returns the time of one run divided by the number of its events \[s\].
-    #[allow(
-        clippy::disallowed_methods,
-        reason = "the test compares times of one process"
-    )]
-    fn time_per_event(&self) -> f64 {
-        let settings = Settings::new(Model::Shuffle, 1);
-        let mut proceed = |_, _: PhaseId| ControlFlow::Continue(());
-        let start = Instant::now();
-        let record = run(&self.tables, &self.scene, &settings, 1, 0, &mut proceed);
-        let time = start.elapsed().as_secs_f64();
-        let record = record.expect("the run is not cancelled");
-        assert_eq!(record.outcome, Outcome::Completed);
-        time / (record.bonds.len() + record.releases.len()) as f64
-    }
-}
-
-/// If the time were quadratic in the size, an event of the large program would take 64 times as
-/// long. It takes two to ten times as long. Only the small program fits into the cache of one core,
-/// and a busy machine leaves little of the shared cache.
-#[test]
-fn the_time_per_event_does_not_grow_with_the_program() {
-    let programs = [11, 88].map(Towers::on_a_plate_of);
-    // The programs alternate, so that other load slows both. The minimum of several runs is the
-    // least disturbed one.
-    let [small, large] = (0..5).fold([f64::INFINITY; 2], |least, _| {
-        std::array::from_fn(|i| least[i].min(programs[i].time_per_event()))
-    });
-    assert!(large < 30.0 * small, "{large} s and {small} s");
 }
