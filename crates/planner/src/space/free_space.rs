@@ -1,4 +1,5 @@
 //! Free positions of a cube that are reachable from outside.
+use rustc_hash::FxHashMap;
 use stochc_estimate::{beside_gap, gap_entrances};
 use stochc_ir::scene::{Planar, PlanarAccess};
 use stochc_ir::{Cell, Face};
@@ -17,6 +18,9 @@ pub struct FreeSpace {
     /// Area of a planar world, where the cube is a square that stays inside.
     plane: Option<PlanarAccess>,
     reach: Grid<PlaceReach>,
+    /// For each position above a gap in a sparse grid, the position below the gap. Nothing is in
+    /// the gap. In a planar world, up is towards the side that free blocks come from.
+    across_gap: FxHashMap<Cell, Cell>,
 }
 
 /// Access of a cube to a cell.
@@ -52,13 +56,16 @@ impl FreeSpace {
             has_gaps: false,
             plane,
             reach: Grid::around(&enclosed, 3),
+            across_gap: FxHashMap::default(),
         };
         let mut open = Vec::new();
         if let Some(plane) = &plane {
-            let open = space.beside_structure(sites, plane);
+            let tops = space.find_gaps(plane.side);
+            let open = space.beside_structure(sites, plane, &tops);
             space.flood(sites, open, &|_| true, PlaceReach::Always, &mut |_| {});
             return space;
         }
+        space.find_gaps(Face::Up);
         // Sorted by x, y, z: the last cell of each column is its highest.
         for (i, &cell) in cells.iter().enumerate() {
             let is_top = cells
@@ -81,24 +88,57 @@ impl FreeSpace {
         FreeSpace { has_gaps, ..self }
     }
 
-    /// Returns the positions in the first rows beyond the structure of a planar world.
-    fn beside_structure(&self, sites: &Sites<'_>, plane: &PlanarAccess) -> Vec<Cell> {
+    /// Finds the gaps of each column of a sparse grid. Returns the highest position of each column.
+    /// Nothing is above it.
+    fn find_gaps(&mut self, up: Face) -> Vec<Cell> {
+        let [x, y, z] = up.normal();
+        let height = |cell: &Cell| x * cell.x + y * cell.y + z * cell.z;
+        let column = |cell: &Cell| {
+            let [x, y, z] = [x, y, z].map(|along| 1 - along.abs());
+            Cell::new(x * cell.x, y * cell.y, z * cell.z)
+        };
+        let mut stored = self.reach.stored();
+        stored.sort_unstable_by_key(|cell| (column(cell), height(cell)));
+        let mut tops = Vec::new();
+        for (i, &low) in stored.iter().enumerate() {
+            let next = stored.get(i + 1);
+            match next.filter(|next| column(next) == column(&low)) {
+                None => tops.push(low),
+                Some(next) if height(next) > height(&low) + 1 => {
+                    self.across_gap.insert(*next, low);
+                }
+                Some(_) => {}
+            }
+        }
+        tops
+    }
+
+    /// Returns the positions in the first rows beyond the structure of a planar world, and those of
+    /// `tops` with nothing between them and these rows.
+    fn beside_structure(
+        &self,
+        sites: &Sites<'_>,
+        plane: &PlanarAccess,
+        tops: &[Cell],
+    ) -> Vec<Cell> {
         let [x, y, _] = plane.side.normal();
         let row = if x + y > 0 {
             plane.row
         } else {
             plane.row + 1 - self.size
         };
-        let cells = sites.target.cells().iter().copied();
-        let lows = cells.chain([plane.entrance()]).map(|cell| {
+        let in_row = |cell: Cell| {
             if x == 0 {
                 Cell::new(cell.x, row, cell.z)
             } else {
                 Cell::new(row, cell.y, cell.z)
             }
-        });
-        lows.filter(|&low| self.is_free(sites, low, &|_| true))
-            .collect()
+        };
+        let is_free = |low: &Cell| self.is_free(sites, *low, &|_| true);
+        let cells = sites.target.cells().iter().copied();
+        let rows = cells.chain([plane.entrance()]).map(in_row);
+        let tops = (tops.iter().copied()).filter(|&top| is_free(&in_row(top)));
+        rows.chain(tops).filter(is_free).collect()
     }
 
     /// Returns the positions of the cube that cover the cell above `top` and have no block above
@@ -133,7 +173,8 @@ impl FreeSpace {
         open.retain(|&low| self.enter(low, reach));
         while let Some(low) = open.pop() {
             reached(low);
-            for next in Face::ALL.into_iter().filter_map(|face| low.across(face)) {
+            let beside = Face::ALL.into_iter().filter_map(|face| low.across(face));
+            for next in beside.chain(self.across_gap.get(&low).copied()) {
                 if self.reach.get(next) == Some(PlaceReach::Closed)
                     && self.is_free(sites, next, stands)
                     && self.enter(next, reach)
@@ -258,4 +299,61 @@ impl FreeSpace {
 fn is_empty(sites: &Sites<'_>, cell: Cell, stands: &impl Fn(u32) -> bool) -> bool {
     let site = sites.at(cell);
     site == NONE || !stands(site)
+}
+
+#[cfg(test)]
+mod tests {
+    use stochc_compiler::scene::built_in;
+    use stochc_ir::table::Plate;
+
+    use super::*;
+    use crate::Target;
+
+    /// Returns whether a block can reach a cell of a complete target with a sparse grid.
+    fn is_reachable(target: &Target, cell: Cell) -> bool {
+        let sites = Sites::new(target);
+        let space = FreeSpace::new(&sites, 1);
+        assert!(!space.reach.stored().is_empty());
+        let site = sites.at(cell);
+        space.access_path(&sites, site, &|_| true).is_some()
+    }
+
+    /// A beam is far above a block of the plate, and no other block is near this block.
+    #[test]
+    fn a_block_far_below_a_beam_is_reachable() {
+        let (height, length) = (91, 300);
+        let under = Cell::new(length, 0, 1);
+        let mut cells = vec![under];
+        cells.extend((1..=height).map(|z| Cell::new(0, 0, z)));
+        cells.extend((1..=length).map(|x| Cell::new(x, 0, height)));
+        cells.extend((1..150).map(|y| Cell::new(0, y, 1)));
+        let closed = Cell::new(length / 2, 75, 1);
+        cells.push(closed);
+        let beside = Face::ALL.into_iter().filter_map(|face| closed.across(face));
+        cells.extend(beside.filter(|cell| cell.z > 0));
+        let plate = Plate {
+            width: 301,
+            depth: 150,
+        };
+        let target = Target::new(cells, plate, None, 1000).unwrap();
+        assert!(is_reachable(&target, under));
+        assert!(!is_reachable(&target, closed));
+    }
+
+    /// Only one of two distant parts is next to the rows that free blocks come from.
+    #[test]
+    fn distant_parts_of_a_plane_are_reachable() {
+        let mut scene = built_in("hemisphere").unwrap();
+        scene.planar = Some(Planar { friction: None });
+        scene.enclosure = None;
+        let last = 1499;
+        let plate = Plate {
+            width: 1500,
+            depth: 1500,
+        };
+        let cells = [Cell::new(1, 0, 1), Cell::new(last - 1, last, 1)];
+        let seeds = Some(vec![(0, 0), (last, last)]);
+        let target = Target::in_plane(cells.to_vec(), &scene, plate, seeds, 60).unwrap();
+        assert!(cells.iter().all(|&cell| is_reachable(&target, cell)));
+    }
 }

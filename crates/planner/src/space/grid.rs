@@ -67,6 +67,14 @@ impl<T: Copy + Default> Grid<T> {
         }
     }
 
+    /// Returns the cells of a sparse grid. Returns no cells if the grid is dense.
+    pub fn stored(&self) -> Vec<Cell> {
+        match &self.values {
+            Values::Dense(_) => Vec::new(),
+            Values::Sparse(values) => values.keys().copied().collect(),
+        }
+    }
+
     pub fn set(&mut self, cell: Cell, value: T) {
         let place = self.place(cell);
         match &mut self.values {
