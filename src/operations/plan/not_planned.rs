@@ -1,7 +1,7 @@
 //! Errors of planning, with suggested options.
 use std::fmt::Display;
 
-use stochc_planner::{LoosePart, TargetError, Unplanned};
+use stochc_planner::{TargetError, Unplanned};
 use stochc_text::visible;
 
 use super::options::{PlanOptions, PlanScope};
@@ -30,7 +30,7 @@ pub(super) fn impossible(options: &PlanOptions<'_>, error: &TargetError) -> Fail
 fn option_for(error: &TargetError, extent: PlanScope<'_>) -> &'static str {
     match (error, extent) {
         (TargetError::Loose(parts), PlanScope::Whole)
-            if parts.iter().any(LoosePart::rests_on_plate) =>
+            if parts.iter().any(|it| it.rests_on_plate) =>
         {
             " (`--plate`, `--offset`); `--supports` adds such cells, `--drop-loose` leaves the parts out"
         }

@@ -43,13 +43,9 @@ pub struct LoosePart {
     /// Smallest set of additional cells that would support the part, assuming the bridges of
     /// earlier parts. `None` if there is none, or the search reached its limit.
     pub bridge: Option<Vec<Cell>>,
-}
-
-impl LoosePart {
-    /// Returns whether the part rests on the plate.
-    pub fn rests_on_plate(&self) -> bool {
-        self.cells.iter().any(|cell| cell.z == 1)
-    }
+    /// Whether the part rests on the plate. In a planar world, the plate is not under the blocks.
+    #[serde(skip)]
+    pub rests_on_plate: bool,
 }
 
 /// Largest number of cells in a list.
@@ -101,7 +97,7 @@ fn bridges(parts: &[LoosePart]) -> Option<String> {
         (_, others) => format!("all parts except {others} would be held"),
     };
     // The plate supports only parts that rest on it.
-    let plate = if parts.iter().any(LoosePart::rests_on_plate) {
+    let plate = if parts.iter().any(|it| it.rests_on_plate) {
         "; or let a block of the plate under it capture"
     } else {
         ""

@@ -251,6 +251,8 @@ impl Target {
         held.extend(&open);
         spread(&mut open, &all, &mut held);
         let mut left = MAX_STEPS_OF_ALL;
+        // The seeds of a planar world are existing blocks.
+        let has_plate = (self.seeds.as_ref()).is_none_or(|seeds| !seeds.is_empty());
         let mut parts = Vec::new();
         for cells in self.parts_beside(&held, &all) {
             let bridge = self.bridge(&cells, &held, &mut left);
@@ -260,7 +262,11 @@ impl Target {
                 held.extend(&open);
                 spread(&mut open, &all, &mut held);
             }
-            parts.push(LoosePart { cells, bridge });
+            parts.push(LoosePart {
+                rests_on_plate: has_plate && cells.iter().any(|cell| cell.z == 1),
+                cells,
+                bridge,
+            });
         }
         parts
     }

@@ -98,7 +98,12 @@ fn cells_outside_the_plane_and_plates_without_seeds_are_refused() {
     goal.seeds = None;
     assert_eq!(refused(&goal), TargetError::NoSeeds);
     goal.seeds = Some(vec![(3, 3)]);
-    assert!(matches!(refused(&goal), TargetError::Loose(_)));
+    let loose = refused(&goal);
+    assert!(matches!(loose, TargetError::Loose(_)));
+    // No block of the plate is under a cell of the plane.
+    let help = loose.help().unwrap();
+    assert!(help.starts_with("with 4 more cells, "), "{help}");
+    assert!(help.ends_with(", it would be held"), "{help}");
 }
 
 #[test]
