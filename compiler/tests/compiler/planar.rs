@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use proptest::prelude::*;
 use stochc_compiler::diagnostic::Code;
-use stochc_ir::scene::{Extent, PlanarArea, Scene};
+use stochc_ir::scene::{Extent, PlanarAccess, PlanarArea, Scene};
 use stochc_ir::table::Plate;
 use stochc_ir::{Cell, Face};
 
@@ -342,6 +342,26 @@ fn is_open(start: Cell, built: &[Cell], has_walls: bool) -> bool {
     false
 }
 
+/// Returns whether a path of free cells inside the walls leads to the rows beyond the structure.
+fn is_open_in(access: &PlanarAccess, start: Cell, built: &[Cell]) -> bool {
+    let [dx, dy, _] = access.side.normal();
+    let is_beyond = |at: Cell| dx * at.x + dy * at.y >= (dx + dy) * access.row;
+    let mut seen = BTreeSet::from([start]);
+    let mut open = vec![start];
+    while let Some(at) = open.pop() {
+        if is_beyond(at) {
+            return true;
+        }
+        for next in Face::SIDES.into_iter().filter_map(|face| at.across(face)) {
+            let is_free = access.area.contains(next) && !built.contains(&next);
+            if is_free && seen.insert(next) {
+                open.push(next);
+            }
+        }
+    }
+    false
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
@@ -379,6 +399,34 @@ proptest! {
             assembly a in w {{ seed plate {width} x {depth} {{ M at {seed:?} }} {text} }}",
             20 * width,
             20 * depth
+        );
+        let found = checked(&text);
+        let errors: Vec<_> = found.diagnostics.iter().filter(|it| it.is_error()).collect();
+        prop_assert!(errors.iter().all(|it| it.code == Code::SealedCavity), "{text}\n{errors:?}");
+        prop_assert_eq!(!errors.is_empty(), closed, "{}", text);
+    }
+
+    /// Compares the proof with a search inside a disc. The square of `walk` is near the wall.
+    #[test]
+    fn the_proof_agrees_with_a_search_in_a_disc(
+        choices in prop::collection::vec(any::<u32>(), 80),
+        (x, y) in (0..6, 0..6),
+        radius in 86..110_u32,
+    ) {
+        let (text, cells) = phases(&choices, |face| face);
+        let enclosure = format!("disc {{ radius {radius}cm wall 25 N/m }}");
+        let plate = Plate { width: 6, depth: 6 };
+        let area = PlanarArea::from_scene(&scene(&enclosure), &plate).unwrap();
+        let seed = cell(x, y);
+        let moved = cells.iter().map(|it| cell(x + it.x, y + it.y));
+        let all: Vec<Cell> = [seed].into_iter().chain(moved).collect();
+        prop_assume!(all.iter().all(|&cell| area.contains(cell)));
+        let access = area.access(&all);
+        prop_assume!(!access.ignores_walls);
+        let closed = (1..all.len()).any(|i| !is_open_in(&access, all[i], &all[..i]));
+        let text = format!(
+            "scene w from hemisphere {{ world planar free 20 uniform enclosure {enclosure} }}
+            assembly a in w {{ seed plate 6 x 6 {{ M at ({x}, {y}) }} {text} }}"
         );
         let found = checked(&text);
         let errors: Vec<_> = found.diagnostics.iter().filter(|it| it.is_error()).collect();
