@@ -2,7 +2,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::stochc::{path, stochc, stochc_with, tables};
+use crate::stochc::{Outcome, path, stochc, stochc_with, tables};
 
 fn emit(stage: &str, form: &str) -> String {
     let outcome = stochc(&format!(
@@ -249,16 +249,164 @@ fn the_rate_model_is_written_as_a_markov_chain() {
     let time = &properties[0]["expression"]["values"]["exp"]["time-bounds"]["upper"];
     assert_eq!(time, 1525.0);
 
-    let two = mast.replace("1 x 1 { M at (0, 0) }", "3 x 1 { M at (0, 0) N at (2, 0) }");
-    let two = two.replace("M.up ->>", "N.up -> U  M.up ->>");
-    fs::write(&file, two).unwrap();
-    let outcome = stochc_with("compile --emit jani", &[&file]);
-    assert_eq!(outcome.status, 2, "{}", outcome.err);
-    assert!(
-        outcome.err.contains("one after the other"),
-        "{}",
-        outcome.err
-    );
     let outcome = stochc_with("compile --emit jani --format text", &[&file]);
     assert_eq!(outcome.status, 2, "{}", outcome.err);
+}
+
+/// Writes a program as a Markov chain.
+fn chain_of(body: &str) -> Value {
+    let outcome = emit_jani(body);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    serde_json::from_str(&outcome.out).unwrap()
+}
+
+fn emit_jani(body: &str) -> Outcome {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "some.sa");
+    fs::write(&file, body).unwrap();
+    stochc_with("compile --emit jani", &[&file])
+}
+
+/// Returns the targets and the rates of the transitions of a state with this number of docking
+/// blocks.
+fn rates_from(chain: &Value, state: &str) -> Vec<(String, f64)> {
+    let edges = chain["automata"][0]["edges"].as_array().unwrap();
+    let edges = edges.iter().filter(|edge| edge["location"] == state);
+    let rate = |edge: &Value| {
+        let rate = &edge["rate"]["exp"];
+        let target = edge["destinations"][0]["location"].as_str().unwrap();
+        let value = rate.as_f64().or(rate["right"].as_f64());
+        (target.to_owned(), value.unwrap())
+    };
+    edges.map(rate).collect()
+}
+
+const APART: &str = "assembly some { seed plate 9 x 9 { M at (1, 1)  N at (7, 7) }
+    phase p { M.up -> A  N.up -> B } }";
+
+/// Two distant faces with equal surroundings have one counter. After one capture, half of its
+/// blocks are ignored, and one of 300 free blocks is missing.
+#[test]
+fn faces_that_open_together_share_a_counter_of_docking_blocks() {
+    let chain = chain_of(APART);
+    let names: Vec<&str> = (chain["variables"].as_array().unwrap().iter())
+        .map(|variable| variable["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["captures", "first_1", "second_1"]);
+    let both = rates_from(&chain, "0");
+    let [arrivals, stage, one, other] = &both[..] else {
+        panic!("{both:?}")
+    };
+    let half = (stage.1 / 2.0).to_bits();
+    assert_eq!((one.1.to_bits(), other.1.to_bits()), (half, half));
+    assert_eq!([&*one.0, &*other.0], ["1", "2"]);
+    for state in ["1", "2"] {
+        let left = rates_from(&chain, state);
+        assert_eq!(
+            left[..2],
+            [(state.to_owned(), arrivals.1), (state.to_owned(), stage.1)]
+        );
+        let [capture, ignored] = &left[2..] else {
+            panic!("{left:?}")
+        };
+        assert_eq!([&*capture.0, &*ignored.0], ["3", state]);
+        assert!(
+            (capture.1 / stage.1 - 299.0 / 600.0).abs() < 1e-12,
+            "{left:?}"
+        );
+        assert!(
+            (ignored.1 / stage.1 - 301.0 / 600.0).abs() < 1e-12,
+            "{left:?}"
+        );
+    }
+    assert!(rates_from(&chain, "3").is_empty());
+}
+
+/// The faces of C and D open together if A is captured after B. There is therefore a state for each
+/// order of A and B. It has one counter if the two faces opened together, and otherwise two.
+#[test]
+fn groups_of_faces_depend_on_the_order_of_captures() {
+    let chain = chain_of(
+        "assembly some { seed plate 9 x 9 { M at (1, 1)  N at (7, 7) }
+        phase p { M.up -> A  N.up -> B  A.up -> C  B.up -> D after A } }",
+    );
+    let edges = chain["automata"][0]["edges"].as_array().unwrap();
+    let after = |first: &str, second: &str| {
+        let next = |from: &str, capture: &str| {
+            let edge = (edges.iter())
+                .find(|edge| edge["location"] == from && edge["comment"] == capture)
+                .unwrap();
+            edge["destinations"][0]["location"].as_str().unwrap()
+        };
+        next(next("0", first), second)
+    };
+    let [a_first, b_first] = [
+        after("M.up -> A", "N.up -> B"),
+        after("N.up -> B", "M.up -> A"),
+    ];
+    assert_ne!(a_first, b_first);
+    let counters = |state: &str| {
+        let edges = edges.iter().filter(|edge| edge["location"] == state);
+        edges.filter(|edge| edge["rate"]["exp"].is_number()).count()
+    };
+    assert_eq!([counters(a_first), counters(b_first)], [2, 1]);
+}
+
+/// A capture can change the mean docking time of a waiting face. Blocks with the later docking time
+/// are counted from the start.
+#[test]
+fn docking_times_that_change_have_counters_of_their_own() {
+    let chain = chain_of(
+        "scene many from hemisphere { block cube { side 20cm  mass 1kg  faces 2 } }
+        assembly some in many { seed plate 3 x 3 { M at (1, 1)  M.up -> A }
+        phase p { A.up -> B  A.east -> C } }",
+    );
+    let edges = chain["automata"][0]["edges"].as_array().unwrap();
+    let of_start = edges.iter().filter(|edge| edge["location"] == "0");
+    let arrivals = of_start
+        .filter(|edge| edge["rate"]["exp"].is_number())
+        .count();
+    let variables = chain["variables"].as_array().unwrap().len();
+    // The face upwards starts with one docking time, and gets another one next to C.
+    assert_eq!((arrivals, variables), (3, 7));
+}
+
+#[test]
+fn programs_without_a_small_markov_chain_are_refused() {
+    let in_scene = |clause: &str| {
+        let text = APART.replace("some {", "some in worn {");
+        format!("scene worn from hemisphere {{ {clause} }} {text}")
+    };
+    let masts = |count: i32, second: &str| {
+        format!(
+            "assembly some {{ seed plate 31 x 1 {{ for i in 1..{count} {{ M[i] at (3 * i, 0) }} }}
+            phase p {{ for i in 1..{count} {{ M[i].up -> T[i]  {second} }} }} }}"
+        )
+    };
+    for (body, reason) in [
+        (
+            APART.replace("phase p", "phase p timeout 90000 ticks"),
+            "has a timeout",
+        ),
+        (
+            APART.replace("N.up -> B", "N.up -> B  wait 9 s"),
+            "has a `wait`",
+        ),
+        (
+            APART.replace("} }", "} phase q { release B } }"),
+            "releases blocks",
+        ),
+        (in_scene("messages { hop 1 ticks }"), "messages take time"),
+        (in_scene("faults { latch 1% }"), "has faults"),
+        (
+            APART.replace("some {", "some in hemisphere_soft {"),
+            "no built-in rates",
+        ),
+        (masts(10, ""), "more than 1000 sets of captured blocks"),
+        (masts(5, "T[i].up -> U[i]"), "too many blocks can dock"),
+    ] {
+        let outcome = emit_jani(&body);
+        assert_eq!((outcome.status, &*outcome.out), (2, ""), "{}", outcome.err);
+        assert!(outcome.err.contains(reason), "{reason}: {}", outcome.err);
+    }
 }

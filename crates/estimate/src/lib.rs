@@ -22,9 +22,9 @@ mod geometry;
 mod waits;
 
 pub use cost::{
-    CaptureCost, Cost, EventState, PartialRun, PhaseCost, ProgramParts, RemainingTime,
-    SerialCapture, estimate, estimate_without_timeouts, reference_count, remaining_time,
-    serial_captures, times_out_rarely,
+    CaptureCost, CaptureState, Cost, EventState, NoCaptureStates, OpenCapture, PartialRun,
+    PhaseCost, ProgramParts, RemainingTime, SerialCapture, capture_states, estimate,
+    estimate_without_timeouts, reference_count, remaining_time, serial_captures, times_out_rarely,
 };
 pub use geometry::accessibility::{offsets, sees};
 pub use geometry::gap::{beside_gap, gap_entrances};

@@ -4,6 +4,7 @@
 //! Each capture gets a waiting time for the structure at its turn. Waiting times and message delays
 //! are summed along the graph. Runs of the rate model are more detailed: there, cells next to an
 //! open face fill while it waits.
+mod capture_states;
 mod costs;
 mod drawn_times;
 mod estimation;
@@ -19,6 +20,7 @@ mod steps;
 mod timed_phase;
 mod waits;
 
+pub use capture_states::{CaptureState, NoCaptureStates, OpenCapture, capture_states};
 pub use costs::{CaptureCost, Cost, PhaseCost};
 pub use estimation::{estimate, estimate_without_timeouts, remaining_time, times_out_rarely};
 pub use events::ProgramParts;

@@ -2,8 +2,8 @@
 use stochc_ir::graph::EventId;
 use stochc_ir::table::PhaseId;
 
-use super::events::{Events, PhaseLimit, ProgramParts};
-use super::message_times::MessageTimes;
+use super::capture_states::unsupported_feature;
+use super::events::{Events, ProgramParts};
 use super::waits::{CaptureWait, waits};
 use crate::{Rates, Wait};
 
@@ -46,26 +46,15 @@ impl SerialCapture {
 }
 
 /// Returns the captures of a program in order. Returns `None` if two faces can be open at the same
-/// time, if a block is released, if messages take time, if the scene has faults or bonds that can
-/// break, or if a phase has a timeout or a `wait`.
+/// time, or for an [`unsupported_feature`].
 ///
 /// In these programs, the surroundings of a face do not change while it waits. Waiting times are
 /// therefore independent, and the completion time is their sum.
 pub fn serial_captures(parts: ProgramParts<'_>, rates: &Rates) -> Option<Vec<SerialCapture>> {
     let events = Events::new(parts)?;
     let graph = parts.graph;
-    let is_limited = |limit: &PhaseLimit| limit.timeout.is_finite() || limit.wait > 0.0;
     let has_choice = graph.edges().iter().any(|edge| edge.why.is_choice());
-    let has_releases = (graph.events.iter()).any(|event| !event.action.is_capture());
-    let needs_time = MessageTimes::new(&events).is_some();
-    let has_faults = parts.scene.faults.is_some();
-    if has_choice
-        || has_releases
-        || needs_time
-        || has_faults
-        || parts.scene.has_breaking_bonds()
-        || events.limits().iter().any(is_limited)
-    {
+    if has_choice || unsupported_feature(&events).is_some() {
         return None;
     }
     let waits = waits(&events, rates);
