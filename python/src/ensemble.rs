@@ -9,6 +9,7 @@ use stochc::host::Host;
 use stochc::ir::scene::warnings::Stepping;
 use stochc::operations::chosen_run::{ChosenRun, choose, median_run};
 use stochc::operations::ensemble::{EnsembleOptions, can_record, judge_scenes, make};
+use stochc::operations::rates::MissingRates;
 use stochc::operations::results::{ensemble_results, read};
 use stochc::operations::runs::{made_again, try_out_all};
 use stochc::operations::{export, replay, report as pages, shard as pieces, sweep};
@@ -94,7 +95,8 @@ impl Detached {
         let mut manifest = Manifest::new(settings, request.seed, request.runs, programs);
         if varies_settings {
             let known = request.computed.rates(&manifest.programs, host)?;
-            sweep::complete(&mut manifest, &known, request.threads, host)?;
+            let missing = MissingRates::Calibration(request.threads);
+            sweep::complete(&mut manifest, &known, missing, host)?;
         }
         manifest.within_limits().map_err(Failure::usage)?;
         can_record(&manifest, record)?;

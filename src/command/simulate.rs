@@ -25,7 +25,7 @@ pub fn run(options: &SimulateArguments) -> Result<Exit, Failure> {
     let (programs, making) = (&options.programs, &options.making);
     let host = Terminal::default();
     let runs = making.new_runs();
-    let manifest = input::from_programs(programs, &[], runs, making.work.threads, &host)?;
+    let manifest = input::from_programs(programs, &[], runs, making.missing_rates(), &host)?;
     let ensemble = Ensemble {
         manifest,
         out: options.out.as_deref(),

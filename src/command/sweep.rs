@@ -32,8 +32,8 @@ pub struct SweepArguments {
 pub fn run(options: &SweepArguments) -> Result<Exit, Failure> {
     let (programs, making) = (&options.programs, &options.making);
     let host = Terminal::default();
-    let (runs, threads) = (making.new_runs(), making.work.threads);
-    let manifest = input::from_programs(programs, &options.vary, runs, threads, &host)?;
+    let (runs, missing) = (making.new_runs(), making.missing_rates());
+    let manifest = input::from_programs(programs, &options.vary, runs, missing, &host)?;
     let ensemble = Ensemble {
         manifest,
         out: options.out.as_deref(),

@@ -8,6 +8,7 @@ use super::interrupt::stop_on_interrupt;
 use super::narrative::show_runs;
 use super::run_options::JsonOption;
 use crate::exit::{Exit, Failure};
+use crate::operations::rates::MissingRates;
 
 /// Arguments of `trace`.
 #[derive(Debug, Args)]
@@ -24,7 +25,13 @@ pub struct TraceArguments {
 pub fn run(options: &TraceArguments) -> Result<Exit, Failure> {
     let host = Terminal::default();
     let stop = stop_on_interrupt()?;
-    let manifest = input::from_programs(&options.programs, &[], 1, None, &host)?;
+    let manifest = input::from_programs(
+        &options.programs,
+        &[],
+        1,
+        MissingRates::Calibration(None),
+        &host,
+    )?;
     judge(
         &manifest,
         true,

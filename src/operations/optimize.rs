@@ -17,7 +17,7 @@ use super::ensemble::{EnsembleOptions, make};
 use super::fit::{check_twice, entries_at};
 use super::forecast::cpu_time;
 use super::in_memory::stopped;
-use super::rates::rates_for_scenes;
+use super::rates::{MissingRates, rates_from};
 use super::sweep::share_tables;
 use crate::exit::{Exit, Failure};
 use crate::host::Host;
@@ -99,7 +99,7 @@ impl OptimizeSetup<'_> {
         self.settings.max_ticks.unwrap_or(u64::MAX) as f64
     }
 
-    /// Returns the manifest of the runs at points of several programs. Adds missing rates.
+    /// Returns the manifest of the runs at points of several programs, without rates.
     fn manifest(
         &self,
         points: &[PointsOfProgram<'_>],
@@ -112,23 +112,24 @@ impl OptimizeSetup<'_> {
             entries.extend(entries_at(priors, self.levels, program, points, host)?);
         }
         share_tables(&mut entries);
-        let mut settings = self.settings.clone();
-        if settings.model == Model::Rate {
-            settings.rates = rates_for_scenes(self.rates, &entries, self.threads, host)?;
-        }
+        let settings = self.settings.clone();
         let manifest = Manifest::new(settings, self.seed_of(round), runs, entries);
         manifest.within_limits().map_err(Failure::usage)?;
         Ok(manifest)
     }
 
-    /// Makes the runs of a manifest in the subfolder `name`, except for those that it contains. Returns
-    /// the completion times of each point, by the number of the run \[ticks\].
+    /// Makes the runs of a manifest in the subfolder `name`, except for those that it contains. Adds
+    /// missing rates. Returns the completion times of each point, by the number of the run \[ticks\].
     fn sampled(
         &self,
-        manifest: &Manifest,
+        mut manifest: Manifest,
         name: &str,
         host: &dyn Host,
     ) -> Result<Vec<Vec<f64>>, Failure> {
+        if manifest.settings.model == Model::Rate {
+            let missing = MissingRates::Calibration(self.threads);
+            manifest.settings.rates = rates_from(missing, self.rates, &manifest.programs, host)?;
+        }
         let out = self.out.map(|out| out.join(name));
         let is_there = out.as_ref().is_some_and(|out| out.exists());
         let how = EnsembleOptions {
@@ -145,14 +146,14 @@ impl OptimizeSetup<'_> {
             watch: false,
             time_limit: None,
         };
-        let results = make(manifest, &how, host)?.results;
+        let results = make(&manifest, &how, host)?.results;
         if !results.complete {
             return Err(stopped(match self.out {
                 Some(_) => "finished runs are kept. Run the same command to continue",
                 None => "nothing was optimized; with `--out DIR`, finished runs are kept",
             }));
         }
-        self.times(manifest, &results.finished)
+        self.times(&manifest, &results.finished)
     }
 
     /// Returns the times of all runs. The time of an incomplete run is the limit of ticks.
@@ -189,7 +190,7 @@ pub fn optimize(
             .collect();
         let manifest = setup.manifest(&points, round, RUNS, host)?;
         let name = format!("round-{}", round + 1);
-        let sampled = setup.sampled(&manifest, &name, host)?;
+        let sampled = setup.sampled(manifest, &name, host)?;
         let mut times = sampled.iter();
         for (it, design) in searched.iter_mut().zip(designs) {
             for (at, times) in design.into_iter().zip(&mut times) {
@@ -223,8 +224,8 @@ pub fn optimize(
     confirmed(setup, searched, rounds, host)
 }
 
-/// Forecasts the CPU time of an optimization. Assumes that all points take as long as those of the
-/// first round.
+/// Forecasts the CPU time of an optimization, without calibrations. Assumes that all points take as
+/// long as those of the first round.
 ///
 /// # Errors
 /// See [`optimize`].
@@ -238,7 +239,11 @@ pub fn forecast(
     let points = searched
         .iter()
         .map(|it| (it.program, &*it.priors, design(setup, it, number, 0)));
-    let manifest = setup.manifest(&points.collect::<Vec<_>>(), 0, RUNS, host)?;
+    let mut manifest = setup.manifest(&points.collect::<Vec<_>>(), 0, RUNS, host)?;
+    if manifest.settings.model == Model::Rate {
+        manifest.settings.rates =
+            rates_from(MissingRates::Default, setup.rates, &manifest.programs, host)?;
+    }
     let of_round = cpu_time(&manifest, host)?;
     let confirming = (1 + 2 * setup.priors.len()) as u64 * setup.confirm * programs.len() as u64;
     let runs = of_round.runs * rounds + confirming;
@@ -347,7 +352,7 @@ fn confirmed(
         .map(|(it, points)| (it.program, &*it.priors, points))
         .collect();
     let manifest = setup.manifest(&points, rounds, setup.confirm, host)?;
-    let sampled = setup.sampled(&manifest, "confirmation", host)?;
+    let sampled = setup.sampled(manifest, "confirmation", host)?;
     let mut times = sampled.iter();
     let mut optima = Vec::new();
     for ((it, neighbours), (_, _, points)) in searched.iter().zip(neighbours).zip(&points) {

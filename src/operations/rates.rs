@@ -14,6 +14,31 @@ use super::calibration::{Effort, measure};
 use crate::exit::Failure;
 use crate::host::Host;
 
+/// Source of rates that are neither given nor built in.
+#[derive(Clone, Copy, Debug)]
+pub enum MissingRates {
+    /// Calibration of the scene, with this number of threads. `None` means one per core.
+    Calibration(Option<u16>),
+    /// Rates of the default scene, for a forecast of CPU time.
+    Default,
+}
+
+/// Returns the rates for the scenes of all programs, without duplicates.
+///
+/// # Errors
+/// See [`rates_for_scenes`].
+pub fn rates_from(
+    missing: MissingRates,
+    known: &[Rates],
+    programs: &[EnsembleProgram],
+    host: &dyn Host,
+) -> Result<Vec<Rates>, Failure> {
+    match missing {
+        MissingRates::Calibration(threads) => rates_for_scenes(known, programs, threads, host),
+        MissingRates::Default => rates_for_forecast(known, programs, host),
+    }
+}
+
 /// Returns the rates for the scenes of all programs, without duplicates. Uses `known` and built-in
 /// rates, and calibrates the other scenes. A scene whose rates need a held-out error is not
 /// calibrated, because this can take long.
@@ -28,15 +53,12 @@ pub fn rates_for_scenes(
     host: &dyn Host,
 ) -> Result<Vec<Rates>, Failure> {
     let mut found: Vec<Rates> = Vec::new();
-    for program in programs {
-        supported(program)?;
-        if Rates::known(known, &program.scene).is_none()
-            && program.scene.uncalibrated_term().is_some()
-        {
-            return Err(no_rates(program));
-        }
+    let missing = without_rates(known, programs)?;
+    if missing > 1 {
+        host.note(&format!(
+            "{missing} scenes have no rates. Calibrating each takes about 30 s of CPU time; `--model rigid` needs no rates\n"
+        ));
     }
-    note_calibrations(known, programs, host);
     for program in programs {
         let scene = &program.scene;
         if found.iter().any(|rates| rates.are_of(scene)) {
@@ -57,21 +79,58 @@ pub fn rates_for_scenes(
     Ok(found)
 }
 
-/// Prints the cost of calibrations, if several scenes have no rates.
-fn note_calibrations(known: &[Rates], programs: &[EnsembleProgram], host: &dyn Host) {
+/// Returns rates for a forecast of CPU time. The rates of the default scene replace missing ones.
+/// Prints the cost of the missing calibrations.
+///
+/// # Errors
+/// If the rate model does not support a program, or a scene needs a file of rates.
+fn rates_for_forecast(
+    known: &[Rates],
+    programs: &[EnsembleProgram],
+    host: &dyn Host,
+) -> Result<Vec<Rates>, Failure> {
+    let missing = without_rates(known, programs)?;
+    if missing > 0 {
+        let scenes = if missing == 1 {
+            "scene has"
+        } else {
+            "scenes have"
+        };
+        host.note(&format!(
+            "{missing} {scenes} no rates. Calibrating each takes about 30 s of CPU time, which the forecast excludes\n"
+        ));
+    }
+    let mut found: Vec<Rates> = Vec::new();
+    for program in programs {
+        if !found.iter().any(|rates| rates.are_of(&program.scene)) {
+            let rates = Rates::known(known, &program.scene).cloned();
+            let rates = rates.or_else(|| Rates::stand_in(&program.scene));
+            found.push(rates.ok_or_else(|| no_rates(program))?);
+        }
+    }
+    Ok(found)
+}
+
+/// Returns the number of different scenes without rates.
+///
+/// # Errors
+/// If the rate model does not support a program, or a scene needs a file of rates.
+fn without_rates(known: &[Rates], programs: &[EnsembleProgram]) -> Result<usize, Failure> {
     let mut missing: Vec<&Scene> = Vec::new();
-    for EnsembleProgram { scene, .. } in programs {
-        let is_new = !missing.iter().any(|other| Rates::are_shared(other, scene));
-        if Rates::known(known, scene).is_none() && is_new {
+    for program in programs {
+        supported(program)?;
+        let scene = &program.scene;
+        if Rates::known(known, scene).is_some() {
+            continue;
+        }
+        if scene.uncalibrated_term().is_some() {
+            return Err(no_rates(program));
+        }
+        if !missing.iter().any(|other| Rates::are_shared(other, scene)) {
             missing.push(scene);
         }
     }
-    if missing.len() > 1 {
-        host.note(&format!(
-            "{} scenes have no rates. Calibrating each takes about 30 s of CPU time; `--model rigid` needs no rates\n",
-            missing.len()
-        ));
-    }
+    Ok(missing.len())
 }
 
 /// Returns the failure of a program whose scene needs a file of rates.

@@ -13,7 +13,7 @@ use stochc_runtime::rates::Rates;
 use stochc_text::visible;
 
 use super::programs::verdict;
-use super::rates;
+use super::rates::{MissingRates, rates_from};
 use super::stored_source::StoredSource;
 use crate::exit::Failure;
 use crate::host::Host;
@@ -84,15 +84,15 @@ pub fn varies_settings(axes: &[Axis]) -> bool {
     axes.iter().any(|axis| axis.settings().is_some())
 }
 
-/// Checks the settings of all points. Adds the rates that the points need, from `known` or by
-/// calibration.
+/// Checks the settings of all points. Adds the rates that the points need, from `known` or from
+/// `missing`.
 ///
 /// # Errors
 /// If a model does not use a varied setting, or a calibration fails.
 pub fn complete(
     manifest: &mut Manifest,
     known: &[Rates],
-    threads: Option<u16>,
+    missing: MissingRates,
     host: &dyn Host,
 ) -> Result<(), Failure> {
     for program in &manifest.programs {
@@ -109,7 +109,7 @@ pub fn complete(
         |program: &&EnsembleProgram| manifest.settings_of(program).model == Model::Rate;
     let programs = manifest.programs.iter().filter(is_by_rates);
     let programs: Vec<EnsembleProgram> = programs.cloned().collect();
-    manifest.settings.rates = rates::rates_for_scenes(known, &programs, threads, host)?;
+    manifest.settings.rates = rates_from(missing, known, &programs, host)?;
     Ok(())
 }
 

@@ -72,6 +72,21 @@ fn stopped_runs_of_the_confirmation_have_an_exit_status() {
     }
 }
 
+/// Checks that the forecast does not calibrate the scene of any point.
+#[test]
+fn a_dry_run_simulates_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = towers(folder.path());
+    let outcome = stochc_with(
+        "optimize --dry-run --model rate --vary free=100..500",
+        &[&file],
+    );
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    assert!(outcome.out.contains(" of CPU time"), "{}", outcome.out);
+    let note = "Calibrating each takes about 30 s of CPU time, which the forecast excludes";
+    assert!(outcome.err.contains(note), "{}", outcome.err);
+}
+
 #[test]
 fn other_options_do_not_continue_an_optimization() {
     let folder = tempfile::tempdir().unwrap();

@@ -43,6 +43,12 @@ fn a_dry_run_forecasts_the_cpu_time() {
     let printed = seconds(sweep, &[&out, "--runs", "40", "--vary", "free=200,300"]);
     assert!(printed.starts_with("80 runs, "), "{printed}");
     assert!(!std::path::Path::new(&out).exists());
+    // Nor does it calibrate.
+    let sweep = "sweep --dry-run --model rate tests/fixtures/dense.sa --vary free=10,12";
+    let outcome = stochc(sweep);
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let note = "2 scenes have no rates. Calibrating each takes about 30 s of CPU time, which the forecast excludes";
+    assert!(outcome.err.contains(note), "{}", outcome.err);
     let trade =
         "trade --dry-run --quiet --runs 2 --finest 2 --max-ticks 100 tests/fixtures/dense.sa";
     let printed = seconds(trade, &[]);

@@ -12,15 +12,16 @@ use super::arguments::ProgramOptions;
 use crate::exit::Failure;
 use crate::host::Host;
 use crate::operations::programs::programs;
+use crate::operations::rates::{MissingRates, rates_from, read_rates_for};
 use crate::operations::runs::warn_of_build;
-use crate::operations::{rates, sweep};
+use crate::operations::sweep;
 
 /// Returns the manifest of an ensemble of programs, at all points of a sweep over `axes`.
 pub fn from_programs(
     options: &ProgramOptions,
     axes: &[Axis],
     runs: u64,
-    threads: Option<u16>,
+    missing: MissingRates,
     host: &dyn Host,
 ) -> Result<Manifest, Failure> {
     let settings = options.model.settings();
@@ -41,15 +42,15 @@ pub fn from_programs(
         programs = sweep::points(axes, runs, &programs, &source.levels, host)?;
     }
     let scenes = programs.iter().map(|it| &it.scene);
-    let known = rates::read_rates_for(&options.model.rates, scenes, host)?;
+    let known = read_rates_for(&options.model.rates, scenes, host)?;
     let manifest = if varies_settings {
         let mut manifest = Manifest::new(settings, options.chance.seed, runs, programs);
-        sweep::complete(&mut manifest, &known, threads, host)?;
+        sweep::complete(&mut manifest, &known, missing, host)?;
         manifest
     } else {
         let mut settings = settings.resolved();
         if settings.model == Model::Rate {
-            settings.rates = rates::rates_for_scenes(&known, &programs, threads, host)?;
+            settings.rates = rates_from(missing, &known, &programs, host)?;
         }
         Manifest::new(settings, options.chance.seed, runs, programs)
     };

@@ -15,6 +15,7 @@ use crate::exit::{Exit, Failure};
 use crate::operations::ensemble::{EnsembleOptions, MadeEnsemble, can_record, judge_scenes, make};
 use crate::operations::forecast::{cpu_time, forecast_to_text};
 use crate::operations::precision::make_until;
+use crate::operations::rates::MissingRates;
 use crate::operations::runs::try_out_all;
 
 impl MakingOptions {
@@ -26,6 +27,15 @@ impl MakingOptions {
             RUNS
         };
         self.runs.unwrap_or(usual)
+    }
+
+    /// Returns the source of missing rates. A dry run does not calibrate.
+    pub fn missing_rates(&self) -> MissingRates {
+        if self.dry_run {
+            MissingRates::Default
+        } else {
+            MissingRates::Calibration(self.work.threads)
+        }
     }
 
     /// Returns the requested number of runs of each program. Returns `None` to keep the number of

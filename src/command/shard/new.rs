@@ -14,6 +14,7 @@ use super::super::interrupt::stop_on_interrupt;
 use super::super::run_options::ThreadsOption;
 use super::super::terminal::{is_quiet, print};
 use crate::exit::{Exit, Failure};
+use crate::operations::rates::MissingRates;
 
 /// Arguments of `shard new`.
 #[derive(Debug, Args)]
@@ -40,8 +41,8 @@ pub fn run(options: &NewArguments) -> Result<Exit, Failure> {
     let (programs, shards) = (&options.programs, options.shards);
     let host = Terminal::default();
     stop_on_interrupt()?;
-    let threads = options.work.threads;
-    let manifest = input::from_programs(programs, &options.vary, options.runs, threads, &host)?;
+    let missing = MissingRates::Calibration(options.work.threads);
+    let manifest = input::from_programs(programs, &options.vary, options.runs, missing, &host)?;
     judge(&manifest, true, &programs.source.levels.levels, &host)?;
     let prepared = prepare(&options.out, &manifest, shards).map_err(Failure::usage)?;
     if is_quiet() {

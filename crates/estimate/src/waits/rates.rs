@@ -120,6 +120,15 @@ impl Rates {
         known.or_else(|| Rates::first_guess(scene).map(Cow::Owned))
     }
 
+    /// Returns the rates of the default scene, declared as rates of another scene. Waiting times are
+    /// wrong, but runs take about as much CPU time as with calibrated rates.
+    pub fn stand_in(scene: &Scene) -> Option<Rates> {
+        Rates::shipped().first().map(|rates| Rates {
+            scene: scene.clone(),
+            ..rates.clone()
+        })
+    }
+
     /// Returns whether the rates are valid for a scene.
     pub fn are_of(&self, scene: &Scene) -> bool {
         Rates::are_shared(&self.scene, scene)
