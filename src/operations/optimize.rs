@@ -2,12 +2,12 @@
 use std::path::Path;
 
 use stochc_compiler::LintLevels;
-use stochc_experiments::completion_time;
 use stochc_experiments::fit::{Design, Emulator, Prior, Simulated};
 use stochc_experiments::optimize::{
-    Objective, OptimalNumber, Optimum, PredictedOptimum, elasticity, estimate,
+    Objective, OptimalNumber, Optimum, PredictedOptimum, estimate, resampled,
 };
 use stochc_experiments::sweep::{Parameter, RangeError};
+use stochc_experiments::{completion_time, elasticity};
 use stochc_report::figures::Figures;
 use stochc_results::{CpuForecast, EnsembleProgram, Finished, Interval, Manifest, Records, Resume};
 use stochc_runtime::rates::Rates;
@@ -362,14 +362,15 @@ fn confirmed(
         let stopped = stopped.filter(|time| **time >= limit).count();
         let numbers = it.priors.iter().zip(neighbours).enumerate();
         let numbers = numbers.map(|(i, (prior, [low, high]))| {
-            let ratio = prior.value(high.share) / prior.value(low.share);
-            let pair = [low, high].map(|near| times[near.point].as_slice());
-            let pair = Some(pair).filter(|_| ratio > 1.0 && ratio.is_finite());
+            let pair = [low, high].map(|near| {
+                let values = resampled(setup.objective, times[near.point], setup.seed);
+                (prior.value(near.share).ln(), values)
+            });
+            let row = pair.iter().map(|(log, values)| (*log, &**values));
             OptimalNumber {
                 value: prior.rounded(it.optimum()[i]),
                 similar: it.found().similar.marginal(i, prior),
-                elasticity: pair
-                    .and_then(|pair| elasticity(setup.objective, pair, ratio.ln(), setup.seed)),
+                elasticity: elasticity(&[row.collect()]),
             }
         });
         optima.push(Optimum {

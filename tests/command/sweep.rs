@@ -138,6 +138,51 @@ fn two_parameters_are_combined() {
     );
 }
 
+/// Checks the elasticities of a tower that takes a tick per block.
+#[test]
+fn elasticities_are_slopes_of_logarithms() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(folder.path(), "high.sa");
+    let program = "assembly high(height = 2) { seed plate 1 x 1 { M at (0, 0) }
+        phase grow { M.up ->> A[1..height] } }";
+    fs::write(&file, program).unwrap();
+    let sweep = |name: &str, more: &str| {
+        let out = path(folder.path(), name);
+        let line = format!("sweep --model shuffle --quiet --vary height=2,4,8 {more} --vary");
+        let outcome = stochc_with(&line, &["contact.friction=0,1", &file, "--out", &out]);
+        let elasticities = json(&out, "sweep.json")["elasticities"].clone();
+        (outcome, elasticities, out)
+    };
+    let (outcome, all, out) = sweep("all", "--runs 10 --vary free=50,80");
+    assert_eq!(outcome.status, 0, "{}", outcome.err);
+    let all = all.as_array().unwrap();
+    assert_eq!(all.len(), 2, "a friction of 0 has no logarithm: {all:?}");
+    for (it, name, expected) in [(&all[0], "height", 1.0), (&all[1], "free", 0.0)] {
+        assert_eq!(
+            (&it["program"], &it["parameter"]),
+            (&"high".into(), &name.into())
+        );
+        assert_eq!(it["points"], 12);
+        for end in ["value", "low", "high"] {
+            let found = it["elasticity"][end].as_f64().unwrap();
+            assert!((found - expected).abs() < 1e-9, "{it}");
+        }
+    }
+    for row in ["high: height  1 (1 .. 1)", "high: free    0 (0 .. 0)"] {
+        assert!(outcome.out.contains(row), "{}", outcome.out);
+    }
+    assert_eq!(stochc_with("report", &[&out]).status, 0);
+    assert!(text(&out, "report.html").contains("Elasticities of the mean time"));
+    // The mean of a stopped point is unknown.
+    let (outcome, stopped, _) = sweep("stopped", "--runs 10 --max-ticks 6");
+    assert_eq!(outcome.status, 3, "{}", outcome.err);
+    assert_eq!(stopped[0]["points"], 4);
+    assert!(stopped[0]["elasticity"].is_object());
+    let (outcome, few, _) = sweep("few", "--runs 9");
+    assert_eq!(few[0]["elasticity"], Value::Null);
+    assert!(!outcome.out.contains("elasticity"), "{}", outcome.out);
+}
+
 /// Checks that each value of a third parameter has its own figures, and that many values have none.
 #[test]
 fn a_third_parameter_makes_more_figures() {

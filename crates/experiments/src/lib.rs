@@ -7,6 +7,7 @@ mod captures;
 mod claims;
 mod claims_without_runs;
 mod comparison;
+mod elasticity;
 pub mod fit;
 pub mod optimize;
 mod outcome_counts;
@@ -27,5 +28,6 @@ pub use comparison::{
     ProgramSummary, Time, TimeUnit, completion_status, completion_time, last_seen, median_run,
     pairwise_tests, phase_time, sort_by_time,
 };
+pub use elasticity::{ElasticityRow, Estimate, elasticity};
 pub use outcome_counts::OutcomeCounts;
 pub use summary_tables::summary_table;

@@ -90,6 +90,12 @@ impl Replicates {
         }
     }
 
+    /// Returns the sum over all runs, and then the sum in each bootstrap sample.
+    pub fn values(&self) -> Vec<f64> {
+        let samples = self.samples.iter().copied();
+        std::iter::once(self.sum).chain(samples).collect()
+    }
+
     /// Returns this sum divided by `times` and by the sum `other`. Returns `None` if `other` is 0.
     pub fn over(&self, other: &Replicates, times: f64) -> Option<Ratio> {
         if other.sum <= 0.0 {

@@ -1,74 +1,39 @@
 //! Estimates from the runs that confirm an optimum.
-use serde::Serialize;
-
 use super::Objective;
+use crate::Estimate;
 use crate::resampling::{SAMPLES, weights};
-use crate::statistics::quantile;
+use crate::statistics::share_interval;
 
-/// Value with its 95 % confidence interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Estimate {
-    /// Estimated value.
-    pub value: f64,
-    /// Lower end of the interval.
-    pub low: f64,
-    /// Upper end of the interval.
-    pub high: f64,
-}
-
-/// Estimates the objective from the times of runs, by bootstrap. Returns `None` without runs.
+/// Estimates the objective from the times of runs, by bootstrap. Probabilities have Wilson's
+/// interval. Returns `None` without runs.
 pub fn estimate(objective: Objective, times: &[f64], seed: u64) -> Option<Estimate> {
-    resampled(times.len(), seed, |weights| {
-        objective.of_sample(times.iter().copied().zip(weights.iter().copied()))
-    })
+    if let Objective::Exceeds(time) = objective {
+        let longer = times.iter().filter(|it| **it > time).count();
+        let (low, high) = share_interval(longer, times.len())?;
+        let value = longer as f64 / times.len() as f64;
+        return Some(Estimate { value, low, high });
+    }
+    Estimate::from_resampled(&resampled(objective, times, seed))
 }
 
-/// Estimates the elasticity of the objective: its relative change, divided by the relative change
-/// of a parameter. `times` contains the times of runs at a smaller and at a larger value. Runs with
-/// the same index have common random numbers. `log_ratio` is the logarithm of the ratio of both
-/// values.
-///
-/// Returns `None` if the objective is 0 at one of the values.
-pub fn elasticity(
-    objective: Objective,
-    times: [&[f64]; 2],
-    log_ratio: f64,
-    seed: u64,
-) -> Option<Estimate> {
-    let runs = times[0].len().min(times[1].len());
-    resampled(runs, seed, |weights| {
-        let [low, high] = times
-            .map(|times| objective.of_sample(times.iter().copied().zip(weights.iter().copied())));
-        let change = (high? / low?).ln() / log_ratio;
-        change.is_finite().then_some(change)
-    })
-}
-
-/// Returns a statistic of weighted runs with its bootstrap interval. All runs have weight 1 in the
-/// first call of `statistic`. Returns `None` if a tenth of the bootstrap samples has no value.
-fn resampled(
-    runs: usize,
-    seed: u64,
-    statistic: impl Fn(&[f64]) -> Option<f64>,
-) -> Option<Estimate> {
-    let value = statistic(&vec![1.0; runs])?;
-    let weights: Vec<_> = (0..runs as u64).map(|run| weights(seed, run)).collect();
-    let samples = (0..SAMPLES).filter_map(|sample| {
-        let weights = weights.iter().map(|of| f64::from(of[sample]));
-        statistic(&weights.collect::<Vec<_>>())
-    });
-    let samples: Vec<f64> = samples.collect();
-    let is_enough = samples.len() * 10 > SAMPLES * 9;
-    is_enough.then_some(Estimate {
-        value,
-        low: quantile(&samples, 0.025)?,
-        high: quantile(&samples, 0.975)?,
-    })
+/// Returns the objective of the times of runs, and then of each bootstrap sample of the runs. NaN
+/// if a sample is empty.
+pub fn resampled(objective: Objective, times: &[f64], seed: u64) -> Vec<f64> {
+    let runs = 0..times.len() as u64;
+    let weights: Vec<_> = runs.map(|run| weights(seed, run)).collect();
+    let of = |weight: &dyn Fn(usize) -> f64| {
+        let weighted = times.iter().enumerate();
+        let weighted = weighted.map(|(run, time)| (*time, weight(run)));
+        objective.of_sample(weighted).unwrap_or(f64::NAN)
+    };
+    let samples = (0..SAMPLES).map(|sample| of(&|run| f64::from(weights[run][sample])));
+    std::iter::once(of(&|_| 1.0)).chain(samples).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elasticity;
 
     /// Returns evenly spread quantiles of an exponential distribution, in a fixed random order.
     fn times(mean: f64) -> Vec<f64> {
@@ -88,16 +53,24 @@ mod tests {
     }
 
     #[test]
-    fn common_random_numbers_make_an_elasticity_exact() {
+    fn a_probability_of_zero_has_an_interval() {
+        let found = estimate(Objective::Exceeds(9.0), &[1.0; 50], 3).unwrap();
+        assert_eq!((found.value, found.low), (0.0, 0.0));
+        assert!((0.07..0.072).contains(&found.high), "{found:?}");
+    }
+
+    #[test]
+    fn quantiles_and_probabilities_have_elasticities() {
         // A power law with exponent -1.5.
         let (low, high) = (times(500.0), times(500.0 * 1.2f64.powf(-1.5)));
-        for objective in [Objective::Mean, Objective::Quantile(0.9)] {
-            let found = elasticity(objective, [&low, &high], 1.2f64.ln(), 3).unwrap();
-            for value in [found.value, found.low, found.high] {
-                assert!((value + 1.5).abs() < 1e-9, "{objective:?} {value}");
-            }
+        let found = |objective| {
+            let [low, high] = [&low, &high].map(|times| resampled(objective, times, 3));
+            elasticity(&[vec![(0.0, &*low), (1.2f64.ln(), &*high)]])
+        };
+        let quantile = found(Objective::Quantile(0.9)).unwrap();
+        for value in [quantile.value, quantile.low, quantile.high] {
+            assert!((value + 1.5).abs() < 1e-9, "{quantile:?}");
         }
-        let never = Objective::Exceeds(1e6);
-        assert_eq!(elasticity(never, [&low, &high], 1.2f64.ln(), 3), None);
+        assert_eq!(found(Objective::Exceeds(1e6)), None);
     }
 }

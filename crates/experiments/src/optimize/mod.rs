@@ -11,6 +11,6 @@ mod confirmation;
 mod objective;
 mod predicted;
 
-pub use confirmation::{Estimate, elasticity, estimate};
+pub use confirmation::{estimate, resampled};
 pub use objective::{Objective, ObjectiveError};
 pub use predicted::{OptimalNumber, Optimum, PredictedOptimum};

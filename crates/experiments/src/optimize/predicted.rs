@@ -1,7 +1,8 @@
 //! Optimum that the emulator predicts.
 use serde::Serialize;
 
-use super::{Estimate, Objective};
+use super::Objective;
+use crate::Estimate;
 use crate::fit::{Emulator, Marginal, Posterior, Prior, Simulated};
 
 /// Quantile of the standard normal distribution for a 95 % interval.

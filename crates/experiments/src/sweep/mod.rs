@@ -6,6 +6,7 @@
 //! `docs/guides/sweep.md` explains each of its fields.
 mod axis;
 mod data;
+mod elasticity;
 mod error;
 mod outcome;
 mod parameter;
@@ -13,6 +14,7 @@ mod points;
 
 pub use axis::Axis;
 pub(crate) use axis::{common, digits, logarithmic, value};
+pub use elasticity::SweptElasticity;
 pub use error::{MAX_POINTS, RangeError};
 pub use outcome::{PointTally, Sweep, SweepPoint, SweepTally, SweptNumber, SweptValue};
 pub use parameter::{Parameter, ParameterValue};

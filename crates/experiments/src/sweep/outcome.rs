@@ -2,7 +2,9 @@
 use serde::Serialize;
 use stochc_ir::record::{BondRecord, Origin, RunRecord};
 
-use crate::statistics::{TimeSample, share_interval};
+use super::elasticity::{SweptElasticity, elasticities};
+use crate::resampling::{Replicates, weights};
+use crate::statistics::{Observation, TimeSample, share_interval};
 use crate::{OutcomeCounts, Time, TimeUnit, completion_time, last_seen};
 use stochc_results::{
     ChosenSetting, EnsembleProgram, Finished, JournalError, Manifest, Records, Varied,
@@ -24,6 +26,8 @@ pub struct Sweep {
     pub unit: &'static str,
     /// Points in the order of the manifest.
     pub points: Vec<SweepPoint>,
+    /// Elasticity of the mean for each program and each axis with positive values.
+    pub elasticities: Vec<SweptElasticity>,
 }
 
 /// Scene parameter that a sweep varies.
@@ -113,6 +117,8 @@ pub struct SweepTally<'a> {
     /// Whether the ticks of all scenes have the same length.
     is_one: bool,
     programs: Vec<PointTally>,
+    /// Sum of the completion times of each program, in the unit of the sweep.
+    sums: Vec<Replicates>,
 }
 
 impl<'a> SweepTally<'a> {
@@ -131,6 +137,7 @@ impl<'a> SweepTally<'a> {
             manifest,
             axes,
             is_one,
+            sums: vec![Replicates::default(); manifest.programs.len()],
             programs: programs.map(|it| PointTally::new(unit(it))).collect(),
         })
     }
@@ -138,7 +145,13 @@ impl<'a> SweepTally<'a> {
     /// Adds a finished run.
     pub fn add(&mut self, done: &Finished) {
         let program = &self.manifest.programs[done.program];
-        self.programs[done.program].add(program, &done.record);
+        let point = &mut self.programs[done.program];
+        point.add(program, &done.record);
+        let time = completion_time(&done.record).and_then(Observation::completed_time);
+        if let Some(time) = time.filter(|_| !self.axes.is_empty()) {
+            let weights = weights(self.manifest.seed, done.record.run);
+            self.sums[done.program].add(time * point.unit, &weights);
+        }
     }
 
     /// Returns the results of the runs added so far.
@@ -146,11 +159,12 @@ impl<'a> SweepTally<'a> {
         let (axes, settings) = (&self.axes, self.manifest.swept().settings);
         let last = self.programs.iter().map(PointTally::last_seen);
         let last = last.fold(0.0, f64::max);
-        let programs = self.manifest.programs.iter().zip(self.programs);
+        let tallies = self.programs.into_iter().zip(self.sums);
+        let programs = self.manifest.programs.iter().zip(tallies);
         // A manifest that was edited by hand can contain other parameters.
         let same = programs
             .filter(|(program, _)| program.varied.iter().map(dial).eq(axes.iter().cloned()));
-        let point = |(program, tally): (&EnsembleProgram, PointTally)| {
+        let point = |(program, (tally, sum)): (&EnsembleProgram, (PointTally, Replicates))| {
             let values = program.varied.iter().map(|varied| SweptValue {
                 value: varied.given,
                 si: varied.value,
@@ -163,14 +177,14 @@ impl<'a> SweepTally<'a> {
                 program.scene.tick,
                 last,
             );
-            SweepPoint {
-                chosen: program.chosen.clone(),
-                ..point
-            }
+            let chosen = program.chosen.clone();
+            (SweepPoint { chosen, ..point }, sum)
         };
+        let (points, sums): (Vec<_>, Vec<_>) = same.map(point).unzip();
         Sweep {
             unit: if self.is_one { TICKS } else { "s" },
-            points: same.map(point).collect(),
+            elasticities: elasticities(axes, &points, &sums),
+            points,
             axes: self.axes.clone(),
             settings: settings.into_iter().map(str::to_owned).collect(),
         }
@@ -220,6 +234,9 @@ impl Sweep {
             point.name = label(&point.name);
             point.program = label(&point.program);
         }
+        for of in &mut self.elasticities {
+            of.program = label(&of.program);
+        }
     }
 
     /// Returns the length of a tick at a point. Returns `None` if the times of the sweep are
@@ -246,14 +263,19 @@ impl Sweep {
 
     /// Returns the names of the programs in the sweep, without duplicates.
     pub fn programs(&self) -> Vec<&str> {
-        let mut names: Vec<&str> = Vec::new();
-        for point in &self.points {
-            if !names.contains(&&*point.program) {
-                names.push(&point.program);
-            }
-        }
-        names
+        programs(&self.points)
     }
+}
+
+/// Returns the names of the programs of points, without duplicates.
+pub(super) fn programs(points: &[SweepPoint]) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    for point in points {
+        if !names.contains(&&*point.program) {
+            names.push(&point.program);
+        }
+    }
+    names
 }
 
 /// Accumulator for the results at one point. Runs must be added in the order of their numbers.

@@ -73,6 +73,7 @@ pub(crate) fn found(subjects: &[ReportedProgram], clock: TimeUnit) -> Vec<Sweep>
         settings: Vec::new(),
         unit: clock.unit(),
         points,
+        elasticities: Vec::new(),
     };
     sweeps.into_iter().map(sweep).collect()
 }

@@ -1,6 +1,7 @@
 //! Table of an optimization for a terminal.
+use stochc_experiments::Estimate;
 use stochc_experiments::fit::Prior;
-use stochc_experiments::optimize::{Estimate, OptimalNumber, Optimum};
+use stochc_experiments::optimize::{OptimalNumber, Optimum};
 use stochc_text::{TextColumn, TextTable, number, paragraph};
 
 /// Returns the optimum of each program and notes as text. `width` is the width of the terminal
@@ -62,6 +63,12 @@ fn interval(it: &Estimate) -> String {
     format!("{} .. {}", number(it.low), number(it.high))
 }
 
+/// Returns a value with its interval.
+pub(crate) fn estimate_to_text(it: Option<&Estimate>) -> String {
+    let value = |it: &Estimate| format!("{} ({})", number(it.value), interval(it));
+    it.map_or("-".to_owned(), value)
+}
+
 fn objectives(optima: &[Optimum]) -> TextTable {
     let column = |header: &str, cell: &dyn Fn(&Optimum) -> String| {
         TextColumn::figures(header, optima.iter().map(cell).collect())
@@ -73,10 +80,7 @@ fn objectives(optima: &[Optimum]) -> TextTable {
             .collect(),
         columns: vec![
             column("predicted", &|it| interval(&it.predicted)),
-            column("confirmed", &|it| {
-                let value = |it: &Estimate| format!("{} ({})", number(it.value), interval(it));
-                it.confirmed.as_ref().map_or("-".to_owned(), value)
-            }),
+            column("confirmed", &|it| estimate_to_text(it.confirmed.as_ref())),
             column("runs", &|it| it.runs.to_string()),
         ],
         ..TextTable::default()

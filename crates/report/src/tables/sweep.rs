@@ -1,8 +1,9 @@
 //! Table of a sweep for a terminal, with a row for each point.
-use stochc_experiments::sweep::{Sweep, SweepPoint};
+use stochc_experiments::sweep::{Sweep, SweepPoint, SweptElasticity};
 use stochc_text::{number, percent};
 
 use super::comparison::{LOWER_BOUND, NEVER_COMPLETES, UNFINISHED, mean, ticks};
+use super::optimum::estimate_to_text;
 use super::published;
 use stochc_text::{TextColumn, TextTable, paragraph};
 
@@ -14,6 +15,9 @@ const NONE: &str = "-";
 pub fn sweep_to_text(sweep: &Sweep, width: usize) -> String {
     let mut text = sweep_rows(sweep, true).text(width, false);
     text.push('\n');
+    if has_elasticities(sweep) {
+        text += &format!("{}\n", elasticities(sweep).text(width, false));
+    }
     for note in notes(sweep) {
         text += &paragraph(&note, width);
     }
@@ -67,6 +71,27 @@ pub(super) fn sweep_rows(sweep: &Sweep, with_seconds: bool) -> TextTable {
     }
 }
 
+fn has_elasticities(sweep: &Sweep) -> bool {
+    sweep.elasticities.iter().any(|it| it.elasticity.is_some())
+}
+
+/// Returns a table with a row for each program and parameter.
+fn elasticities(sweep: &Sweep) -> TextTable {
+    let column = |header: &str, cell: &dyn Fn(&SweptElasticity) -> String| {
+        TextColumn::figures(header, sweep.elasticities.iter().map(cell).collect())
+    };
+    TextTable {
+        labels: (sweep.elasticities.iter())
+            .map(|it| format!("{}: {}", it.program, it.parameter))
+            .collect(),
+        columns: vec![
+            column("elasticity", &|it| estimate_to_text(it.elasticity.as_ref())),
+            column("points", &|it| it.points.to_string()),
+        ],
+        ..TextTable::default()
+    }
+}
+
 fn notes(sweep: &Sweep) -> Vec<String> {
     let mut notes = vec![format!(
         "Times are in {}. ± is the 95 % confidence interval of the mean. Per capture: the time of all runs, divided by their \
@@ -89,6 +114,12 @@ fn notes(sweep: &Sweep) -> Vec<String> {
     }
     if points().any(|point| point.timed_out > 0) {
         notes.push(NEVER_COMPLETES.to_owned());
+    }
+    if has_elasticities(sweep) {
+        let note = "Elasticity: the relative change of the mean time, divided by the relative change of the parameter. It is \
+                    a mean over these points, and its interval is a 95 % interval. Points with incomplete runs or fewer than \
+                    10 runs are left out.";
+        notes.push(note.to_owned());
     }
     notes
 }

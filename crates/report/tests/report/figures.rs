@@ -132,6 +132,7 @@ fn swept_over(numbers: &[(&str, &[f64])], power: f64) -> Sweep {
         settings: Vec::new(),
         unit: "ticks",
         points: points.collect(),
+        elasticities: Vec::new(),
     }
 }
 

@@ -1,5 +1,5 @@
 //! Section about the scene parameters of a sweep and the resulting times.
-use stochc_experiments::sweep::{Sweep, SweepPoint};
+use stochc_experiments::sweep::{Sweep, SweepPoint, SweptElasticity};
 use stochc_text::series;
 use stochc_text::{number, percent};
 
@@ -9,6 +9,7 @@ use super::parts::ROWS;
 use crate::ensemble_report::html::{Html, HtmlCell, code, name};
 use crate::figures::sweep as pictures;
 use crate::svg::{Drawing, Medium};
+use crate::tables::estimate_to_text;
 
 pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>) {
     if parts.sweeps.is_empty() {
@@ -34,6 +35,23 @@ pub(super) fn sweeps(parts: &Parts, out: &mut Html, drawings: &mut Vec<Drawing>)
             show(parts, out, drawings, figure, caption, &["sweeps.csv"]);
         }
         table(sweep, out);
+        elasticities(sweep, out);
+    }
+}
+
+fn elasticities(sweep: &Sweep, out: &mut Html) {
+    let known = |it: &SweptElasticity| {
+        let estimate = estimate_to_text(Some(it.elasticity.as_ref()?));
+        let (program, parameter) = (name(&it.program), code(&it.parameter));
+        Some(format!("{program}, {parameter}: {estimate}"))
+    };
+    let known: Vec<String> = sweep.elasticities.iter().filter_map(known).collect();
+    if !known.is_empty() {
+        out.paragraph(
+            "Elasticities of the mean time. An elasticity is the relative change of the mean time, divided by the \
+             relative change of the parameter. In brackets is its 95 % confidence interval.",
+        );
+        out.list("ul", &known);
     }
 }
 
