@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 use stochc_experiments::fit::Prior;
-use stochc_experiments::optimize::Objective;
+use stochc_experiments::optimize::{Constraint, Goal, Objective};
 use stochc_files::atomic::{self, Replaces};
 use stochc_report::tables::optima_to_text;
 use stochc_results::MAX_RUNS;
@@ -33,6 +33,9 @@ pub struct OptimizeArguments {
     /// time in ticks
     #[arg(long, value_name = "OBJECTIVE", default_value = "mean", help_heading = "Search", value_parser = Objective::parse)]
     minimize: Objective,
+    /// Constraint of the optimum, such as `p90 <= 7000` or `P(T > 8000) <= 0.05`. If given several times, all must hold
+    #[arg(long, value_name = "CONSTRAINT", help_heading = "Search", value_parser = Constraint::parse)]
+    subject_to: Vec<Constraint>,
     /// Largest number of runs of each program that search for the optimum
     #[arg(long, short = 'n', value_name = "N", default_value_t = 200, help_heading = "Search", value_parser = clap::value_parser!(u64).range(1..=MAX_RUNS))]
     runs: u64,
@@ -64,7 +67,10 @@ pub fn run(options: &OptimizeArguments) -> Result<Exit, Failure> {
     let rates = read_rates_for(&given.model.rates, scenes, &host)?;
     let setup = OptimizeSetup {
         priors: &options.vary,
-        objective: options.minimize,
+        goal: Goal {
+            objective: options.minimize,
+            constraints: &options.subject_to,
+        },
         runs: options.runs,
         confirm: options.confirm,
         settings,
@@ -100,7 +106,7 @@ pub fn run(options: &OptimizeArguments) -> Result<Exit, Failure> {
             argument(out)
         ));
     }
-    Ok(Exit::from_runs(
-        optima.iter().all(|it| it.stopped_confirming == 0),
-    ))
+    Ok(Exit::from_runs(optima.iter().all(|it| {
+        it.stopped_confirming == 0 && it.satisfies_constraints()
+    })))
 }

@@ -4,10 +4,11 @@ use std::path::Path;
 use stochc_compiler::LintLevels;
 use stochc_experiments::fit::{Design, Emulator, Prior, Simulated};
 use stochc_experiments::optimize::{
-    Objective, OptimalNumber, Optimum, PredictedOptimum, estimate, resampled,
+    ConfirmedConstraint, Constraint, Goal, Objective, OptimalNumber, Optimum, PredictedOptimum,
+    estimate, resampled,
 };
 use stochc_experiments::sweep::{Parameter, RangeError};
-use stochc_experiments::{completion_time, elasticity};
+use stochc_experiments::{Estimate, completion_time, elasticity};
 use stochc_report::figures::Figures;
 use stochc_results::{CpuForecast, EnsembleProgram, Finished, Interval, Manifest, Records, Resume};
 use stochc_runtime::rates::Rates;
@@ -36,8 +37,8 @@ const STEP: f64 = 0.1;
 pub struct OptimizeSetup<'a> {
     /// Parameters to vary, with their ranges.
     pub priors: &'a [Prior],
-    /// Quantity to minimize.
-    pub objective: Objective,
+    /// Quantity to minimize, and its constraints.
+    pub goal: Goal<'a>,
     /// Largest number of runs of each program that search for the optimum.
     pub runs: u64,
     /// Number of runs at the optimum, and at each point that an elasticity needs.
@@ -207,7 +208,7 @@ pub fn optimize(
                 &it.points,
                 &it.ends,
                 &it.priors,
-                setup.objective,
+                setup.goal,
                 common,
                 setup.seed_of(round),
             );
@@ -268,12 +269,18 @@ fn started<'a>(
             "--vary: `{name}` is the unit of all times and cannot be optimized"
         )));
     }
-    if let Objective::Exceeds(time) = setup.objective
+    let too_long = |option: &str| {
+        let message = format!("{option}: the time must be shorter than `--max-ticks`");
+        Err(Failure::usage(message))
+    };
+    if let Objective::Exceeds(time) = setup.goal.objective
         && time >= setup.limit()
     {
-        return Err(Failure::usage(
-            "--minimize: the time must be shorter than `--max-ticks`",
-        ));
+        return too_long("--minimize");
+    }
+    let mut constraints = setup.goal.constraints.iter();
+    if constraints.any(|it| it.time() >= setup.limit()) {
+        return too_long("--subject-to");
     }
     let each = programs.iter().map(|program| {
         if program.sources.is_empty() {
@@ -363,7 +370,7 @@ fn confirmed(
         let numbers = it.priors.iter().zip(neighbours).enumerate();
         let numbers = numbers.map(|(i, (prior, [low, high]))| {
             let pair = [low, high].map(|near| {
-                let values = resampled(setup.objective, times[near.point], setup.seed);
+                let values = resampled(setup.goal.objective, times[near.point], setup.seed);
                 (prior.value(near.share).ln(), values)
             });
             let row = pair.iter().map(|(log, values)| (*log, &**values));
@@ -373,12 +380,21 @@ fn confirmed(
                 elasticity: elasticity(&[row.collect()]),
             }
         });
+        let constraints = setup.goal.constraints.iter().zip(&it.found().constraints);
+        let confirm = |(constraint, predicted): (&Constraint, &Estimate)| ConfirmedConstraint {
+            constraint: constraint.name(),
+            predicted: *predicted,
+            confirmed: estimate(constraint.objective, times[0], setup.seed),
+            verdict: constraint.verdict(times[0], limit, setup.seed),
+        };
         optima.push(Optimum {
             program: it.program.name.clone(),
-            objective: setup.objective.name(),
+            objective: setup.goal.objective.name(),
             numbers: numbers.collect(),
             predicted: it.found().value,
-            confirmed: estimate(setup.objective, times[0], setup.seed),
+            confirmed: estimate(setup.goal.objective, times[0], setup.seed),
+            constraints: constraints.map(confirm).collect(),
+            feasible: it.found().is_feasible,
             points: it.points.len(),
             runs: it.points.len() * RUNS as usize,
             confirming: setup.confirm,

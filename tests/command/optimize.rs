@@ -72,6 +72,35 @@ fn stopped_runs_of_the_confirmation_have_an_exit_status() {
     }
 }
 
+#[test]
+fn constraints_are_confirmed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = towers(folder.path());
+    let optimize = |constraint: &str, more: &str| {
+        let command = format!(
+            "optimize --model rate --runs 40 --confirm 100 --vary height=2..7 --quiet {more} --subject-to"
+        );
+        stochc_with(&command, &[constraint, &file])
+    };
+    // A run takes about 2000 ticks.
+    let possible = optimize("P(T>20000)<=0.1", "--subject-to mean<=9000 --json");
+    assert_eq!(possible.status, 0, "{}", possible.err);
+    let optimum = &possible.json()["optima"][0];
+    assert_eq!(optimum["feasible"], true);
+    let [mean, probability] = [0, 1].map(|i| &optimum["constraints"][i]);
+    assert_eq!(mean["constraint"], "mean <= 9000");
+    assert_eq!(mean["verdict"], "holds");
+    assert_eq!(mean["confirmed"], optimum["confirmed"]);
+    assert_eq!(probability["constraint"], "P(T > 20000) <= 0.1");
+    assert_eq!(probability["confirmed"]["value"], 0.0);
+    assert_eq!(probability["verdict"], "holds");
+    let impossible = optimize("mean <= 90", "");
+    assert_eq!(impossible.status, 3, "{}", impossible.err);
+    for part in ["towers: mean <= 90", "fails", "comes nearest"] {
+        assert!(impossible.out.contains(part), "{}", impossible.out);
+    }
+}
+
 /// Checks that the forecast does not calibrate the scene of any point.
 #[test]
 fn a_dry_run_simulates_nothing() {
@@ -125,6 +154,14 @@ fn wrong_options_are_reported() {
         (
             "--vary height=2..7 --minimize P(T>9) --max-ticks 9",
             "shorter than `--max-ticks`",
+        ),
+        (
+            "--vary height=2..7 --subject-to p90<=9 --max-ticks 9",
+            "--subject-to: the time must be shorter than `--max-ticks`",
+        ),
+        (
+            "--vary height=2..7 --subject-to p90",
+            "write `mean <= 5000`",
         ),
     ] {
         let message = error(options);

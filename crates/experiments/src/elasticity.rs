@@ -21,7 +21,7 @@ pub struct Estimate {
 impl Estimate {
     /// Creates an estimate from resampled values. Returns `None` if the statistic does not exist for
     /// all runs, or for a tenth of the bootstrap samples.
-    pub fn from_resampled(values: &[f64]) -> Option<Estimate> {
+    pub(crate) fn from_resampled(values: &[f64]) -> Option<Estimate> {
         let (&value, samples) = values.split_first()?;
         let samples = samples.iter().copied().filter(|it| it.is_finite());
         let samples: Vec<f64> = samples.collect();

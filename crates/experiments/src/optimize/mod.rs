@@ -8,9 +8,13 @@
 //!
 //! G. E. P. Box and K. B. Wilson, J. R. Stat. Soc. B 13, 1 (1951).
 mod confirmation;
+mod constraint;
+mod goal;
 mod objective;
 mod predicted;
 
 pub use confirmation::{estimate, resampled};
+pub use constraint::{ConfirmedConstraint, Constraint, ConstraintError};
+pub use goal::Goal;
 pub use objective::{Objective, ObjectiveError};
 pub use predicted::{OptimalNumber, Optimum, PredictedOptimum};

@@ -89,6 +89,14 @@ impl Objective {
         }
     }
 
+    /// Returns the score for a value of the objective.
+    pub(crate) fn score_of(self, value: f64) -> f64 {
+        match self {
+            Objective::Mean | Objective::Quantile(_) => value.ln(),
+            Objective::Exceeds(_) => Normal::standard().inverse_cdf(value),
+        }
+    }
+
     /// Returns the objective of a sample. Each time has a weight. Returns `None` if all weights are
     /// 0.
     pub(crate) fn of_sample(self, sample: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
@@ -165,6 +173,8 @@ mod tests {
                 (found / expected - 1.0).abs() < 1e-4,
                 "{objective:?} {found} {expected}"
             );
+            let back = objective.value(objective.score_of(found));
+            assert!((back / found - 1.0).abs() < 1e-9, "{objective:?} {back}");
         }
     }
 

@@ -1,9 +1,9 @@
 //! Optimum that the emulator predicts.
 use serde::Serialize;
 
-use super::Objective;
-use crate::Estimate;
+use super::{ConfirmedConstraint, Goal, Objective};
 use crate::fit::{Emulator, Marginal, Posterior, Prior, Simulated};
+use crate::{Estimate, Verdict};
 
 /// Quantile of the standard normal distribution for a 95 % interval.
 const NORMAL: f64 = 1.959_963_984_540_054;
@@ -33,6 +33,11 @@ pub struct Optimum {
     pub predicted: Estimate,
     /// Value of the objective in runs with another seed. `None` if the sample has no value.
     pub confirmed: Option<Estimate>,
+    /// Constraints, in the order of the command line.
+    pub constraints: Vec<ConfirmedConstraint>,
+    /// Whether the prediction satisfies all constraints. Otherwise no point does, and this one is
+    /// nearest to the limits.
+    pub feasible: bool,
     /// Number of simulated points, without the confirmation.
     pub points: usize,
     /// Number of runs at these points.
@@ -43,6 +48,17 @@ pub struct Optimum {
     pub stopped: usize,
     /// Number of runs at the optimum and at its neighbours that did not complete.
     pub stopped_confirming: usize,
+}
+
+impl Optimum {
+    /// Returns whether the prediction satisfies all constraints, and no other runs refute this.
+    pub fn satisfies_constraints(&self) -> bool {
+        self.feasible
+            && self
+                .constraints
+                .iter()
+                .all(|it| it.verdict != Verdict::Fails)
+    }
 }
 
 /// Optimal value of a parameter.
@@ -56,13 +72,17 @@ pub struct OptimalNumber {
     pub elasticity: Option<Estimate>,
 }
 
-/// Minimum of the objective in a box, predicted by the emulator.
+/// Minimum of the objective in a box, within constraints, predicted by the emulator.
 #[derive(Clone, Debug)]
 pub struct PredictedOptimum {
     /// Coordinates of the optimum. Each is a cumulative probability of the prior of one parameter.
     pub at: Vec<f64>,
     /// Predicted value of the objective, with its 95 % interval.
     pub value: Estimate,
+    /// Predicted value of each constraint, with its 95 % interval.
+    pub constraints: Vec<Estimate>,
+    /// Whether the predicted values satisfy all constraints.
+    pub is_feasible: bool,
     /// Points that the emulator cannot distinguish from the optimum.
     pub similar: Posterior,
 }
@@ -76,46 +96,57 @@ impl PredictedOptimum {
         points: &[Simulated],
         ends: &[(f64, f64)],
         priors: &[Prior],
-        objective: Objective,
+        goal: Goal<'_>,
         common: f64,
         seed: u64,
     ) -> Option<PredictedOptimum> {
-        let horizon = horizon(points, objective)?;
+        let horizon = horizon(points, goal)?;
         let near = points.iter().filter(|point| point.is_within(ends));
         let near: Vec<Simulated> = near.map(|point| compressed(point, horizon)).collect();
         let emulator = Emulator::new(&near, None)?;
-        let score = |at: &[f64]| objective.score(&emulator.values_at(at));
+        let rank = |at: &[f64]| goal.rank(&emulator.values_at(at));
         let search = Search {
             ends,
             priors,
-            score: &score,
+            rank: &rank,
         };
         let middle: Vec<f64> = ends.iter().map(|(low, high)| (low + high) / 2.0).collect();
         let first = search.minimum(middle);
-        let predicted = emulator.estimate(&first);
-        let error = objective.score_variance(&predicted.values, &predicted.variance);
-        let (best, error) = (score(&first), error.sqrt().max(1e-6));
-        let likelihood = |at: &[f64]| -0.5 * ((score(at) - best).max(0.0) / error).powi(2);
+        let bounds = goal.bounds(&emulator.estimate(&first));
+        let likelihood = |at: &[f64]| {
+            let values = emulator.values_at(at);
+            bounds.iter().map(|it| it.log_likelihood(&values)).sum()
+        };
         let similar = Posterior::sample(ends, likelihood, seed);
         // The minimum along the coordinates can be a local one.
         let draws = similar.draws.iter();
-        let lowest = draws.min_by(|a, b| score(a).total_cmp(&score(b)));
+        let lowest = draws.min_by(|a, b| {
+            let ([a, b], less) = ([rank(a), rank(b)], f64::total_cmp);
+            less(&a.0, &b.0).then(less(&a.1, &b.1))
+        });
         let second = lowest.map(|at| search.minimum(at.clone()));
         let at = match second {
-            Some(second) if score(&second) < score(&first) => second,
+            Some(second) if rank(&second) < rank(&first) => second,
             _ => first,
         };
         let predicted = emulator.estimate(&at);
         let values = &predicted.values;
         // Random numbers that all points share shift all predictions by the same error.
-        let shared = objective.score_variance(values, &emulator.sampling_variances(common));
-        let own = objective.score_variance(values, &predicted.variance);
-        let (middle, half) = (objective.score(values), NORMAL * (own + shared).sqrt());
-        let [value, low, high] =
-            [middle, middle - half, middle + half].map(|it| objective.value(it));
+        let shared = emulator.sampling_variances(common);
+        let estimate = |objective: Objective| {
+            let shared = objective.score_variance(values, &shared);
+            let own = objective.score_variance(values, &predicted.variance);
+            let (middle, half) = (objective.score(values), NORMAL * (own + shared).sqrt());
+            let [value, low, high] =
+                [middle, middle - half, middle + half].map(|it| objective.value(it));
+            Estimate { value, low, high }
+        };
+        let constraints = goal.constraints.iter();
         Some(PredictedOptimum {
+            value: estimate(goal.objective),
+            constraints: constraints.map(|it| estimate(it.objective)).collect(),
+            is_feasible: goal.rank(values).0 <= 0.0,
             at,
-            value: Estimate { value, low, high },
             similar,
         })
     }
@@ -128,16 +159,21 @@ impl PredictedOptimum {
 }
 
 /// Returns the horizon \[ticks\]. The search compresses longer times. Returns `None` without points.
-fn horizon(points: &[Simulated], objective: Objective) -> Option<f64> {
+fn horizon(points: &[Simulated], goal: Goal<'_>) -> Option<f64> {
     let means = points.iter().map(|point| {
         let times = &point.times;
         times.iter().sum::<f64>() / times.len() as f64
     });
     let lowest = means.min_by(f64::total_cmp)?;
-    Some(match objective {
-        Objective::Exceeds(time) => time.max(LONG * lowest),
-        Objective::Mean | Objective::Quantile(_) => LONG * lowest,
-    })
+    let objective = match goal.objective {
+        Objective::Exceeds(time) => time,
+        Objective::Mean | Objective::Quantile(_) => 0.0,
+    };
+    let constraints = goal.constraints.iter().map(|it| match it.objective {
+        Objective::Exceeds(time) => time,
+        Objective::Mean | Objective::Quantile(_) => LONG * it.limit,
+    });
+    Some(constraints.fold(objective.max(LONG * lowest), f64::max))
 }
 
 /// Compresses times above a horizon. Times far from the optimum can be so long that no polynomial
@@ -156,27 +192,27 @@ fn compressed(point: &Simulated, horizon: f64) -> Simulated {
     }
 }
 
-/// Search for the smallest score in a box.
+/// Search for the smallest rank in a box.
 struct Search<'a, F> {
     ends: &'a [(f64, f64)],
     priors: &'a [Prior],
-    score: &'a F,
+    rank: &'a F,
 }
 
-impl<F: Fn(&[f64]) -> f64> Search<'_, F> {
-    /// Returns a point whose score no change of one coordinate lowers. All its values are valid.
+impl<F: Fn(&[f64]) -> (f64, f64)> Search<'_, F> {
+    /// Returns a point whose rank no change of one coordinate lowers. All its values are valid.
     fn minimum(&self, start: Vec<f64>) -> Vec<f64> {
         let pairs = start.iter().zip(self.priors);
         let mut at: Vec<f64> = pairs.map(|(at, prior)| prior.possible(*at)).collect();
-        let mut lowest = (self.score)(&at);
+        let mut lowest = (self.rank)(&at);
         for _ in 0..PASSES {
             let before = lowest;
             for i in 0..at.len() {
                 for value in self.values(i) {
                     let old = std::mem::replace(&mut at[i], value);
-                    let score = (self.score)(&at);
-                    if score < lowest {
-                        lowest = score;
+                    let rank = (self.rank)(&at);
+                    if rank < lowest {
+                        lowest = rank;
                     } else {
                         at[i] = old;
                     }
@@ -202,10 +238,11 @@ impl<F: Fn(&[f64]) -> f64> Search<'_, F> {
 mod tests {
     use super::*;
     use crate::fit::Design;
+    use crate::optimize::Constraint;
 
-    /// Returns times of a law with its minimum at (0.3, 1), in two rounds.
-    fn optimum(objective: Objective) -> PredictedOptimum {
-        let law = |at: &[f64]| (6.0 + 2.0 * (at[0] - 0.3).powi(2) - 0.6 * at[1]).exp();
+    /// Returns the optimum of noisy times, in three rounds. `time` is the time at a point for an
+    /// exponentially distributed random number.
+    fn optimum(goal: Goal<'_>, time: impl Fn(&[f64], f64) -> f64) -> PredictedOptimum {
         let priors = [
             Prior::parse("x=0..1").unwrap(),
             Prior::parse("y=0..1").unwrap(),
@@ -217,14 +254,14 @@ mod tests {
             let design = Design::latin_hypercube(&ends, 16, round);
             points.extend(design.points.into_iter().enumerate().map(|(turn, at)| {
                 let share = |i: usize| ((i * 7 + turn * 3 + round as usize) % 23) as f64;
-                let time = |i| -law(&at) * (1.0 - (share(i) + 0.5) / 23.0).ln();
+                let draw = |i| -(1.0 - (share(i) + 0.5) / 23.0).ln();
                 Simulated {
-                    times: (0..16).map(time).collect(),
+                    times: (0..16).map(|i| time(&at, draw(i))).collect(),
                     incomplete: Vec::new(),
                     at,
                 }
             }));
-            let next = PredictedOptimum::new(&points, &ends, &priors, objective, 12.0, round);
+            let next = PredictedOptimum::new(&points, &ends, &priors, goal, 12.0, round);
             let next = next.unwrap();
             ends = next.surroundings(&priors);
             found = Some(next);
@@ -234,18 +271,51 @@ mod tests {
 
     #[test]
     fn finds_the_minimum_of_noisy_times() {
+        let found = |objective| {
+            let goal = Goal {
+                objective,
+                constraints: &[],
+            };
+            let law = |at: &[f64]| (6.0 + 2.0 * (at[0] - 0.3).powi(2) - 0.6 * at[1]).exp();
+            optimum(goal, |at, draw| law(at) * draw)
+        };
         for objective in [
             Objective::Mean,
             Objective::Quantile(0.9),
             Objective::Exceeds(400.0),
         ] {
-            let found = optimum(objective);
+            let found = found(objective);
             // The mean time is within 5 % of the best one.
             let excess = 2.0 * (found.at[0] - 0.3).powi(2) + 0.6 * (1.0 - found.at[1]);
             assert!(excess < 0.05, "{objective:?}: {:?}", found.at);
         }
-        let Estimate { low, high, .. } = optimum(Objective::Mean).value;
+        let Estimate { low, high, .. } = found(Objective::Mean).value;
         let truth = 5.4f64.exp();
         assert!(low < truth && truth < high, "{low} {truth} {high}");
+    }
+
+    /// Checks a law whose mean is smallest at (0.7, 1). The standard deviation increases with the
+    /// first coordinate, so a constraint of a quantile excludes this point.
+    #[test]
+    fn constraints_move_the_optimum() {
+        let mean = |at: &[f64]| (6.0 + 0.5 * (at[0] - 0.7).powi(2) - 0.6 * at[1]).exp();
+        let found = |constraint: &str| {
+            let goal = Goal {
+                objective: Objective::Mean,
+                constraints: &[Constraint::parse(constraint).unwrap()],
+            };
+            optimum(goal, |at, draw| mean(at) * (1.0 + at[0] * (draw - 1.0)))
+        };
+        let free = found("p90 <= 900");
+        assert!(free.is_feasible && free.at[0] > 0.5, "{free:?}");
+        // The 90 % quantile is 354 at (0.4, 1).
+        let bound = found("p90 <= 354");
+        assert!(bound.is_feasible && bound.constraints[0].value <= 354.0);
+        assert!((bound.at[0] - 0.4).abs() < 0.12, "{:?}", bound.at);
+        assert!(bound.at[1] > 0.9, "{:?}", bound.at);
+        // The smallest 90 % quantile is 282 at (0, 1).
+        let never = found("p90 <= 200");
+        assert!(!never.is_feasible, "{:?}", never.constraints);
+        assert!(never.at[0] < 0.2 && never.at[1] > 0.9, "{:?}", never.at);
     }
 }

@@ -18,7 +18,7 @@ pub struct SweptElasticity {
     pub parameter: String,
     /// Elasticity. `None` if too few points have enough complete runs.
     pub elasticity: Option<Estimate>,
-    /// Number of points from which the elasticity is estimated.
+    /// Number of points with enough complete runs.
     pub points: usize,
 }
 

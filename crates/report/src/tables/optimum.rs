@@ -1,7 +1,7 @@
 //! Table of an optimization for a terminal.
-use stochc_experiments::Estimate;
 use stochc_experiments::fit::Prior;
-use stochc_experiments::optimize::{OptimalNumber, Optimum};
+use stochc_experiments::optimize::{ConfirmedConstraint, OptimalNumber, Optimum};
+use stochc_experiments::{Estimate, Verdict};
 use stochc_text::{TextColumn, TextTable, number, paragraph};
 
 /// Returns the optimum of each program and notes as text. `width` is the width of the terminal
@@ -12,6 +12,9 @@ pub fn optima_to_text(optima: &[Optimum], priors: &[Prior], width: usize) -> Str
         text += &format!("{}\n", numbers(optimum, priors).text(width, false));
     }
     text += &format!("{}\n", objectives(optima).text(width, false));
+    if optima.iter().any(|it| !it.constraints.is_empty()) {
+        text += &format!("{}\n", constraints(optima).text(width, false));
+    }
     for note in notes(optima) {
         text += &paragraph(&note, width);
     }
@@ -87,6 +90,33 @@ fn objectives(optima: &[Optimum]) -> TextTable {
     }
 }
 
+fn constraints<'a>(optima: &'a [Optimum]) -> TextTable {
+    let all = || {
+        let each = |of: &'a Optimum| of.constraints.iter().map(move |it| (&*of.program, it));
+        optima.iter().flat_map(each)
+    };
+    let column = |header: &str, cell: &dyn Fn(&ConfirmedConstraint) -> String| {
+        TextColumn::figures(header, all().map(|(_, it)| cell(it)).collect())
+    };
+    let verdicts = all().map(|(_, it)| match it.verdict {
+        Verdict::Holds => "holds",
+        Verdict::Fails => "fails",
+        Verdict::Undecided => "undecided",
+    });
+    TextTable {
+        label: "constraint at the optimum".to_owned(),
+        labels: all()
+            .map(|(program, it)| format!("{program}: {}", it.constraint))
+            .collect(),
+        columns: vec![
+            column("predicted", &|it| interval(&it.predicted)),
+            column("confirmed", &|it| estimate_to_text(it.confirmed.as_ref())),
+            TextColumn::words("", verdicts.map(str::to_owned).collect()),
+        ],
+        ..TextTable::default()
+    }
+}
+
 fn notes(optima: &[Optimum]) -> Vec<String> {
     let confirming = optima.first().map_or(0, |it| it.confirming);
     let mut notes = vec![
@@ -98,6 +128,20 @@ fn notes(optima: &[Optimum]) -> Vec<String> {
          the objective, divided by the relative change of the parameter."
             .to_owned(),
     ];
+    for it in optima.iter().filter(|it| !it.feasible) {
+        notes.push(format!(
+            "No point of the ranges is predicted to satisfy the constraints of `{}`. This point comes nearest.",
+            it.program
+        ));
+    }
+    let mut constraints = optima.iter().flat_map(|it| &it.constraints);
+    if constraints.any(|it| it.verdict == Verdict::Undecided) {
+        notes.push(
+            "A constraint is undecided if the confirming runs cannot show that it holds or fails. More runs \
+             (`--confirm`) or a stricter constraint decide."
+                .to_owned(),
+        );
+    }
     let stopped: usize = optima.iter().map(|it| it.stopped).sum();
     if stopped > 0 {
         notes.push(format!(
