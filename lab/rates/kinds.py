@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-SEED, RATE_SEED, RATE_RUNS, MAX_TICKS = 4400, 77, 2000, 60000
+SEED, RATE_SEED, RATE_RUNS, MAX_TICKS = 4400, 77, 2000, 1_000_000
 
 # Name, file of the scene, replaced clauses, and text of a scene without a file.
 SCENES = {
