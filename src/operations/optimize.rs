@@ -4,7 +4,7 @@ use std::path::Path;
 use stochc_compiler::LintLevels;
 use stochc_experiments::fit::{Design, Emulator, Prior, Simulated};
 use stochc_experiments::optimize::{
-    ConfirmedConstraint, Constraint, Goal, Objective, OptimalNumber, Optimum, PredictedOptimum,
+    BestSimulated, ConfirmedConstraint, Constraint, Goal, Objective, OptimalNumber, Optimum, PredictedOptimum,
     estimate, resampled,
 };
 use stochc_experiments::sweep::{Parameter, RangeError};
@@ -395,6 +395,7 @@ fn confirmed(
             confirmed: estimate(setup.goal.objective, times[0], setup.seed),
             constraints: constraints.map(confirm).collect(),
             feasible: it.found().is_feasible,
+            best_simulated: BestSimulated::new(&it.points, &it.priors, setup.goal.objective),
             points: it.points.len(),
             runs: it.points.len() * RUNS as usize,
             confirming: setup.confirm,

@@ -17,4 +17,4 @@ pub use confirmation::{estimate, resampled};
 pub use constraint::{ConfirmedConstraint, Constraint, ConstraintError};
 pub use goal::Goal;
 pub use objective::{Objective, ObjectiveError};
-pub use predicted::{OptimalNumber, Optimum, PredictedOptimum};
+pub use predicted::{BestSimulated, OptimalNumber, Optimum, PredictedOptimum};

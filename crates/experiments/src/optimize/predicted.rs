@@ -38,6 +38,8 @@ pub struct Optimum {
     /// Whether the prediction satisfies all constraints. Otherwise no point does, and this one is
     /// nearest to the limits.
     pub feasible: bool,
+    /// Point of the search with the smallest objective.
+    pub best_simulated: BestSimulated,
     /// Number of simulated points, without the confirmation.
     pub points: usize,
     /// Number of runs at these points.
@@ -58,6 +60,35 @@ impl Optimum {
                 .constraints
                 .iter()
                 .all(|it| it.verdict != Verdict::Fails)
+    }
+}
+
+/// Point of the search with the smallest objective in its own runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BestSimulated {
+    /// Value of each parameter.
+    pub numbers: Vec<f64>,
+    /// Objective in the runs at this point.
+    pub value: f64,
+    /// Number of runs at this point.
+    pub runs: usize,
+}
+
+impl BestSimulated {
+    /// Returns the best point. `points` has at least one point.
+    pub fn new(points: &[Simulated], priors: &[Prior], objective: Objective) -> BestSimulated {
+        let value = |point: &Simulated| {
+            let sample = point.times.iter().map(|time| (*time, 1.0));
+            objective.of_sample(sample).unwrap_or(f64::INFINITY)
+        };
+        let best = points.iter().min_by(|a, b| value(a).total_cmp(&value(b)));
+        let best = best.expect("a search simulates points");
+        let numbers = best.at.iter().zip(priors);
+        BestSimulated {
+            numbers: numbers.map(|(at, prior)| prior.rounded(*at)).collect(),
+            value: value(best),
+            runs: best.times.len(),
+        }
     }
 }
 
@@ -267,6 +298,27 @@ mod tests {
             found = Some(next);
         }
         found.unwrap()
+    }
+
+    #[test]
+    fn the_best_simulated_point_has_the_smallest_objective() {
+        let priors = [Prior::parse("x=0..10").unwrap()];
+        let point = |at: f64, times: [f64; 4]| Simulated {
+            at: vec![at],
+            times: times.to_vec(),
+            incomplete: 0,
+        };
+        let points = [
+            point(0.1, [1.0, 1.0, 1.0, 97.0]),
+            point(0.5, [8.0, 9.0, 11.0, 12.0]),
+        ];
+        let best = |objective| BestSimulated::new(&points, &priors, objective);
+        let found = best(Objective::Mean);
+        assert_eq!(
+            (found.numbers, found.value, found.runs),
+            (vec![5.0], 10.0, 4)
+        );
+        assert_eq!(best(Objective::Quantile(0.5)).numbers, [1.0]);
     }
 
     #[test]

@@ -15,7 +15,7 @@ pub fn optima_to_text(optima: &[Optimum], priors: &[Prior], width: usize) -> Str
     if optima.iter().any(|it| !it.constraints.is_empty()) {
         text += &format!("{}\n", constraints(optima).text(width, false));
     }
-    for note in notes(optima) {
+    for note in notes(optima, priors) {
         text += &paragraph(&note, width);
     }
     text
@@ -117,7 +117,30 @@ fn constraints<'a>(optima: &'a [Optimum]) -> TextTable {
     }
 }
 
-fn notes(optima: &[Optimum]) -> Vec<String> {
+/// Returns a note if the confirmed value is larger than predicted.
+fn too_wide(optimum: &Optimum, priors: &[Prior]) -> Option<String> {
+    let confirmed = optimum.confirmed.as_ref()?;
+    if confirmed.low <= optimum.predicted.high {
+        return None;
+    }
+    let best = &optimum.best_simulated;
+    let numbers = best.numbers.iter().zip(&optimum.numbers).zip(priors);
+    let numbers = numbers.map(|((value, it), prior)| {
+        let text = format!("{}={} {}", prior.name, number(*value), it.similar.unit);
+        text.trim_end().to_owned()
+    });
+    Some(format!(
+        "The confirmed {} of `{}` is larger than predicted, so the ranges are too wide. Use narrower ranges around the point \
+         with the smallest value in the search, {}: {} in {} runs.",
+        optimum.objective,
+        optimum.program,
+        numbers.collect::<Vec<_>>().join(", "),
+        number(best.value),
+        best.runs,
+    ))
+}
+
+fn notes(optima: &[Optimum], priors: &[Prior]) -> Vec<String> {
     let confirming = optima.first().map_or(0, |it| it.confirming);
     let mut notes = vec![
         format!(
@@ -128,6 +151,8 @@ fn notes(optima: &[Optimum]) -> Vec<String> {
          the objective, divided by the relative change of the parameter."
             .to_owned(),
     ];
+    let unexpected = optima.iter().filter(|it| it.constraints.is_empty());
+    notes.extend(unexpected.filter_map(|it| too_wide(it, priors)));
     for it in optima.iter().filter(|it| !it.feasible) {
         notes.push(format!(
             "No point of the ranges is predicted to satisfy the constraints of `{}`. This point comes nearest.",
@@ -156,4 +181,56 @@ fn notes(optima: &[Optimum]) -> Vec<String> {
         ));
     }
     notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stochc_experiments::fit::Marginal;
+    use stochc_experiments::optimize::BestSimulated;
+
+    #[test]
+    fn a_confirmed_value_above_the_prediction_has_a_note() {
+        let estimate = |value: f64| Estimate {
+            value,
+            low: 0.9 * value,
+            high: 1.1 * value,
+        };
+        let similar = Marginal {
+            name: "bond.pull".to_owned(),
+            unit: "N".to_owned(),
+            median: 20.0,
+            interval: (10.0, 30.0),
+            width: 0.5,
+            is_at_edge: false,
+        };
+        let mut optimum = Optimum {
+            program: "tower".to_owned(),
+            objective: "mean".to_owned(),
+            numbers: vec![OptimalNumber {
+                value: 20.0,
+                similar,
+                elasticity: None,
+            }],
+            predicted: estimate(100.0),
+            confirmed: Some(estimate(115.0)),
+            constraints: Vec::new(),
+            feasible: true,
+            best_simulated: BestSimulated {
+                numbers: vec![42.5],
+                value: 55.0,
+                runs: 4,
+            },
+            points: 50,
+            runs: 200,
+            confirming: 50,
+            stopped: 0,
+            stopped_confirming: 0,
+        };
+        let priors = [Prior::parse("bond.pull=10..80 N").unwrap()];
+        assert_eq!(too_wide(&optimum, &priors), None);
+        optimum.confirmed = Some(estimate(300.0));
+        let note = too_wide(&optimum, &priors).unwrap();
+        assert!(note.ends_with("bond.pull=42.5 N: 55 in 4 runs."), "{note}");
+    }
 }
