@@ -25,6 +25,7 @@ COMMANDS = {
     "language server": ["python3 lab/lsp/run.py"],
     "other engines": [PEERS, f"{PEERS} --kick 0.044"],
     "terms": ["python3 lab/terms/run.py"],
+    "planar worlds": [f"python3 lab/planar/run.py {STOCHC}"],
     "growth": [f"{LAB} scaling"],
     "control": [f"{LAB} control"],
     "rate model": [

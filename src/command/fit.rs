@@ -63,7 +63,8 @@ pub struct FitArguments {
     /// fluid, a flow or `bond reject` take eight steps for all blocks
     #[arg(long, value_name = "STEPS", default_value_t = Substeps::DEFAULT)]
     substeps: Substeps,
-    /// Stop each simulated run after this many ticks. Waiting times that are then incomplete count as right-censored
+    /// Stop each simulated run after this many ticks. Waiting times that are then incomplete count as right-censored.
+    /// Incomplete completion times are not used, except if measured runs were stopped, too
     #[arg(long, value_name = "TICKS", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..))]
     max_ticks: u64,
     /// Folder for `fit.json`, the figure `fit.svg`, and `fitted.sa` with the fitted scenes. It must be new or empty

@@ -4,8 +4,8 @@ use std::path::Path;
 use stochc_compiler::LintLevels;
 use stochc_experiments::fit::{Design, Emulator, Prior, Simulated};
 use stochc_experiments::optimize::{
-    BestSimulated, ConfirmedConstraint, Constraint, Goal, Objective, OptimalNumber, Optimum, PredictedOptimum,
-    estimate, resampled,
+    BestSimulated, ConfirmedConstraint, Constraint, Goal, Objective, OptimalNumber, Optimum,
+    PredictedOptimum, estimate, resampled,
 };
 use stochc_experiments::sweep::{Parameter, RangeError};
 use stochc_experiments::{Estimate, completion_time, elasticity};

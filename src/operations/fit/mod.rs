@@ -370,12 +370,14 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
                     if measurement.capture().is_none() {
                         return Err(Failure::error(Exit::UnsuccessfulRun, reason));
                     }
-                    left_out.push(reason);
+                    left_out.push((measurement.is_fitted, reason));
                 }
             }
         }
         if !fitted.iter().any(|it| it.measurement.is_fitted) {
-            return Err(Failure::error(Exit::UnsuccessfulRun, &left_out[0]));
+            let reason = left_out.iter().find(|(is_fitted, _)| *is_fitted);
+            let (_, reason) = reason.expect("a fit has a program to fit to");
+            return Err(Failure::error(Exit::UnsuccessfulRun, reason));
         }
         let found = Posterior::new(&ends, &fitted, points.seed);
         let surroundings = found.surroundings().into_iter().zip(priors);
@@ -387,11 +389,18 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
     }
     let (posterior, predictions): (Posterior, Vec<_>) =
         posterior.expect("there is one round at least");
-    for capture in left_out {
+    for (_, capture) in left_out {
         host.note(&format!("note: left out {capture}\n"));
     }
     let marginals = priors.iter().enumerate();
     let points = setup.points()? * setup.rounds as usize;
+    let unused = measurements.iter().zip(&known).flat_map(|(of, samples)| {
+        // With a horizon, a few lost times count as long as the horizon.
+        let unused = samples
+            .iter()
+            .filter(|it| of.horizon().is_none() || it.is_biased());
+        unused.map(|it| it.lost)
+    });
     Ok(Fit {
         unit: setup.unit,
         numbers: marginals
@@ -401,7 +410,7 @@ pub fn fit(setup: &FitSetup, measured: &[FitProgram], host: &dyn Host) -> Result
         predictions,
         points,
         runs: points * measured.len() * setup.runs as usize,
-        stopped: known.iter().flatten().map(|it| it.lost).sum(),
+        stopped: unused.sum(),
         draws: posterior.values(priors),
     })
 }

@@ -79,9 +79,6 @@ impl Calibration {
         if let Outcome::Failed { reason, .. } = &record.outcome {
             self.failure.get_or_insert_with(|| reason.clone());
         }
-        if record.outcome.is_invalid() {
-            return;
-        }
         let history = observation::History::from_record(record);
         self.observations
             .add(program, &history, &self.profile, &self.scene);

@@ -93,8 +93,7 @@ impl Observed {
         let cut = cut(runs, end);
         let curve = KaplanMeier::new(&cut)?;
         let n = runs.len() as f64;
-        let mean = curve.restricted_mean(end).mean;
-        let variance = (second_moment(&curve) - mean * mean).max(0.0);
+        let (mean, variance) = moments(&curve, end);
         // Without a horizon, use the sample variance, as for complete runs.
         let correction = if horizon.is_some() {
             1.0
@@ -112,7 +111,7 @@ impl Observed {
             mean,
             sd: (variance * correction).sqrt(),
             incomplete: horizon.map_or(0.0, |end| curve.incomplete(end)),
-            effective_n: effective_n(&curve, &cut, mean, variance),
+            effective_n: effective_n(&curve, &cut, end),
         })
     }
 
@@ -163,21 +162,19 @@ pub(super) fn cut(runs: &[Observation], end: f64) -> Vec<Observation> {
     runs.iter().map(cut).collect()
 }
 
-/// Returns the mean square of times.
-fn second_moment(curve: &KaplanMeier) -> f64 {
-    let square = |(time, share): (f64, f64)| share * time.min(curve.last()).powi(2);
-    curve.shares().map(square).sum()
+/// Returns the mean and the variance of times that are limited by a horizon.
+fn moments(curve: &KaplanMeier, horizon: f64) -> (f64, f64) {
+    let restricted = curve.restricted_mean(horizon);
+    let square = |(time, share): (f64, f64)| share * time.min(restricted.horizon).powi(2);
+    let square: f64 = curve.shares().map(square).sum();
+    (restricted.mean, (square - restricted.mean.powi(2)).max(0.0))
 }
 
 /// Returns the effective number of runs: the number of uncensored runs with the same variance of
-/// the restricted mean.
-pub(super) fn effective_n(
-    curve: &KaplanMeier,
-    runs: &[Observation],
-    mean: f64,
-    variance: f64,
-) -> f64 {
-    let end = curve.last();
+/// the restricted mean. Times are limited by a horizon.
+pub(super) fn effective_n(curve: &KaplanMeier, runs: &[Observation], horizon: f64) -> f64 {
+    let end = curve.restricted_mean(horizon).horizon;
+    let (mean, variance) = moments(curve, end);
     let contributions = curve.contributions(runs, end);
     let squares: f64 = contributions.iter().map(|it| (it - mean).powi(2)).sum();
     let n = runs.len() as f64;
@@ -264,6 +261,19 @@ mod tests {
         };
         assert_eq!((fast.mean, fast.horizon), (5.0, Some(60.0)));
         assert_eq!((slow.mean, slow.incomplete), (50.0, 0.5));
+    }
+
+    /// Runs that never complete are completely known: they last longer than every horizon.
+    #[test]
+    fn runs_that_never_complete_are_as_informative_as_others() {
+        for never in [3, 12, 21] {
+            let completed = (1..=24 - never).map(|time| Observation::completed(f64::from(time)));
+            let never = (0..never).map(|_| Observation::competing(50.0));
+            let runs: Vec<_> = completed.chain(never).collect();
+            let curve = KaplanMeier::new(&runs).unwrap();
+            let found = effective_n(&curve, &runs, 1000.0);
+            assert!((found - 24.0).abs() < 1e-9, "{found}");
+        }
     }
 
     #[test]

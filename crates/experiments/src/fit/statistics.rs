@@ -89,9 +89,8 @@ impl TimeStatistics {
             sum + (it - &mean) * (it - &mean).transpose() * *share
         });
         let n = runs.len() as f64;
-        let variance = scatter[(0, 0)] * horizon * horizon;
         Some(TimeStatistics {
-            n: effective_n(&curve, &runs, mean[0] * horizon, variance),
+            n: effective_n(&curve, &runs, horizon),
             values: mean,
             unit_covariance: scatter * (n / (n - 1.0)) + least,
         })

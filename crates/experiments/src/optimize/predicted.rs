@@ -1,7 +1,7 @@
 //! Optimum that the emulator predicts.
 use serde::Serialize;
 
-use super::{ConfirmedConstraint, Goal, Objective};
+use super::{ConfirmedConstraint, Constraint, Goal, Objective};
 use crate::fit::{Emulator, Marginal, Posterior, Prior, Simulated};
 use crate::{Estimate, Verdict};
 
@@ -38,7 +38,7 @@ pub struct Optimum {
     /// Whether the prediction satisfies all constraints. Otherwise no point does, and this one is
     /// nearest to the limits.
     pub feasible: bool,
-    /// Point of the search with the smallest objective.
+    /// Point of the search with the smallest objective, without regard to constraints.
     pub best_simulated: BestSimulated,
     /// Number of simulated points, without the confirmation.
     pub points: usize,
@@ -53,13 +53,11 @@ pub struct Optimum {
 }
 
 impl Optimum {
-    /// Returns whether the prediction satisfies all constraints, and no other runs refute this.
+    /// Returns whether the runs with another seed satisfy all constraints. If they do not decide,
+    /// the prediction does.
     pub fn satisfies_constraints(&self) -> bool {
-        self.feasible
-            && self
-                .constraints
-                .iter()
-                .all(|it| it.verdict != Verdict::Fails)
+        let mut verdicts = self.constraints.iter().map(|it| it.verdict);
+        verdicts.all(|it| it == Verdict::Holds || it == Verdict::Undecided && self.feasible)
     }
 }
 
@@ -68,7 +66,7 @@ impl Optimum {
 pub struct BestSimulated {
     /// Value of each parameter.
     pub numbers: Vec<f64>,
-    /// Objective in the runs at this point.
+    /// Objective in the runs at this point. Stopped runs count as in the search.
     pub value: f64,
     /// Number of runs at this point.
     pub runs: usize,
@@ -132,8 +130,21 @@ impl PredictedOptimum {
         seed: u64,
     ) -> Option<PredictedOptimum> {
         let horizon = horizon(points, goal)?;
+        let constraints: Vec<Constraint> = (goal.constraints.iter())
+            .map(|it| match it.objective {
+                Objective::Exceeds(_) => *it,
+                Objective::Mean | Objective::Quantile(_) => Constraint {
+                    limit: compressed(it.limit, horizon),
+                    ..*it
+                },
+            })
+            .collect();
+        let goal = Goal {
+            constraints: &constraints,
+            ..goal
+        };
         let near = points.iter().filter(|point| point.is_within(ends));
-        let near: Vec<Simulated> = near.map(|point| compressed(point, horizon)).collect();
+        let near: Vec<Simulated> = near.map(|point| with_compressed(point, horizon)).collect();
         let emulator = Emulator::new(&near, None)?;
         let rank = |at: &[f64]| goal.rank(&emulator.values_at(at));
         let search = Search {
@@ -196,27 +207,27 @@ fn horizon(points: &[Simulated], goal: Goal<'_>) -> Option<f64> {
         times.iter().sum::<f64>() / times.len() as f64
     });
     let lowest = means.min_by(f64::total_cmp)?;
-    let objective = match goal.objective {
+    let objectives = goal.constraints.iter().map(|it| it.objective);
+    let times = objectives.chain([goal.objective]).map(|it| match it {
         Objective::Exceeds(time) => time,
         Objective::Mean | Objective::Quantile(_) => 0.0,
-    };
-    let constraints = goal.constraints.iter().map(|it| match it.objective {
-        Objective::Exceeds(time) => time,
-        Objective::Mean | Objective::Quantile(_) => LONG * it.limit,
     });
-    Some(constraints.fold(objective.max(LONG * lowest), f64::max))
+    Some(times.fold(LONG * lowest, f64::max))
+}
+
+/// Compresses a time above a horizon.
+fn compressed(time: f64, horizon: f64) -> f64 {
+    if time > horizon {
+        horizon * (time / horizon).powf(COMPRESSION)
+    } else {
+        time
+    }
 }
 
 /// Compresses times above a horizon. Times far from the optimum can be so long that no polynomial
 /// fits them and the optimum.
-fn compressed(point: &Simulated, horizon: f64) -> Simulated {
-    let times = point.times.iter().map(|&time| {
-        if time > horizon {
-            horizon * (time / horizon).powf(COMPRESSION)
-        } else {
-            time
-        }
-    });
+fn with_compressed(point: &Simulated, horizon: f64) -> Simulated {
+    let times = point.times.iter().map(|&time| compressed(time, horizon));
     Simulated {
         times: times.collect(),
         ..point.clone()
@@ -306,7 +317,7 @@ mod tests {
         let point = |at: f64, times: [f64; 4]| Simulated {
             at: vec![at],
             times: times.to_vec(),
-            incomplete: 0,
+            incomplete: Vec::new(),
         };
         let points = [
             point(0.1, [1.0, 1.0, 1.0, 97.0]),

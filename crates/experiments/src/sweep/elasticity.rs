@@ -18,7 +18,7 @@ pub struct SweptElasticity {
     pub parameter: String,
     /// Elasticity. `None` if too few points have enough complete runs.
     pub elasticity: Option<Estimate>,
-    /// Number of points with enough complete runs.
+    /// Number of points that determine the elasticity.
     pub points: usize,
 }
 
@@ -67,7 +67,7 @@ pub(super) fn elasticities(
                 program: program.to_owned(),
                 parameter: parameter.name.clone(),
                 elasticity: elasticity(&rows),
-                points: rows.iter().map(Vec::len).sum(),
+                points: rows.iter().map(Vec::len).filter(|it| *it > 1).sum(),
             });
         }
     }

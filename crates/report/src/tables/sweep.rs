@@ -117,7 +117,7 @@ fn notes(sweep: &Sweep) -> Vec<String> {
     }
     if has_elasticities(sweep) {
         let note = "Elasticity: the relative change of the mean time, divided by the relative change of the parameter. It is \
-                    a mean over these points, and its interval is a 95 % interval. Points with incomplete runs or fewer than \
+                    the slope of the logarithms at these points, with its 95 % interval. Points with incomplete runs or fewer than \
                     10 runs are left out.";
         notes.push(note.to_owned());
     }
