@@ -46,7 +46,7 @@ impl SerialCapture {
 }
 
 /// Returns the captures of a program in order. Returns `None` if two faces can be open at the same
-/// time, or for an [`unsupported_feature`].
+/// time, or for an unsupported feature.
 ///
 /// In these programs, the surroundings of a face do not change while it waits. Waiting times are
 /// therefore independent, and the completion time is their sum.
