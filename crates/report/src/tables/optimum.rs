@@ -15,7 +15,7 @@ pub fn optima_to_text(optima: &[Optimum], priors: &[Prior], width: usize) -> Str
     if optima.iter().any(|it| !it.constraints.is_empty()) {
         text += &format!("{}\n", constraints(optima).text(width, false));
     }
-    for note in notes(optima, priors) {
+    for note in notes(optima) {
         text += &paragraph(&note, width);
     }
     text
@@ -118,15 +118,15 @@ fn constraints<'a>(optima: &'a [Optimum]) -> TextTable {
 }
 
 /// Returns a note if the confirmed value is larger than predicted.
-fn too_wide(optimum: &Optimum, priors: &[Prior]) -> Option<String> {
+fn too_wide(optimum: &Optimum) -> Option<String> {
     let confirmed = optimum.confirmed.as_ref()?;
     if confirmed.low <= optimum.predicted.high {
         return None;
     }
     let best = &optimum.best_simulated;
-    let numbers = best.numbers.iter().zip(&optimum.numbers).zip(priors);
-    let numbers = numbers.map(|((value, it), prior)| {
-        let text = format!("{}={} {}", prior.name, number(*value), it.similar.unit);
+    let numbers = best.numbers.iter().zip(&optimum.numbers);
+    let numbers = numbers.map(|(value, it)| {
+        let text = format!("{}={} {}", it.similar.name, number(*value), it.similar.unit);
         text.trim_end().to_owned()
     });
     Some(format!(
@@ -140,7 +140,7 @@ fn too_wide(optimum: &Optimum, priors: &[Prior]) -> Option<String> {
     ))
 }
 
-fn notes(optima: &[Optimum], priors: &[Prior]) -> Vec<String> {
+fn notes(optima: &[Optimum]) -> Vec<String> {
     let confirming = optima.first().map_or(0, |it| it.confirming);
     let mut notes = vec![
         format!(
@@ -152,7 +152,7 @@ fn notes(optima: &[Optimum], priors: &[Prior]) -> Vec<String> {
             .to_owned(),
     ];
     let unexpected = optima.iter().filter(|it| it.constraints.is_empty());
-    notes.extend(unexpected.filter_map(|it| too_wide(it, priors)));
+    notes.extend(unexpected.filter_map(too_wide));
     for it in optima.iter().filter(|it| !it.feasible) {
         notes.push(format!(
             "No point of the ranges is predicted to satisfy the constraints of `{}`. This point comes nearest.",
@@ -227,10 +227,9 @@ mod tests {
             stopped: 0,
             stopped_confirming: 0,
         };
-        let priors = [Prior::parse("bond.pull=10..80 N").unwrap()];
-        assert_eq!(too_wide(&optimum, &priors), None);
+        assert_eq!(too_wide(&optimum), None);
         optimum.confirmed = Some(estimate(300.0));
-        let note = too_wide(&optimum, &priors).unwrap();
+        let note = too_wide(&optimum).unwrap();
         assert!(note.ends_with("bond.pull=42.5 N: 55 in 4 runs."), "{note}");
     }
 }
